@@ -1,0 +1,267 @@
+//! The modular actuator: valve state in, force out.
+//!
+//! Everything that one actuator is, composed: static force with effectiveness (9), friction (12), length limits
+//! (10)(14), air (19) and valve (21). Parameters are immutable; the state, and whether the passages are open, belong to
+//! the caller. A robot simulator needs one call:
+//!
+//! ```text
+//! F = F_s + F_limit + c v + Q k_sec sgn(v),  never below zero,  zero when slack     (12)
+//!
+//! [`Actuator::respond`]:  distance, velocity, pressure, air mass, ports
+//!                         → tension and ∂F/∂L, ∂F/∂v, ∂F/∂P; dP/dt, dm/dt
+//! ```
+//!
+//! The other functions are the pieces of that call, for those who step time and keep track of the branches themselves.
+//!
+//! Checked by `tests/actuator.rs`: transcription of (12), derivatives against finite differences, both stiffnesses.
+
+use crate::air::{Air, Chamber, Flow};
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
+use crate::friction::Friction;
+use crate::parameter::{self, Parameter};
+use crate::pressure::{AbsolutePressure, GaugePressure};
+use crate::scalar::{Mask, Over, Scalar};
+use crate::valve::{Port, Ports, Valve};
+
+/// One braided pneumatic actuator with its air and, if it has one, its valve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuator<S = f64> {
+    law: Effective<IdealBraid<S>, S>,
+    limits: LengthLimits<S>,
+    friction: Friction<S>,
+    external_volume: S,
+    air: Air<S>,
+    valve: Option<Valve<S>>,
+}
+
+/// The continuous state of the air; it belongs to the caller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatorState<S = f64> {
+    /// Absolute pressure.
+    pub pressure: AbsolutePressure<S>,
+    /// Mass of air in kg.
+    pub air_mass: S,
+}
+
+/// What an actuator answers to its ends and its valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response<S = f64> {
+    /// Tension F in N, zero or more.
+    pub tension: S,
+    /// `∂F/∂L` in N/m at constant pressure.
+    pub per_length: S,
+    /// `∂F/∂v` in N·s/m.
+    pub per_velocity: S,
+    /// `∂F/∂P` in m².
+    pub per_pressure: S,
+    /// `dP/dt` in Pa/s.
+    pub pressure_rate: S,
+    /// Net mass flow `dm/dt` into the actuator in kg/s.
+    pub mass_flow: S,
+    /// Temperature of the air in K.
+    pub temperature: S,
+    /// Volume of air, braid and hose, in m³.
+    pub volume: S,
+}
+
+impl Actuator {
+    /// An actuator without a valve, sealed until [`Actuator::with_valve`] gives it one.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless `external_volume` (m³) is above zero.
+    pub fn new(
+        law: Effective<IdealBraid>,
+        limits: LengthLimits,
+        friction: Friction,
+        external_volume: f64,
+        air: Air,
+    ) -> Result<Self, Error> {
+        let external_volume = parameter::EXTERNAL_VOLUME.check(external_volume)?;
+        Ok(Self { law, limits, friction, external_volume, air, valve: None })
+    }
+
+    /// The same actuator with a valve.
+    pub fn with_valve(self, valve: Valve) -> Self {
+        Self { valve: Some(valve), ..self }
+    }
+}
+
+impl<S: Scalar> Actuator<S> {
+    /// The same actuator over another scalar; `convert` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Actuator<T> {
+        Actuator {
+            law: Effective {
+                law: IdealBraid { braid: self.law.law.braid.map(&mut convert) },
+                effectiveness: self.law.effectiveness.map(&mut convert),
+            },
+            limits: self.limits.map(&mut convert),
+            friction: self.friction.map(&mut convert),
+            external_volume: convert(&parameter::EXTERNAL_VOLUME, self.external_volume),
+            air: self.air.map(&mut convert),
+            valve: self.valve.as_ref().map(|valve| valve.map(&mut convert)),
+        }
+    }
+
+    /// The static force law with its effectiveness.
+    pub fn law(&self) -> &Effective<IdealBraid<S>, S> {
+        &self.law
+    }
+
+    /// The length limits.
+    #[inline(always)]
+    pub fn limits(&self) -> &LengthLimits<S> {
+        &self.limits
+    }
+
+    /// The friction.
+    #[inline(always)]
+    pub fn friction(&self) -> &Friction<S> {
+        &self.friction
+    }
+
+    /// The air.
+    #[inline(always)]
+    pub fn air(&self) -> &Air<S> {
+        &self.air
+    }
+
+    /// The valve, unless the actuator is sealed.
+    #[inline(always)]
+    pub fn valve(&self) -> Option<&Valve<S>> {
+        self.valve.as_ref()
+    }
+
+    /// Gauge pressure at an absolute pressure in Pa.
+    #[inline(always)]
+    pub fn gauge<T: Over<S>>(&self, pressure: T) -> GaugePressure<T> {
+        GaugePressure(pressure - T::of(self.air.atmosphere().0))
+    }
+
+    /// Static force `F_s` in N at an actuator length in m and an absolute pressure in Pa.
+    #[inline(always)]
+    pub fn static_force<T: Over<S>>(&self, length: T, pressure: T) -> T {
+        self.law.force(length, self.gauge(pressure))
+    }
+
+    /// Largest Coulomb force `Q k_sec` in N at an actuator length and an absolute pressure.
+    #[inline(always)]
+    pub fn coulomb_bound<T: Over<S>>(&self, length: T, pressure: T) -> T {
+        let shortest = T::of(self.limits.min_length());
+        self.friction.coulomb_bound(self.law.secant_stiffness(length, shortest, self.gauge(pressure)))
+    }
+
+    /// The sum of (12) for a given direction of sliding (−1, 0, +1) and taut branch, before it is kept from pushing.
+    #[inline(always)]
+    pub fn signed_force<T: Over<S>>(&self, length: T, velocity: T, pressure: T, sliding: T, taut: S::Mask) -> T {
+        let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
+        let mut force = self.static_force(length, pressure) + limit + self.friction.viscous_force(velocity);
+        if self.friction.has_coulomb() {
+            force = force + sliding * self.coulomb_bound(length, pressure);
+        }
+        force
+    }
+
+    /// Tension in N for the ends at `distance` (m) and `velocity` (m/s), (12): never negative, zero when slack.
+    #[inline(always)]
+    pub fn tension<T: Over<S>>(&self, distance: T, velocity: T, pressure: T) -> T {
+        self.tension_sliding(distance, velocity, pressure, velocity.sign())
+    }
+
+    /// Tension in N with the direction of sliding given, for those who hold it over a step.
+    #[inline(always)]
+    pub fn tension_sliding<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, sliding: T) -> T {
+        let slack = self.limits.is_slack(distance);
+        let taut = T::of(self.limits.max_length()).lt(distance)
+            & T::zero().lt(self.limits.taut_force(distance, velocity));
+        let force = self.signed_force(self.limits.actuator_length(distance), velocity, pressure, sliding, taut);
+        T::select(slack, T::zero(), force.larger(T::zero()))
+    }
+
+    /// Volume of braid and hose in m³ for the ends at `distance`.
+    #[inline(always)]
+    pub fn volume<T: Over<S>>(&self, distance: T) -> T {
+        self.law.law.braid.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
+    }
+
+    /// The contents at an instant. A slack actuator rests at its shortest: its volume does not change.
+    #[inline(always)]
+    pub fn chamber<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, mass: T, slack: S::Mask) -> Chamber<T> {
+        let length = T::select(slack, T::of(self.limits.min_length()), distance);
+        let braid = &self.law.law.braid;
+        Chamber {
+            pressure,
+            mass,
+            volume: braid.volume(length) + T::of(self.external_volume),
+            volume_rate: T::select(slack, T::zero(), braid.volume_slope(length) * velocity),
+        }
+    }
+
+    /// `dP/dt` in Pa/s for a flow through the valve.
+    #[inline(always)]
+    pub fn pressure_rate<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>) -> T {
+        let inflow = self.valve.as_ref().map_or(T::one(), |valve| T::of(valve.supply.temperature()));
+        self.air.pressure_rate(chamber, flow, inflow)
+    }
+
+    /// Flow through the passages whose masks are set.
+    #[inline(always)]
+    pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
+        let Some(valve) = &self.valve else { return Flow::none() };
+        let temperature = self.air.temperature(chamber);
+        let through = |port, open: S::Mask| {
+            if !open.any() {
+                return Flow::none();
+            }
+            let flow = valve.flow(port, chamber.pressure, temperature);
+            Flow {
+                inward: T::select(open, flow.inward, T::zero()),
+                outward: T::select(open, flow.outward, T::zero()),
+            }
+        };
+        let (a, b) = (through(Port::Supply, supply), through(Port::Exhaust, exhaust));
+        Flow { inward: a.inward + b.inward, outward: a.outward + b.outward }
+    }
+
+    /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at
+    /// `distance` (m) moving apart at `velocity` (m/s) with the passages of `ports` open.
+    ///
+    /// At rest the Coulomb force is set-valued; this returns its middle, zero.
+    pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
+        let [length, rate, pressure] = [distance, velocity, state.pressure.0];
+        let force: Dual<S, 3> =
+            self.tension(Dual::variable(length, 0), Dual::variable(rate, 1), Dual::variable(pressure, 2));
+        let chamber =
+            self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
+        let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));
+        Response {
+            tension: force.value,
+            per_length: force.slope[0],
+            per_velocity: force.slope[1],
+            per_pressure: force.slope[2],
+            pressure_rate: self.pressure_rate(&chamber, &flow),
+            mass_flow: flow.net(),
+            temperature: self.air.temperature(&chamber),
+            volume: chamber.volume,
+        }
+    }
+
+    /// Stiffness `∂F_s/∂L` in N/m at constant pressure, (7).
+    pub fn stiffness(&self, length: S, pressure: AbsolutePressure<S>) -> S {
+        let force: Dual<S, 1> = self.static_force(Dual::variable(length, 0), Dual::of(pressure.0));
+        force.slope[0]
+    }
+
+    /// Stiffness in N/m with the valve shut, (5) with its first term: the pressure follows the volume,
+    /// `dP/dL = −κ P (dV/dL)/V`. For the energy balance κ = γ: a change too quick for heat.
+    pub fn sealed_stiffness(&self, length: S, pressure: AbsolutePressure<S>) -> S {
+        let volume: Dual<S, 1> = self.volume(Dual::variable(length, 0));
+        let pressure_slope = -self.air.index() * pressure.0 * volume.slope[0] / volume.value;
+        let force: Dual<S, 1> = self.static_force(
+            Dual::variable(length, 0),
+            Dual { value: pressure.0, slope: [pressure_slope] },
+        );
+        force.slope[0]
+    }
+}

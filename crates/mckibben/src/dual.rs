@@ -1,0 +1,151 @@
+//! Dual numbers: a value together with its exact derivatives.
+//!
+//! `a + a′ε` with `ε² = 0`, for `K` directions at once. Every operation carries the chain rule, so a law evaluated at
+//! dual arguments gives its own exact derivative (forward mode):
+//!
+//! ```
+//! use mckibben::{Dual, Scalar};
+//! let length: Dual<f64, 1> = Dual::variable(3.0, 0);
+//! let square = length * length;
+//! assert_eq!((square.value, square.slope[0]), (9.0, 6.0));
+//! ```
+//!
+//! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
+//! underneath may itself be dual (second derivatives) or a vector of lanes.
+
+use crate::scalar::{Over, Real, Scalar};
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A value and its derivatives in `K` directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<S, const K: usize> {
+    /// The value.
+    pub value: S,
+    /// The derivatives, in the unit of the value over that of each direction.
+    pub slope: [S; K],
+}
+
+impl<S: Scalar, const K: usize> Dual<S, K> {
+    /// The independent variable of direction `direction`: derivative 1 there and 0 elsewhere.
+    #[inline(always)]
+    pub fn variable(value: S, direction: usize) -> Self {
+        let mut slope = [S::zero(); K];
+        if let Some(one) = slope.get_mut(direction) {
+            *one = S::one();
+        }
+        Self { value, slope }
+    }
+
+    /// A function of one argument by its value and its derivative there.
+    #[inline(always)]
+    fn chain(self, value: S, derivative: S) -> Self {
+        Self { value, slope: self.slope.map(|slope| slope * derivative) }
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
+        Self { value, slope: core::array::from_fn(|i| combine(self.slope[i], other.slope[i])) }
+    }
+}
+
+impl<S: Scalar, const K: usize> Add for Dual<S, K> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, self.value + other.value, |a, b| a + b)
+    }
+}
+
+impl<S: Scalar, const K: usize> Sub for Dual<S, K> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, self.value - other.value, |a, b| a - b)
+    }
+}
+
+impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, self.value * other.value, |a, b| a * other.value + b * self.value)
+    }
+}
+
+impl<S: Scalar, const K: usize> Div for Dual<S, K> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        self.zip(other, quotient, |a, b| (a - quotient * b) / other.value)
+    }
+}
+
+impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { value: -self.value, slope: self.slope.map(|slope| -slope) }
+    }
+}
+
+impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
+    type Mask = S::Mask;
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self { value: S::constant(value), slope: [S::zero(); K] }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, S::constant(0.5) / root)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), S::one() / self.value)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let exponential = self.value.exp();
+        self.chain(exponential, exponential)
+    }
+    #[inline(always)]
+    fn exp_m1(self) -> Self {
+        self.chain(self.value.exp_m1(), self.value.exp())
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.chain(self.value.sin(), self.value.cos())
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.chain(self.value.cos(), -self.value.sin())
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> S::Mask {
+        self.value.lt(other.value)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> S::Mask {
+        self.value.le(other.value)
+    }
+    #[inline(always)]
+    fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        yes.zip(no, S::select(mask, yes.value, no.value), |a, b| S::select(mask, a, b))
+    }
+}
+
+impl<S: Real, const K: usize> Real for Dual<S, K> {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value.value()
+    }
+}
+
+impl<S: Scalar, const K: usize> Over<S> for Dual<S, K> {
+    #[inline(always)]
+    fn of(parameter: S) -> Self {
+        Self { value: parameter, slope: [S::zero(); K] }
+    }
+}

@@ -1,0 +1,224 @@
+//! Effectiveness: the ratio of measured to ideal force as a law over gauge pressure (9).
+//!
+//! ```text
+//! F_s = Eff(P_g) · F_ideal        (9)
+//! ```
+//!
+//! | form | law | outside its data |
+//! |---|---|---|
+//! | constant | `e` | the same |
+//! | polynomial | `e₀ + e₁ P_g + e₂ P_g² + …` with `P_g` in Pa | goes on |
+//! | table | monotone cubic through `(P_g, e)` (Fritsch & Carlson), never overshoots | constant |
+//!
+//! The slopes of the table at its knots are the weighted harmonic means of Fritsch & Butland (1984), with their
+//! three-point rule at the ends; this is the interpolant that SciPy calls PCHIP.
+//! A factor that depends on pressure at fixed geometry makes the law non-conservative: the energy audit shows by how
+//! much.
+//! Source: Colbrunn, Nelson & Quinn (2001), section 2.1; Fritsch & Carlson (1980).
+//! Checked by `tests/force.rs`: against SciPy's interpolant, no overshoot, slopes against finite differences.
+
+use super::StaticForce;
+use crate::error::Error;
+use crate::parameter::{self, Parameter};
+use crate::pressure::GaugePressure;
+use crate::scalar::{Over, Scalar};
+
+/// The largest number of polynomial coefficients.
+pub const MAX_COEFFICIENTS: usize = 8;
+/// The largest number of table rows.
+pub const MAX_KNOTS: usize = 16;
+
+/// Measured force over ideal force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effectiveness<S = f64> {
+    /// The same at every pressure.
+    Constant(S),
+    /// Coefficients of rising powers of the gauge pressure in Pa; unused ones are zero.
+    Polynomial([S; MAX_COEFFICIENTS]),
+    /// A monotone cubic through measured points.
+    Table(Table<S>),
+}
+
+/// Measured points with a monotone cubic through them. Made by [`Effectiveness::table`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Table<S = f64> {
+    rows: usize,
+    gauge_pressure: [S; MAX_KNOTS],
+    value: [S; MAX_KNOTS],
+    slope: [S; MAX_KNOTS],
+}
+
+impl Effectiveness {
+    /// The same ratio at every pressure, zero or more.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when it is negative or not finite.
+    pub fn constant(ratio: f64) -> Result<Self, Error> {
+        Ok(Self::Constant(parameter::EFFECTIVENESS.check(ratio)?))
+    }
+
+    /// Coefficients of rising powers of the gauge pressure in Pa.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when there are none, more than [`MAX_COEFFICIENTS`], or one is not finite.
+    pub fn polynomial(coefficients: &[f64]) -> Result<Self, Error> {
+        const NAME: &str = "actuator.effectiveness.polynomial";
+        check_list(NAME, coefficients, 1, MAX_COEFFICIENTS)?;
+        let mut padded = [0.0; MAX_COEFFICIENTS];
+        padded[..coefficients.len()].copy_from_slice(coefficients);
+        Ok(Self::Polynomial(padded))
+    }
+
+    /// Measured ratios at rising gauge pressures in Pa.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists differ in length, hold fewer than 2 or more than [`MAX_KNOTS`] rows, are not
+    /// strictly rising in pressure, or hold a negative ratio.
+    pub fn table(gauge_pressure: &[f64], value: &[f64]) -> Result<Self, Error> {
+        const PRESSURE: &str = "actuator.effectiveness.gauge_pressure";
+        const VALUE: &str = "actuator.effectiveness.value";
+        check_list(PRESSURE, gauge_pressure, 2, MAX_KNOTS)?;
+        check_list(VALUE, value, 2, MAX_KNOTS)?;
+        let table = |name, problem, entry, remedy| Err(Error::Table { name, problem, entry, remedy });
+        if value.len() != gauge_pressure.len() {
+            let entry = value.len().min(gauge_pressure.len()) + 1;
+            return table(VALUE, "it has not as many entries as the pressures", entry, "give one value for each pressure");
+        }
+        if let Some(row) = gauge_pressure.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return table(PRESSURE, "the pressures do not rise", row + 2, "sort the rows by pressure and drop repeats");
+        }
+        if let Some(row) = value.iter().position(|&ratio| ratio < 0.0) {
+            return table(VALUE, "a ratio is negative", row + 1, "give ratios of zero or more");
+        }
+        let mut pressures = [0.0; MAX_KNOTS];
+        let mut values = [0.0; MAX_KNOTS];
+        pressures[..value.len()].copy_from_slice(gauge_pressure);
+        values[..value.len()].copy_from_slice(value);
+        Ok(Self::Table(Table::assemble(value.len(), pressures, values)))
+    }
+}
+
+fn check_list(name: &'static str, list: &[f64], least: usize, most: usize) -> Result<(), Error> {
+    let fault = |problem, entry, remedy| Err(Error::Table { name, problem, entry, remedy });
+    if list.len() < least {
+        return fault("it has too few entries", list.len() + 1, "give more entries");
+    }
+    if list.len() > most {
+        return fault("it has too many entries", most + 1, "keep to 8 coefficients or 16 rows");
+    }
+    match list.iter().position(|number| !number.is_finite()) {
+        Some(place) => fault("an entry is not a finite number", place + 1, "give finite numbers"),
+        None => Ok(()),
+    }
+}
+
+impl<S: Scalar> Effectiveness<S> {
+    /// The ratio at a gauge pressure.
+    #[inline(always)]
+    pub fn at<T: Over<S>>(&self, gauge: GaugePressure<T>) -> T {
+        match self {
+            Self::Constant(ratio) => T::of(*ratio),
+            Self::Polynomial(coefficients) => coefficients
+                .iter()
+                .rev()
+                .fold(T::zero(), |sum, &coefficient| sum.multiply_add(gauge.0, T::of(coefficient))),
+            Self::Table(table) => table.at(gauge.0),
+        }
+    }
+
+    /// The same law over another scalar.
+    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Effectiveness<T> {
+        let mut number = |value| convert(&parameter::EFFECTIVENESS, value);
+        match self {
+            Self::Constant(ratio) => Effectiveness::Constant(number(*ratio)),
+            Self::Polynomial(coefficients) => Effectiveness::Polynomial(coefficients.map(number)),
+            Self::Table(table) => {
+                let pressures = table.gauge_pressure.map(&mut number);
+                Effectiveness::Table(Table::assemble(table.rows, pressures, table.value.map(number)))
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Table<S> {
+    fn assemble(rows: usize, gauge_pressure: [S; MAX_KNOTS], value: [S; MAX_KNOTS]) -> Self {
+        let mut table = Self { rows, gauge_pressure, value, slope: [S::zero(); MAX_KNOTS] };
+        for row in 0..rows {
+            table.slope[row] = table.knot_slope(row);
+        }
+        table
+    }
+
+    fn width(&self, interval: usize) -> S {
+        self.gauge_pressure[interval + 1] - self.gauge_pressure[interval]
+    }
+
+    fn secant(&self, interval: usize) -> S {
+        (self.value[interval + 1] - self.value[interval]) / self.width(interval)
+    }
+
+    fn knot_slope(&self, row: usize) -> S {
+        let last = self.rows - 1;
+        if self.rows == 2 {
+            return self.secant(0);
+        }
+        if row == 0 || row == last {
+            let (near, far) = if row == 0 { (0, 1) } else { (last - 1, last - 2) };
+            return Self::end_slope(self.width(near), self.width(far), self.secant(near), self.secant(far));
+        }
+        let (left, right) = (self.secant(row - 1), self.secant(row));
+        let (before, after) = (self.width(row - 1), self.width(row));
+        let two = S::constant(2.0);
+        let (w1, w2) = (two * after + before, after + two * before);
+        let harmonic = (w1 + w2) / (w1 / left + w2 / right);
+        S::select(S::zero().lt(left * right), harmonic, S::zero())
+    }
+
+    /// The one-sided three-point slope, kept from changing sign and from overshooting.
+    fn end_slope(near: S, far: S, secant: S, next_secant: S) -> S {
+        let two = S::constant(2.0);
+        let slope = ((two * near + far) * secant - near * next_secant) / (near + far);
+        let wrong_sign = (slope * secant).le(S::zero());
+        let limit = S::constant(3.0) * secant;
+        let too_steep = (secant * next_secant).le(S::zero()) & limit.magnitude().lt(slope.magnitude());
+        S::select(wrong_sign, S::zero(), S::select(too_steep, limit, slope))
+    }
+
+    #[inline(always)]
+    fn at<T: Over<S>>(&self, pressure: T) -> T {
+        let mut value = T::of(self.value[0]);
+        for row in 0..self.rows - 1 {
+            let left = T::of(self.gauge_pressure[row]);
+            let width = T::of(self.width(row));
+            let u = (pressure - left) / width;
+            let (start, end) = (T::of(self.value[row]), T::of(self.value[row + 1]));
+            let (m0, m1) = (T::of(self.slope[row]) * width, T::of(self.slope[row + 1]) * width);
+            let rise = end - start;
+            let cubic = start + u * (m0 + u * (T::constant(3.0) * rise - T::constant(2.0) * m0 - m1 + u * (m0 + m1 - T::constant(2.0) * rise)));
+            value = T::select(left.lt(pressure), cubic, value);
+        }
+        let last = T::of(self.gauge_pressure[self.rows - 1]);
+        T::select(last.lt(pressure), T::of(self.value[self.rows - 1]), value)
+    }
+}
+
+/// A static law multiplied by an effectiveness, (9).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effective<Law, S = f64> {
+    /// The law that is corrected.
+    pub law: Law,
+    /// The ratio of measured to ideal force.
+    pub effectiveness: Effectiveness<S>,
+}
+
+impl<S: Scalar, Law: StaticForce<S>> StaticForce<S> for Effective<Law, S> {
+    #[inline(always)]
+    fn force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
+        self.effectiveness.at(gauge) * self.law.force(length, gauge)
+    }
+
+    #[inline(always)]
+    fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
+        self.effectiveness.at(gauge) * self.law.secant_stiffness(length, from, gauge)
+    }
+}

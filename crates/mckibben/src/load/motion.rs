@@ -1,0 +1,153 @@
+//! A prescribed motion of the attachments.
+//!
+//! ```text
+//! sinusoid   x(t) = L₀ + A sin(2π f₀ t + φ)
+//! table      straight lines between (t, x), constant before the first row and after the last
+//! ```
+//!
+//! The corners of a table are exact instants, at which the velocity jumps.
+
+use crate::error::{Error, Requirement};
+use crate::parameter::{self, Parameter};
+use crate::scalar::{Over, Scalar};
+use core::f64::consts::TAU;
+
+/// The distance between the attachments as a function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion<S = f64> {
+    /// `L₀ + A sin(2π f₀ t + φ)`.
+    Sinusoid {
+        /// Mean length L₀ in m.
+        length: S,
+        /// Amplitude A in m.
+        amplitude: S,
+        /// Frequency f₀ in Hz.
+        frequency: S,
+        /// Phase φ in rad.
+        phase: S,
+    },
+    /// Straight lines between points.
+    #[cfg(feature = "alloc")]
+    Table {
+        /// Times in s, strictly rising.
+        time: alloc::vec::Vec<S>,
+        /// Lengths in m.
+        length: alloc::vec::Vec<S>,
+    },
+}
+
+impl Motion {
+    /// `length + amplitude · sin(2π · frequency · t + phase)` in m, Hz and rad, kept between 0 and `thread_length`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] when the motion would leave
+    /// the open interval from 0 to `thread_length`.
+    pub fn sinusoid(length: f64, amplitude: f64, frequency: f64, phase: f64, thread_length: f64) -> Result<Self, Error> {
+        let motion = Self::Sinusoid {
+            length: parameter::MOTION_LENGTH.check(length)?,
+            amplitude: parameter::MOTION_AMPLITUDE.check(amplitude)?,
+            frequency: parameter::MOTION_FREQUENCY.check(frequency)?,
+            phase: parameter::MOTION_PHASE.check(phase)?,
+        };
+        let room = (thread_length - length).min(length);
+        if amplitude >= room {
+            return Err(Error::Inconsistent {
+                parameter: &parameter::MOTION_AMPLITUDE,
+                value: amplitude,
+                requirement: Requirement {
+                    relation: "must be less than",
+                    other: "the distance of the mean length from 0 and from the thread length",
+                    value: room,
+                    unit: "m",
+                },
+                remedy: "make the motion smaller",
+            });
+        }
+        Ok(motion)
+    }
+
+    /// Straight lines through `(time, length)` in s and m, each length between 0 and `thread_length`.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists differ in length, are empty, the times do not rise, or a length is outside.
+    #[cfg(feature = "alloc")]
+    pub fn table(time: alloc::vec::Vec<f64>, length: alloc::vec::Vec<f64>, thread_length: f64) -> Result<Self, Error> {
+        const LENGTH: &str = "load.table_length";
+        let fault = |problem, entry, remedy| Err(Error::Table { name: LENGTH, problem, entry, remedy });
+        if time.len() != length.len() || time.is_empty() {
+            let entry = time.len().min(length.len()) + 1;
+            return fault("there is not one length for each time", entry, "give as many lengths as times");
+        }
+        crate::valve::check_times("load.time", &time)?;
+        if let Some(row) = length.iter().position(|x| !(*x > 0.0 && *x < thread_length)) {
+            return fault("a length is not between 0 and the thread length", row + 1, "give shorter, positive lengths");
+        }
+        Ok(Self::Table { time, length })
+    }
+}
+
+impl<S: Scalar> Motion<S> {
+    /// The same motion over another scalar.
+    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Motion<T> {
+        match self {
+            Self::Sinusoid { length, amplitude, frequency, phase } => Motion::Sinusoid {
+                length: convert(&parameter::MOTION_LENGTH, *length),
+                amplitude: convert(&parameter::MOTION_AMPLITUDE, *amplitude),
+                frequency: convert(&parameter::MOTION_FREQUENCY, *frequency),
+                phase: convert(&parameter::MOTION_PHASE, *phase),
+            },
+            #[cfg(feature = "alloc")]
+            Self::Table { time, length } => Motion::Table {
+                time: time.iter().map(|&t| convert(&parameter::MOTION_TIME, t)).collect(),
+                length: length.iter().map(|&x| convert(&parameter::MOTION_TABLE_LENGTH, x)).collect(),
+            },
+        }
+    }
+
+    /// Number of corners in a table.
+    pub fn corners(&self) -> usize {
+        match self {
+            Self::Sinusoid { .. } => 0,
+            #[cfg(feature = "alloc")]
+            Self::Table { time, .. } => time.len(),
+        }
+    }
+
+    /// Instant in s of the corner of index `corner`.
+    pub fn corner(&self, corner: usize) -> Option<S> {
+        match self {
+            Self::Sinusoid { .. } => None,
+            #[cfg(feature = "alloc")]
+            Self::Table { time, .. } => time.get(corner).copied(),
+        }
+    }
+
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on the straight line after `passed` corners.
+    #[inline]
+    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
+        #[cfg(not(feature = "alloc"))]
+        let _ = passed;
+        match self {
+            Self::Sinusoid { length, amplitude, frequency, phase } => {
+                let rate = T::constant(TAU) * T::of(*frequency);
+                let angle = rate * time + T::of(*phase);
+                let swing = T::of(*amplitude) * angle.sin();
+                [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing]
+            }
+            #[cfg(feature = "alloc")]
+            Self::Table { time: times, length } => {
+                let next = passed.min(length.len());
+                let still = |row: usize| [T::of(length[row]), T::zero(), T::zero()];
+                if next == 0 {
+                    return still(0);
+                }
+                if next == length.len() {
+                    return still(next - 1);
+                }
+                let (start, end) = (T::of(times[next - 1]), T::of(times[next]));
+                let slope = (T::of(length[next]) - T::of(length[next - 1])) / (end - start);
+                [T::of(length[next - 1]) + slope * (time - start), slope, T::zero()]
+            }
+        }
+    }
+}

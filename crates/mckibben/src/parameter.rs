@@ -1,0 +1,254 @@
+//! The one table of parameters.
+//!
+//! Each row states once a parameter's scenario key, symbol, SI unit, range, default, meaning and source. Validation
+//! here, the scenario schema, the messages of the command line and the documentation are all made from these rows.
+//!
+//! | column | meaning |
+//! |---|---|
+//! | `key` | path in a scenario file, and the name in messages |
+//! | `symbol` | the paper's symbol, or the usual one |
+//! | `unit` | SI unit; empty for a pure number |
+//! | `range` | admissible values in that unit |
+//! | `default` | the value when the key is absent; `None` when it must be given or follows from other keys |
+//! | `source` | where the default or the definition comes from; "assumed" where the paper is silent |
+//!
+//! Checked by `tests/parameter.rs`: keys are unique, every default lies in its range, every meaning is a sentence.
+
+use crate::error::Error;
+
+/// An interval of admissible values, each end open or closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Lower end.
+    pub low: f64,
+    /// Whether the lower end itself is admissible.
+    pub low_included: bool,
+    /// Upper end.
+    pub high: f64,
+    /// Whether the upper end itself is admissible.
+    pub high_included: bool,
+}
+
+impl Range {
+    /// Every finite number.
+    pub const FINITE: Self =
+        Self { low: f64::NEG_INFINITY, low_included: false, high: f64::INFINITY, high_included: false };
+    /// Numbers above zero.
+    pub const POSITIVE: Self = Self { low: 0.0, ..Self::FINITE };
+    /// Zero and above.
+    pub const NON_NEGATIVE: Self = Self { low_included: true, ..Self::POSITIVE };
+    /// From 0 to 1, both included.
+    pub const FRACTION: Self = Self { low: 0.0, low_included: true, high: 1.0, high_included: true };
+
+    /// Numbers strictly between two ends.
+    pub const fn open(low: f64, high: f64) -> Self {
+        Self { low, low_included: false, high, high_included: false }
+    }
+
+    /// Whether `value` is a finite number inside the range.
+    pub fn contains(&self, value: f64) -> bool {
+        let above = if self.low_included { value >= self.low } else { value > self.low };
+        let below = if self.high_included { value <= self.high } else { value < self.high };
+        value.is_finite() && above && below
+    }
+}
+
+impl core::fmt::Display for Range {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let words = |included| if included { "at least" } else { "greater than" };
+        match (self.low.is_finite(), self.high.is_finite()) {
+            (false, false) => write!(f, "any finite number"),
+            (true, false) => write!(f, "{} {}", words(self.low_included), self.low),
+            (false, true) if self.high_included => write!(f, "at most {}", self.high),
+            (false, true) => write!(f, "less than {}", self.high),
+            (true, true) => {
+                let upper = if self.high_included { "at most" } else { "less than" };
+                write!(f, "{} {} and {upper} {}", words(self.low_included), self.low, self.high)
+            }
+        }
+    }
+}
+
+/// One row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Path in a scenario file, for instance `actuator.turns`.
+    pub key: &'static str,
+    /// Symbol in the paper, or the usual one.
+    pub symbol: &'static str,
+    /// SI unit; empty for a pure number.
+    pub unit: &'static str,
+    /// Admissible values, in `unit`.
+    pub range: Range,
+    /// Value when the key is absent, in `unit`.
+    pub default: Option<f64>,
+    /// What it is, as one sentence.
+    pub meaning: &'static str,
+    /// Source of the definition and of the default.
+    pub source: &'static str,
+    /// What to do when a value is refused.
+    pub remedy: &'static str,
+}
+
+impl Parameter {
+    /// Returns `value` if it is finite and in range.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] otherwise; it names the parameter, the value, the range, the unit and the remedy.
+    pub fn check(&'static self, value: f64) -> Result<f64, Error> {
+        if self.range.contains(value) { Ok(value) } else { Err(Error::OutOfRange { parameter: self, value }) }
+    }
+}
+
+macro_rules! parameters {
+    ($($(#[$attribute:meta])* $name:ident = $key:literal, $symbol:literal, $unit:literal, $range:expr, $default:expr,
+        $meaning:literal, $source:literal, $remedy:literal;)*) => {
+        $(
+            #[doc = $meaning]
+            pub static $name: Parameter = Parameter {
+                key: $key, symbol: $symbol, unit: $unit, range: $range, default: $default,
+                meaning: $meaning, source: $source, remedy: $remedy,
+            };
+        )*
+        /// Every row, in the order of the scenario file.
+        pub static TABLE: &[&Parameter] = &[$(&$name),*];
+    };
+}
+
+parameters! {
+    THREAD_LENGTH = "actuator.thread_length", "b", "m", Range::POSITIVE, None,
+        "Length of one braid thread from end to end.",
+        "paper, Fig. 2 and (2)", "give the length of a thread, longer than the stretched actuator";
+    TURNS = "actuator.turns", "n", "", Range::POSITIVE, None,
+        "Number of turns that one thread makes around the actuator.",
+        "paper, Fig. 2", "count the turns of one thread over the whole length";
+    MAX_LENGTH = "actuator.max_length", "L_max", "m", Range::POSITIVE, None,
+        "Length at which the braid is taut.",
+        "paper, (11) and (14)", "give a length below the thread length";
+    MIN_LENGTH = "actuator.min_length", "L_min", "m", Range::POSITIVE, None,
+        "Length of full contraction, below which the tendon is slack; b/sqrt(3) when absent.",
+        "paper, (10)", "give a length below max_length, or leave it out for b/sqrt(3)";
+    EXTERNAL_VOLUME = "actuator.external_volume", "V_ext", "m^3", Range::POSITIVE, Some(3e-6),
+        "Volume of hose and fittings that shares the actuator's air.",
+        "assumed: the paper gives no hose volume", "give the hose's and fittings' volume, for instance 0.01 mL for none to speak of";
+    EFFECTIVENESS = "actuator.effectiveness.constant", "Eff", "", Range::NON_NEGATIVE, Some(1.0),
+        "Measured force over ideal force.",
+        "paper, (9); the default is assumed", "give a ratio such as 0.9";
+    VISCOUS = "actuator.friction.viscous", "c", "N*s/m", Range::NON_NEGATIVE, Some(0.0),
+        "Viscous damping coefficient.",
+        "paper, (12); its average is 0.02 lbf*s/in", "give zero or more";
+    COULOMB_WIDTH = "actuator.friction.coulomb_width", "Q", "m", Range::NON_NEGATIVE, Some(0.0),
+        "Coulomb friction between bladder and braid as a length, mu N/k.",
+        "paper, (12) and (24); its average is 0.0044 in", "give zero or more";
+    LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
+        "Stiffness of the taut braid.",
+        "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";
+    LIMIT_DAMPING = "actuator.limit.damping", "C_braid", "N*s/m", Range::NON_NEGATIVE, Some(100.0),
+        "Viscous damping of the taut braid.",
+        "paper, (14); the value is assumed", "give zero or more";
+    POLYTROPIC_INDEX = "air.polytropic_index", "kappa", "", Range::POSITIVE, None,
+        "Exponent of the polytropic process, between 1 (isothermal) and gamma (isentropic) in most cases.",
+        "textbook", "give a number such as 1.2";
+    HEAT_TRANSFER = "air.heat_transfer", "h A", "W/K", Range::NON_NEGATIVE, Some(0.0),
+        "Heat that the wall gives the air per kelvin of difference, in the energy balance.",
+        "textbook", "give zero or more";
+    WALL_TEMPERATURE = "air.wall_temperature", "T_wall", "K", Range::POSITIVE, Some(293.15),
+        "Temperature of the wall in the energy balance.",
+        "textbook", "give an absolute temperature above zero, such as 20 degC";
+    ATMOSPHERIC_PRESSURE = "air.atmospheric_pressure", "P_atm", "Pa", Range::POSITIVE, Some(101_325.0),
+        "Absolute pressure of the surroundings, zero of every gauge pressure.",
+        "standard atmosphere", "give an absolute pressure above zero";
+    GAS_CONSTANT = "air.gas_constant", "R", "J/(kg*K)", Range::POSITIVE, Some(286.99),
+        "Specific gas constant.",
+        "paper, (23): 53.34 ft*lbf/(lbm*degR)", "give a specific gas constant, 287 J/(kg*K) for air";
+    HEAT_CAPACITY_RATIO = "air.heat_capacity_ratio", "gamma", "", Range { low: 1.0, low_included: false, high: 2.0, high_included: true }, Some(1.4),
+        "Ratio of the heat capacities at constant pressure and constant volume.",
+        "paper, (18)", "give 1.4 for air, 5/3 for helium";
+    SUPPLY_GAUGE_PRESSURE = "supply.gauge_pressure", "P_g,supply", "Pa", Range::FINITE, None,
+        "Gauge pressure of the supply; below zero for a vacuum.",
+        "paper, section 3.3: 100 psi", "give a gauge pressure above minus the atmospheric pressure";
+    SUPPLY_TEMPERATURE = "supply.temperature", "T_am", "K", Range::POSITIVE, Some(293.15),
+        "Temperature of the supply's air and of the surroundings.",
+        "paper, (21); the value is assumed", "give an absolute temperature above zero, such as 20 degC";
+    FLOW_AREA = "valve.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
+        "Effective area of the valve's passage, area times flow coefficient.",
+        "paper, section 3.2: 1.8e-5 ft^2", "give an area such as 1.8e-5 ft^2";
+    SONIC_CONDUCTANCE = "valve.sonic_conductance", "C", "m^3/(s*Pa)", Range::POSITIVE, None,
+        "Sonic conductance of the valve at the reference atmosphere.",
+        "ISO 6358-1", "give a conductance such as 0.5 L/(s*bar)";
+    CRITICAL_RATIO = "valve.critical_ratio", "b", "", Range { low: 0.0, low_included: true, high: 1.0, high_included: false }, None,
+        "Critical back-pressure ratio below which the flow is choked.",
+        "ISO 6358-1", "give a ratio such as 0.3";
+    EFFICIENCY = "valve.efficiency", "eta", "", Range::POSITIVE, Some(1.0),
+        "Factor on the calculated mass flow.",
+        "paper, section 3.3: 0.85", "give a factor such as 0.85";
+    OPENING_DELAY = "valve.opening_delay", "t_open", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time from energising the coil to the seat's motion.",
+        "paper, section 3.3: 4 ms", "give zero or more";
+    CLOSING_DELAY = "valve.closing_delay", "t_close", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time from releasing the coil to the seat's return.",
+        "paper, section 3.3: 1 ms", "give zero or more";
+    LAMINAR_RATIO = "valve.laminar_ratio", "r_lam", "", Range::open(0.0, 1.0), Some(0.999),
+        "Pressure ratio above which the flow law is a straight line to zero.",
+        "ISO 6358 practice; the value is assumed", "give a ratio just below 1, above the critical ratio";
+    PWM_FREQUENCY = "command.frequency", "f", "Hz", Range::POSITIVE, None,
+        "Frequency of the pulse-width modulation.",
+        "paper, section 3.3: 25 and 50 Hz", "give a frequency such as 25 Hz";
+    DUTY = "command.duty", "d", "", Range::FRACTION, None,
+        "Commanded duty cycle, the share of each period in which the coil is energised.",
+        "paper, section 3.3: 0.5", "give a number from 0 to 1";
+    COMMAND_TIME = "command.time", "t", "s", Range::NON_NEGATIVE, None,
+        "Times at which a table command changes, strictly rising.",
+        "choice of the experiment", "give times of zero or more in rising order";
+    MASS = "load.mass", "M", "kg", Range::POSITIVE, None,
+        "Mass that the actuator moves.",
+        "paper, (15)", "give a mass above zero";
+    GRAVITY = "load.gravity", "g", "m/s^2", Range::FINITE, Some(9.80665),
+        "Acceleration of gravity along the actuator, positive when it stretches.",
+        "standard gravity", "give a finite acceleration";
+    LOAD_FORCE = "load.force", "W", "N", Range::FINITE, None,
+        "Constant force that pulls the actuator longer.",
+        "elementary mechanics", "give a finite force";
+    INITIAL_GAUGE_PRESSURE = "initial.gauge_pressure", "P_g(0)", "Pa", Range::FINITE, Some(0.0),
+        "Gauge pressure in the actuator at the start.",
+        "choice of the experiment", "give a gauge pressure above minus the atmospheric pressure";
+    INITIAL_TEMPERATURE = "initial.temperature", "T(0)", "K", Range::POSITIVE, Some(293.15),
+        "Temperature of the actuator's air at the start, which fixes its mass.",
+        "choice of the experiment", "give an absolute temperature above zero";
+    INITIAL_LENGTH = "initial.length", "L(0)", "m", Range::POSITIVE, None,
+        "Distance between the attachments at the start.",
+        "choice of the experiment", "give a length between 0 and the thread length, or \"equilibrium\"";
+    INITIAL_VELOCITY = "initial.velocity", "v(0)", "m/s", Range::FINITE, Some(0.0),
+        "Velocity of lengthening at the start.",
+        "choice of the experiment", "give a finite velocity";
+    DURATION = "run.duration", "t_end", "s", Range::POSITIVE, None,
+        "Simulated time.",
+        "choice of the experiment", "give a time above zero";
+    SAMPLE_INTERVAL = "run.sample_interval", "dt", "s", Range::POSITIVE, Some(1e-3),
+        "Time between two written samples.",
+        "choice of the experiment", "give a time above zero and not above the duration";
+    RELATIVE_TOLERANCE = "run.relative_tolerance", "rtol", "", Range { low: 1e-13, low_included: true, high: 1e-2, high_included: true }, Some(1e-8),
+        "Relative error that the event-located integrator allows a step.",
+        "choice of the experiment", "give a number such as 1e-8";
+    STEP = "run.step", "h", "s", Range::POSITIVE, Some(1e-4),
+        "Step of the fixed-step engine.",
+        "choice of the experiment", "give a time such as 0.1 ms";
+    MOTION_PHASE = "load.phase", "phi", "rad", Range::FINITE, Some(0.0),
+        "Phase of a sinusoidal prescribed motion at the start.",
+        "choice of the experiment", "give an angle";
+    MOTION_TIME = "load.time", "t", "s", Range::NON_NEGATIVE, None,
+        "Times of a prescribed motion given as a table, strictly rising.",
+        "choice of the experiment", "give times of zero or more in rising order";
+    MOTION_TABLE_LENGTH = "load.table_length", "L", "m", Range::POSITIVE, None,
+        "Lengths of a prescribed motion given as a table, joined by straight lines.",
+        "choice of the experiment", "give one length for each time";
+    MOTION_LENGTH = "load.length", "L_0", "m", Range::POSITIVE, None,
+        "Mean length of a sinusoidal prescribed motion.",
+        "choice of the experiment", "give a length below the thread length";
+    MOTION_AMPLITUDE = "load.amplitude", "A", "m", Range::NON_NEGATIVE, None,
+        "Amplitude of a sinusoidal prescribed motion.",
+        "choice of the experiment", "give an amplitude that keeps the length positive and below the thread length";
+    MOTION_FREQUENCY = "load.frequency", "f_0", "Hz", Range::POSITIVE, None,
+        "Frequency of a sinusoidal prescribed motion.",
+        "choice of the experiment", "give a frequency above zero";
+}

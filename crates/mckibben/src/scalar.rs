@@ -1,0 +1,190 @@
+//! The numbers that the physics is written over.
+//!
+//! Each law is written once, generic over its scalar, and serves
+//!
+//! | scalar | use |
+//! |---|---|
+//! | `f64` | simulation |
+//! | `f32` | batches where half the precision is enough |
+//! | [`Dual`](crate::Dual) | exact derivatives, with respect to a state or to a parameter |
+//! | a vector of lanes | batches: each lane is another actuator with its own parameters |
+//!
+//! A comparison gives a [`Mask`], a choice between two values is [`Scalar::select`]: there is no branch on a value, so
+//! that lanes may differ. [`Real`] is a scalar that does have one value to branch on; the adaptive integrator needs
+//! that, the laws do not.
+//!
+//! Parameters are held in one scalar `S`, and a law may be evaluated at arguments of another scalar `T` that extends it
+//! ([`Over`]): `f64` parameters at dual arguments give `∂F/∂L` without a second copy of any formula.
+//!
+//! Checked by `tests/scalar.rs` (dual against finite differences, lanes of eight against `f64`, bit for bit).
+
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// The answer of a comparison, one truth value for each lane.
+pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// Whether it holds in at least one lane.
+    fn any(self) -> bool;
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+/// A number, or several side by side, with the operations that the laws need.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// The answer of a comparison.
+    type Mask: Mask;
+
+    /// A number known when the program is written, the same in every lane.
+    fn constant(value: f64) -> Self;
+    /// The square root; the argument must not be negative where the result is used.
+    fn sqrt(self) -> Self;
+    /// The natural logarithm.
+    fn ln(self) -> Self;
+    /// The exponential function.
+    fn exp(self) -> Self;
+    /// The exponential function less one, exact near zero.
+    fn exp_m1(self) -> Self;
+    /// The sine of an angle in radians.
+    fn sin(self) -> Self;
+    /// The cosine of an angle in radians.
+    fn cos(self) -> Self;
+    /// Whether `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Whether `self ≤ other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask holds, `no` elsewhere. What is not chosen may be anything, NaN included.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// `self · factor + addend`; lanes may fuse it.
+    #[inline(always)]
+    fn multiply_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::constant(0.0)
+    }
+    /// One.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::constant(1.0)
+    }
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
+    /// The larger of two numbers.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self::select(self.lt(other), other, self)
+    }
+    /// The absolute value.
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        Self::select(self.lt(Self::zero()), -self, self)
+    }
+    /// −1, 0 or +1.
+    #[inline(always)]
+    fn sign(self) -> Self {
+        let positive = Self::select(Self::zero().lt(self), Self::one(), Self::zero());
+        Self::select(self.lt(Self::zero()), -Self::one(), positive)
+    }
+    /// `self` to the power of `exponent`, for `self > 0`.
+    #[inline(always)]
+    fn power(self, exponent: Self) -> Self {
+        (self.ln() * exponent).exp()
+    }
+}
+
+/// A scalar with one value to branch on: not lanes.
+pub trait Real: Scalar<Mask = bool> {
+    /// The value without any derivative.
+    fn value(self) -> f64;
+}
+
+/// A scalar that extends `S`: arguments of this type may meet parameters of type `S`.
+pub trait Over<S: Scalar>: Scalar<Mask = S::Mask> {
+    /// A parameter as a constant of the wider scalar.
+    fn of(parameter: S) -> Self;
+}
+
+impl<S: Scalar> Over<S> for S {
+    #[inline(always)]
+    fn of(parameter: S) -> S {
+        parameter
+    }
+}
+
+#[cfg(feature = "std")]
+macro_rules! mathematics {
+    ($type:ident: $($method:ident => $libm:path),*) => {
+        $(#[inline(always)] fn $method(self) -> Self { $type::$method(self) })*
+    };
+}
+
+#[cfg(all(not(feature = "std"), feature = "libm"))]
+macro_rules! mathematics {
+    ($type:ident: $($method:ident => $libm:path),*) => {
+        $(#[inline(always)] fn $method(self) -> Self { $libm(self) })*
+    };
+}
+
+#[cfg(not(any(feature = "std", feature = "libm")))]
+compile_error!("without the feature `std`, the feature `libm` is needed for the square root and the exponential");
+
+macro_rules! float {
+    ($type:ident, $($method:ident => $libm:path),*) => {
+        impl Scalar for $type {
+            type Mask = bool;
+            #[inline(always)]
+            fn constant(value: f64) -> Self {
+                value as $type
+            }
+            mathematics!($type: $($method => $libm),*);
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+        }
+
+        impl Real for $type {
+            #[inline(always)]
+            fn value(self) -> f64 {
+                self as f64
+            }
+        }
+    };
+}
+
+float!(f64, sqrt => libm::sqrt, ln => libm::log, exp => libm::exp, exp_m1 => libm::expm1, sin => libm::sin, cos => libm::cos);
+float!(f32, sqrt => libm::sqrtf, ln => libm::logf, exp => libm::expf, exp_m1 => libm::expm1f, sin => libm::sinf, cos => libm::cosf);

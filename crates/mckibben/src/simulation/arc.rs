@@ -1,0 +1,251 @@
+//! One accepted step as a polynomial: the dense output.
+//!
+//! A step from `t` to `t + h` is kept as a polynomial of degree 7 in `θ = (t′ − t)/h`, in the Bernstein basis:
+//!
+//! ```text
+//! y(θ) = Σ Cᵢ θⁱ (1 − θ)⁷⁻ⁱ pᵢ,     Cᵢ = 7!/(i! (7−i)!)
+//! ```
+//!
+//! The control points `pᵢ` bound the polynomial on `[0, 1]` from both sides (the hull property). A quantity whose
+//! control points are all on one side of a threshold does not cross it, anywhere in the step and however briefly: this
+//! is what makes the search for events exact on the dense output, and cheap.
+
+use crate::scalar::{Over, Real, Scalar};
+
+/// Control points of a polynomial of degree 7.
+pub(crate) const POINTS: usize = 8;
+/// Binomial coefficients of degree 7.
+const BINOMIAL: [f64; POINTS] = [1.0, 7.0, 21.0, 35.0, 35.0, 21.0, 7.0, 1.0];
+
+/// One step of `N` states as polynomials in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc<R, const N: usize> {
+    /// Start of the step in s.
+    pub start: R,
+    /// Length of the step in s over which θ goes from 0 to 1.
+    pub step: R,
+    pub(crate) points: [[R; N]; POINTS],
+}
+
+impl<R: Real, const N: usize> Arc<R, N> {
+    /// The states at `θ`, from 0 at the start to 1 at the end of the step.
+    #[inline]
+    pub fn at<T: Over<R>>(&self, theta: T) -> [T; N] {
+        let rest = T::one() - theta;
+        let mut power = T::one();
+        let mut sum = self.points[0].map(|point| T::of(point) * rest);
+        for i in 1..POINTS - 1 {
+            power = power * theta;
+            let weight = power * T::constant(BINOMIAL[i]);
+            for (sum, point) in sum.iter_mut().zip(self.points[i]) {
+                *sum = (*sum + weight * T::of(point)) * rest;
+            }
+        }
+        power = power * theta;
+        for (sum, point) in sum.iter_mut().zip(self.points[POINTS - 1]) {
+            *sum = *sum + power * T::of(point);
+        }
+        sum
+    }
+
+    /// θ of a time in s.
+    pub fn theta(&self, time: R) -> R {
+        (time - self.start) / self.step
+    }
+
+    /// Control points of the linear form `sign · (y[index] − bound)`, values only.
+    pub(crate) fn linear(&self, index: usize, bound: f64, sign: f64) -> Bernstein {
+        Bernstein(core::array::from_fn(|i| sign * (self.points[i][index].value() - bound)))
+    }
+}
+
+/// Builds control points from the inside out: every operation is exact in the Bernstein basis.
+#[derive(Clone, Copy)]
+pub(crate) struct Nested<R, const N: usize> {
+    degree: usize,
+    points: [[R; N]; POINTS],
+}
+
+impl<R: Scalar, const N: usize> Nested<R, N> {
+    /// The constant polynomial.
+    #[inline(always)]
+    pub(crate) fn constant(value: [R; N]) -> Self {
+        Self { degree: 0, points: [value; POINTS] }
+    }
+
+    /// `(a + (b − a) θ) · p`, one degree higher.
+    #[inline(always)]
+    fn times(mut self, a: f64, b: f64) -> Self {
+        let degree = self.degree + 1;
+        for i in (0..=degree).rev() {
+            let kept = R::constant(a * (degree - i) as f64 / degree as f64);
+            let raised = R::constant(b * i as f64 / degree as f64);
+            let lower = if i > 0 { self.points[i - 1] } else { self.points[0] };
+            let same = if i < degree { self.points[i] } else { self.points[0] };
+            self.points[i] = core::array::from_fn(|n| match (i > 0 && b != 0.0, i < degree && a != 0.0) {
+                (true, true) => kept * same[n] + raised * lower[n],
+                (true, false) => raised * lower[n],
+                (false, true) => kept * same[n],
+                (false, false) => R::zero(),
+            });
+        }
+        self.degree = degree;
+        self
+    }
+
+    /// `θ · p`, one degree higher.
+    #[inline(always)]
+    pub(crate) fn times_theta(self) -> Self {
+        self.times(0.0, 1.0)
+    }
+
+    /// `(1 − θ) · p`, one degree higher.
+    #[inline(always)]
+    pub(crate) fn times_rest(self) -> Self {
+        self.times(1.0, 0.0)
+    }
+
+    /// `p + constant`.
+    #[inline(always)]
+    pub(crate) fn plus(mut self, constant: [R; N]) -> Self {
+        for point in &mut self.points[..=self.degree] {
+            *point = core::array::from_fn(|n| point[n] + constant[n]);
+        }
+        self
+    }
+
+    /// The polynomial as an arc, its degree raised to 7.
+    #[inline(always)]
+    pub(crate) fn arc(mut self, start: R, step: R) -> Arc<R, N> {
+        while self.degree < POINTS - 1 {
+            self = self.times(1.0, 1.0);
+        }
+        Arc { start, step, points: self.points }
+    }
+}
+
+/// Control points of one quantity of degree 7 on `[0, 1]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bernstein(pub(crate) [f64; POINTS]);
+
+impl Bernstein {
+    /// The polynomial through values at `θ = i/7`.
+    pub(crate) fn through(values: [f64; POINTS]) -> Self {
+        let node = |i: usize| i as f64 / (POINTS - 1) as f64;
+        let mut difference = values;
+        for order in 1..POINTS {
+            for i in (order..POINTS).rev() {
+                difference[i] = (difference[i] - difference[i - 1]) / (node(i) - node(i - order));
+            }
+        }
+        let mut nested = Nested::<f64, 1>::constant([difference[POINTS - 1]]);
+        for i in (0..POINTS - 1).rev() {
+            nested = nested.times(-node(i), 1.0 - node(i)).plus([difference[i]]);
+        }
+        Self(nested.points.map(|[point]| point))
+    }
+
+    /// The smallest control point, a lower bound on `[0, 1]`.
+    #[inline(always)]
+    pub(crate) fn lower_bound(&self) -> f64 {
+        self.0.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The two halves, each on its own `[0, 1]` (de Casteljau).
+    fn split(&self) -> (Self, Self) {
+        let mut right = self.0;
+        let mut left = [right[0]; POINTS];
+        for level in 1..POINTS {
+            for i in 0..POINTS - level {
+                right[i] = 0.5 * (right[i] + right[i + 1]);
+            }
+            left[level] = right[0];
+        }
+        (Self(left), Self(right))
+    }
+
+    /// Brackets the first place where the polynomial goes from zero or above to below zero; `None` when it never does.
+    ///
+    /// A first control point at or below zero counts as zero: the armed side is the mode's, not the sign's at the start.
+    /// A touching zero, which is only reached and left again, is none.
+    pub(crate) fn first_descent(mut self) -> Option<(f64, f64)> {
+        self.0[0] = self.0[0].max(0.0);
+        self.descent_within(0.0, 1.0)
+    }
+
+    fn descent_within(&self, low: f64, high: f64) -> Option<(f64, f64)> {
+        if self.lower_bound() >= 0.0 {
+            return None;
+        }
+        let falls = self.0.windows(2).all(|pair| pair[1] <= pair[0]);
+        let width = high - low;
+        if falls || width < MIN_BRACKET {
+            return (self.0[POINTS - 1] < 0.0).then_some((low, high));
+        }
+        let (left, right) = self.split();
+        let middle = low + 0.5 * width;
+        left.descent_within(low, middle).or_else(|| right.descent_within(middle, high))
+    }
+}
+
+/// Below this width in θ a bracket is not divided further: a touching zero ends here.
+const MIN_BRACKET: f64 = 1e-13;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Control points of a polynomial given in factors `(θ − root)`.
+    fn with_roots(roots: &[f64]) -> Bernstein {
+        let mut nested = Nested::<f64, 1>::constant([1.0]);
+        for root in roots {
+            nested = nested.times(-root, 1.0 - root);
+        }
+        Bernstein(nested.arc(0.0, 1.0).points.map(|[point]| point))
+    }
+
+    #[test]
+    fn evaluation_splitting_and_interpolation_agree() {
+        let polynomial = with_roots(&[-0.2, 0.3, 0.5, 0.9, 1.4]);
+        let exact = |x: f64| (x + 0.2) * (x - 0.3) * (x - 0.5) * (x - 0.9) * (x - 1.4);
+        let arc = Arc { start: 0.0, step: 1.0, points: polynomial.0.map(|p| [p]) };
+        for x in [0.0, 0.1, 0.37, 0.5, 0.99, 1.0] {
+            assert!((arc.at(x)[0] - exact(x)).abs() < 1e-15, "at {x}");
+        }
+        let through = Bernstein::through(core::array::from_fn(|i| exact(i as f64 / 7.0)));
+        for (a, b) in through.0.iter().zip(polynomial.0) {
+            assert!((a - b).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_first_descent_is_found_even_between_two_roots_close_together() {
+        // Falls below zero only between 0.6180 and 0.6181.
+        let (low, high) = with_roots(&[0.6180, 0.6181]).first_descent().expect("a descent");
+        assert!(low <= 0.6180 && 0.6180 <= high, "{low} {high}");
+        // Of three roots the second is a descent.
+        let (low, high) = with_roots(&[0.1, 0.4, 0.8]).first_descent().expect("a descent");
+        assert!(low <= 0.4 && 0.4 <= high);
+    }
+
+    #[test]
+    fn a_start_at_zero_is_none_but_the_next_crossing_is_found() {
+        // Zero at 0 going up, then down through 0.25.
+        let mut polynomial = with_roots(&[0.0, 0.25]);
+        polynomial.0 = polynomial.0.map(|p| -p);
+        let (low, high) = polynomial.first_descent().expect("a descent");
+        assert!(low <= 0.25 && 0.25 <= high && low > 0.0);
+        assert_eq!(with_roots(&[0.0]).first_descent(), None);
+    }
+
+    #[test]
+    fn a_touching_zero_is_none() {
+        assert_eq!(with_roots(&[0.5, 0.5]).first_descent(), None);
+        assert_eq!(with_roots(&[1.0 / 3.0, 1.0 / 3.0]).first_descent(), None);
+        // Touches at one third, and falls through seven tenths.
+        let mut polynomial = with_roots(&[1.0 / 3.0, 1.0 / 3.0, 0.7]);
+        polynomial.0 = polynomial.0.map(|p| -p);
+        let (low, high) = polynomial.first_descent().expect("a descent");
+        assert!(low <= 0.7 && 0.7 <= high && low > 0.4, "{low} {high}");
+    }
+}

@@ -1,0 +1,528 @@
+//! The rig as a hybrid system: when each formula of the actuator holds, and what follows when it ends.
+//!
+//! | component of the mode | values | ends when |
+//! |---|---|---|
+//! | passages | supply, exhaust | a seat moves (an instant) |
+//! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
+//! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
+//! | sliding | lengthening, shortening, stuck, held, frictionless | the velocity comes to zero; the load breaks away |
+//! | clamped | yes, no | the sum of forces passes zero |
+//!
+//! At rest, a tension between `F_s + F_limit − Q k_sec` and `F_s + F_limit + Q k_sec` can be held, and any from zero up
+//! when the actuator rests on its shortest length. The load sticks while its pull lies between.
+
+use super::event::band;
+use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
+use super::rig::Rig;
+use super::system::{GuardForm, Guards, HybridSystem};
+use crate::air::Flow;
+use crate::error::Error;
+use crate::load::{Inertia, Load};
+use crate::scalar::{Over, Real};
+use crate::valve::{FlowZone, Port, Ports, SeatClock};
+
+const LENGTH: usize = 0;
+const VELOCITY: usize = 1;
+const PRESSURE: usize = 2;
+
+/// The mode with what its clocks remember.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase<R = f64> {
+    /// Which formulas hold.
+    pub mode: Mode,
+    clock: SeatClock<R>,
+    corners_passed: usize,
+}
+
+/// A rig with the tolerance to which its events are told from rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct RigSystem<'a, R: Real = f64> {
+    rig: &'a Rig<R>,
+    magnitudes: [f64; 4],
+    /// Relative width of a border between agreeing formulas.
+    band: f64,
+    /// The same as a force in N.
+    force_band: f64,
+    inertia: Option<Inertia<R>>,
+}
+
+impl<'a, R: Real> RigSystem<'a, R> {
+    /// A rig whose steps are controlled to `relative_tolerance`.
+    pub fn new(rig: &'a Rig<R>, relative_tolerance: f64) -> Self {
+        let actuator = rig.actuator();
+        let (air, limits, braid) = (actuator.air(), actuator.limits(), &actuator.law().law.braid);
+        let atmosphere = air.atmosphere().0.value();
+        let longest = limits.max_length();
+        let volume = actuator.volume(longest).value();
+        let air_mass = atmosphere * volume / (air.gas_constant().value() * ROOM_TEMPERATURE);
+        let inertia = rig.load().inertia();
+        let thread = braid.thread_length().value();
+        let gas_force = atmosphere * thread * thread * braid.per_turns().value();
+        let force = inertia.map_or(0.0, |inertia| inertia.pull.value().abs()).max(gas_force);
+        let band = band(relative_tolerance);
+        Self {
+            rig,
+            magnitudes: [longest.value(), longest.value() * USUAL_RATE, atmosphere, air_mass],
+            band,
+            force_band: band * force,
+            inertia,
+        }
+    }
+
+    /// The rig.
+    pub fn rig(&self) -> &Rig<R> {
+        self.rig
+    }
+
+    /// The phase at t = 0 in a state.
+    pub fn begin(&self, state: &[R; 4]) -> Phase<R> {
+        let mut clock = SeatClock::released();
+        let mut ports = Ports::CLOSED;
+        if let Some(actuation) = self.rig.actuation() {
+            clock.advance(R::zero(), &actuation.solenoid, &actuation.command);
+            ports = clock.ports(&actuation.solenoid);
+        }
+        let mode = Mode {
+            ports,
+            supply_zone: None,
+            exhaust_zone: None,
+            extent: Extent::Free,
+            sliding: Sliding::Held,
+            clamped: false,
+        };
+        let mut phase = Phase { mode, clock, corners_passed: 0 };
+        if let Load::Prescribed(motion) = self.rig.load() {
+            while motion.corner(phase.corners_passed).is_some_and(|corner| corner.value() <= 0.0) {
+                phase.corners_passed += 1;
+            }
+        }
+        self.enter_ports(state, &mut phase.mode);
+        self.enter_extent(state, &mut phase.mode);
+        self.enter_sliding(R::zero(), state, &mut phase);
+        phase
+    }
+
+    /// Tension in N in a mode: what the load feels.
+    #[inline(always)]
+    pub fn tension<T: Over<R>>(&self, state: &[T; 4], mode: &Mode) -> T {
+        if mode.sliding == Sliding::Stuck {
+            return self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
+        }
+        if mode.extent == Extent::Slack || mode.clamped {
+            return T::zero();
+        }
+        self.signed_force(state, mode)
+    }
+
+    /// Flow through the passages that are open in a mode.
+    #[inline(always)]
+    pub fn flow<T: Over<R>>(&self, pressure: T, temperature: T, mode: &Mode) -> Flow<T> {
+        let Some(valve) = self.rig.actuator().valve() else { return Flow::none() };
+        let through = |port, zone: Option<FlowZone>| {
+            zone.map_or(Flow::none(), |zone| valve.flow_in_zone(port, zone, pressure, temperature))
+        };
+        match (mode.supply_zone, mode.exhaust_zone) {
+            (zone, None) => through(Port::Supply, zone),
+            (None, zone) => through(Port::Exhaust, zone),
+            (supply, exhaust) => {
+                let (a, b) = (through(Port::Supply, supply), through(Port::Exhaust, exhaust));
+                Flow { inward: a.inward + b.inward, outward: a.outward + b.outward }
+            }
+        }
+    }
+
+    /// The sum of (12) before it is kept from pushing.
+    #[inline(always)]
+    fn signed_force<T: Over<R>>(&self, state: &[T; 4], mode: &Mode) -> T {
+        let [length, velocity, pressure, _] = *state;
+        let direction = T::constant(mode.sliding.direction());
+        self.rig.actuator().signed_force(length, velocity, pressure, direction, mode.extent == Extent::Taut)
+    }
+
+    /// The tensions in N that can be held at rest.
+    fn holdable<T: Over<R>>(&self, length: T, pressure: T) -> (T, T) {
+        let actuator = self.rig.actuator();
+        let middle = actuator.static_force(length, pressure) + actuator.limits().force(length, T::zero());
+        let bound = actuator.coulomb_bound(length, pressure);
+        let on_the_stop = length.le(T::of(actuator.limits().min_length()));
+        let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
+        (least, (middle + bound).larger(T::zero()))
+    }
+
+    fn enter_ports(&self, state: &[R; 4], mode: &mut Mode) {
+        let zone = |port| {
+            let valve = self.rig.actuator().valve()?;
+            let beyond = valve.port_pressure(port);
+            let below_end = |zone: &FlowZone| match valve.law.bounds(*zone, beyond).1 {
+                Some(end) => state[PRESSURE].value() <= end.value(),
+                None => true,
+            };
+            FlowZone::RISING.into_iter().find(below_end)
+        };
+        mode.supply_zone = mode.ports.supply.then(|| zone(Port::Supply)).flatten();
+        mode.exhaust_zone = mode.ports.exhaust.then(|| zone(Port::Exhaust)).flatten();
+    }
+
+    /// The extent of a state that may lie on a limit: then the velocity, or at rest the balance, decides.
+    fn enter_extent(&self, state: &[R; 4], mode: &mut Mode) {
+        let limits = self.rig.actuator().limits();
+        let [length, velocity] = [state[LENGTH].value(), state[VELOCITY].value()];
+        let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
+        let pushed_up = self.inertia.is_some_and(|inertia| inertia.pull.value() < 0.0);
+        mode.extent = if length < shortest || (length == shortest && (velocity < 0.0 || (velocity == 0.0 && pushed_up))) {
+            Extent::Slack
+        } else if length < longest || (length == longest && velocity <= 0.0) {
+            Extent::Free
+        } else if limits.taut_force(state[LENGTH], state[VELOCITY]).value() >= 0.0 {
+            Extent::Taut
+        } else {
+            Extent::Rebound
+        };
+    }
+
+    /// The direction of sliding in a state that may be at rest, and whether the force is clamped.
+    fn enter_sliding(&self, time: R, state: &[R; 4], phase: &mut Phase<R>) {
+        let velocity = state[VELOCITY].value();
+        phase.mode.sliding = match (self.rig.load(), self.inertia) {
+            (Load::Isometric, _) => Sliding::Held,
+            (Load::Prescribed(motion), _) => {
+                let [_, velocity, acceleration] = motion.at::<R>(time, phase.corners_passed).map(Real::value);
+                let heading = if velocity == 0.0 { acceleration } else { velocity };
+                if heading == 0.0 { Sliding::Held } else { self.sliding(heading) }
+            }
+            (_, Some(inertia)) if velocity == 0.0 => self.rest_or_slide(inertia, state, &mut phase.mode),
+            _ => self.sliding(velocity),
+        };
+        self.enter_clamp(state, &mut phase.mode);
+    }
+
+    /// From rest: stick if the load can be held, else slide the way it pulls.
+    fn rest_or_slide(&self, inertia: Inertia<R>, state: &[R; 4], mode: &mut Mode) -> Sliding {
+        let actuator = self.rig.actuator();
+        let on_the_stop = state[LENGTH].value() == actuator.limits().min_length().value();
+        if mode.extent == Extent::Slack || !(actuator.friction().has_coulomb() || on_the_stop) {
+            return self.sliding(inertia.pull.value());
+        }
+        let (least, most) = self.holdable(state[LENGTH], state[PRESSURE]);
+        let (least, most, pull) = (least.value(), most.value(), inertia.pull.value());
+        if pull > most + self.force_band {
+            self.sliding(1.0)
+        } else if pull < least - self.force_band {
+            if on_the_stop {
+                mode.extent = Extent::Slack;
+            }
+            self.sliding(-1.0)
+        } else {
+            Sliding::Stuck
+        }
+    }
+
+    fn sliding(&self, heading: f64) -> Sliding {
+        match self.rig.actuator().friction().has_coulomb() {
+            false => Sliding::Frictionless,
+            true if heading < 0.0 => Sliding::Shortening,
+            true => Sliding::Lengthening,
+        }
+    }
+
+    fn enter_clamp(&self, state: &[R; 4], mode: &mut Mode) {
+        let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
+        mode.clamped = moves && self.signed_force(state, mode).value() < 0.0;
+    }
+
+    /// Whether the load, arriving at the shortest length, comes to rest there: it can be held, and it would bounce less
+    /// than the tolerance of its length.
+    fn rests_on_the_stop(&self, state: &[R; 4]) -> bool {
+        let Some(inertia) = self.inertia else { return false };
+        let (pull, mass) = (inertia.pull.value(), inertia.mass.value());
+        let most = self.holdable(state[LENGTH], state[PRESSURE]).1.value();
+        let acceleration = pull.min(most - pull) / mass;
+        let velocity = state[VELOCITY].value();
+        acceleration > 0.0 && velocity * velocity <= 2.0 * acceleration * self.band * self.magnitudes[LENGTH]
+    }
+
+    fn move_zone(zone: &mut Option<FlowZone>, up: bool) {
+        let place = zone.and_then(|zone| FlowZone::RISING.iter().position(|other| *other == zone));
+        let next = place.and_then(|place| if up { place.checked_add(1) } else { place.checked_sub(1) });
+        if let Some(next) = next.and_then(|next| FlowZone::RISING.get(next)) {
+            *zone = Some(*next);
+        }
+    }
+
+    /// The bound of a zone in Pa on one side, passed by the band.
+    fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
+        let valve = self.rig.actuator().valve()?;
+        let (low, high) = valve.law.bounds(zone, valve.port_pressure(port));
+        let widened = |bound: R, factor: f64| bound * R::constant(factor);
+        if up { high.map(|bound| widened(bound, 1.0 + self.band)) } else { low.map(|bound| widened(bound, 1.0 - self.band)) }
+    }
+
+    fn zone_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
+        let sides = [
+            (Port::Supply, mode.supply_zone, Guard::SupplyDown, Guard::SupplyUp),
+            (Port::Exhaust, mode.exhaust_zone, Guard::ExhaustDown, Guard::ExhaustUp),
+        ];
+        for (port, zone, down, up) in sides {
+            let Some(zone) = zone else { continue };
+            if let Some(bound) = self.zone_bound(port, zone, false) {
+                guards.add(down, GuardForm::Above { index: PRESSURE, bound: bound.value() });
+            }
+            if let Some(bound) = self.zone_bound(port, zone, true) {
+                guards.add(up, GuardForm::Below { index: PRESSURE, bound: bound.value() });
+            }
+        }
+    }
+}
+
+/// Velocity scale: one length a second. Below it an error in velocity counts absolutely.
+const USUAL_RATE: f64 = 1.0;
+/// Temperature in K at which the scale of the air mass is taken.
+const ROOM_TEMPERATURE: f64 = 293.15;
+
+impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
+    type Mode = Phase<R>;
+    type Guard = Guard;
+    type Kind = EventKind;
+
+    #[inline]
+    fn rates<T: Over<R>>(&self, time: T, state: &[T; 4], phase: &Phase<R>) -> [T; 4] {
+        let mode = &phase.mode;
+        let actuator = self.rig.actuator();
+        let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
+        match self.rig.load() {
+            Load::Prescribed(motion) => ends = motion.at(time, phase.corners_passed),
+            Load::Isometric => ends[1] = T::zero(),
+            _ if mode.sliding == Sliding::Stuck => ends[1] = T::zero(),
+            _ => {
+                if let Some(inertia) = self.inertia {
+                    ends[2] = (T::of(inertia.pull) - self.tension(state, mode)) / T::of(inertia.mass);
+                }
+            }
+        }
+        let [length, velocity, acceleration] = ends;
+        let slack = mode.extent == Extent::Slack;
+        let chamber = actuator.chamber(length, velocity, state[PRESSURE], state[3], slack);
+        let flow = self.flow(state[PRESSURE], actuator.air().temperature(&chamber), mode);
+        [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
+    }
+
+    fn magnitudes(&self) -> [f64; 4] {
+        self.magnitudes
+    }
+
+    fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
+        let seat = self
+            .rig
+            .actuation()
+            .and_then(|drive| phase.clock.next_motion(&drive.solenoid, &drive.command, until));
+        let corner = match self.rig.load() {
+            Load::Prescribed(motion) => motion.corner(phase.corners_passed),
+            _ => None,
+        };
+        let corner = corner.filter(|corner| corner.value() <= until.value());
+        match (seat, corner) {
+            (Some(seat), Some(corner)) => Some(if seat.value() <= corner.value() { seat } else { corner }),
+            (one, other) => one.or(other),
+        }
+    }
+
+    fn pass_instant(&self, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
+        if let Some(drive) = self.rig.actuation() {
+            phase.clock.advance(time, &drive.solenoid, &drive.command);
+            let ports = phase.clock.ports(&drive.solenoid);
+            if ports != phase.mode.ports {
+                phase.mode.ports = ports;
+                self.enter_ports(state, &mut phase.mode);
+                return Ok(EventKind::Valve);
+            }
+        }
+        phase.corners_passed += 1;
+        self.project(time, state, phase);
+        self.enter_extent(state, &mut phase.mode);
+        self.enter_sliding(time, state, phase);
+        Ok(EventKind::Corner)
+    }
+
+    fn guards(&self, phase: &Phase<R>) -> Guards<Guard> {
+        let mode = &phase.mode;
+        let limits = self.rig.actuator().limits();
+        let mut guards = Guards::new();
+        let above = |index, bound: R| GuardForm::Above { index, bound: bound.value() };
+        let below = |index, bound: R| GuardForm::Below { index, bound: bound.value() };
+        let moves = !matches!(self.rig.load(), Load::Isometric) && mode.sliding != Sliding::Stuck;
+        if moves {
+            match mode.extent {
+                Extent::Slack => guards.add(Guard::Tight, below(LENGTH, limits.min_length())),
+                Extent::Free => {
+                    guards.add(Guard::Slack, above(LENGTH, limits.min_length()));
+                    guards.add(Guard::Taut, below(LENGTH, limits.max_length()));
+                }
+                Extent::Taut => {
+                    guards.add(Guard::ThreadLength, below(LENGTH, self.thread_length()));
+                    guards.add(Guard::Rebound, GuardForm::Function);
+                }
+                Extent::Rebound => {
+                    guards.add(Guard::Untaut, above(LENGTH, limits.max_length()));
+                    guards.add(Guard::Retaut, GuardForm::Function);
+                }
+            }
+        }
+        match mode.sliding {
+            Sliding::Lengthening if mode.extent != Extent::Slack => guards.add(Guard::Rest, above(VELOCITY, R::zero())),
+            Sliding::Shortening if mode.extent != Extent::Slack => guards.add(Guard::Rest, below(VELOCITY, R::zero())),
+            Sliding::Stuck => {
+                guards.add(Guard::BreakLonger, GuardForm::Function);
+                guards.add(Guard::BreakShorter, GuardForm::Function);
+            }
+            _ => {}
+        }
+        if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
+            guards.add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
+        }
+        self.zone_guards(mode, &mut guards);
+        guards
+    }
+
+    fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; 4], phase: &Phase<R>) -> T {
+        let mode = &phase.mode;
+        let limits = self.rig.actuator().limits();
+        let [length, velocity, pressure, _] = *state;
+        let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
+        let band = T::constant(self.force_band);
+        let pull = || self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
+        let bound = |port, zone: Option<FlowZone>, up| {
+            zone.and_then(|zone| self.zone_bound(port, zone, up)).map_or(pressure, T::of)
+        };
+        match guard {
+            Guard::ThreadLength => T::of(self.thread_length()) - length,
+            Guard::Slack => length - shortest,
+            Guard::Tight => shortest - length,
+            Guard::Taut => longest - length,
+            Guard::Untaut => length - longest,
+            Guard::Rebound => limits.taut_force(length, velocity),
+            Guard::Retaut => -limits.taut_force(length, velocity),
+            Guard::Rest if mode.sliding == Sliding::Shortening => -velocity,
+            Guard::Rest => velocity,
+            Guard::BreakLonger => self.holdable(length, pressure).1 + band - pull(),
+            Guard::BreakShorter => pull() - self.holdable(length, pressure).0 + band,
+            Guard::TensionZero => self.signed_force(state, mode) + band,
+            Guard::TensionBack => band - self.signed_force(state, mode),
+            Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),
+            Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
+            Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
+            Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
+        }
+    }
+
+    fn cross(&self, guard: Guard, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
+        let limits = self.rig.actuator().limits();
+        let inertial = self.inertia.is_some();
+        match guard {
+            Guard::ThreadLength => Err(Error::Stopped {
+                time: time.value(),
+                reason: "the load pulled the braid straight",
+                quantity: "length",
+                value: state[LENGTH].value(),
+                unit: "m",
+                remedy: "lighten the load or stiffen actuator.limit.stiffness",
+            }),
+            Guard::Slack | Guard::Tight => {
+                if inertial {
+                    state[LENGTH] = limits.min_length();
+                }
+                if self.rests_on_the_stop(state) {
+                    state[VELOCITY] = R::zero();
+                    phase.mode.extent = Extent::Free;
+                    phase.mode.sliding = Sliding::Stuck;
+                    phase.mode.clamped = false;
+                    return Ok(EventKind::Stick);
+                }
+                let slack = guard == Guard::Slack;
+                phase.mode.extent = if slack { Extent::Slack } else { Extent::Free };
+                self.enter_sliding(time, state, phase);
+                Ok(if slack { EventKind::Slack } else { EventKind::Tight })
+            }
+            Guard::Taut | Guard::Untaut => {
+                if inertial {
+                    state[LENGTH] = limits.max_length();
+                }
+                let taut = guard == Guard::Taut;
+                phase.mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                self.enter_clamp(state, &mut phase.mode);
+                Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
+            }
+            Guard::Rebound | Guard::Retaut => {
+                let taut = guard == Guard::Retaut;
+                phase.mode.extent = if taut { Extent::Taut } else { Extent::Rebound };
+                Ok(if taut { EventKind::Taut } else { EventKind::Rebound })
+            }
+            Guard::Rest => {
+                if inertial {
+                    state[VELOCITY] = R::zero();
+                }
+                self.turn(time, state, phase)
+            }
+            Guard::BreakLonger | Guard::BreakShorter => {
+                phase.mode.sliding = self.sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                if guard == Guard::BreakShorter && state[LENGTH].value() <= limits.min_length().value() {
+                    phase.mode.extent = Extent::Slack;
+                }
+                self.enter_clamp(state, &mut phase.mode);
+                Ok(EventKind::BreakAway)
+            }
+            Guard::TensionZero | Guard::TensionBack => {
+                phase.mode.clamped = guard == Guard::TensionZero;
+                Ok(if phase.mode.clamped { EventKind::TensionZero } else { EventKind::TensionBack })
+            }
+            Guard::SupplyDown | Guard::SupplyUp => {
+                Self::move_zone(&mut phase.mode.supply_zone, guard == Guard::SupplyUp);
+                Ok(EventKind::Flow)
+            }
+            Guard::ExhaustDown | Guard::ExhaustUp => {
+                Self::move_zone(&mut phase.mode.exhaust_zone, guard == Guard::ExhaustUp);
+                Ok(EventKind::Flow)
+            }
+        }
+    }
+
+    fn project(&self, time: R, state: &mut [R; 4], phase: &Phase<R>) {
+        if let Load::Prescribed(motion) = self.rig.load() {
+            let [length, velocity, _] = motion.at(time, phase.corners_passed);
+            (state[LENGTH], state[VELOCITY]) = (length, velocity);
+        }
+    }
+
+    fn stuck(&self, time: R, state: &[R; 4], _phase: &Phase<R>) -> Error {
+        Error::Stopped {
+            time: time.value(),
+            reason: "no step is short enough for the tolerance",
+            quantity: "absolute pressure",
+            value: state[PRESSURE].value(),
+            unit: "Pa",
+            remedy: "loosen run.relative_tolerance, or check that masses, volumes and flow area are of usual size",
+        }
+    }
+}
+
+impl<R: Real> RigSystem<'_, R> {
+    fn thread_length(&self) -> R {
+        self.rig.actuator().law().law.braid.thread_length()
+    }
+
+    /// The velocity has come to zero: stick, or go the other way.
+    fn turn(&self, time: R, state: &[R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
+        match self.inertia {
+            Some(inertia) => {
+                phase.mode.sliding = self.rest_or_slide(inertia, state, &mut phase.mode);
+                self.enter_clamp(state, &mut phase.mode);
+            }
+            None => {
+                let heading = if phase.mode.sliding == Sliding::Lengthening { -1.0 } else { 1.0 };
+                phase.mode.sliding = self.sliding(heading);
+                self.enter_clamp(state, &mut phase.mode);
+            }
+        }
+        let _ = time;
+        Ok(if phase.mode.sliding == Sliding::Stuck { EventKind::Stick } else { EventKind::Reversal })
+    }
+}

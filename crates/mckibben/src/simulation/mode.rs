@@ -1,0 +1,150 @@
+//! The discrete state of an actuator on its load: which formulas hold.
+
+use crate::valve::{FlowZone, Ports};
+
+/// Where the distance between the attachments lies, (10) and (14).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// Below the shortest length: the tendon is slack.
+    Slack,
+    /// Between the limits, or at rest on the lower one.
+    Free,
+    /// Beyond the longest length: the braid is taut and pulls.
+    Taut,
+    /// Beyond the longest length, coming back so fast that the taut braid does not pull.
+    Rebound,
+}
+
+/// How the ends move, which decides the Coulomb friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sliding {
+    /// The ends move apart: friction adds to the tension.
+    Lengthening,
+    /// The ends move together: friction takes from the tension.
+    Shortening,
+    /// Friction holds the load at rest.
+    Stuck,
+    /// The load itself is held at rest; friction is indeterminate and taken as zero.
+    Held,
+    /// There is no Coulomb friction to decide.
+    Frictionless,
+}
+
+impl Sliding {
+    /// −1, 0 or +1: the factor of the Coulomb term.
+    #[inline(always)]
+    pub fn direction(self) -> f64 {
+        match self {
+            Self::Lengthening => 1.0,
+            Self::Shortening => -1.0,
+            Self::Stuck | Self::Held | Self::Frictionless => 0.0,
+        }
+    }
+}
+
+/// Which formulas hold, as an event log shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mode {
+    /// Which passages of the valve are open.
+    pub ports: Ports,
+    /// The piece of the flow law through the open passage to the supply.
+    pub supply_zone: Option<FlowZone>,
+    /// The piece of the flow law through the open passage to the surroundings.
+    pub exhaust_zone: Option<FlowZone>,
+    /// Slack, free or taut.
+    pub extent: Extent,
+    /// The direction of sliding, or sticking.
+    pub sliding: Sliding,
+    /// Whether the sum of forces is kept at zero because a tendon cannot push.
+    pub clamped: bool,
+}
+
+/// What happened at an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum EventKind {
+    /// A valve seat moved.
+    Valve,
+    /// A prescribed motion turned a corner.
+    Corner,
+    /// The velocity came to zero and friction holds the load.
+    Stick,
+    /// The velocity came to zero and changed its sign.
+    Reversal,
+    /// The load broke away from rest.
+    BreakAway,
+    /// The tendon went slack.
+    Slack,
+    /// The slack was taken up.
+    Tight,
+    /// The braid became taut.
+    Taut,
+    /// The taut braid stopped pulling while it came back.
+    Rebound,
+    /// The length fell back below its longest.
+    Untaut,
+    /// The tension came to zero: a tendon cannot push.
+    TensionZero,
+    /// The tension rose from zero.
+    TensionBack,
+    /// The flow went to another piece of its law (choked, subsonic, near equal pressure, reversed).
+    Flow,
+}
+
+impl EventKind {
+    /// The name in an event log.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Valve => "valve",
+            Self::Corner => "corner",
+            Self::Stick => "stick",
+            Self::Reversal => "reversal",
+            Self::BreakAway => "break-away",
+            Self::Slack => "slack",
+            Self::Tight => "tight",
+            Self::Taut => "taut",
+            Self::Rebound => "rebound",
+            Self::Untaut => "untaut",
+            Self::TensionZero => "tension-zero",
+            Self::TensionBack => "tension-back",
+            Self::Flow => "flow",
+        }
+    }
+}
+
+/// Why a mode ends: the name of a guard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guard {
+    /// The braid is about to be straight: the thread length is reached.
+    ThreadLength,
+    /// The distance falls below the shortest length.
+    Slack,
+    /// The distance rises above the shortest length.
+    Tight,
+    /// The distance rises above the longest length.
+    Taut,
+    /// The distance falls below the longest length.
+    Untaut,
+    /// The taut braid's force comes down to zero while it rebounds.
+    Rebound,
+    /// The taut braid's force rises from zero again.
+    Retaut,
+    /// The velocity comes to zero.
+    Rest,
+    /// The load exceeds what friction can hold and lengthens the actuator.
+    BreakLonger,
+    /// The actuator exceeds what friction can hold and shortens.
+    BreakShorter,
+    /// The sum of forces comes down to zero.
+    TensionZero,
+    /// The sum of forces rises from zero.
+    TensionBack,
+    /// The pressure leaves the piece of the supply's flow law downwards.
+    SupplyDown,
+    /// The pressure leaves the piece of the supply's flow law upwards.
+    SupplyUp,
+    /// The pressure leaves the piece of the exhaust's flow law downwards.
+    ExhaustDown,
+    /// The pressure leaves the piece of the exhaust's flow law upwards.
+    ExhaustUp,
+}

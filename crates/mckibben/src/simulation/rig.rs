@@ -1,0 +1,259 @@
+//! A rig: one actuator, what drives its valve, and its load. The paper's four-state system.
+//!
+//! ```text
+//! dL/dt = v
+//! dv/dt = (W − F(L, v, P))/M                         (16)
+//! dP/dt = by the process of the air                  (19)
+//! dm/dt = flow through the open passages             (21)
+//! ```
+//!
+//! | state | name in code | unit |
+//! |---|---|---|
+//! | L | `length`, the distance between the attachments | m |
+//! | v | `velocity`, positive when it grows | m/s |
+//! | P | `pressure`, absolute | Pa |
+//! | m | `air_mass` | kg |
+
+use crate::actuator::Actuator;
+use crate::error::{Error, Requirement};
+use crate::load::Load;
+use crate::parameter::{self, Parameter};
+use crate::pressure::{AbsolutePressure, GaugePressure};
+use crate::root;
+use crate::scalar::{Over, Real, Scalar};
+use crate::valve::{Command, Solenoid};
+
+/// What drives the valve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuation<S = f64> {
+    /// The solenoid and its delays.
+    pub solenoid: Solenoid<S>,
+    /// What is asked of it over time.
+    pub command: Command<S>,
+}
+
+/// One actuator, what drives its valve, and its load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig<S = f64> {
+    actuator: Actuator<S>,
+    actuation: Option<Actuation<S>>,
+    load: Load<S>,
+}
+
+/// The four states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<S = f64> {
+    /// Distance between the attachments in m.
+    pub length: S,
+    /// Its rate in m/s, positive when the actuator lengthens.
+    pub velocity: S,
+    /// Absolute pressure of the air.
+    pub pressure: AbsolutePressure<S>,
+    /// Mass of the air in kg.
+    pub air_mass: S,
+}
+
+impl<S: Scalar> State<S> {
+    pub(crate) fn to_array(self) -> [S; 4] {
+        [self.length, self.velocity, self.pressure.0, self.air_mass]
+    }
+
+    pub(crate) fn from_array([length, velocity, pressure, air_mass]: [S; 4]) -> Self {
+        Self { length, velocity, pressure: AbsolutePressure(pressure), air_mass }
+    }
+}
+
+/// Where the length starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InitialLength<S = f64> {
+    /// Where the load balances the static force at the initial pressure, on the taut braid if need be.
+    Equilibrium,
+    /// A distance between the attachments in m.
+    At(S),
+}
+
+/// The start of an experiment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Initial<S = f64> {
+    /// Gauge pressure in the actuator.
+    pub gauge_pressure: GaugePressure<S>,
+    /// Temperature in K, which fixes the mass of air.
+    pub temperature: S,
+    /// Distance between the attachments.
+    pub length: InitialLength<S>,
+    /// Velocity of lengthening in m/s.
+    pub velocity: S,
+}
+
+impl<S: Scalar> Initial<S> {
+    /// The same start over another scalar.
+    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Initial<T> {
+        Initial {
+            gauge_pressure: GaugePressure(convert(&parameter::INITIAL_GAUGE_PRESSURE, self.gauge_pressure.0)),
+            temperature: convert(&parameter::INITIAL_TEMPERATURE, self.temperature),
+            length: match self.length {
+                InitialLength::Equilibrium => InitialLength::Equilibrium,
+                InitialLength::At(length) => InitialLength::At(convert(&parameter::INITIAL_LENGTH, length)),
+            },
+            velocity: convert(&parameter::INITIAL_VELOCITY, self.velocity),
+        }
+    }
+}
+
+impl Rig {
+    /// An actuator with its load, and with what drives its valve if it has one.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the actuator has a valve and nothing drives it, the other way round, or the valve
+    /// cannot do what the command asks.
+    pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
+        match (&actuation, actuator.valve()) {
+            (None, Some(_)) => Err(Error::Unsupported {
+                what: "the actuator has a valve, but no command drives it",
+                remedy: "give a command, or leave the valve out for a sealed actuator",
+            }),
+            (Some(_), None) => Err(Error::Unsupported {
+                what: "a command is given, but the actuator has no valve",
+                remedy: "give the actuator a valve, or leave the command out",
+            }),
+            (Some(Actuation { solenoid, command }), Some(_)) => {
+                solenoid.check(command)?;
+                Ok(Self { actuator, actuation, load })
+            }
+            (None, None) => Ok(Self { actuator, actuation, load }),
+        }
+    }
+
+    /// The state at the start.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Unsupported`] when an
+    /// equilibrium is asked for and there is none.
+    pub fn start(&self, initial: &Initial) -> Result<State, Error> {
+        let air = self.actuator.air();
+        parameter::INITIAL_GAUGE_PRESSURE.check(initial.gauge_pressure.0)?;
+        parameter::INITIAL_TEMPERATURE.check(initial.temperature)?;
+        parameter::INITIAL_VELOCITY.check(initial.velocity)?;
+        if initial.gauge_pressure.absolute(air.atmosphere()).0 <= 0.0 {
+            return Err(crate::valve::below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure, air));
+        }
+        if let InitialLength::At(length) = initial.length {
+            parameter::INITIAL_LENGTH.check(length)?;
+            let thread_length = self.actuator.law().law.braid.thread_length();
+            if length >= thread_length {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::INITIAL_LENGTH,
+                    value: length,
+                    requirement: Requirement {
+                        relation: "must be less than",
+                        other: parameter::THREAD_LENGTH.key,
+                        value: thread_length,
+                        unit: "m",
+                    },
+                    remedy: "start between 0 and the thread length, or at \"equilibrium\"",
+                });
+            }
+        }
+        self.begin(initial)
+    }
+}
+
+impl<S: Scalar> Rig<S> {
+    /// The same rig over another scalar; `convert` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
+        Rig {
+            actuator: self.actuator.map(&mut convert),
+            actuation: self.actuation.as_ref().map(|actuation| Actuation {
+                solenoid: actuation.solenoid.map(&mut convert),
+                command: actuation.command.map(&mut convert),
+            }),
+            load: self.load.map(&mut convert),
+        }
+    }
+
+    /// The actuator.
+    #[inline(always)]
+    pub fn actuator(&self) -> &Actuator<S> {
+        &self.actuator
+    }
+
+    /// What drives the valve, unless the actuator is sealed.
+    pub fn actuation(&self) -> Option<&Actuation<S>> {
+        self.actuation.as_ref()
+    }
+
+    /// The load.
+    #[inline(always)]
+    pub fn load(&self) -> &Load<S> {
+        &self.load
+    }
+}
+
+impl<S: Real> Rig<S> {
+    /// The state at a start that has been checked, over any scalar with one value.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when an equilibrium is asked for and there is none.
+    pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
+        let air = self.actuator.air();
+        let pressure = initial.gauge_pressure.absolute(air.atmosphere());
+        let (length, velocity) = match (&self.load, initial.length) {
+            (Load::Prescribed(motion), _) => {
+                let [length, velocity, _] = motion.at(S::zero(), 0);
+                (length, velocity)
+            }
+            (Load::Isometric, InitialLength::At(length)) => (length, S::zero()),
+            (_, InitialLength::At(length)) => (length, initial.velocity),
+            (_, InitialLength::Equilibrium) => (self.equilibrium(pressure)?, initial.velocity),
+        };
+        let air_mass = air.mass(pressure, self.actuator.volume(length), initial.temperature);
+        Ok(State { length, velocity, pressure, air_mass })
+    }
+
+    /// The distance in m at which the load balances the static force at a pressure, without friction; on the taut braid
+    /// if need be, and at the shortest length when the actuator pulls harder than the load even there.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the load has no equilibrium: an isometric one, or one that pushes.
+    pub fn equilibrium(&self, pressure: AbsolutePressure<S>) -> Result<S, Error> {
+        let Some(inertia) = self.load.inertia() else {
+            return Err(Error::Unsupported {
+                what: "an isometric load has no equilibrium length: it holds any length",
+                remedy: "give initial.length a length",
+            });
+        };
+        let limits = self.actuator.limits();
+        let surplus = |length: S| {
+            self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull
+        };
+        let at = |length: f64| surplus(S::constant(length)).value();
+        let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
+        let thread = self.actuator.law().law.braid.thread_length().value();
+        let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
+        if at(bracket.1) < 0.0 {
+            return Err(Error::Unsupported {
+                what: "the load would pull the braid straight: there is no equilibrium below the thread length",
+                remedy: "lighten the load or stiffen actuator.limit.stiffness",
+            });
+        }
+        if at(bracket.0) > 0.0 {
+            return if inertia.pull.value() >= 0.0 {
+                Ok(limits.min_length())
+            } else {
+                Err(Error::Unsupported {
+                    what: "the load pushes the attachments together: there is no equilibrium",
+                    remedy: "give initial.length a length",
+                })
+            };
+        }
+        let root = S::constant(root::bracketed(bracket.0, bracket.1, 1e-16, at));
+        // One Newton step over the scalar: it polishes the value and carries the derivatives.
+        let slope: crate::Dual<S, 1> = {
+            let length = crate::Dual::variable(root, 0);
+            self.actuator.static_force(length, crate::Dual::of(pressure.0))
+                + limits.force(length, crate::Dual::of(S::zero()))
+        };
+        let step = surplus(root) / slope.slope[0];
+        Ok(if step.value().abs() < 1e-9 * root.value() { root - step } else { root })
+    }
+}

@@ -1,0 +1,207 @@
+//! A stored trajectory: samples at any time, the log of events, and what it cost.
+
+use super::hybrid::{Phase, RigSystem};
+use super::integrator::{Counts, Integrator, Piece};
+use super::mode::{EventKind, Mode};
+use super::rig::{Rig, State};
+use crate::error::Error;
+use crate::parameter;
+use crate::pressure::AbsolutePressure;
+use crate::scalar::Real;
+use crate::simulation::system::HybridSystem;
+use crate::valve::{Ports, SIMULTANEOUS};
+use alloc::vec::Vec;
+
+/// Everything that is known at an instant: the columns of a result file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<R = f64> {
+    /// Time in s.
+    pub time: R,
+    /// Distance between the attachments in m.
+    pub length: R,
+    /// Its rate in m/s.
+    pub velocity: R,
+    /// Absolute pressure.
+    pub pressure: AbsolutePressure<R>,
+    /// Mass of the air in kg.
+    pub air_mass: R,
+    /// Temperature of the air in K.
+    pub temperature: R,
+    /// Volume of the air, braid and hose, in m³.
+    pub volume: R,
+    /// Tension in N.
+    pub tension: R,
+    /// Net mass flow into the actuator in kg/s.
+    pub mass_flow: R,
+    /// Which passages of the valve are open.
+    pub ports: Ports,
+}
+
+/// A change of mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event<R = f64> {
+    /// When, in s.
+    pub time: R,
+    /// What happened.
+    pub kind: EventKind,
+    /// The mode before.
+    pub before: Mode,
+    /// The mode after.
+    pub after: Mode,
+}
+
+/// A simulated stretch of time.
+#[derive(Clone, Debug)]
+pub struct Trajectory<R: Real = f64> {
+    rig: Rig<R>,
+    relative_tolerance: f64,
+    pieces: Vec<Piece<R, Phase<R>, EventKind, 4>>,
+    events: Vec<Event<R>>,
+    last: (R, [R; 4], Phase<R>),
+    counts: Counts,
+}
+
+/// Simulates a rig from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for a duration or tolerance outside its range; [`Error::Stopped`] when the simulation cannot
+/// reach its end: it says when, where and what to change.
+pub fn simulate<R: Real>(
+    rig: &Rig<R>,
+    start: State<R>,
+    duration: R,
+    relative_tolerance: f64,
+) -> Result<Trajectory<R>, Error> {
+    parameter::DURATION.check(duration.value())?;
+    parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+    let system = RigSystem::new(rig, relative_tolerance);
+    let state = start.to_array();
+    let phase = system.begin(&state);
+    let mut integrator = Integrator::new(&system, R::zero(), state, phase, duration, relative_tolerance);
+    let mut pieces = Vec::new();
+    let mut events = Vec::new();
+    while let Some(piece) = integrator.advance()? {
+        if let Some((kind, after)) = piece.event {
+            events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
+        }
+        pieces.push(piece);
+    }
+    let last = (integrator.time(), *integrator.state(), *integrator.mode());
+    let counts = integrator.counts();
+    Ok(Trajectory { rig: rig.clone(), relative_tolerance, pieces, events, last, counts })
+}
+
+impl<R: Real> Trajectory<R> {
+    /// The rig that was simulated.
+    pub fn rig(&self) -> &Rig<R> {
+        &self.rig
+    }
+
+    /// The events in order of time.
+    pub fn events(&self) -> &[Event<R>] {
+        &self.events
+    }
+
+    /// Steps, evaluations and events.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// End of the trajectory in s.
+    pub fn duration(&self) -> R {
+        self.last.0
+    }
+
+    /// The sample at `time` in s, by dense output; at the instant of an event, after it. Times before the start and
+    /// after the end give the first and the last sample.
+    pub fn at(&self, time: R) -> Sample<R> {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        self.sample_with(&system, self.pieces.partition_point(|piece| begins_by(piece, time.value())), time)
+    }
+
+    /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
+    pub fn samples(&self, interval: f64) -> impl Iterator<Item = Sample<R>> + '_ {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let end = self.last.0.value();
+        let whole = (end / interval * (1.0 + SIMULTANEOUS)) as u64;
+        let ends_whole = (whole as f64 * interval - end).abs() <= SIMULTANEOUS * end * 4.0;
+        let mut place = 0;
+        (0..=whole + u64::from(!ends_whole)).map(move |index| {
+            let time = (index as f64 * interval).min(end);
+            let time = if index == whole && ends_whole { end } else { time };
+            while self.pieces.get(place).is_some_and(|piece| begins_by(piece, time)) {
+                place += 1;
+            }
+            self.sample_with(&system, place, R::constant(time))
+        })
+    }
+
+    fn sample_with(&self, system: &RigSystem<'_, R>, begun: usize, time: R) -> Sample<R> {
+        let (end, state, phase) = &self.last;
+        if time.value() >= end.value() * (1.0 - SIMULTANEOUS) {
+            return sample(system, *end, state, phase);
+        }
+        match begun.checked_sub(1).and_then(|index| self.pieces.get(index)).or(self.pieces.first()) {
+            Some(piece) => {
+                let kept = time.value().clamp(piece.arc.start.value(), piece.end.value());
+                let at = R::constant(kept);
+                let mut state = piece.arc.at(piece.arc.theta(at));
+                system.project(at, &mut state, &piece.mode);
+                sample(system, time, &state, &piece.mode)
+            }
+            None => sample(system, *end, state, phase),
+        }
+    }
+
+    /// Calls `visit` with samples at the Gauss points of each step and their weights in s: `Σ weight · f` is the integral
+    /// of f over the trajectory, to the order of the dense output.
+    pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>)) {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        for piece in &self.pieces {
+            let length = piece.end - piece.arc.start;
+            if length.value() <= 0.0 {
+                continue;
+            }
+            for (node, weight) in GAUSS {
+                let time = piece.arc.start + length * R::constant(node);
+                let mut state = piece.arc.at(piece.arc.theta(time));
+                system.project(time, &mut state, &piece.mode);
+                visit(length * R::constant(weight), &sample(&system, time, &state, &piece.mode));
+            }
+        }
+    }
+}
+
+/// Whether a piece has begun at a time. Two instants that differ by rounding are one.
+fn begins_by<R: Real>(piece: &Piece<R, Phase<R>, EventKind, 4>, time: f64) -> bool {
+    piece.arc.start.value() <= time * (1.0 + SIMULTANEOUS)
+}
+
+fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &Phase<R>) -> Sample<R> {
+    let State { length, velocity, pressure, air_mass } = State::from_array(*state);
+    let actuator = system.rig().actuator();
+    let slack = phase.mode.extent == super::mode::Extent::Slack;
+    let chamber = actuator.chamber(length, velocity, pressure.0, air_mass, slack);
+    let temperature = actuator.air().temperature(&chamber);
+    Sample {
+        time,
+        length,
+        velocity,
+        pressure,
+        air_mass,
+        temperature,
+        volume: chamber.volume,
+        tension: system.tension(state, &phase.mode).larger(R::zero()),
+        mass_flow: system.flow(pressure.0, temperature, &phase.mode).net(),
+        ports: phase.mode.ports,
+    }
+}
+
+/// Nodes and weights of Gauss–Legendre quadrature with five points on `[0, 1]`, exact to degree 9.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];

@@ -1,0 +1,140 @@
+//! What is asked of the valve, as exact instants.
+//!
+//! A command is a sequence of changes `(time, request)`. Times are computed from the index of the change, never summed,
+//! so the millionth pulse of a PWM starts exactly at its period.
+
+use crate::error::Error;
+use crate::parameter::{self, Parameter};
+use crate::scalar::Scalar;
+
+/// What the valve is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Join the actuator to the supply.
+    Fill,
+    /// Shut both passages; only a fill-hold-exhaust valve can.
+    Hold,
+    /// Join the actuator to the surroundings.
+    Exhaust,
+}
+
+/// What is asked of the valve over time, from t = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command<S = f64> {
+    /// The same request for ever.
+    Constant(Request),
+    /// Pulse-width modulation: the pulse starts each period.
+    Pwm {
+        /// Frequency in Hz.
+        frequency: S,
+        /// Commanded share of each period in which `pulse` is asked for.
+        duty: S,
+        /// The request during the pulse.
+        pulse: Request,
+        /// The request during the rest of the period.
+        rest: Request,
+    },
+    /// Requests that start at given times; before the first, the coils are released.
+    #[cfg(feature = "alloc")]
+    Table {
+        /// Times in s, strictly rising, zero or more.
+        time: alloc::vec::Vec<S>,
+        /// The request from each time on.
+        request: alloc::vec::Vec<Request>,
+    },
+}
+
+impl Command {
+    /// Pulse-width modulation at `frequency` (Hz, above zero) with the commanded `duty` (0 to 1).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number outside its range.
+    pub fn pwm(frequency: f64, duty: f64, pulse: Request, rest: Request) -> Result<Self, Error> {
+        let frequency = parameter::PWM_FREQUENCY.check(frequency)?;
+        Ok(Self::Pwm { frequency, duty: parameter::DUTY.check(duty)?, pulse, rest })
+    }
+
+    /// Requests that start at the given times in s.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists are empty, differ in length, or the times are negative or do not rise.
+    #[cfg(feature = "alloc")]
+    pub fn table(time: alloc::vec::Vec<f64>, request: alloc::vec::Vec<Request>) -> Result<Self, Error> {
+        let fault = |name, problem, entry, remedy| Err(Error::Table { name, problem, entry, remedy });
+        if time.len() != request.len() || time.is_empty() {
+            let entry = time.len().min(request.len()) + 1;
+            return fault("command.state", "there is not one state for each time", entry, "give as many states as times");
+        }
+        check_times("command.time", &time)?;
+        Ok(Self::Table { time, request })
+    }
+}
+
+/// Checks that times are finite, not negative and strictly rising.
+#[cfg(feature = "alloc")]
+pub(crate) fn check_times(name: &'static str, time: &[f64]) -> Result<(), Error> {
+    let fault = |problem, entry, remedy| Err(Error::Table { name, problem, entry, remedy });
+    if let Some(row) = time.iter().position(|t| !(t.is_finite() && *t >= 0.0)) {
+        return fault("a time is negative or not finite", row + 1, "give times of zero or more");
+    }
+    match time.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(row) => fault("the times do not rise", row + 2, "sort the rows by time and drop repeats"),
+        None => Ok(()),
+    }
+}
+
+impl<S: Scalar> Command<S> {
+    /// The same command over another scalar.
+    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Command<T> {
+        match self {
+            Self::Constant(request) => Command::Constant(*request),
+            Self::Pwm { frequency, duty, pulse, rest } => Command::Pwm {
+                frequency: convert(&parameter::PWM_FREQUENCY, *frequency),
+                duty: convert(&parameter::DUTY, *duty),
+                pulse: *pulse,
+                rest: *rest,
+            },
+            #[cfg(feature = "alloc")]
+            Self::Table { time, request } => Command::Table {
+                time: time.iter().map(|&time| convert(&parameter::COMMAND_TIME, time)).collect(),
+                request: request.clone(),
+            },
+        }
+    }
+
+    /// Whether any request in the command is `wanted`.
+    pub fn asks_for(&self, wanted: Request) -> bool {
+        match self {
+            Self::Constant(request) => *request == wanted,
+            Self::Pwm { pulse, rest, .. } => *pulse == wanted || *rest == wanted,
+            #[cfg(feature = "alloc")]
+            Self::Table { request, .. } => request.contains(&wanted),
+        }
+    }
+
+    /// The change of index `index` (from 0, in order of time): when, and to what; `None` when there is none.
+    pub fn change(&self, index: u64) -> Option<(S, Request)> {
+        match self {
+            Self::Constant(request) => (index == 0).then_some((S::zero(), *request)),
+            Self::Pwm { frequency, duty, pulse, rest } => {
+                let never = duty.le(S::zero());
+                let always = S::one().le(*duty);
+                if crate::scalar::Mask::any(never | always) {
+                    let request = if crate::scalar::Mask::any(never) { *rest } else { *pulse };
+                    return (index == 0).then_some((S::zero(), request));
+                }
+                let period = S::constant((index / 2) as f64);
+                Some(if index % 2 == 0 {
+                    (period / *frequency, *pulse)
+                } else {
+                    ((period + *duty) / *frequency, *rest)
+                })
+            }
+            #[cfg(feature = "alloc")]
+            Self::Table { time, request } => {
+                let row = usize::try_from(index).ok()?;
+                Some((*time.get(row)?, *request.get(row)?))
+            }
+        }
+    }
+}
