@@ -122,7 +122,7 @@ pub(super) fn attempt<R: Real, const N: usize>(
         third += (of_order_3 / scale) * (of_order_3 / scale);
     }
     let denominator = fifth + 0.01 * third;
-    let error = if denominator == 0.0 { 0.0 } else { step.value().abs() * fifth / (denominator * N as f64).sqrt() };
+    let error = if denominator == 0.0 { 0.0 } else { step.value().abs() * fifth / Scalar::sqrt(denominator * N as f64) };
     Attempt { stages: k, end, error, before_end: state }
 }
 
@@ -146,7 +146,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             rate += dk * dk;
             distance += dy * dy;
         }
-        let stiffness = if distance > 0.0 { step.value().abs() * (rate / distance).sqrt() } else { 0.0 };
+        let stiffness = if distance > 0.0 { step.value().abs() * Scalar::sqrt(rate / distance) } else { 0.0 };
         let mut state: [R; N];
         state = advance!(k, start, step;
             0: 0.056167502283047954, 6: 0.25350021021662483, 7: -0.2462390374708025, 8: -0.12419142326381637,

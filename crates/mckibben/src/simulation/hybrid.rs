@@ -139,16 +139,6 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.rig.actuator().signed_force(length, velocity, pressure, direction, mode.extent == Extent::Taut)
     }
 
-    /// The tensions in N that can be held at rest.
-    fn holdable<T: Over<R>>(&self, length: T, pressure: T) -> (T, T) {
-        let actuator = self.rig.actuator();
-        let middle = actuator.static_force(length, pressure) + actuator.limits().force(length, T::zero());
-        let bound = actuator.coulomb_bound(length, pressure);
-        let on_the_stop = length.le(T::of(actuator.limits().min_length()));
-        let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
-        (least, (middle + bound).larger(T::zero()))
-    }
-
     fn enter_ports(&self, state: &[R; 4], mode: &mut Mode) {
         let zone = |port| {
             let valve = self.rig.actuator().valve()?;
@@ -203,7 +193,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
         if mode.extent == Extent::Slack || !(actuator.friction().has_coulomb() || on_the_stop) {
             return self.sliding(inertia.pull.value());
         }
-        let (least, most) = self.holdable(state[LENGTH], state[PRESSURE]);
+        let (least, most) = self.rig.holdable(state[LENGTH], state[PRESSURE]);
         let (least, most, pull) = (least.value(), most.value(), inertia.pull.value());
         if pull > most + self.force_band {
             self.sliding(1.0)
@@ -235,7 +225,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
     fn rests_on_the_stop(&self, state: &[R; 4]) -> bool {
         let Some(inertia) = self.inertia else { return false };
         let (pull, mass) = (inertia.pull.value(), inertia.mass.value());
-        let most = self.holdable(state[LENGTH], state[PRESSURE]).1.value();
+        let most = self.rig.holdable(state[LENGTH], state[PRESSURE]).1.value();
         let acceleration = pull.min(most - pull) / mass;
         let velocity = state[VELOCITY].value();
         acceleration > 0.0 && velocity * velocity <= 2.0 * acceleration * self.band * self.magnitudes[LENGTH]
@@ -403,8 +393,8 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             Guard::Retaut => -limits.taut_force(length, velocity),
             Guard::Rest if mode.sliding == Sliding::Shortening => -velocity,
             Guard::Rest => velocity,
-            Guard::BreakLonger => self.holdable(length, pressure).1 + band - pull(),
-            Guard::BreakShorter => pull() - self.holdable(length, pressure).0 + band,
+            Guard::BreakLonger => self.rig.holdable(length, pressure).1 + band - pull(),
+            Guard::BreakShorter => pull() - self.rig.holdable(length, pressure).0 + band,
             Guard::TensionZero => self.signed_force(state, mode) + band,
             Guard::TensionBack => band - self.signed_force(state, mode),
             Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),

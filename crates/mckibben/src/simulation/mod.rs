@@ -2,23 +2,32 @@
 //!
 //! * [`simulate`]: adaptive steps of high order, every switching instant, stick, slip, slack and taut located; the
 //!   reference that everything is compared with. Its rules for events are in [`event`].
+//! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
 
 mod arc;
+#[cfg(feature = "alloc")]
+mod energy;
 pub mod event;
 mod explicit;
+mod fixed_step;
 mod hybrid;
 mod integrator;
 mod mode;
 mod rig;
 mod rosenbrock;
+mod sample;
 pub mod system;
 #[cfg(feature = "alloc")]
 mod trajectory;
 
 pub use arc::Arc;
+#[cfg(feature = "alloc")]
+pub use energy::EnergyAudit;
+pub use fixed_step::{FixedStepper, Held, Method};
 pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
+pub use sample::Sample;
 #[cfg(feature = "alloc")]
-pub use trajectory::{Event, Sample, Trajectory, simulate};
+pub use trajectory::{Event, Trajectory, simulate};

@@ -187,6 +187,18 @@ impl<S: Scalar> Rig<S> {
     pub fn load(&self) -> &Load<S> {
         &self.load
     }
+
+    /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
+    /// `F_s + F_limit ± Q k_sec`, and any from zero up on the shortest length.
+    #[inline(always)]
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T) -> (T, T) {
+        let actuator = &self.actuator;
+        let middle = actuator.static_force(length, pressure) + actuator.limits().force(length, T::zero());
+        let bound = actuator.coulomb_bound(length, pressure);
+        let on_the_stop = length.le(T::of(actuator.limits().min_length()));
+        let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
+        (least, (middle + bound).larger(T::zero()))
+    }
 }
 
 impl<S: Real> Rig<S> {

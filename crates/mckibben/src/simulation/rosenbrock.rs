@@ -151,7 +151,7 @@ pub(super) fn attempt<R: Real, const N: usize>(
         let ratio = k[STAGES - 1][n].value() / (tolerance[n] + relative * size);
         sum += ratio * ratio;
     }
-    Attempt { end, error: crate::scalar::Scalar::sqrt(sum / N as f64), stages: k }
+    Attempt { end, error: Scalar::sqrt(sum / N as f64), stages: k }
 }
 
 impl<R: Real, const N: usize> Attempt<R, N> {

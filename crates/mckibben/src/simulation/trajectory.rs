@@ -2,40 +2,15 @@
 
 use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, Integrator, Piece};
-use super::mode::{EventKind, Mode};
+use super::mode::{EventKind, Extent, Mode};
 use super::rig::{Rig, State};
+use super::sample::Sample;
 use crate::error::Error;
 use crate::parameter;
-use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
 use crate::simulation::system::HybridSystem;
-use crate::valve::{Ports, SIMULTANEOUS};
+use crate::valve::SIMULTANEOUS;
 use alloc::vec::Vec;
-
-/// Everything that is known at an instant: the columns of a result file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample<R = f64> {
-    /// Time in s.
-    pub time: R,
-    /// Distance between the attachments in m.
-    pub length: R,
-    /// Its rate in m/s.
-    pub velocity: R,
-    /// Absolute pressure.
-    pub pressure: AbsolutePressure<R>,
-    /// Mass of the air in kg.
-    pub air_mass: R,
-    /// Temperature of the air in K.
-    pub temperature: R,
-    /// Volume of the air, braid and hose, in m³.
-    pub volume: R,
-    /// Tension in N.
-    pub tension: R,
-    /// Net mass flow into the actuator in kg/s.
-    pub mass_flow: R,
-    /// Which passages of the valve are open.
-    pub ports: Ports,
-}
 
 /// A change of mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,9 +128,9 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Calls `visit` with samples at the Gauss points of each step and their weights in s: `Σ weight · f` is the integral
-    /// of f over the trajectory, to the order of the dense output.
-    pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>)) {
+    /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
+    /// integral of f over the trajectory, to the order of the dense output.
+    pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         for piece in &self.pieces {
             let length = piece.end - piece.arc.start;
@@ -166,7 +141,7 @@ impl<R: Real> Trajectory<R> {
                 let time = piece.arc.start + length * R::constant(node);
                 let mut state = piece.arc.at(piece.arc.theta(time));
                 system.project(time, &mut state, &piece.mode);
-                visit(length * R::constant(weight), &sample(&system, time, &state, &piece.mode));
+                visit(length * R::constant(weight), &sample(&system, time, &state, &piece.mode), &piece.mode.mode);
             }
         }
     }
@@ -178,23 +153,12 @@ fn begins_by<R: Real>(piece: &Piece<R, Phase<R>, EventKind, 4>, time: f64) -> bo
 }
 
 fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &Phase<R>) -> Sample<R> {
-    let State { length, velocity, pressure, air_mass } = State::from_array(*state);
     let actuator = system.rig().actuator();
-    let slack = phase.mode.extent == super::mode::Extent::Slack;
-    let chamber = actuator.chamber(length, velocity, pressure.0, air_mass, slack);
+    let slack = phase.mode.extent == Extent::Slack;
+    let chamber = actuator.chamber(state[0], state[1], state[2], state[3], slack);
     let temperature = actuator.air().temperature(&chamber);
-    Sample {
-        time,
-        length,
-        velocity,
-        pressure,
-        air_mass,
-        temperature,
-        volume: chamber.volume,
-        tension: system.tension(state, &phase.mode).larger(R::zero()),
-        mass_flow: system.flow(pressure.0, temperature, &phase.mode).net(),
-        ports: phase.mode.ports,
-    }
+    let flow = system.flow(state[2], temperature, &phase.mode);
+    Sample::new(time, state, system.tension(state, &phase.mode), chamber.volume, temperature, &flow, phase.mode.ports)
 }
 
 /// Nodes and weights of Gauss–Legendre quadrature with five points on `[0, 1]`, exact to degree 9.

@@ -1,0 +1,92 @@
+//! Shows an error of the core in the scenario file.
+//!
+//! The core names the parameter at fault by its scenario key. The place is the value at that key; where the file does
+//! not give it, the preset that did, else the section it belongs to, else the file. The other side of a contradiction
+//! is shown too when the file gives it.
+
+use crate::diagnostic::{Class, Diagnostic, Place};
+use crate::document::{Document, Value};
+use crate::keys;
+use crate::quantity;
+use mckibben::Error;
+use mckibben::parameter::Parameter;
+
+impl Document {
+    /// The diagnostic of an error that the core returned for values of this document.
+    pub fn diagnose(&self, error: &Error) -> Diagnostic {
+        match error {
+            Error::OutOfRange { parameter, value } => {
+                let title = format!("`{}` = {} is out of range", parameter.key, in_unit(parameter, *value));
+                let label = format!("must be {} {}", parameter.range, parameter.unit);
+                self.shown(Class::OutOfRange, parameter.key, None, title, label.trim_end().to_owned())
+                    .help(parameter.remedy)
+            }
+            Error::Inconsistent { parameter, value, requirement, remedy } => {
+                let other =
+                    format!("{} = {}", requirement.other, quantity::format(requirement.value, requirement.unit));
+                let value = in_unit(parameter, *value);
+                let title = format!(
+                    "`{}` = {value} contradicts the rule that it {} {other}",
+                    parameter.key, requirement.relation
+                );
+                let label = format!("{} {other}", requirement.relation);
+                self.shown(Class::Inconsistent, parameter.key, None, title, label)
+                    .related(self.given(requirement.other, parameter.key), "the other value")
+                    .help(*remedy)
+            }
+            Error::Table { name, problem, entry, remedy } => {
+                let title = format!("`{name}`: {problem}");
+                let label = format!("entry {entry}: {problem}");
+                self.shown(Class::BadList, name, entry.checked_sub(1), title, label).help(*remedy)
+            }
+            Error::Unsupported { what, remedy } => {
+                Diagnostic::whole(Class::NotApplicable, self.source().name(), *what).help(*remedy)
+            }
+            Error::Stopped { remedy, .. } => {
+                // The remedy is shown as help and need not stand in the title as well.
+                let text = error.to_string();
+                let title = text.strip_suffix(&format!("; {remedy}")).unwrap_or(&text);
+                Diagnostic::whole(Class::Stopped, self.source().name(), title).help(*remedy)
+            }
+            other => Diagnostic::whole(Class::Stopped, self.source().name(), other.to_string()),
+        }
+    }
+
+    /// A diagnostic at the best place for a key.
+    fn shown(&self, class: Class, key: &str, entry: Option<usize>, title: String, label: String) -> Diagnostic {
+        let section = key.rsplit_once('.').map_or(key, |(section, _)| section);
+        let root = key.split('.').next().unwrap_or(key);
+        if let Some(found) = self.entry(key) {
+            let item = match (&found.node.value, entry) {
+                (Value::List(items), Some(at)) => items.get(at),
+                _ => None,
+            };
+            return Diagnostic::at(class, item.unwrap_or(&found.node).place.clone(), title, label);
+        }
+        if let Some(preset) = self.entry(&format!("{root}.preset")) {
+            return Diagnostic::at(
+                class,
+                preset.node.place.clone(),
+                title,
+                format!("{label}; the preset gives `{key}`"),
+            );
+        }
+        match self.place(section).or_else(|| self.place(root)) {
+            Some(place) => Diagnostic::at(class, place.clone(), title, format!("{label}; `{key}` is not given here")),
+            None => Diagnostic::whole(class, self.source().name(), title),
+        }
+    }
+
+    /// The value of the other quantity of a contradiction: a key, or the name of one in any section.
+    fn given(&self, name: &str, beside: &str) -> Option<Place> {
+        let section = beside.rsplit_once('.').map_or("", |(section, _)| section);
+        let near = format!("{section}.{name}");
+        let by_name = || keys::KEYS.iter().find(|key| key.name() == name).map(|key| key.path);
+        let entry = self.entry(name).or_else(|| self.entry(&near)).or_else(|| self.entry(by_name()?))?;
+        Some(entry.node.place.clone())
+    }
+}
+
+fn in_unit(parameter: &Parameter, value: f64) -> String {
+    quantity::format(value, parameter.unit)
+}

@@ -1,0 +1,250 @@
+//! A TOML document whose every key and value knows its place.
+//!
+//! The `toml` crate parses; this module keeps what a reading needs: owned values with their bytes in the text, look-up
+//! by path (`valve.efficiency`), and values set from outside (a sweep, a command-line option), which carry a small
+//! text of their own so that an error about them shows what was set.
+//!
+//! Checked by `tests/scenario.rs and tests/diagnostics.rs`.
+
+use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place, Source};
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use toml::de::{DeTable, DeValue};
+
+/// A value and its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub(crate) place: Place,
+    pub(crate) value: Value,
+}
+
+/// A TOML value. What no key accepts (truth values, dates) is kept by the name of its type.
+#[derive(Clone, Debug)]
+pub(crate) enum Value {
+    String(String),
+    /// A number, finite or not.
+    Number(f64),
+    List(Vec<Node>),
+    Table(Table),
+    Other(&'static str),
+}
+
+impl Value {
+    /// The type with its article, for messages.
+    pub(crate) fn noun(&self) -> &'static str {
+        match self {
+            Self::String(_) => "a string",
+            Self::Number(_) => "a number",
+            Self::List(_) => "a list",
+            Self::Table(_) => "a section",
+            Self::Other(noun) => noun,
+        }
+    }
+}
+
+/// Keys in the order of the text.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Table(pub(crate) Vec<Entry>);
+
+/// A key with its value.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    pub(crate) name: String,
+    /// Where the name stands.
+    pub(crate) key: Place,
+    pub(crate) node: Node,
+}
+
+impl Table {
+    pub(crate) fn get(&self, name: &str) -> Option<&Entry> {
+        self.0.iter().find(|entry| entry.name == name)
+    }
+}
+
+/// A scenario file that is TOML, before its meaning is read.
+#[derive(Clone, Debug)]
+pub struct Document {
+    source: Arc<Source>,
+    root: Table,
+}
+
+impl Document {
+    /// Parses text; `name` is the file's name in messages.
+    ///
+    /// # Errors
+    /// Everything that keeps the text from being TOML.
+    pub fn parse(text: &str, name: &str) -> Result<Self, Diagnostics> {
+        let source = Source::new(name, text);
+        let root = table_of(&source)?;
+        Ok(Self { source, root })
+    }
+
+    /// Reads and parses a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or is not UTF-8 or not TOML.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            Diagnostic::whole(Class::Unreadable, name.as_str(), format!("`{name}` cannot be read: {error}"))
+                .help("give the path of a scenario file in UTF-8")
+        })?;
+        Self::parse(&text, &name)
+    }
+
+    /// The file's name and text.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Sets the value at a path such as `valve.efficiency`, in place of the file's own or beside the other keys.
+    ///
+    /// Sections on the way are made when absent. The value is checked when the scenario is read; until then any
+    /// path is accepted.
+    ///
+    /// # Errors
+    /// When the path is not one or more bare keys with points between, or runs through something that is no section.
+    pub fn set(&mut self, path: &str, value: &toml::Value) -> Result<(), Diagnostics> {
+        self.set_text(path, &value.to_string())
+    }
+
+    /// As [`Document::set`], from the value's TOML text, for instance `"\"60 psi\""` or `0.85`.
+    ///
+    /// # Errors
+    /// When the text is no TOML value, and as for [`Document::set`].
+    pub fn set_text(&mut self, path: &str, value: &str) -> Result<(), Diagnostics> {
+        let source = Source::new("value set from outside", format!("{path} = {value}"));
+        let names: Vec<&str> = path.split('.').collect();
+        let bare =
+            |name: &&str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+        if !names.iter().all(bare) {
+            let place = Place::new(source, 0..path.len());
+            return Err(Diagnostic::at(
+                Class::UnknownKey,
+                place,
+                "this is no path to a key",
+                "keys with points between",
+            )
+            .help("write it as in `valve.efficiency`")
+            .into());
+        }
+        let root = table_of(&source)?;
+        graft(&mut self.root, root, &names)
+    }
+
+    /// Removes the key or section at a path; says whether it was there.
+    pub fn remove(&mut self, path: &str) -> bool {
+        let (sections, name) = path.rsplit_once('.').map_or((None, path), |(sections, name)| (Some(sections), name));
+        let mut table = &mut self.root;
+        for section in sections.into_iter().flat_map(|sections| sections.split('.')) {
+            match table.0.iter_mut().find(|entry| entry.name == section).map(|entry| &mut entry.node.value) {
+                Some(Value::Table(inner)) => table = inner,
+                _ => return false,
+            }
+        }
+        let before = table.0.len();
+        table.0.retain(|entry| entry.name != name);
+        table.0.len() < before
+    }
+
+    /// Whether something stands at a path.
+    pub fn contains(&self, path: &str) -> bool {
+        self.entry(path).is_some()
+    }
+
+    /// The place of the key at a path.
+    pub fn place(&self, path: &str) -> Option<&Place> {
+        self.entry(path).map(|entry| &entry.key)
+    }
+
+    pub(crate) fn root(&self) -> &Table {
+        &self.root
+    }
+
+    pub(crate) fn entry(&self, path: &str) -> Option<&Entry> {
+        let mut names = path.split('.');
+        let mut entry = self.root.get(names.next()?)?;
+        for name in names {
+            let Value::Table(table) = &entry.node.value else { return None };
+            entry = table.get(name)?;
+        }
+        Some(entry)
+    }
+}
+
+/// Parses a source and takes ownership of what is in it.
+fn table_of(source: &Arc<Source>) -> Result<Table, Diagnostics> {
+    let (parsed, errors) = DeTable::parse_recoverable(source.text());
+    let found = errors.into_iter().map(|error| {
+        let mut span = error.span().unwrap_or(0..0);
+        // An error at a line's end is shown on that line, not below it.
+        if span.is_empty() || source.text().get(span.clone()) == Some("\n") {
+            span.end = span.start;
+        }
+        let place = Place::new(source.clone(), span);
+        Diagnostic::at(Class::Syntax, place, format!("this is not TOML: {}", error.message()), "here")
+            .help("values are strings such as \"60 psi\", numbers such as 0.85, or lists; see https://toml.io")
+    });
+    Diagnostics::check(found.collect())?;
+    Ok(owned_table(source, parsed.into_inner()))
+}
+
+fn owned_table(source: &Arc<Source>, table: DeTable<'_>) -> Table {
+    let entries = table.into_iter().map(|(key, value)| {
+        let place = Place::new(source.clone(), key.span());
+        Entry { name: key.into_inner().into_owned(), key: place, node: owned(source, value.span(), value.into_inner()) }
+    });
+    let mut entries: Vec<Entry> = entries.collect();
+    entries.sort_by_key(|entry| entry.key.span().start);
+    Table(entries)
+}
+
+fn owned(source: &Arc<Source>, span: Range<usize>, value: DeValue<'_>) -> Node {
+    let value = match value {
+        DeValue::String(text) => Value::String(text.into_owned()),
+        DeValue::Integer(number) => Value::Number(integer(number.as_str(), number.radix())),
+        DeValue::Float(number) => Value::Number(number.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(_) => Value::Other("a truth value"),
+        DeValue::Datetime(_) => Value::Other("a date"),
+        DeValue::Array(list) => {
+            Value::List(list.into_iter().map(|value| owned(source, value.span(), value.into_inner())).collect())
+        }
+        DeValue::Table(table) => Value::Table(owned_table(source, table)),
+    };
+    Node { place: Place::new(source.clone(), span), value }
+}
+
+/// The `f64` nearest to a whole number; not finite when even that is too small for it.
+fn integer(text: &str, radix: u32) -> f64 {
+    match radix {
+        10 => text.parse().unwrap_or(f64::NAN),
+        _ => i128::from_str_radix(text, radix).map_or(f64::NAN, |whole| whole as f64),
+    }
+}
+
+/// Puts the value at `names` of `from` into the same place of `into`.
+fn graft(into: &mut Table, from: Table, names: &[&str]) -> Result<(), Diagnostics> {
+    let Some(entry) = from.0.into_iter().next() else { return Ok(()) };
+    let found = into.0.iter().position(|known| known.name == entry.name);
+    let Some(found) = found else {
+        into.0.push(entry);
+        return Ok(());
+    };
+    let known = &mut into.0[found];
+    if names.len() < 2 {
+        known.node = entry.node;
+        known.key = entry.key;
+        return Ok(());
+    }
+    match (&mut known.node.value, entry.node.value) {
+        (Value::Table(into), Value::Table(from)) => graft(into, from, &names[1..]),
+        (other, _) => {
+            let title = format!("`{}` is {}, which holds no keys", entry.name, other.noun());
+            Err(Diagnostic::at(Class::WrongType, entry.key, title, "not a section")
+                .related(Some(known.key.clone()), "given here")
+                .into())
+        }
+    }
+}

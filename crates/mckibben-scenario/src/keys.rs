@@ -1,0 +1,331 @@
+//! The one table of sections and keys.
+//!
+//! A key that is a physical quantity refers to its row of the core's parameter table, which holds its unit, range,
+//! default, source and sentence; the few quantities that only a file has (times and lengths of tables, a phase) have
+//! rows of the same kind here. The check for unknown keys, the JSON schema and the starter file are made from this
+//! table, and the reading looks up nothing that is not in it.
+//!
+//! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
+
+use crate::choice::{
+    Choice, CommandKind, CommandState, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind, ValveKind,
+};
+use crate::presets;
+use mckibben::parameter::{self as p, Parameter, Range};
+
+/// What a key holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A quantity: a string with a unit, or a number when the parameter has no unit.
+    Quantity(&'static Parameter),
+    /// A quantity or one word.
+    QuantityOr(&'static Parameter, Choice),
+    /// A list of quantities.
+    Quantities(&'static Parameter),
+    /// A unit of the same dimension as this one.
+    Unit(&'static str),
+    /// One of these words.
+    Choice(&'static [Choice]),
+    /// A list of these words.
+    Choices(&'static [Choice]),
+}
+
+/// The choice under which a key has a meaning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct When {
+    /// Path of the key that holds the choice.
+    pub key: &'static str,
+    /// The words under which this key applies.
+    pub words: &'static [&'static str],
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Path, such as `valve.efficiency`.
+    pub path: &'static str,
+    /// What it holds.
+    pub kind: Kind,
+    /// What it is, as one sentence.
+    pub meaning: &'static str,
+    /// The word that stands in for an absent choice.
+    pub default: Option<&'static str>,
+    /// Whether it must be given wherever its section is and it applies. Keys that a preset can give are not.
+    pub required: bool,
+    /// When it applies; always, when `None`.
+    pub when: Option<When>,
+    /// A value as it is written in a file.
+    pub example: &'static str,
+}
+
+impl Key {
+    /// Path of the section, such as `actuator.friction`.
+    pub fn section(&self) -> &'static str {
+        self.path.rsplit_once('.').map_or("", |(section, _)| section)
+    }
+
+    /// Name inside the section, such as `viscous`.
+    pub fn name(&self) -> &'static str {
+        self.path.rsplit_once('.').map_or(self.path, |(_, name)| name)
+    }
+
+    /// The row of the parameter table, when the key is a quantity or a list of them.
+    pub fn parameter(&self) -> Option<&'static Parameter> {
+        match self.kind {
+            Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) => Some(row),
+            Kind::Unit(_) | Kind::Choice(_) | Kind::Choices(_) => None,
+        }
+    }
+
+    const fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
+
+    const fn when(self, key: &'static str, words: &'static [&'static str]) -> Self {
+        Self { when: Some(When { key, words }), ..self }
+    }
+
+    const fn or(self, default: &'static str) -> Self {
+        Self { default: Some(default), ..self }
+    }
+}
+
+/// A section of the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    /// Path, such as `actuator.friction`.
+    pub path: &'static str,
+    /// What it describes, as one sentence.
+    pub meaning: &'static str,
+    /// Whether every file must have it.
+    pub required: bool,
+}
+
+/// The word of `initial.length` that asks for the length at which the load is balanced.
+pub const EQUILIBRIUM: Choice = Choice {
+    name: "equilibrium",
+    meaning: "Where the actuator balances the load at the initial pressure, on the taut braid if need be.",
+};
+
+const fn row(
+    key: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    range: Range,
+    text: [&'static str; 2],
+) -> Parameter {
+    let [meaning, remedy] = text;
+    Parameter { key, symbol, unit, range, default: None, meaning, source: "choice of the experiment", remedy }
+}
+
+/// Coefficients of the polynomial effectiveness.
+pub static POLYNOMIAL: Parameter = row(
+    "actuator.effectiveness.polynomial",
+    "e_k",
+    "",
+    Range::FINITE,
+    [
+        "Coefficients of Eff = e0 + e1 p + e2 p^2 + ..., p being the gauge pressure in `pressure_unit`.",
+        "give finite numbers",
+    ],
+);
+/// Gauge pressures of the effectiveness table.
+pub static EFFECTIVENESS_PRESSURE: Parameter = row(
+    "actuator.effectiveness.gauge_pressure",
+    "P_g",
+    "Pa",
+    Range::FINITE,
+    ["Gauge pressures at which the effectiveness was measured, increasing.", "give finite pressures"],
+);
+/// Values of the effectiveness table.
+pub static EFFECTIVENESS_VALUE: Parameter = row(
+    "actuator.effectiveness.value",
+    "Eff",
+    "",
+    Range::NON_NEGATIVE,
+    ["Effectiveness at each gauge pressure.", "give ratios such as 0.9"],
+);
+
+/// Every section in the order of the file.
+pub static SECTIONS: &[Section] = &[
+    section("actuator", "The braided actuator.", false),
+    section("actuator.effectiveness", "Measured force over ideal force: a constant, a polynomial or a table.", false),
+    section("actuator.friction", "Friction between threads and bladder.", false),
+    section("actuator.limit", "The taut braid at full stretch.", false),
+    section("air", "The gas in the actuator and around it.", false),
+    section("supply", "The air that the valve joins the actuator to.", false),
+    section("valve", "The valve; without it the actuator is sealed.", false),
+    section("command", "What the valve is told; given exactly when there is a valve.", false),
+    section("load", "What the actuator pulls on.", true),
+    section("initial", "The state at the start.", false),
+    section("run", "How long to simulate and what to record.", true),
+];
+
+const fn section(path: &'static str, meaning: &'static str, required: bool) -> Section {
+    Section { path, meaning, required }
+}
+
+const fn key(path: &'static str, kind: Kind, meaning: &'static str, example: &'static str) -> Key {
+    Key { path, kind, meaning, default: None, required: false, when: None, example }
+}
+
+const fn quantity(row: &'static Parameter, example: &'static str) -> Key {
+    key(row.key, Kind::Quantity(row), row.meaning, example)
+}
+
+const fn list(row: &'static Parameter, example: &'static str) -> Key {
+    key(row.key, Kind::Quantities(row), row.meaning, example)
+}
+
+const fn choice(path: &'static str, choices: &'static [Choice], meaning: &'static str, example: &'static str) -> Key {
+    key(path, Kind::Choice(choices), meaning, example)
+}
+
+const PROCESS: &str = "air.process";
+const COMMAND: &str = "command.kind";
+const LOAD: &str = "load.kind";
+const MOTION: &[&str] = &[LoadKind::PrescribedMotion.name()];
+const MASS_AND_MORE: &[&str] = &[LoadKind::HangingMass.name(), LoadKind::ConstantForce.name()];
+
+/// Every key in the order of the file.
+pub static KEYS: &[Key] = &[
+    choice(
+        "actuator.preset",
+        presets::ACTUATOR_CHOICES,
+        "A named set of values that the other keys override.",
+        "\"colbrunn-2001\"",
+    ),
+    quantity(&p::THREAD_LENGTH, "\"4.3218 in\""),
+    quantity(&p::TURNS, "2.5"),
+    quantity(&p::MAX_LENGTH, "\"3.85 in\""),
+    quantity(&p::MIN_LENGTH, "\"2.4952 in\""),
+    quantity(&p::EXTERNAL_VOLUME, "\"3 cm^3\""),
+    quantity(&p::EFFECTIVENESS, "0.9"),
+    list(&POLYNOMIAL, "[0.7, 0.003]"),
+    key(
+        "actuator.effectiveness.pressure_unit",
+        Kind::Unit("Pa"),
+        "Unit of the polynomial's gauge pressure.",
+        "\"psi\"",
+    ),
+    list(&EFFECTIVENESS_PRESSURE, "[\"20 psi\", \"60 psi\"]"),
+    list(&EFFECTIVENESS_VALUE, "[0.8, 0.9]"),
+    quantity(&p::VISCOUS, "\"0.02 lbf*s/in\""),
+    quantity(&p::COULOMB_WIDTH, "\"0.0044 in\""),
+    quantity(&p::LIMIT_STIFFNESS, "\"1.75e5 N/m\""),
+    quantity(&p::LIMIT_DAMPING, "\"100 N*s/m\""),
+    choice(PROCESS, ProcessKind::CHOICES, "How the actuator's air changes its state.", "\"isentropic\"")
+        .or("isentropic"),
+    quantity(&p::POLYTROPIC_INDEX, "1.2").required().when(PROCESS, &[ProcessKind::Polytropic.name()]),
+    quantity(&p::HEAT_TRANSFER, "\"0.1 W/K\"").when(PROCESS, &[ProcessKind::EnergyBalance.name()]),
+    quantity(&p::WALL_TEMPERATURE, "\"20 degC\"").when(PROCESS, &[ProcessKind::EnergyBalance.name()]),
+    quantity(&p::ATMOSPHERIC_PRESSURE, "\"101325 Pa\""),
+    quantity(&p::GAS_CONSTANT, "\"286.99 J/(kg*K)\""),
+    quantity(&p::HEAT_CAPACITY_RATIO, "1.4"),
+    quantity(&p::SUPPLY_GAUGE_PRESSURE, "\"100 psi\"").required(),
+    quantity(&p::SUPPLY_TEMPERATURE, "\"293.15 K\""),
+    choice(
+        "valve.preset",
+        presets::VALVE_CHOICES,
+        "A named valve whose values the other keys override.",
+        "\"matrix-eight-channel\"",
+    ),
+    choice(
+        "valve.kind",
+        ValveKind::CHOICES,
+        "How the valve joins the actuator to supply and exhaust.",
+        "\"three-way\"",
+    ),
+    quantity(&p::FLOW_AREA, "\"1.8e-5 ft^2\""),
+    quantity(&p::SONIC_CONDUCTANCE, "\"20 L/(min*bar) ANR\""),
+    quantity(&p::CRITICAL_RATIO, "0.3"),
+    quantity(&p::EFFICIENCY, "0.85"),
+    quantity(&p::OPENING_DELAY, "\"4 ms\""),
+    quantity(&p::CLOSING_DELAY, "\"1 ms\""),
+    quantity(&p::LAMINAR_RATIO, "0.999"),
+    choice(
+        "valve.exhaust_temperature",
+        ExhaustTemperature::CHOICES,
+        "Whose temperature the leaving air has in the flow law.",
+        "\"actuator\"",
+    )
+    .or("actuator"),
+    choice(COMMAND, CommandKind::CHOICES, "What makes the valve's command.", "\"pwm\"").required(),
+    quantity(&p::PWM_FREQUENCY, "\"25 Hz\"").required().when(COMMAND, &["pwm"]),
+    quantity(&p::DUTY, "0.5").required().when(COMMAND, &["pwm"]),
+    choice(
+        "command.pulse",
+        CommandState::CHOICES,
+        "State during the pulse, with a fill-hold-exhaust valve.",
+        "\"fill\"",
+    )
+    .or("fill")
+    .when(COMMAND, &["pwm"]),
+    choice(
+        "command.rest",
+        CommandState::CHOICES,
+        "State between pulses, with a fill-hold-exhaust valve.",
+        "\"exhaust\"",
+    )
+    .or("exhaust")
+    .when(COMMAND, &["pwm"]),
+    list(&p::COMMAND_TIME, "[\"0 s\", \"0.5 s\"]").required().when(COMMAND, &["table"]),
+    key(
+        "command.state",
+        Kind::Choices(CommandState::CHOICES),
+        "State commanded from each time on.",
+        "[\"fill\", \"exhaust\"]",
+    )
+    .required()
+    .when(COMMAND, &["table"]),
+    choice(LOAD, LoadKind::CHOICES, "What the actuator pulls on.", "\"hanging-mass\"").required(),
+    quantity(&p::MASS, "\"5 lb\"").required().when(LOAD, MASS_AND_MORE),
+    quantity(&p::GRAVITY, "\"9.80665 m/s^2\"").when(LOAD, &[LoadKind::HangingMass.name()]),
+    quantity(&p::LOAD_FORCE, "\"5 lbf\"").required().when(LOAD, &[LoadKind::ConstantForce.name()]),
+    quantity(&p::MOTION_LENGTH, "\"3.5 in\"").when(LOAD, MOTION),
+    quantity(&p::MOTION_AMPLITUDE, "\"0.2 in\"").when(LOAD, MOTION),
+    quantity(&p::MOTION_FREQUENCY, "\"2 Hz\"").when(LOAD, MOTION),
+    quantity(&p::MOTION_PHASE, "\"0 deg\"").when(LOAD, MOTION),
+    list(&p::MOTION_TIME, "[\"0 s\", \"1 s\"]").when(LOAD, MOTION),
+    list(&p::MOTION_TABLE_LENGTH, "[\"3.8 in\", \"3.5 in\"]").when(LOAD, MOTION),
+    quantity(&p::INITIAL_GAUGE_PRESSURE, "\"0 psi\""),
+    quantity(&p::INITIAL_TEMPERATURE, "\"293.15 K\""),
+    key(
+        p::INITIAL_LENGTH.key,
+        Kind::QuantityOr(&p::INITIAL_LENGTH, EQUILIBRIUM),
+        p::INITIAL_LENGTH.meaning,
+        "\"equilibrium\"",
+    )
+    .or("equilibrium"),
+    quantity(&p::INITIAL_VELOCITY, "\"0 m/s\""),
+    quantity(&p::DURATION, "\"2 s\"").required(),
+    quantity(&p::SAMPLE_INTERVAL, "\"1 ms\""),
+    choice("run.engine", Engine::CHOICES, "How the simulation goes through time.", "\"event-located\"")
+        .or("event-located"),
+    quantity(&p::RELATIVE_TOLERANCE, "1e-8"),
+    choice("run.method", Method::CHOICES, "Formula of the fixed-step engine.", "\"stable\"").or("stable"),
+    quantity(&p::STEP, "\"0.1 ms\""),
+];
+
+/// The row of a key.
+pub fn key_at(path: &str) -> Option<&'static Key> {
+    KEYS.iter().find(|key| key.path == path)
+}
+
+/// The row of a section.
+pub fn section_at(path: &str) -> Option<&'static Section> {
+    SECTIONS.iter().find(|section| section.path == path)
+}
+
+/// The keys and subsections that may stand in a section (`""` for the file itself), by name.
+pub fn names_in(section: &str) -> impl Iterator<Item = &'static str> {
+    let keys = KEYS.iter().map(|key| key.path);
+    let sections = SECTIONS.iter().map(|section| section.path);
+    let parent = |path: &'static str| path.rsplit_once('.').unwrap_or(("", path));
+    keys.chain(sections)
+        .map(parent)
+        .filter(move |(of, _)| *of == section)
+        .map(|(_, name)| name)
+        .collect::<Vec<_>>()
+        .into_iter()
+}

@@ -1,0 +1,68 @@
+//! Scenario files of `mckibben`: TOML with units in, validated SI values out, and errors that show the place.
+//!
+//! ```
+//! use mckibben_scenario::{Document, Scenario};
+//!
+//! let text = r#"
+//! [load]
+//! kind = "hanging-mass"
+//! mass = "5 lb"
+//! [initial]
+//! gauge_pressure = "60 psi"
+//! [run]
+//! duration = "0.5 s"
+//! "#;
+//! let scenario = Scenario::from_str(text, "muscle.toml")?;
+//! assert_eq!(scenario.actuator.max_length, 0.09779); // the default preset's 3.85 in
+//!
+//! // A sweep sets values by path, and mistakes are shown where they are.
+//! let mut document = Document::parse(text, "muscle.toml")?;
+//! document.set("load.mass", &"5 lbf".into())?;
+//! let mistakes = document.scenario().unwrap_err();
+//! assert!(mistakes.to_string().contains("\"5 lbf\" is a force, but `load.mass` is a mass"));
+//! # Ok::<(), mckibben_scenario::Diagnostics>(())
+//! ```
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`quantity`] | the one grammar of numbers with units, on an exact table of units |
+//! | [`keys`] | the one table of sections and keys, over the core's table of parameters |
+//! | [`presets`] | named actuators and valves, each number with its source |
+//! | [`diagnostic`] | errors that show file, line, column and remedy |
+//! | [`Document`] | a file as parsed, with values set from outside, and the core's errors shown in it |
+//! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |
+//! | [`schema`], [`starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
+
+#![forbid(unsafe_code)]
+
+mod choice;
+mod diagnose;
+pub mod diagnostic;
+mod dimension;
+mod document;
+pub mod keys;
+mod model;
+mod nearest;
+pub mod presets;
+pub mod quantity;
+mod read;
+mod reader;
+mod scenario;
+mod schema;
+mod starter;
+mod unit;
+mod write;
+
+pub use choice::{
+    Choice, CommandKind, CommandState, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind, ValveKind,
+};
+pub use diagnostic::{Diagnostic, Diagnostics, Style};
+pub use dimension::Dimension;
+pub use model::Experiment;
+pub use document::Document;
+pub use scenario::{
+    Actuator, Air, Command, Effectiveness, Friction, Initial, InitialLength, Limit, Load, Motion, Passage, Process,
+    Run, Scenario, Supply, Valve,
+};
+pub use schema::schema;
+pub use starter::starter;

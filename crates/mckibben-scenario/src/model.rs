@@ -1,0 +1,163 @@
+//! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
+
+use crate::choice::{CommandState, ExhaustTemperature, ValveKind};
+use crate::diagnostic::Diagnostics;
+use crate::document::Document;
+use crate::scenario::{
+    Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Run, Scenario, Supply, Valve,
+};
+use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
+use mckibben::simulation::{self, Actuation, Initial, Rig, State};
+use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
+
+/// A scenario ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// The actuator, what drives its valve, and its load.
+    pub rig: Rig,
+    /// The state at the start.
+    pub start: State,
+    /// How long to simulate and what to record.
+    pub run: Run,
+}
+
+impl Document {
+    /// Reads the scenario and builds what it describes.
+    ///
+    /// # Errors
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    pub fn experiment(&self) -> Result<Experiment, Diagnostics> {
+        let scenario = self.scenario()?;
+        scenario.experiment().map_err(|error| self.diagnose(&error).into())
+    }
+}
+
+impl Scenario {
+    /// Builds what the scenario describes.
+    ///
+    /// # Errors
+    /// What the core finds contradictory, such as a length above the thread length.
+    pub fn experiment(&self) -> Result<Experiment, Error> {
+        let rig = self.rig()?;
+        let start = rig.start(&self.initial())?;
+        Ok(Experiment { rig, start, run: self.run })
+    }
+
+    /// The actuator, what drives its valve, and its load.
+    ///
+    /// # Errors
+    /// As [`Scenario::experiment`].
+    pub fn rig(&self) -> Result<Rig, Error> {
+        let air = self.core_air()?;
+        let mut actuator = self.core_actuator(air)?;
+        let mut actuation = None;
+        if let (Some(valve), Some(supply), Some(command)) = (&self.valve, &self.supply, &self.command) {
+            actuator = actuator.with_valve(core_valve(valve, supply, &air)?);
+            let kind = match valve.kind {
+                ValveKind::ThreeWay => valve::ValveKind::ThreeWay,
+                ValveKind::FillHoldExhaust => valve::ValveKind::FillHoldExhaust,
+            };
+            let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
+            actuation = Some(Actuation { solenoid, command: core_command(command)? });
+        }
+        Rig::new(actuator, actuation, self.core_load()?)
+    }
+
+    fn core_air(&self) -> Result<air::Air, Error> {
+        let process = match self.air.process {
+            Process::Isentropic => air::Process::Isentropic,
+            Process::Isothermal => air::Process::Isothermal,
+            Process::Polytropic { index } => air::Process::Polytropic { index },
+            Process::EnergyBalance { heat_transfer, wall_temperature } => {
+                air::Process::EnergyBalance { heat_transfer, wall_temperature }
+            }
+        };
+        let atmosphere = AbsolutePressure(self.air.atmospheric_pressure);
+        air::Air::new(self.air.gas_constant, self.air.heat_capacity_ratio, atmosphere, process)
+    }
+
+    fn core_actuator(&self, air: air::Air) -> Result<Actuator, Error> {
+        let actuator = &self.actuator;
+        let braid = Braid::new(actuator.thread_length, actuator.turns)?;
+        let limits = LengthLimits::new(
+            &braid,
+            Some(actuator.min_length),
+            actuator.max_length,
+            actuator.limit.stiffness,
+            actuator.limit.damping,
+        )?;
+        let effectiveness = match &actuator.effectiveness {
+            Effectiveness::Constant(ratio) => force::Effectiveness::constant(*ratio)?,
+            Effectiveness::Polynomial(coefficients) => force::Effectiveness::polynomial(coefficients)?,
+            Effectiveness::Table { gauge_pressure, value } => force::Effectiveness::table(gauge_pressure, value)?,
+        };
+        let friction = friction::Friction::new(actuator.friction.viscous, actuator.friction.coulomb_width)?;
+        let law = Effective { law: IdealBraid { braid }, effectiveness };
+        Actuator::new(law, limits, friction, actuator.external_volume, air)
+    }
+
+    fn core_load(&self) -> Result<load::Load, Error> {
+        let thread_length = self.actuator.thread_length;
+        match &self.load {
+            Load::HangingMass { mass, gravity } => load::Load::hanging_mass(*mass, *gravity),
+            Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
+            Load::Isometric => Ok(load::Load::Isometric),
+            Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
+                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, thread_length)
+                    .map(load::Load::Prescribed)
+            }
+            Load::PrescribedMotion(Motion::Table { time, length }) => {
+                load::Motion::table(time.clone(), length.clone(), thread_length).map(load::Load::Prescribed)
+            }
+        }
+    }
+
+    /// The start as the core takes it.
+    pub fn initial(&self) -> Initial {
+        Initial {
+            gauge_pressure: GaugePressure(self.initial.gauge_pressure),
+            temperature: self.initial.temperature,
+            length: match self.initial.length {
+                InitialLength::At(length) => simulation::InitialLength::At(length),
+                InitialLength::Equilibrium | InitialLength::OfMotion => simulation::InitialLength::Equilibrium,
+            },
+            velocity: self.initial.velocity,
+        }
+    }
+}
+
+fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
+    let standard = match valve.passage {
+        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
+        }
+    };
+    let law = valve::FlowLaw::new(standard, valve.efficiency, valve.laminar_ratio, air)?;
+    let supply = valve::Supply::new(GaugePressure(supply.gauge_pressure), supply.temperature, air)?;
+    let exhaust_temperature = match valve.exhaust_temperature {
+        ExhaustTemperature::Actuator => valve::ExhaustTemperature::Actuator,
+        ExhaustTemperature::Ambient => valve::ExhaustTemperature::Ambient,
+    };
+    Ok(valve::Valve::new(law, supply, exhaust_temperature, air))
+}
+
+fn core_command(command: &Command) -> Result<valve::Command, Error> {
+    match command {
+        Command::Constant(state) => Ok(valve::Command::Constant(request(*state))),
+        Command::Pwm { frequency, duty, pulse, rest } => {
+            valve::Command::pwm(*frequency, *duty, request(*pulse), request(*rest))
+        }
+        Command::Table { time, state } => {
+            valve::Command::table(time.clone(), state.iter().copied().map(request).collect())
+        }
+    }
+}
+
+fn request(state: CommandState) -> valve::Request {
+    match state {
+        CommandState::Fill => valve::Request::Fill,
+        CommandState::Hold => valve::Request::Hold,
+        CommandState::Exhaust => valve::Request::Exhaust,
+    }
+}

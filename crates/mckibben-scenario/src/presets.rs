@@ -1,0 +1,127 @@
+//! Named actuators and valves: for every number its text, its source, and whether it is assumed.
+//!
+//! Only hardware whose numbers are published is here. The paper (Colbrunn, Nelson & Quinn, 2001, "Modeling of Braided
+//! Pneumatic Actuators for Robotic Control") states its actuator's stretched length, diameter, friction and valve, but
+//! not thread length, turns, effectiveness, hose volume or the stiffness of the taut braid: those are marked as
+//! assumed, and no agreement with a figure of the paper may be claimed on their strength. Taking the stated 1/4 in as
+//! the braid's diameter at full stretch gives `b² = L_max² + (0.25 in · π n)²`.
+//!
+//! Checked by `tests/tables.rs`: every text parses, in its parameter's range, and the relation above holds.
+
+use crate::choice::Choice;
+use crate::quantity;
+use mckibben::parameter::{self as p, Parameter};
+
+/// One number of a preset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PresetValue {
+    /// What it is the value of.
+    pub parameter: &'static Parameter,
+    /// The value with its unit, as the source writes it.
+    pub text: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// Whether no source states it and it was chosen.
+    pub assumed: bool,
+}
+
+impl PresetValue {
+    /// The value in the parameter's SI unit, or `None` when the text is faulty, which a test rules out.
+    pub fn value(&self) -> Option<f64> {
+        let read = quantity::parse(self.text).ok()?;
+        self.parameter.check(read.value).ok()
+    }
+}
+
+/// A named set of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// As it is written in a scenario file.
+    pub name: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The words it sets, as pairs of path and word.
+    pub words: &'static [(&'static str, &'static str)],
+    /// The numbers it sets.
+    pub values: &'static [PresetValue],
+}
+
+impl Preset {
+    /// The preset's value of a parameter.
+    pub fn get(&self, parameter: &Parameter) -> Option<&'static PresetValue> {
+        self.values.iter().find(|value| value.parameter.key == parameter.key)
+    }
+
+    /// The preset's word for a path.
+    pub fn word(&self, path: &str) -> Option<&'static str> {
+        self.words.iter().find_map(|(of, word)| (*of == path).then_some(*word))
+    }
+}
+
+/// A number that the source states.
+const fn stated(parameter: &'static Parameter, text: &'static str, source: &'static str) -> PresetValue {
+    PresetValue { parameter, text, source, assumed: false }
+}
+
+/// A number that was chosen.
+const fn assumed(parameter: &'static Parameter, text: &'static str, source: &'static str) -> PresetValue {
+    PresetValue { parameter, text, source, assumed: true }
+}
+
+/// The paper's actuator.
+pub static COLBRUNN_2001: Preset = Preset {
+    name: "colbrunn-2001",
+    meaning: "The actuator of Colbrunn, Nelson & Quinn (2001), with assumed values where the paper is silent.",
+    words: &[],
+    values: &[
+        assumed(&p::THREAD_LENGTH, "4.3218 in", "assumed: follows from n and the paper's 1/4 in diameter at 3.85 in"),
+        assumed(&p::TURNS, "2.5", "assumed: 2.0 to 2.8 lets it hold the paper's 15 lb at 60 psi"),
+        stated(&p::MAX_LENGTH, "3.85 in", "paper, its stretched length"),
+        assumed(&p::MIN_LENGTH, "2.4952 in", "assumed: b/sqrt(3)"),
+        assumed(&p::EXTERNAL_VOLUME, "3 cm^3", "assumed: the paper gives no hose volume"),
+        assumed(&p::EFFECTIVENESS, "1", "assumed: the paper's figure is not at hand"),
+        stated(&p::VISCOUS, "0.02 lbf*s/in", "paper, average of its ring-down tests"),
+        stated(&p::COULOMB_WIDTH, "0.0044 in", "paper, average of its ring-down tests"),
+        assumed(&p::LIMIT_STIFFNESS, "1.75e5 N/m", "assumed: the paper gives no value"),
+        assumed(&p::LIMIT_DAMPING, "100 N*s/m", "assumed: the paper gives no value"),
+    ],
+};
+
+/// The paper's valve.
+pub static MATRIX_EIGHT_CHANNEL: Preset = Preset {
+    name: "matrix-eight-channel",
+    meaning: "One channel of the Matrix eight-channel solenoid valve that the paper measured.",
+    words: &[("valve.kind", "three-way")],
+    values: &[
+        stated(&p::FLOW_AREA, "1.8e-5 ft^2", "paper, section 3.2"),
+        stated(&p::EFFICIENCY, "0.85", "paper, section 3.3"),
+        stated(&p::OPENING_DELAY, "4 ms", "paper, section 3.3"),
+        stated(&p::CLOSING_DELAY, "1 ms", "paper, section 3.3"),
+    ],
+};
+
+/// Every named actuator; the first is taken when a file describes none.
+pub static ACTUATORS: &[&Preset] = &[&COLBRUNN_2001];
+
+/// Every named valve.
+pub static VALVES: &[&Preset] = &[&MATRIX_EIGHT_CHANNEL];
+
+/// The words of `actuator.preset`.
+pub static ACTUATOR_CHOICES: &[Choice] = &[word(&COLBRUNN_2001)];
+
+/// The words of `valve.preset`.
+pub static VALVE_CHOICES: &[Choice] = &[word(&MATRIX_EIGHT_CHANNEL)];
+
+const fn word(preset: &'static Preset) -> Choice {
+    Choice { name: preset.name, meaning: preset.meaning }
+}
+
+/// The actuator of this name.
+pub fn actuator(name: &str) -> Option<&'static Preset> {
+    ACTUATORS.iter().copied().find(|preset| preset.name == name)
+}
+
+/// The valve of this name.
+pub fn valve(name: &str) -> Option<&'static Preset> {
+    VALVES.iter().copied().find(|preset| preset.name == name)
+}

@@ -1,0 +1,95 @@
+//! The actuator and its air.
+//!
+//! A file that gives none of thread length, turns and greatest length means the default preset. One that gives some of
+//! them without naming a preset must give all three. A preset's `min_length` belongs to its thread length and is
+//! not taken over when the file overrides that one; `b/sqrt(3)` then stands in.
+
+use super::{alternative, columns};
+use crate::choice::ProcessKind;
+use crate::diagnostic::{Class, Diagnostic};
+use crate::keys;
+use crate::presets::{self, Preset};
+use crate::reader::Reader;
+use crate::scenario::{Actuator, Air, Effectiveness, Friction, Limit, Process};
+use mckibben::parameter::{self as p, Parameter};
+
+/// The keys that together say how long the braid is; giving none of them asks for the default preset.
+static GEOMETRY: [&Parameter; 3] = [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH];
+
+pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
+    let preset = if r.has("actuator.preset") {
+        r.chosen("actuator.preset", presets::ACTUATOR_CHOICES).and_then(presets::actuator)
+    } else if GEOMETRY.iter().any(|row| r.has(row.key)) {
+        None
+    } else {
+        presets::ACTUATORS.first().copied()
+    };
+    // A preset that is misspelt is one mistake; the values it would have given are not three more.
+    let stand_in = presets::ACTUATORS.first().copied().filter(|_| r.has("actuator.preset"));
+    let preset = preset.or(stand_in);
+    let [thread_length, turns, max_length] = GEOMETRY.map(|row| r.value(row, preset));
+    let own_thread = r.has(p::THREAD_LENGTH.key);
+    let of_preset = preset.filter(|_| !own_thread).and_then(|preset| preset.get(&p::MIN_LENGTH));
+    let min_length = r.number(&p::MIN_LENGTH).or_else(|| of_preset.and_then(|value| value.value()));
+    Actuator {
+        thread_length,
+        turns,
+        max_length,
+        min_length: min_length.unwrap_or(thread_length / 3_f64.sqrt()),
+        external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
+        effectiveness: effectiveness(r, preset),
+        friction: Friction { viscous: r.value(&p::VISCOUS, preset), coulomb_width: r.value(&p::COULOMB_WIDTH, preset) },
+        limit: Limit { stiffness: r.value(&p::LIMIT_STIFFNESS, preset), damping: r.value(&p::LIMIT_DAMPING, preset) },
+    }
+}
+
+const PRESSURE_UNIT: &str = "actuator.effectiveness.pressure_unit";
+
+fn effectiveness(r: &mut Reader<'_>, preset: Option<&Preset>) -> Effectiveness {
+    let constant = [p::EFFECTIVENESS.key];
+    let polynomial = [keys::POLYNOMIAL.key, PRESSURE_UNIT];
+    let table = [keys::EFFECTIVENESS_PRESSURE.key, keys::EFFECTIVENESS_VALUE.key];
+    match alternative(r, &[&constant, &polynomial, &table]) {
+        Some(1) => {
+            let unit = r.unit(PRESSURE_UNIT, "Pa").unwrap_or(1.0);
+            let coefficients = r.list(&keys::POLYNOMIAL).unwrap_or_default();
+            let scaled = coefficients.iter().zip(0_i32..).map(|(coefficient, k)| coefficient / unit.powi(k));
+            let scaled: Vec<f64> = scaled.collect();
+            // Only a unit of absurd size can do this to a finite coefficient.
+            if let Some(place) = r.value_place(PRESSURE_UNIT).filter(|_| scaled.iter().any(|e| !e.is_finite())) {
+                let title = "the coefficients per pascal do not fit 64-bit numbers";
+                r.note(
+                    Diagnostic::at(Class::OutOfRange, place, title, "this unit is too small").help("use psi or kPa"),
+                );
+            }
+            Effectiveness::Polynomial(scaled)
+        }
+        Some(2) => {
+            let gauge_pressure = r.list(&keys::EFFECTIVENESS_PRESSURE);
+            let value = r.list(&keys::EFFECTIVENESS_VALUE);
+            let (gauge_pressure, value) =
+                columns(r, &keys::EFFECTIVENESS_PRESSURE, gauge_pressure, keys::EFFECTIVENESS_VALUE.key, value);
+            Effectiveness::Table { gauge_pressure, value }
+        }
+        _ => Effectiveness::Constant(r.value(&p::EFFECTIVENESS, preset)),
+    }
+}
+
+pub(super) fn air(r: &mut Reader<'_>) -> Air {
+    let kind = r.word("air.process").unwrap_or(ProcessKind::Isentropic);
+    let process = match kind {
+        ProcessKind::Isentropic => Process::Isentropic,
+        ProcessKind::Isothermal => Process::Isothermal,
+        ProcessKind::Polytropic => Process::Polytropic { index: r.value(&p::POLYTROPIC_INDEX, None) },
+        ProcessKind::EnergyBalance => Process::EnergyBalance {
+            heat_transfer: r.value(&p::HEAT_TRANSFER, None),
+            wall_temperature: r.value(&p::WALL_TEMPERATURE, None),
+        },
+    };
+    Air {
+        process,
+        atmospheric_pressure: r.value(&p::ATMOSPHERIC_PRESSURE, None),
+        gas_constant: r.value(&p::GAS_CONSTANT, None),
+        heat_capacity_ratio: r.value(&p::HEAT_CAPACITY_RATIO, None),
+    }
+}

@@ -1,0 +1,136 @@
+//! What the actuator pulls on, how it starts, and how long it is watched.
+//!
+//! An isometric load takes its length from `initial.length`, which must then be a length; a prescribed motion says its
+//! own length and velocity at the start, so neither may be given.
+
+use super::{alternative, columns, gauge_pressure};
+use crate::choice::{Engine, LoadKind, Method};
+use crate::diagnostic::{Class, Diagnostic};
+use crate::keys::EQUILIBRIUM;
+use crate::quantity;
+use crate::reader::{Reader, out_of_range};
+use crate::scenario::{Air, Initial, InitialLength, Load, Motion, Run};
+use mckibben::parameter as p;
+
+pub(super) fn load(r: &mut Reader<'_>) -> Option<Load> {
+    let kind: Option<LoadKind> = r.word("load.kind");
+    if !r.has("load.kind") {
+        r.missing("load.kind", "");
+    }
+    Some(match kind? {
+        LoadKind::HangingMass => {
+            Load::HangingMass { mass: r.value(&p::MASS, None), gravity: r.value(&p::GRAVITY, None) }
+        }
+        LoadKind::ConstantForce => {
+            Load::ConstantForce { force: r.value(&p::LOAD_FORCE, None), mass: r.value(&p::MASS, None) }
+        }
+        LoadKind::Isometric => Load::Isometric,
+        LoadKind::PrescribedMotion => Load::PrescribedMotion(motion(r)),
+    })
+}
+
+fn motion(r: &mut Reader<'_>) -> Motion {
+    let wave = [&p::MOTION_LENGTH, &p::MOTION_AMPLITUDE, &p::MOTION_FREQUENCY, &p::MOTION_PHASE].map(|row| row.key);
+    let table = [p::MOTION_TIME.key, p::MOTION_TABLE_LENGTH.key];
+    // The phase has a default, so the alternative is told by the other three and completed by `value`.
+    let wave_keys = if wave[..3].iter().any(|path| r.has(path)) { &wave[..3] } else { &wave[..] };
+    if alternative(r, &[wave_keys, &table]) == Some(1) {
+        let time = r.list(&p::MOTION_TIME);
+        let length = r.list(&p::MOTION_TABLE_LENGTH);
+        let (time, length) = columns(r, &p::MOTION_TIME, time, p::MOTION_TABLE_LENGTH.key, length);
+        return Motion::Table { time, length };
+    }
+    let missing = wave[..3].iter().all(|path| !r.has(path)) && !r.has(wave[3]);
+    if missing {
+        r.missing(wave[0], ", with `amplitude` and `frequency`; `time` and `table_length` would do as well");
+        return Motion::Table { time: Vec::new(), length: Vec::new() };
+    }
+    let [length, amplitude, frequency] =
+        [&p::MOTION_LENGTH, &p::MOTION_AMPLITUDE, &p::MOTION_FREQUENCY].map(|row| r.noted(row));
+    let phase = r.value(&p::MOTION_PHASE, None);
+    let both = r.has(wave[0]) && r.has(wave[1]);
+    if let Some(place) = r.value_place(wave[1]).filter(|_| both && amplitude >= length) {
+        let mean = r.value_place(wave[0]);
+        let bound = format!("less than {}, the mean length", quantity::format(length, "m"));
+        r.note(out_of_range(place, &p::MOTION_AMPLITUDE, amplitude, &bound).related(mean, "mean length"));
+    }
+    Motion::Sinusoid { length, amplitude, frequency, phase }
+}
+
+pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, air: &Air) -> Initial {
+    let path = p::INITIAL_LENGTH.key;
+    let balanced = !r.has(path) || r.says(path, EQUILIBRIUM.name);
+    let given = if balanced { InitialLength::Equilibrium } else { at(r) };
+    let velocity = r.value(&p::INITIAL_VELOCITY, None);
+    let moving = r.value_place(p::INITIAL_VELOCITY.key).filter(|_| velocity != 0.0);
+    let length = match load {
+        Some(Load::Isometric) => {
+            if balanced {
+                match r.value_place(path) {
+                    Some(place) => {
+                        let title = format!("`{path}` must be a length with an isometric load");
+                        let label = "a fixed length has no equilibrium to find";
+                        r.note(
+                            Diagnostic::at(Class::NotApplicable, place, title, label)
+                                .related(r.value_place("load.kind"), "chosen here")
+                                .help("write the length, as in `length = \"3.5 in\"`"),
+                        );
+                    }
+                    None => r.missing(path, ", at which an isometric load holds the actuator"),
+                }
+            }
+            if let Some(place) = moving {
+                let title = "an isometric load does not move";
+                r.note(Diagnostic::at(Class::NotApplicable, place, title, "must be zero").help("remove the key"));
+            }
+            given
+        }
+        Some(Load::PrescribedMotion(_)) => {
+            for path in [path, p::INITIAL_VELOCITY.key] {
+                if let Some(place) = r.key_place(path) {
+                    let title = format!("`{path}` has no meaning with a prescribed motion, which says it itself");
+                    r.note(
+                        Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                            .related(r.value_place("load.kind"), "chosen here")
+                            .help("remove it"),
+                    );
+                }
+            }
+            InitialLength::OfMotion
+        }
+        _ => given,
+    };
+    let gauge_pressure = gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air);
+    Initial { gauge_pressure, temperature: r.value(&p::INITIAL_TEMPERATURE, None), length, velocity }
+}
+
+/// An initial length that is not the word `equilibrium`.
+fn at(r: &mut Reader<'_>) -> InitialLength {
+    r.number_or(&p::INITIAL_LENGTH, EQUILIBRIUM.name).map_or(InitialLength::Equilibrium, InitialLength::At)
+}
+
+pub(super) fn run(r: &mut Reader<'_>) -> Run {
+    let duration = r.value(&p::DURATION, None);
+    let sample_interval = r.value(&p::SAMPLE_INTERVAL, None);
+    // An interval by default is at fault through the duration, which is all that the file says.
+    let place = r.value_place(p::SAMPLE_INTERVAL.key).or_else(|| r.value_place(p::DURATION.key));
+    if let Some(place) = place.filter(|_| r.has(p::DURATION.key) && sample_interval > duration) {
+        let interval = quantity::format(sample_interval, p::SAMPLE_INTERVAL.unit);
+        let title = format!("`{}` = {interval} is longer than the run", p::SAMPLE_INTERVAL.key);
+        let label = format!("the run lasts {}", quantity::format(duration, p::DURATION.unit));
+        let length = r.value_place(p::DURATION.key).filter(|_| r.has(p::SAMPLE_INTERVAL.key));
+        r.note(
+            Diagnostic::at(Class::Inconsistent, place, title, label)
+                .related(length, "the run's duration")
+                .help(p::SAMPLE_INTERVAL.remedy),
+        );
+    }
+    Run {
+        duration,
+        sample_interval,
+        engine: r.word("run.engine").unwrap_or(Engine::EventLocated),
+        relative_tolerance: r.value(&p::RELATIVE_TOLERANCE, None),
+        method: r.word("run.method").unwrap_or(Method::Stable),
+        step: r.value(&p::STEP, None),
+    }
+}

@@ -1,0 +1,463 @@
+//! The typed reader: takes values out of a document and collects every mistake on the way.
+//!
+//! Each method returns what it could read and notes what it could not. A caller may go on with a stand-in after a
+//! mistake has been noted, because [`Reader::finish`] then returns the mistakes and the stand-ins are dropped; so
+//! one reading finds all there is to mend.
+//!
+//! Checked by `tests/diagnostics.rs`, one test for each class of mistake.
+
+use crate::choice::{Choice, Word};
+use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
+use crate::dimension::Dimension;
+use crate::document::{Document, Entry, Node, Table, Value};
+use crate::keys::{self, KEYS, Key, SECTIONS};
+use crate::nearest::nearest;
+use crate::presets::Preset;
+use crate::quantity;
+use mckibben::parameter::Parameter;
+
+/// What a method returns in place of a value whose mistake has been noted.
+const STAND_IN: f64 = 1.0;
+
+pub(crate) struct Reader<'d> {
+    document: &'d Document,
+    found: Vec<Diagnostic>,
+    /// Paths that misspelt keys stand for; their absence is no second mistake.
+    meant: Vec<String>,
+}
+
+impl<'d> Reader<'d> {
+    /// Starts a reading: checks that every section and key is known, then that every key applies.
+    pub(crate) fn new(document: &'d Document) -> Self {
+        let mut reader = Self { document, found: Vec::new(), meant: Vec::new() };
+        reader.known(document.root(), "");
+        reader.applies();
+        reader
+    }
+
+    /// Ends the reading.
+    pub(crate) fn finish(self) -> Result<(), Diagnostics> {
+        Diagnostics::check(self.found)
+    }
+
+    /// Notes a mistake.
+    pub(crate) fn note(&mut self, diagnostic: Diagnostic) {
+        self.found.push(diagnostic);
+    }
+
+    fn entry(&self, path: &str) -> Option<&'d Entry> {
+        self.document.entry(path)
+    }
+
+    pub(crate) fn has(&self, path: &str) -> bool {
+        self.document.contains(path)
+    }
+
+    /// The key's place, for mistakes that are about its presence.
+    pub(crate) fn key_place(&self, path: &str) -> Option<Place> {
+        self.document.place(path).cloned()
+    }
+
+    /// The value's place, for mistakes that are about what it is.
+    pub(crate) fn value_place(&self, path: &str) -> Option<Place> {
+        self.entry(path).map(|entry| entry.node.place.clone())
+    }
+
+    /// The place of one entry of a list, or of the whole value.
+    pub(crate) fn item_place(&self, path: &str, index: usize) -> Option<Place> {
+        match &self.entry(path)?.node.value {
+            Value::List(items) => items.get(index).map(|item| item.place.clone()),
+            _ => None,
+        }
+        .or_else(|| self.value_place(path))
+    }
+
+    fn known(&mut self, table: &'d Table, path: &str) {
+        for entry in &table.0 {
+            let child = if path.is_empty() { entry.name.clone() } else { format!("{path}.{}", entry.name) };
+            if keys::key_at(&child).is_some() {
+                continue;
+            }
+            match (keys::section_at(&child), &entry.node.value) {
+                (Some(_), Value::Table(inner)) => self.known(inner, &child),
+                (Some(section), other) => {
+                    let title = format!("`{child}` is a section, not {}", other.noun());
+                    let place = entry.node.place.clone();
+                    let help = format!("write `[{}]` on a line of its own and its keys below", section.path);
+                    self.note(Diagnostic::at(Class::WrongType, place, title, "a section is expected").help(help));
+                }
+                (None, _) => self.unknown(entry, path),
+            }
+        }
+    }
+
+    fn unknown(&mut self, entry: &Entry, section: &str) {
+        let name = entry.name.as_str();
+        let is_section = matches!(entry.node.value, Value::Table(_));
+        let (title, label) = match (section, is_section) {
+            ("", true) => (format!("there is no section [{name}]"), "unknown section"),
+            ("", false) => (format!("`{name}` stands outside every section"), "unknown key"),
+            (_, true) => (format!("there is no section [{section}.{name}]"), "unknown section"),
+            (_, false) => (format!("`{name}` is not a key of [{section}]"), "unknown key"),
+        };
+        let valid: Vec<&str> = keys::names_in(section).collect();
+        let within = valid.iter().copied().find(|known| known.len() > 3 && name.len() > 3 && known.contains(name));
+        let elsewhere: Vec<String> =
+            KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
+        let help = if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
+            self.meant.push(if section.is_empty() { meant.to_owned() } else { format!("{section}.{meant}") });
+            format!("did you mean `{meant}`?")
+        } else if !elsewhere.is_empty() {
+            format!("`{name}` is a key of {}", elsewhere.join(" and "))
+        } else if let Some(meant) = nearest(name, KEYS.iter().map(Key::name)) {
+            let of = KEYS.iter().find(|key| key.name() == meant).map_or("", Key::section);
+            format!("did you mean `{meant}` of [{of}]?")
+        } else {
+            format!("known here: {}", list_of(valid.iter().copied()))
+        };
+        self.note(Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, label).help(help));
+    }
+
+    /// Refuses keys that have no meaning under the choice that was made.
+    fn applies(&mut self) {
+        for key in KEYS {
+            let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
+            let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
+                Some(Value::String(word)) => Some(word.as_str()),
+                Some(_) => None,
+                None => keys::key_at(when.key).and_then(|selector| selector.default),
+            };
+            // A choice that is absent or no valid word is a mistake of its own and says nothing about this key.
+            let valid = |word: &&str| match keys::key_at(when.key).map(|selector| selector.kind) {
+                Some(keys::Kind::Choice(choices)) => choices.iter().any(|choice| choice.name == *word),
+                _ => false,
+            };
+            let Some(word) = chosen.filter(valid) else { continue };
+            if !when.words.contains(&word) {
+                let title = format!("`{}` has no meaning with `{}` = \"{word}\"", key.path, when.key);
+                let words = list_of(when.words.iter().copied());
+                let choice = self.value_place(when.key);
+                self.note(
+                    Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                        .related(choice, "chosen here")
+                        .help(format!("remove it, or set `{}` to {words}", when.key)),
+                );
+            }
+        }
+    }
+
+    /// Notes that a key is absent, at the header of its section. `because` says why it must be there.
+    pub(crate) fn missing(&mut self, path: &str, because: &str) {
+        if self.meant.iter().any(|meant| meant == path) {
+            return;
+        }
+        let (section, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let example = keys::key_at(path).map(|key| format!("add for instance `{name} = {}`", key.example));
+        let parameter = keys::key_at(path).and_then(Key::parameter);
+        let what = parameter.map_or(String::new(), |row| format!(" ({})", row.symbol));
+        let diagnostic = match self.entry(section) {
+            // A section that is no section has been refused already.
+            Some(entry) if !matches!(entry.node.value, Value::Table(_)) => return,
+            Some(entry) => {
+                let title = format!("`{path}`{what} is missing{because}");
+                Diagnostic::at(Class::Missing, entry.key.clone(), title, format!("`{name}` is expected here"))
+            }
+            None => {
+                let title = format!("`{path}`{what} is missing{because}");
+                Diagnostic::whole(Class::Missing, self.document.source().name(), title)
+                    .help(format!("add a section `[{section}]`"))
+            }
+        };
+        self.note(example.into_iter().fold(diagnostic, Diagnostic::help));
+    }
+
+    /// Notes that a whole section is absent, at the section that asks for it or at the end.
+    pub(crate) fn missing_section(&mut self, section: &str, wanted_by: Option<&str>) {
+        if self.meant.iter().any(|meant| meant == section) {
+            return;
+        }
+        let place = wanted_by.and_then(|path| self.key_place(path));
+        let diagnostic = match (place, wanted_by) {
+            (Some(place), Some(by)) => {
+                let title = format!("the section [{section}] is missing, which [{by}] needs");
+                Diagnostic::at(Class::Missing, place, title, format!("needs [{section}]"))
+            }
+            _ => {
+                let title = format!("the section [{section}] is missing");
+                Diagnostic::whole(Class::Missing, self.document.source().name(), title)
+            }
+        };
+        let needed = KEYS.iter().filter(|key| key.section() == section && key.required && key.when.is_none());
+        let lines: Vec<String> = needed.map(|key| format!("`{} = {}`", key.name(), key.example)).collect();
+        self.note(diagnostic.help(format!("add `[{section}]` with at least {}", lines.join(" and "))));
+    }
+
+    /// The key's value, or `None` when it is absent or its mistake has been noted.
+    pub(crate) fn number(&mut self, row: &'static Parameter) -> Option<f64> {
+        let entry = self.entry(row.key)?;
+        self.quantity(&entry.node, row)
+    }
+
+    /// As [`Reader::number`], for a key that also takes a word, which the caller has ruled out.
+    pub(crate) fn number_or(&mut self, row: &'static Parameter, word: &str) -> Option<f64> {
+        let node = &self.entry(row.key)?.node;
+        match &node.value {
+            // What starts with a letter is a word gone wrong, not a quantity.
+            Value::String(text) if text.trim_start().starts_with(|c: char| c.is_alphabetic()) => {
+                let title = format!("\"{text}\" is no choice for `{}`", row.key);
+                let diagnostic = Diagnostic::at(Class::InvalidChoice, node.place.clone(), title, "unknown word");
+                let meant = nearest(text, [word]).map(|name| format!("did you mean \"{name}\"?"));
+                let valid = format!("valid: `{word}`, or {}", dimension_of(row.unit).noun());
+                self.note(meant.into_iter().fold(diagnostic, Diagnostic::help).help(valid));
+                None
+            }
+            _ => self.quantity(node, row),
+        }
+    }
+
+    /// The key's value, else the preset's, else the table's default; when there is none the key is missing.
+    pub(crate) fn value(&mut self, row: &'static Parameter, preset: Option<&Preset>) -> f64 {
+        if self.has(row.key) {
+            return self.number(row).unwrap_or(STAND_IN);
+        }
+        let given = preset.and_then(|preset| preset.get(row)).and_then(|value| value.value());
+        given.or(row.default).unwrap_or_else(|| {
+            self.missing(row.key, "");
+            STAND_IN
+        })
+    }
+
+    /// The value of a key whose absence the caller has noted.
+    pub(crate) fn noted(&mut self, row: &'static Parameter) -> f64 {
+        self.number(row).unwrap_or(STAND_IN)
+    }
+
+    /// A list of quantities, or `None` when it is absent or has a mistake.
+    pub(crate) fn list(&mut self, row: &'static Parameter) -> Option<Vec<f64>> {
+        let entry = self.entry(row.key)?;
+        let items = self.items(entry)?;
+        let read: Vec<Option<f64>> = items.iter().map(|item| self.quantity(item, row)).collect();
+        read.into_iter().collect()
+    }
+
+    /// A list, which must have at least one entry.
+    fn items(&mut self, entry: &'d Entry) -> Option<&'d [Node]> {
+        let place = entry.node.place.clone();
+        match &entry.node.value {
+            Value::List(items) if items.is_empty() => {
+                let title = format!("the list `{}` is empty", entry.name);
+                self.note(
+                    Diagnostic::at(Class::BadList, place, title, "at least one entry is expected")
+                        .help("give one entry or more, or remove the key"),
+                );
+                None
+            }
+            Value::List(items) => Some(items),
+            other => {
+                let title = format!("`{}` is a list, not {}", entry.name, other.noun());
+                let help = "write the entries between `[` and `]` with commas between";
+                self.note(Diagnostic::at(Class::WrongType, place, title, "a list is expected").help(help));
+                None
+            }
+        }
+    }
+
+    /// One word, or `None` when it is absent or its mistake has been noted.
+    pub(crate) fn word<W: Word>(&mut self, path: &str) -> Option<W> {
+        let entry = self.entry(path)?;
+        W::from_name(self.one_of(&entry.node, path, W::CHOICES)?)
+    }
+
+    /// A list of words, or `None` when it is absent or has a mistake.
+    pub(crate) fn words<W: Word>(&mut self, path: &str) -> Option<Vec<W>> {
+        let entry = self.entry(path)?;
+        let items = self.items(entry)?;
+        let read: Vec<Option<&str>> = items.iter().map(|item| self.one_of(item, path, W::CHOICES)).collect();
+        read.into_iter().map(|name| name.and_then(W::from_name)).collect()
+    }
+
+    /// The string at a path when it is one of `choices`.
+    pub(crate) fn chosen(&mut self, path: &str, choices: &[Choice]) -> Option<&'static str> {
+        let entry = self.entry(path)?;
+        self.one_of(&entry.node, path, choices)
+    }
+
+    fn one_of(&mut self, node: &Node, path: &str, choices: &[Choice]) -> Option<&'static str> {
+        let names = || choices.iter().map(|choice| choice.name);
+        let valid = format!("valid: {}", list_of(names()));
+        match &node.value {
+            Value::String(word) => {
+                let found = names().find(|name| name == word);
+                if found.is_none() {
+                    let title = format!("\"{word}\" is no choice for `{path}`");
+                    let diagnostic = Diagnostic::at(Class::InvalidChoice, node.place.clone(), title, "unknown word");
+                    let meant = nearest(word, names()).map(|name| format!("did you mean \"{name}\"?"));
+                    self.note(meant.into_iter().fold(diagnostic, Diagnostic::help).help(valid));
+                }
+                found
+            }
+            other => {
+                let title = format!("`{path}` is one of several words, not {}", other.noun());
+                let label = "a word in quotes is expected";
+                self.note(Diagnostic::at(Class::WrongType, node.place.clone(), title, label).help(valid));
+                None
+            }
+        }
+    }
+
+    /// Whether the value at a path is this very string.
+    pub(crate) fn says(&self, path: &str, word: &str) -> bool {
+        matches!(self.entry(path).map(|entry| &entry.node.value), Some(Value::String(said)) if said == word)
+    }
+
+    /// The size in SI of the unit named at a path.
+    pub(crate) fn unit(&mut self, path: &str, like: &str) -> Option<f64> {
+        let entry = self.entry(path)?;
+        let expected = dimension_of(like);
+        let Value::String(text) = &entry.node.value else {
+            let title = format!("`{path}` is a unit, not {}", entry.node.value.noun());
+            let place = entry.node.place.clone();
+            let help = format!("write it as in `{} = \"{like}\"`", entry.name);
+            self.note(Diagnostic::at(Class::WrongType, place, title, "a string is expected").help(help));
+            return None;
+        };
+        match quantity::parse_unit(text) {
+            Ok((dimension, size)) if dimension == expected => return Some(size),
+            Ok((dimension, _)) => {
+                let title =
+                    format!("\"{text}\" is a unit of {}, but `{path}` is one of {}", dimension.noun(), expected.noun());
+                let place = entry.node.place.clone();
+                let help = format!("write it as in `{} = \"{like}\"`", entry.name);
+                self.note(Diagnostic::at(Class::WrongDimension, place, title, "wrong dimension").help(help));
+            }
+            Err(error) => self.bad(&entry.node, text, error),
+        }
+        None
+    }
+
+    fn bad(&mut self, node: &Node, text: &str, error: quantity::QuantityError) {
+        let place = inside(&node.place, text, error.span);
+        let diagnostic = Diagnostic::at(Class::BadQuantity, place, error.message, "here");
+        self.note(error.help.into_iter().fold(diagnostic, Diagnostic::help));
+    }
+
+    /// A quantity in the parameter's unit and range.
+    fn quantity(&mut self, node: &Node, row: &'static Parameter) -> Option<f64> {
+        let expected = dimension_of(row.unit);
+        let place = || node.place.clone();
+        let pure = expected == Dimension::NONE;
+        let value = match &node.value {
+            Value::Number(value) if pure => *value,
+            Value::Number(_) => {
+                self.note(without_unit(place(), row, expected, node.place.text()));
+                return None;
+            }
+            Value::String(text) => match quantity::parse(text) {
+                Err(error) => {
+                    self.bad(node, text, error);
+                    return None;
+                }
+                Ok(read) if !read.has_unit && pure => {
+                    let title = format!("`{}` is a number, not a string", row.key);
+                    let help = format!("write `{}` without quotes", text.trim());
+                    self.note(Diagnostic::at(Class::WrongType, place(), title, "a number is expected").help(help));
+                    return None;
+                }
+                Ok(read) if !read.has_unit => {
+                    self.note(without_unit(place(), row, expected, text.trim()));
+                    return None;
+                }
+                Ok(read) if read.dimension != expected => {
+                    self.note(wrong_dimension(place(), row, expected, read.dimension, text));
+                    return None;
+                }
+                Ok(read) => read.value,
+            },
+            other => {
+                let title = format!("`{}` is {}, not {}", row.key, expected.noun(), other.noun());
+                let label = if pure { "a number is expected" } else { "a string with number and unit is expected" };
+                let diagnostic = Diagnostic::at(Class::WrongType, place(), title, label);
+                self.note(example_of(row, expected).into_iter().fold(diagnostic, Diagnostic::help));
+                return None;
+            }
+        };
+        match row.check(value) {
+            Ok(value) => Some(value),
+            Err(_) => {
+                self.note(out_of_range(place(), row, value, &format!("{} {}", row.range, row.unit)));
+                None
+            }
+        }
+    }
+}
+
+/// The dimension of an SI unit of the parameter table.
+pub(crate) fn dimension_of(unit: &str) -> Dimension {
+    // A test reads every unit of the table, so the fallback is never seen.
+    quantity::parse_unit(unit).map_or(Dimension::NONE, |(dimension, _)| dimension)
+}
+
+/// Words in quotes with commas between.
+pub(crate) fn list_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
+    words.map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// A value outside what is admissible; `admissible` is words such as "greater than 0 Pa".
+pub(crate) fn out_of_range(place: Place, row: &Parameter, value: f64, admissible: &str) -> Diagnostic {
+    let title = format!("`{}` = {} is out of range", row.key, quantity::format(value, row.unit));
+    let label = format!("must be {}", admissible.trim_end());
+    Diagnostic::at(Class::OutOfRange, place, title, label).help(row.remedy)
+}
+
+fn example_of(row: &Parameter, expected: Dimension) -> Option<String> {
+    let example = keys::key_at(row.key).map(|key| key.example).or(expected.example())?;
+    Some(format!("write it as in `{} = {example}`", row.key.rsplit('.').next().unwrap_or(row.key)))
+}
+
+fn without_unit(place: Place, row: &Parameter, expected: Dimension, number: &str) -> Diagnostic {
+    let title = format!("`{}` is {} and needs a unit", row.key, expected.noun());
+    let examples = expected.example().map(|example| format!(", as in {example}"));
+    Diagnostic::at(Class::MissingUnit, place, title, "a number without a unit").help(format!(
+        "write \"{number} {}\" if SI is meant{}",
+        row.unit,
+        examples.unwrap_or_default()
+    ))
+}
+
+fn wrong_dimension(place: Place, row: &Parameter, expected: Dimension, found: Dimension, text: &str) -> Diagnostic {
+    if expected == Dimension::NONE {
+        let title = format!("`{}` is a pure number, but \"{text}\" is {}", row.key, found.noun());
+        let diagnostic = Diagnostic::at(Class::UnexpectedUnit, place, title, "a number without a unit is expected");
+        return example_of(row, expected).into_iter().fold(diagnostic, Diagnostic::help);
+    }
+    let title = format!("\"{text}\" is {}, but `{}` is {}", found.noun(), row.key, expected.noun());
+    let label = format!("expected a quantity in {}", row.unit);
+    let diagnostic = Diagnostic::at(Class::WrongDimension, place, title, label);
+    let hint = match (expected, found) {
+        (Dimension::FORCE, Dimension::MASS) => Some("`lb`, `kg` are masses; forces are written in `lbf`, `kgf` or `N`"),
+        (Dimension::MASS, Dimension::FORCE) => Some("`lbf`, `N` are forces; masses are written in `lb` or `kg`"),
+        (Dimension::FREQUENCY, Dimension::ANGULAR_SPEED) => Some("a frequency counts periods: 60 rpm are \"1 Hz\""),
+        (Dimension::CONDUCTANCE, Dimension::VOLUME_FLOW) => Some("divide the flow by the supply's absolute pressure"),
+        _ => None,
+    };
+    let diagnostic = hint.into_iter().fold(diagnostic, Diagnostic::help);
+    example_of(row, expected).into_iter().fold(diagnostic, Diagnostic::help)
+}
+
+/// The place of some bytes inside a string, or of the whole string when escapes make them differ from the text.
+fn inside(place: &Place, value: &str, span: std::ops::Range<usize>) -> Place {
+    let quoted = place.text();
+    let plain = quoted.len() == value.len() + 2 && quoted.get(1..=value.len()) == Some(value);
+    if !plain {
+        return place.clone();
+    }
+    // Something missing at the end is shown at the closing quote.
+    let start = place.span().start + 1;
+    let end = if span.is_empty() { span.start + 1 } else { span.end };
+    place.narrowed(start + span.start..start + end)
+}
+
+/// The sections whose absence is a mistake in any file.
+pub(crate) fn required_sections() -> impl Iterator<Item = &'static str> {
+    SECTIONS.iter().filter(|section| section.required).map(|section| section.path)
+}

@@ -1,0 +1,293 @@
+//! What a scenario file says, as plain validated values in SI.
+//!
+//! Units, presets and defaults are resolved: every field is a number in the unit its sentence names, or one of a few
+//! choices. Each number is within the range of its row in the core's parameter table. What takes the model to judge
+//! (whether the braid's lengths fit each other, say) is judged by the constructors of the core, whose errors
+//! [`Document::diagnose`](crate::Document::diagnose) shows in the file.
+
+use crate::choice::{CommandState, Engine, ExhaustTemperature, Method, ValveKind};
+use crate::diagnostic::Diagnostics;
+use crate::document::Document;
+use std::path::Path;
+
+/// One experiment: what is built, what drives it, what is recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// The braided actuator.
+    pub actuator: Actuator,
+    /// The gas in the actuator and around it.
+    pub air: Air,
+    /// The air behind the valve; always there when `valve` is.
+    pub supply: Option<Supply>,
+    /// The valve; without one the actuator is sealed.
+    pub valve: Option<Valve>,
+    /// What the valve is told; there exactly when `valve` is.
+    pub command: Option<Command>,
+    /// What the actuator pulls on.
+    pub load: Load,
+    /// The state at the start.
+    pub initial: Initial,
+    /// How long to simulate and what to record.
+    pub run: Run,
+}
+
+/// The braided actuator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuator {
+    /// Length of one braid thread b in m.
+    pub thread_length: f64,
+    /// Number of turns n that one thread makes around the actuator.
+    pub turns: f64,
+    /// Length L_max in m at which the braid is taut.
+    pub max_length: f64,
+    /// Length L_min in m of full contraction.
+    pub min_length: f64,
+    /// Volume V_ext of hose and fittings in m³.
+    pub external_volume: f64,
+    /// Measured force over ideal force.
+    pub effectiveness: Effectiveness,
+    /// Friction between threads and bladder.
+    pub friction: Friction,
+    /// The taut braid.
+    pub limit: Limit,
+}
+
+/// Measured force over ideal force, as a law over gauge pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effectiveness {
+    /// The same ratio at every pressure.
+    Constant(f64),
+    /// Coefficients e_k of Eff = Σ e_k Pg^k, with the gauge pressure Pg in Pa; e_k is in Pa^-k.
+    Polynomial(Vec<f64>),
+    /// Ratios at increasing gauge pressures.
+    Table {
+        /// Gauge pressures in Pa, strictly increasing.
+        gauge_pressure: Vec<f64>,
+        /// The ratio at each.
+        value: Vec<f64>,
+    },
+}
+
+/// Friction of the actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Viscous damping coefficient c in N·s/m.
+    pub viscous: f64,
+    /// Coulomb friction Q as a length in m.
+    pub coulomb_width: f64,
+}
+
+/// The taut braid at full stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Stiffness K_braid in N/m.
+    pub stiffness: f64,
+    /// Viscous damping C_braid in N·s/m.
+    pub damping: f64,
+}
+
+/// The gas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Air {
+    /// How the actuator's air changes its state.
+    pub process: Process,
+    /// Absolute pressure of the surroundings P_atm in Pa.
+    pub atmospheric_pressure: f64,
+    /// Specific gas constant R in J/(kg·K).
+    pub gas_constant: f64,
+    /// Ratio of heat capacities γ.
+    pub heat_capacity_ratio: f64,
+}
+
+/// How the actuator's air changes its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Process {
+    /// The paper's isentropic law.
+    Isentropic,
+    /// Constant temperature.
+    Isothermal,
+    /// An exponent of its own.
+    Polytropic {
+        /// The exponent κ.
+        index: f64,
+    },
+    /// The first law of thermodynamics.
+    EnergyBalance {
+        /// Heat transfer coefficient times area h A in W/K.
+        heat_transfer: f64,
+        /// Temperature of the wall T_wall in K.
+        wall_temperature: f64,
+    },
+}
+
+/// The air behind the valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supply {
+    /// Gauge pressure in Pa.
+    pub gauge_pressure: f64,
+    /// Temperature in K of the supply's air and the surroundings.
+    pub temperature: f64,
+}
+
+/// The valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valve {
+    /// How it joins the actuator to supply and exhaust.
+    pub kind: ValveKind,
+    /// How much it lets through.
+    pub passage: Passage,
+    /// Factor η on the calculated mass flow.
+    pub efficiency: f64,
+    /// Time t_open in s from energising the coil to the seat's motion.
+    pub opening_delay: f64,
+    /// Time t_close in s from releasing the coil to the seat's return.
+    pub closing_delay: f64,
+    /// Pressure ratio r_lam above which the flow law is a straight line.
+    pub laminar_ratio: f64,
+    /// Whose temperature the leaving air has in the flow law.
+    pub exhaust_temperature: ExhaustTemperature,
+}
+
+/// The two standard ways to state how much a valve lets through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passage {
+    /// Effective area A_p C_q in m².
+    FlowArea(f64),
+    /// ISO 6358.
+    Iso6358 {
+        /// Sonic conductance C in m³/(s·Pa) at the reference atmosphere.
+        sonic_conductance: f64,
+        /// Critical back-pressure ratio b.
+        critical_ratio: f64,
+    },
+}
+
+/// What the valve is told.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Pulse-width modulation.
+    Pwm {
+        /// Frequency f in Hz.
+        frequency: f64,
+        /// Commanded duty cycle d.
+        duty: f64,
+        /// State during the pulse, with which each period starts.
+        pulse: CommandState,
+        /// State between pulses.
+        rest: CommandState,
+    },
+    /// The same all the time.
+    Constant(CommandState),
+    /// A list of changes; before the first the coils are released.
+    Table {
+        /// Times in s, strictly increasing, from zero on.
+        time: Vec<f64>,
+        /// The state commanded from each time on.
+        state: Vec<CommandState>,
+    },
+}
+
+/// What the actuator pulls on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Load {
+    /// A mass that hangs from the actuator.
+    HangingMass {
+        /// Mass M in kg.
+        mass: f64,
+        /// Acceleration of gravity g in m/s² along the actuator.
+        gravity: f64,
+    },
+    /// A mass that a constant force pulls.
+    ConstantForce {
+        /// The force in N, positive when it stretches the actuator.
+        force: f64,
+        /// Mass M in kg.
+        mass: f64,
+    },
+    /// The length is fixed at the initial one.
+    Isometric,
+    /// The length is a given function of time.
+    PrescribedMotion(Motion),
+}
+
+/// A length as a function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// L(t) = L_0 + A sin(2π f t + φ).
+    Sinusoid {
+        /// Mean length L_0 in m.
+        length: f64,
+        /// Amplitude A in m, less than the mean length.
+        amplitude: f64,
+        /// Frequency f in Hz.
+        frequency: f64,
+        /// Phase φ in rad.
+        phase: f64,
+    },
+    /// Straight lines between points, constant outside.
+    Table {
+        /// Times in s, strictly increasing, from zero on.
+        time: Vec<f64>,
+        /// Lengths in m.
+        length: Vec<f64>,
+    },
+}
+
+/// The state at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Initial {
+    /// Gauge pressure in the actuator in Pa.
+    pub gauge_pressure: f64,
+    /// Temperature of the actuator's air in K.
+    pub temperature: f64,
+    /// Distance between the attachments.
+    pub length: InitialLength,
+    /// Velocity of lengthening in m/s.
+    pub velocity: f64,
+}
+
+/// Distance between the attachments at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InitialLength {
+    /// Where the load is balanced at the initial pressure.
+    Equilibrium,
+    /// This length in m; always so with an isometric load.
+    At(f64),
+    /// What the prescribed motion says at t = 0; always and only so with that load.
+    OfMotion,
+}
+
+/// How long to simulate and what to record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// Simulated time in s.
+    pub duration: f64,
+    /// Time between two written samples in s, not above the duration.
+    pub sample_interval: f64,
+    /// How the simulation goes through time.
+    pub engine: Engine,
+    /// Relative error that the event-located integrator allows a step.
+    pub relative_tolerance: f64,
+    /// Formula of the fixed-step engine.
+    pub method: Method,
+    /// Step of the fixed-step engine in s.
+    pub step: f64,
+}
+
+impl Scenario {
+    /// Reads a scenario from text; `file_name` stands in messages.
+    ///
+    /// # Errors
+    /// Every mistake in the text.
+    pub fn from_str(text: &str, file_name: &str) -> Result<Self, Diagnostics> {
+        Document::parse(text, file_name)?.scenario()
+    }
+
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or every mistake in it.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
+        Document::load(path)?.scenario()
+    }
+}

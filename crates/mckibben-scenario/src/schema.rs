@@ -1,0 +1,166 @@
+//! The JSON Schema (draft 2020-12) of scenario files, made from the table of keys.
+//!
+//! Editors that know JSON Schema for TOML complete keys and words with it and show each key's sentence, symbol, unit,
+//! range, default and source. It accepts every valid file; it cannot judge what takes units or other keys' values (a
+//! length below the thread length), which the reading does.
+
+use crate::choice::Choice;
+use crate::keys::{KEYS, Key, Kind, SECTIONS, Section};
+use crate::starter::{default_of, preset_may_give};
+use mckibben::parameter::Parameter;
+use serde_json::{Map, Value, json};
+
+/// A number with a unit behind it, such as `60 psi` or `85 %`; the grammar itself is in [`crate::quantity`].
+const WITH_UNIT: &str = r"^\s*[-+\u2212]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*(1/)?[^\s0-9.,+\-]";
+
+/// A unit.
+const UNIT: &str = r"^\s*(1/)?[^\s0-9.,+\-]";
+
+/// The schema of a scenario file.
+pub fn schema() -> Value {
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    for section in SECTIONS.iter().filter(|section| !section.path.contains('.')) {
+        properties.insert(section.path.to_owned(), of_section(section));
+        if section.required {
+            required.push(section.path);
+        }
+    }
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "mckibben scenario",
+        "description": "One experiment with a braided pneumatic actuator. Quantities are strings with units.",
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"] },
+        "additionalProperties": false,
+    })
+}
+
+fn of_section(section: &Section) -> Value {
+    let mut properties = Map::new();
+    let keys: Vec<&Key> = KEYS.iter().filter(|key| key.section() == section.path).collect();
+    for key in &keys {
+        properties.insert(key.name().to_owned(), of_key(key));
+    }
+    for inner in SECTIONS {
+        if let Some((_, name)) = inner.path.rsplit_once('.').filter(|(parent, _)| *parent == section.path) {
+            properties.insert(name.to_owned(), of_section(inner));
+        }
+    }
+    let required: Vec<&str> =
+        keys.iter().filter(|key| key.required && key.when.is_none()).map(|key| key.name()).collect();
+    let mut schema = json!({
+        "description": section.meaning,
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    });
+    if !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    let rules: Vec<Value> = keys.iter().flat_map(|selector| rules(selector, &keys)).collect();
+    if !rules.is_empty() {
+        schema["allOf"] = json!(rules);
+    }
+    schema
+}
+
+/// For each word of a choice: the keys that it asks for and those that have no meaning with it.
+fn rules(selector: &Key, keys: &[&Key]) -> Vec<Value> {
+    let Kind::Choice(choices) = selector.kind else { return Vec::new() };
+    let ruled: Vec<(&Key, &[&str])> = keys
+        .iter()
+        .filter_map(|key| key.when.filter(|when| when.key == selector.path).map(|when| (*key, when.words)))
+        .collect();
+    if ruled.is_empty() {
+        return Vec::new();
+    }
+    let rule = |choice: &Choice| {
+        let applies = |words: &[&str]| words.contains(&choice.name);
+        let asked = ruled.iter().filter(|(key, words)| key.required && applies(words)).map(|(key, _)| key.name());
+        let barred =
+            ruled.iter().filter(|(_, words)| !applies(words)).map(|(key, _)| (key.name().to_owned(), json!(false)));
+        // An absent choice is its default word, if it has one, and then the condition holds as well.
+        let mut condition = json!({ "properties": { selector.name(): { "const": choice.name } } });
+        if selector.default != Some(choice.name) {
+            condition["required"] = json!([selector.name()]);
+        }
+        json!({
+            "if": condition,
+            "then": { "required": asked.collect::<Vec<_>>(), "properties": barred.collect::<Map<_, _>>() },
+        })
+    };
+    choices.iter().map(rule).collect()
+}
+
+fn of_key(key: &Key) -> Value {
+    let mut schema = match key.kind {
+        Kind::Quantity(row) => of_quantity(row),
+        Kind::QuantityOr(row, word) => {
+            json!({ "anyOf": [of_quantity(row), { "const": word.name, "description": word.meaning }] })
+        }
+        Kind::Quantities(row) => json!({ "type": "array", "minItems": 1, "items": of_quantity(row) }),
+        Kind::Unit(_) => json!({ "type": "string", "pattern": UNIT }),
+        Kind::Choice(choices) => of_words(choices),
+        Kind::Choices(choices) => json!({ "type": "array", "minItems": 1, "items": of_words(choices) }),
+    };
+    schema["description"] = json!(describe(key));
+    // A default is given as the file would have it.
+    if let Some(default) = default_of(key) {
+        let pure = key.parameter().is_some_and(|row| row.unit.is_empty());
+        let number = key.parameter().and_then(|row| row.default).filter(|_| pure);
+        schema["default"] = number.map_or_else(|| json!(default), |number| json!(number));
+    }
+    if let Ok(example) = format!("value = {}", key.example).parse::<toml::Table>() {
+        schema["examples"] = json!([example.get("value")]);
+    }
+    schema
+}
+
+/// A string with a unit, or a number in its range.
+fn of_quantity(row: &Parameter) -> Value {
+    if !row.unit.is_empty() {
+        return json!({ "type": "string", "pattern": WITH_UNIT });
+    }
+    let mut number = json!({ "type": "number" });
+    let ends = [
+        (row.range.low, if row.range.low_included { "minimum" } else { "exclusiveMinimum" }),
+        (row.range.high, if row.range.high_included { "maximum" } else { "exclusiveMaximum" }),
+    ];
+    for (end, word) in ends.into_iter().filter(|(end, _)| end.is_finite()) {
+        number[word] = json!(end);
+    }
+    json!({ "anyOf": [number, { "type": "string", "pattern": WITH_UNIT }] })
+}
+
+/// One of several words, each with its sentence.
+fn of_words(choices: &[Choice]) -> Value {
+    let words: Vec<Value> =
+        choices.iter().map(|choice| json!({ "const": choice.name, "description": choice.meaning })).collect();
+    json!({ "type": "string", "oneOf": words })
+}
+
+/// Sentence, symbol, unit, range, default and source in one text.
+fn describe(key: &Key) -> String {
+    let mut parts = vec![key.meaning.to_owned()];
+    if let Some(row) = key.parameter() {
+        let unit = if row.unit.is_empty() { "none" } else { row.unit };
+        parts.push(
+            format!("Symbol: {}. Unit: {unit}. Range: {} {}", row.symbol, row.range, row.unit).trim_end().to_owned()
+                + ".",
+        );
+    }
+    if let Some(when) = key.when {
+        parts.push(format!("Only with {} = {}.", when.key, when.words.join(" or ")));
+    }
+    if let Some(default) = default_of(key) {
+        parts
+            .push(format!("{}: {default}.", if preset_may_give(key) { "Default without a preset" } else { "Default" }));
+    }
+    if let Some(row) = key.parameter() {
+        parts.push(format!("Source: {}.", row.source));
+    }
+    parts.join(" ")
+}

@@ -1,0 +1,211 @@
+//! Writes a scenario as a file: every value in SI with its unit, nothing left to a preset or a default.
+//!
+//! The text reads back to an equal [`Scenario`], bit for bit: numbers are written in the shortest digits that
+//! identify them, in units of size 1. Checked by `tests/scenario.rs`.
+
+use crate::choice::{CommandKind, LoadKind, ProcessKind};
+use crate::keys::{self, EQUILIBRIUM};
+use crate::quantity;
+use crate::scenario::{Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Scenario};
+use mckibben::parameter::{self as p, Parameter};
+use std::fmt::Write;
+
+/// A file in the making: sections with the keys that are written into them.
+#[derive(Default)]
+struct Writer {
+    text: String,
+    section: String,
+}
+
+impl Writer {
+    /// Writes a line at a path, after the header of its section when that is a new one.
+    fn line(&mut self, path: &str, value: &str) {
+        let (section, name) = path.rsplit_once('.').unwrap_or(("", path));
+        if section != self.section {
+            let gap = if self.text.is_empty() { "" } else { "\n" };
+            self.put(format_args!("{gap}[{section}]\n"));
+            section.clone_into(&mut self.section);
+        }
+        self.put(format_args!("{name} = {value}\n"));
+    }
+
+    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = self.text.write_fmt(text);
+    }
+
+    fn number(&mut self, row: &Parameter, value: f64) {
+        self.line(row.key, &literal(row, value));
+    }
+
+    fn list(&mut self, row: &Parameter, values: &[f64]) {
+        let items: Vec<String> = values.iter().map(|value| literal(row, *value)).collect();
+        self.line(row.key, &format!("[{}]", items.join(", ")));
+    }
+
+    fn word(&mut self, path: &str, word: &str) {
+        self.line(path, &format!("\"{word}\""));
+    }
+}
+
+/// A value as TOML: a string with the unit, or a number.
+fn literal(row: &Parameter, value: f64) -> String {
+    // The debug form always has a point or an exponent, which TOML wants of a float.
+    if row.unit.is_empty() { format!("{value:?}") } else { format!("\"{}\"", quantity::format(value, row.unit)) }
+}
+
+impl Scenario {
+    /// The scenario as the text of a file, every value in SI.
+    pub fn to_toml(&self) -> String {
+        let mut writer = Writer::default();
+        let w = &mut writer;
+        actuator(w, self);
+        air(w, self);
+        if let Some(supply) = &self.supply {
+            w.number(&p::SUPPLY_GAUGE_PRESSURE, supply.gauge_pressure);
+            w.number(&p::SUPPLY_TEMPERATURE, supply.temperature);
+        }
+        valve(w, self);
+        command(w, self);
+        load(w, &self.load);
+        initial_and_run(w, self);
+        writer.text
+    }
+}
+
+fn actuator(w: &mut Writer, scenario: &Scenario) {
+    let actuator = &scenario.actuator;
+    w.number(&p::THREAD_LENGTH, actuator.thread_length);
+    w.number(&p::TURNS, actuator.turns);
+    w.number(&p::MAX_LENGTH, actuator.max_length);
+    w.number(&p::MIN_LENGTH, actuator.min_length);
+    w.number(&p::EXTERNAL_VOLUME, actuator.external_volume);
+    match &actuator.effectiveness {
+        Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
+        Effectiveness::Polynomial(coefficients) => {
+            w.list(&keys::POLYNOMIAL, coefficients);
+            w.word("actuator.effectiveness.pressure_unit", "Pa");
+        }
+        Effectiveness::Table { gauge_pressure, value } => {
+            w.list(&keys::EFFECTIVENESS_PRESSURE, gauge_pressure);
+            w.list(&keys::EFFECTIVENESS_VALUE, value);
+        }
+    }
+    w.number(&p::VISCOUS, actuator.friction.viscous);
+    w.number(&p::COULOMB_WIDTH, actuator.friction.coulomb_width);
+    w.number(&p::LIMIT_STIFFNESS, actuator.limit.stiffness);
+    w.number(&p::LIMIT_DAMPING, actuator.limit.damping);
+}
+
+fn air(w: &mut Writer, scenario: &Scenario) {
+    let air = &scenario.air;
+    let kind = match air.process {
+        Process::Isentropic => ProcessKind::Isentropic,
+        Process::Isothermal => ProcessKind::Isothermal,
+        Process::Polytropic { .. } => ProcessKind::Polytropic,
+        Process::EnergyBalance { .. } => ProcessKind::EnergyBalance,
+    };
+    w.word("air.process", kind.name());
+    match air.process {
+        Process::Isentropic | Process::Isothermal => {}
+        Process::Polytropic { index } => w.number(&p::POLYTROPIC_INDEX, index),
+        Process::EnergyBalance { heat_transfer, wall_temperature } => {
+            w.number(&p::HEAT_TRANSFER, heat_transfer);
+            w.number(&p::WALL_TEMPERATURE, wall_temperature);
+        }
+    }
+    w.number(&p::ATMOSPHERIC_PRESSURE, air.atmospheric_pressure);
+    w.number(&p::GAS_CONSTANT, air.gas_constant);
+    w.number(&p::HEAT_CAPACITY_RATIO, air.heat_capacity_ratio);
+}
+
+fn valve(w: &mut Writer, scenario: &Scenario) {
+    let Some(valve) = &scenario.valve else { return };
+    w.word("valve.kind", valve.kind.name());
+    match valve.passage {
+        Passage::FlowArea(area) => w.number(&p::FLOW_AREA, area),
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            w.number(&p::SONIC_CONDUCTANCE, sonic_conductance);
+            w.number(&p::CRITICAL_RATIO, critical_ratio);
+        }
+    }
+    w.number(&p::EFFICIENCY, valve.efficiency);
+    w.number(&p::OPENING_DELAY, valve.opening_delay);
+    w.number(&p::CLOSING_DELAY, valve.closing_delay);
+    w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);
+    w.word("valve.exhaust_temperature", valve.exhaust_temperature.name());
+}
+
+fn command(w: &mut Writer, scenario: &Scenario) {
+    let three_way = scenario.valve.is_some_and(|valve| valve.kind == crate::ValveKind::ThreeWay);
+    match &scenario.command {
+        None => {}
+        Some(Command::Constant(state)) => w.word("command.kind", state.name()),
+        Some(Command::Pwm { frequency, duty, pulse, rest }) => {
+            w.word("command.kind", CommandKind::Pwm.name());
+            w.number(&p::PWM_FREQUENCY, *frequency);
+            w.number(&p::DUTY, *duty);
+            if !three_way {
+                w.word("command.pulse", pulse.name());
+                w.word("command.rest", rest.name());
+            }
+        }
+        Some(Command::Table { time, state }) => {
+            w.word("command.kind", CommandKind::Table.name());
+            w.list(&p::COMMAND_TIME, time);
+            let states: Vec<String> = state.iter().map(|state| format!("\"{}\"", state.name())).collect();
+            w.line("command.state", &format!("[{}]", states.join(", ")));
+        }
+    }
+}
+
+fn load(w: &mut Writer, load: &Load) {
+    let kind = match load {
+        Load::HangingMass { .. } => LoadKind::HangingMass,
+        Load::ConstantForce { .. } => LoadKind::ConstantForce,
+        Load::Isometric => LoadKind::Isometric,
+        Load::PrescribedMotion(_) => LoadKind::PrescribedMotion,
+    };
+    w.word("load.kind", kind.name());
+    match load {
+        Load::HangingMass { mass, gravity } => {
+            w.number(&p::MASS, *mass);
+            w.number(&p::GRAVITY, *gravity);
+        }
+        Load::ConstantForce { force, mass } => {
+            w.number(&p::LOAD_FORCE, *force);
+            w.number(&p::MASS, *mass);
+        }
+        Load::Isometric => {}
+        Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
+            w.number(&p::MOTION_LENGTH, *length);
+            w.number(&p::MOTION_AMPLITUDE, *amplitude);
+            w.number(&p::MOTION_FREQUENCY, *frequency);
+            w.number(&p::MOTION_PHASE, *phase);
+        }
+        Load::PrescribedMotion(Motion::Table { time, length }) => {
+            w.list(&p::MOTION_TIME, time);
+            w.list(&p::MOTION_TABLE_LENGTH, length);
+        }
+    }
+}
+
+fn initial_and_run(w: &mut Writer, scenario: &Scenario) {
+    let (initial, run) = (&scenario.initial, &scenario.run);
+    w.number(&p::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure);
+    w.number(&p::INITIAL_TEMPERATURE, initial.temperature);
+    match initial.length {
+        InitialLength::Equilibrium => w.word(p::INITIAL_LENGTH.key, EQUILIBRIUM.name),
+        InitialLength::At(length) => w.number(&p::INITIAL_LENGTH, length),
+        InitialLength::OfMotion => {}
+    }
+    if initial.length != InitialLength::OfMotion {
+        w.number(&p::INITIAL_VELOCITY, initial.velocity);
+    }
+    w.number(&p::DURATION, run.duration);
+    w.number(&p::SAMPLE_INTERVAL, run.sample_interval);
+    w.word("run.engine", run.engine.name());
+    w.number(&p::RELATIVE_TOLERANCE, run.relative_tolerance);
+    w.word("run.method", run.method.name());
+    w.number(&p::STEP, run.step);
+}

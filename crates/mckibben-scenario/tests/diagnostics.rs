@@ -1,0 +1,355 @@
+//! Every class of mistake: its line and column, its words, its remedy; and that one reading finds them all.
+
+use mckibben::Requirement;
+use mckibben::parameter as p;
+use mckibben_scenario::diagnostic::{Class, Diagnostic, Diagnostics, Style};
+use mckibben_scenario::{Document, Scenario};
+
+const GOOD: &str = r#"[actuator]
+thread_length = "4.3218 in"
+turns = 2.5
+max_length = "3.85 in"
+[supply]
+gauge_pressure = "100 psi"
+[valve]
+kind = "three-way"
+flow_area = "1.8e-5 ft^2"
+efficiency = 0.85
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[run]
+duration = "2 s"
+"#;
+
+fn mistakes(text: &str) -> Diagnostics {
+    match Scenario::from_str(text, "muscle.toml") {
+        Ok(scenario) => panic!("accepted:\n{text}\n{scenario:?}"),
+        Err(mistakes) => mistakes,
+    }
+}
+
+/// The one mistake that comes of replacing some text of the good file.
+fn only(from: &str, to: &str) -> Diagnostic {
+    assert!(GOOD.contains(from), "{from}");
+    let found = mistakes(&GOOD.replacen(from, to, 1));
+    assert_eq!(found.count(), 1, "{found}");
+    found.iter().next().cloned().expect("one")
+}
+
+/// Replaces text, and checks class, line, column and some words of what is shown.
+fn check(from: &str, to: &str, class: Class, at: (usize, usize), words: &[&str]) {
+    let found = only(from, to);
+    let shown = found.to_string();
+    assert_eq!(found.class(), class, "{shown}");
+    assert_eq!((found.line(), found.column()), (Some(at.0), Some(at.1)), "{shown}");
+    assert!(shown.contains(&format!("muscle.toml:{}:{}", at.0, at.1)), "{shown}");
+    for word in words {
+        assert!(shown.contains(word), "`{word}` is not in\n{shown}");
+    }
+}
+
+#[test]
+fn the_good_file_is_good() {
+    Scenario::from_str(GOOD, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn syntax() {
+    check("turns = 2.5", "turns 2.5", Class::Syntax, (3, 7), &["this is not TOML", "turns 2.5"]);
+    check("duty = 0.5", "duty = 0.5\nduty = 0.6", Class::Syntax, (15, 1), &["duplicate key"]);
+}
+
+#[test]
+fn unknown_keys_and_sections() {
+    check("turns = 2.5", "turns = 2.5\nturn = 2", Class::UnknownKey, (4, 1), &["[actuator]", "did you mean `turns`?"]);
+    check("[load]", "[laod]", Class::UnknownKey, (15, 2), &["no section [laod]", "did you mean `load`?"]);
+    check("duration", "pressure = 1\nduration", Class::UnknownKey, (19, 1), &["`pressure` is not a key of [run]"]);
+    check(
+        "kind = \"three-way\"",
+        "kind = \"three-way\"\nduty = 1",
+        Class::UnknownKey,
+        (9, 1),
+        &["is a key of [command]"],
+    );
+    check("[supply]", "[supply]\npressure = 3", Class::UnknownKey, (6, 1), &["did you mean `gauge_pressure`?"]);
+    check("[actuator]", "turns = 2\n[actuator]", Class::UnknownKey, (1, 1), &["outside every section", "[actuator]"]);
+    check("[actuator]", "[actuator.frictoin]\nx = 1\n[actuator]", Class::UnknownKey, (1, 11), &["`friction`"]);
+}
+
+#[test]
+fn wrong_types() {
+    check(
+        "\"3.85 in\"",
+        "true",
+        Class::WrongType,
+        (4, 14),
+        &["a length, not a truth value", "max_length = \"3.85 in\""],
+    );
+    check("turns = 2.5", "turns = \"2.5\"", Class::WrongType, (3, 9), &["without quotes"]);
+    check("\"three-way\"", "3", Class::WrongType, (8, 8), &["one of several words", "`fill-hold-exhaust`"]);
+    check("[supply]", "[air]\nprocess = [1]\n[supply]", Class::WrongType, (6, 11), &["not a list"]);
+    let found = mistakes(&format!("air = 3\n{GOOD}"));
+    assert!(found.to_string().contains("`air` is a section, not a number"), "{found}");
+}
+
+#[test]
+fn units_missing_superfluous_unknown_and_wrong() {
+    check("\"3.85 in\"", "3.85", Class::MissingUnit, (4, 14), &["needs a unit", "\"3.85 m\"", "\"3.85 in\""]);
+    check("\"3.85 in\"", "\"3.85\"", Class::MissingUnit, (4, 14), &["needs a unit"]);
+    check(
+        "efficiency = 0.85",
+        "efficiency = \"0.85 bar\"",
+        Class::UnexpectedUnit,
+        (10, 14),
+        &["a pure number", "a pressure"],
+    );
+    check(
+        "100 psi",
+        "100 PSI",
+        Class::BadQuantity,
+        (6, 23),
+        &["`PSI` is not a unit", "did you mean \"psi\"?", "^^^ here"],
+    );
+    check("100 psi", "100 psig", Class::BadQuantity, (6, 23), &["gauge or absolute", "`gauge_pressure` are gauge"]);
+    check("\"100 psi\"", "\"\\u0031 PSI\"", Class::BadQuantity, (6, 18), &["`PSI` is not a unit"]);
+    check(
+        "3.85 in",
+        "3.85 psi",
+        Class::WrongDimension,
+        (4, 14),
+        &["is a pressure, but `actuator.max_length` is a length"],
+    );
+    check("\"5 lb\"", "\"5 lbf\"", Class::WrongDimension, (17, 8), &["a force", "a mass", "`lb` or `kg`"]);
+    check("25 Hz", "60 rpm", Class::WrongDimension, (13, 13), &["an angular speed", "a frequency", "1 Hz"]);
+}
+
+#[test]
+fn values_out_of_range() {
+    check(
+        "duty = 0.5",
+        "duty = 1.5",
+        Class::OutOfRange,
+        (14, 8),
+        &["`command.duty` = 1.5", "at least 0 and at most 1", "0 to 1"],
+    );
+    check(
+        "\"3.85 in\"",
+        "\"-1 in\"",
+        Class::OutOfRange,
+        (4, 14),
+        &["-0.0254 m", "greater than 0 m", "below the thread length"],
+    );
+    check("turns = 2.5", "turns = inf", Class::OutOfRange, (3, 9), &["inf"]);
+    check("100 psi", "-20 psi", Class::OutOfRange, (6, 18), &["-101325 Pa", "vacuum"]);
+}
+
+#[test]
+fn words_out_of_the_list() {
+    check(
+        "\"three-way\"",
+        "\"threeway\"",
+        Class::InvalidChoice,
+        (8, 8),
+        &["did you mean \"three-way\"?", "`fill-hold-exhaust`"],
+    );
+    check(
+        "[run]",
+        "[initial]\nlength = \"equilibrum\"\n[run]",
+        Class::InvalidChoice,
+        (19, 10),
+        &["\"equilibrium\"?", "a length"],
+    );
+    check(
+        "kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5",
+        "kind = \"tabel\"",
+        Class::InvalidChoice,
+        (12, 8),
+        &["\"table\"?"],
+    );
+    check("turns = 2.5", "turns = 2.5\npreset = \"colbrun\"", Class::InvalidChoice, (4, 10), &["`colbrunn-2001`"]);
+}
+
+#[test]
+fn what_is_missing_is_shown_at_its_section() {
+    check("duty = 0.5\n", "", Class::Missing, (11, 2), &["`command.duty` (d) is missing", "duty = 0.5"]);
+    check("turns = 2.5\n", "", Class::Missing, (1, 2), &["`actuator.turns`"]);
+    check("flow_area = \"1.8e-5 ft^2\"\n", "", Class::Missing, (7, 2), &["`sonic_conductance`"]);
+    check("kind = \"three-way\"\n", "", Class::Missing, (7, 2), &["`valve.kind`"]);
+    check(
+        "[supply]\ngauge_pressure = \"100 psi\"\n",
+        "",
+        Class::Missing,
+        (5, 2),
+        &["[supply] is missing, which [valve] needs"],
+    );
+    let found = only("[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n", "");
+    assert_eq!((found.class(), found.line()), (Class::Missing, None), "{found}");
+    assert!(found.to_string().contains("[load] is missing") && found.to_string().contains("muscle.toml"), "{found}");
+}
+
+#[test]
+fn keys_that_exclude_each_other() {
+    let two = "flow_area = \"1 mm^2\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.3";
+    check(
+        "flow_area = \"1.8e-5 ft^2\"",
+        two,
+        Class::Conflict,
+        (10, 1),
+        &["two ways", "first way", "`flow_area`; `sonic_conductance`"],
+    );
+    let two = "[actuator.effectiveness]\nconstant = 0.9\npolynomial = [1]\npressure_unit = \"psi\"\n[supply]";
+    check("[supply]", two, Class::Conflict, (7, 1), &["[actuator.effectiveness]"]);
+    let half = "sonic_conductance = \"1 L/(s*bar)\"";
+    check("flow_area = \"1.8e-5 ft^2\"", half, Class::Missing, (7, 2), &["`valve.critical_ratio`", "beside it"]);
+}
+
+#[test]
+fn keys_without_meaning() {
+    check(
+        "[supply]",
+        "[air]\npolytropic_index = 1.2\n[supply]",
+        Class::NotApplicable,
+        (6, 1),
+        &["`air.process` = \"isentropic\"", "`polytropic`"],
+    );
+    check("\"5 lb\"", "\"5 lb\"\nforce = \"1 N\"", Class::NotApplicable, (18, 1), &["chosen here"]);
+    check("duty = 0.5", "duty = 0.5\nrest = \"hold\"", Class::NotApplicable, (15, 1), &["fill-hold-exhaust"]);
+    check(
+        "kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5",
+        "kind = \"hold\"",
+        Class::NotApplicable,
+        (12, 8),
+        &["cannot hold", "`fill-hold-exhaust`"],
+    );
+    let table = "kind = \"table\"\ntime = [\"0 s\", \"1 s\"]\nstate = [\"fill\", \"hold\"]";
+    check("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", table, Class::NotApplicable, (14, 18), &["cannot hold"]);
+    let valve = "[valve]\nkind = \"three-way\"\nflow_area = \"1.8e-5 ft^2\"\nefficiency = 0.85\n";
+    check(valve, "", Class::NotApplicable, (7, 2), &["no [valve]"]);
+    let isometric = "kind = \"isometric\"\n[initial]\nlength = \"equilibrium\"";
+    check("kind = \"hanging-mass\"\nmass = \"5 lb\"", isometric, Class::NotApplicable, (18, 10), &["must be a length"]);
+}
+
+#[test]
+fn lists() {
+    let command = |rows: &str| format!("kind = \"table\"\n{rows}");
+    let pwm = "kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5";
+    let rows = command("time = [\"1 s\", \"900 ms\"]\nstate = [\"fill\", \"exhaust\"]");
+    check(pwm, &rows, Class::BadList, (13, 16), &["must increase", "entry 2"]);
+    let rows = command("time = [\"0 s\", \"900 ms\"]\nstate = [\"fill\"]");
+    check(pwm, &rows, Class::BadList, (14, 9), &["has 2 entries, but `command.state` has 1"]);
+    check(pwm, &command("time = []\nstate = [\"fill\"]"), Class::BadList, (13, 8), &["is empty"]);
+    let rows = command("time = [\"0 s\", 1]\nstate = [\"fill\", \"exhaust\"]");
+    check(pwm, &rows, Class::MissingUnit, (13, 16), &["\"1 s\""]);
+    check(pwm, &command("time = [\"0 s\"]\nstate = [\"open\"]"), Class::InvalidChoice, (14, 10), &["`fill`"]);
+}
+
+#[test]
+fn values_that_contradict_each_other() {
+    check(
+        "\"2 s\"",
+        "\"2 s\"\nsample_interval = \"3 s\"",
+        Class::Inconsistent,
+        (20, 19),
+        &["longer than the run", "the run's duration"],
+    );
+    check("\"2 s\"", "\"0.1 ms\"", Class::Inconsistent, (19, 12), &["0.001 s is longer"]);
+    let motion = "kind = \"prescribed-motion\"\nlength = \"1 in\"\namplitude = \"2 in\"\nfrequency = \"1 Hz\"";
+    check("kind = \"hanging-mass\"\nmass = \"5 lb\"", motion, Class::OutOfRange, (18, 13), &["less than 0.0254 m"]);
+}
+
+#[test]
+fn one_reading_finds_all_in_the_order_of_the_file() {
+    let text = GOOD
+        .replace("turns = 2.5", "turn = 2.5")
+        .replace("100 psi", "100 PSI")
+        .replace("duty = 0.5", "duty = 2")
+        .replace("\"5 lb\"", "5")
+        .replace("duration = \"2 s\"", "");
+    let found = mistakes(&text);
+    let lines: Vec<_> = found.iter().map(|one| (one.line().unwrap_or(0), one.class())).collect();
+    let expected = [
+        (3, Class::UnknownKey),
+        (6, Class::BadQuantity),
+        (14, Class::OutOfRange),
+        (17, Class::MissingUnit),
+        (18, Class::Missing),
+    ];
+    assert_eq!(lines, expected, "{found}");
+}
+
+#[test]
+fn the_picture_is_as_promised() {
+    let expected = r#"error: "3.85 psi" is a pressure, but `actuator.max_length` is a length
+ --> muscle.toml:4:14
+  |
+4 | max_length = "3.85 psi"
+  |              ^^^^^^^^^^ expected a quantity in m
+  |
+  = help: write it as in `max_length = "3.85 in"`"#;
+    let found = only("3.85 in", "3.85 psi");
+    assert_eq!(found.to_string(), expected);
+    assert!(found.render(Style::Coloured).contains("\u{1b}["));
+    assert!(!found.render(Style::Plain).contains('\u{1b}'));
+}
+
+#[test]
+fn a_value_set_from_outside_is_shown_as_such() {
+    let mut document = Document::parse(GOOD, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    document.set("valve.efficiency", &toml::Value::Float(-1.0)).unwrap_or_else(|error| panic!("{error}"));
+    let found = document.scenario().expect_err("out of range");
+    let shown = found.to_string();
+    assert!(shown.contains("value set from outside:1:20") && shown.contains("valve.efficiency = -1.0"), "{shown}");
+}
+
+#[test]
+fn errors_of_the_core_are_shown_in_the_file() {
+    let document = Document::parse(GOOD, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    let requirement =
+        Requirement { relation: "must be less than", other: "actuator.thread_length", value: 0.09, unit: "m" };
+    let error = mckibben::Error::Inconsistent {
+        parameter: &p::MAX_LENGTH,
+        value: 0.1,
+        requirement,
+        remedy: "give a length below the thread length",
+    };
+    let shown = document.diagnose(&error);
+    assert_eq!((shown.line(), shown.column()), (Some(4), Some(14)), "{shown}");
+    for word in
+        ["must be less than actuator.thread_length = 0.09 m", "the other value", "thread_length = \"4.3218 in\""]
+    {
+        assert!(shown.to_string().contains(word), "{word}:\n{shown}");
+    }
+    let absent = document.diagnose(&mckibben::Error::OutOfRange { parameter: &p::MIN_LENGTH, value: -1.0 });
+    assert_eq!(absent.line(), Some(1), "{absent}");
+    let nowhere = document.diagnose(&mckibben::Error::OutOfRange { parameter: &p::GAS_CONSTANT, value: -1.0 });
+    assert_eq!((nowhere.line(), nowhere.file()), (None, "muscle.toml"), "{nowhere}");
+
+    let text = GOOD.replace("turns = 2.5", "preset = \"colbrunn-2001\"");
+    let document = Document::parse(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    let preset = document.diagnose(&mckibben::Error::OutOfRange { parameter: &p::TURNS, value: -1.0 });
+    assert_eq!((preset.line(), preset.column()), (Some(3), Some(10)), "{preset}");
+    assert!(preset.label().contains("the preset gives `actuator.turns`"), "{preset}");
+
+    let text =
+        GOOD.replace("[supply]", "[actuator.effectiveness]\npolynomial = [1.0, 2.0]\npressure_unit = \"Pa\"\n[supply]");
+    let document = Document::parse(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    let table = document.diagnose(&mckibben::Error::Table {
+        name: "actuator.effectiveness.polynomial",
+        problem: "a coefficient is not finite",
+        entry: 2,
+        remedy: "give finite numbers",
+    });
+    assert_eq!((table.line(), table.column()), (Some(6), Some(20)), "{table}");
+}
+
+#[test]
+fn a_file_that_is_not_there() {
+    let found = Scenario::load("no/such/file.toml").expect_err("no such file");
+    assert!(found.to_string().contains("`no/such/file.toml` cannot be read"), "{found}");
+    assert_eq!(found.iter().next().map(Diagnostic::class), Some(Class::Unreadable));
+}

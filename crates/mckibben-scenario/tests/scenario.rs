@@ -1,0 +1,255 @@
+//! What files mean: the specification's example, presets and defaults, every kind of valve, command, load and process,
+//! and that what is written reads back to the same.
+
+use mckibben_scenario::{
+    Command, CommandState, Document, Effectiveness, Engine, InitialLength, Load, Method, Motion, Passage, Process,
+    Scenario, ValveKind, starter,
+};
+use proptest::prelude::*;
+
+/// The example of the specification of the file format, with all of its keys.
+const EXAMPLE: &str = r#"
+[actuator]
+preset = "colbrunn-2001"
+thread_length = "4.3218 in"
+turns = 2.5
+max_length = "3.85 in"
+min_length = "2.4952 in"
+external_volume = "3 cm^3"
+
+[actuator.effectiveness]
+constant = 0.9
+[actuator.friction]
+viscous = "0.02 lbf*s/in"
+coulomb_width = "0.0044 in"
+
+[actuator.limit]
+stiffness = "1.75e5 N/m"
+damping = "100 N*s/m"
+
+[air]
+process = "isentropic"
+atmospheric_pressure = "101325 Pa"
+gas_constant = "286.99 J/(kg*K)"
+heat_capacity_ratio = 1.4
+
+[supply]
+gauge_pressure = "100 psi"
+temperature = "293.15 K"
+
+[valve]
+kind = "three-way"
+flow_area = "1.8e-5 ft^2"
+efficiency = 0.85
+opening_delay = "4 ms"
+closing_delay = "1 ms"
+laminar_ratio = 0.999
+exhaust_temperature = "actuator"
+
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+gravity = "9.80665 m/s^2"
+
+[initial]
+gauge_pressure = "0 psi"
+temperature = "293.15 K"
+length = "equilibrium"
+velocity = "0 m/s"
+
+[run]
+duration = "2 s"
+sample_interval = "1 ms"
+relative_tolerance = 1e-8
+"#;
+
+/// The least that a file must say.
+const LEAST: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"2 s\"\n";
+
+fn read(text: &str) -> Scenario {
+    Scenario::from_str(text, "test.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn round_trip(scenario: &Scenario) {
+    let text = scenario.to_toml();
+    assert_eq!(&read(&text), scenario, "{text}");
+}
+
+#[test]
+fn the_specification_s_example() {
+    let scenario = read(EXAMPLE);
+    assert_eq!(scenario.actuator.max_length, 0.09779);
+    assert_eq!(scenario.actuator.effectiveness, Effectiveness::Constant(0.9));
+    assert_eq!(scenario.air.process, Process::Isentropic);
+    let valve = scenario.valve.expect("a valve");
+    assert_eq!((valve.kind, valve.passage), (ValveKind::ThreeWay, Passage::FlowArea(1.672_254_72e-6)));
+    assert_eq!(scenario.initial.length, InitialLength::Equilibrium);
+    let (pulse, rest) = (CommandState::Fill, CommandState::Exhaust);
+    assert_eq!(scenario.command, Some(Command::Pwm { frequency: 25.0, duty: 0.5, pulse, rest }));
+    assert_eq!((scenario.run.engine, scenario.run.method), (Engine::EventLocated, Method::Stable));
+    round_trip(&scenario);
+}
+
+/// The starter is the same experiment, with the effectiveness left to the preset.
+#[test]
+fn the_starter_is_the_experiment_of_the_specification() {
+    let mut expected = read(EXAMPLE);
+    expected.actuator.effectiveness = Effectiveness::Constant(1.0);
+    assert_eq!(read(&starter()), expected);
+}
+
+#[test]
+fn defaults_and_presets() {
+    let least = read(LEAST);
+    let preset = read(&format!("[actuator]\npreset = \"colbrunn-2001\"\n{LEAST}"));
+    assert_eq!(least, preset);
+    assert_eq!(least.actuator.min_length, 2.4952 * 0.0254);
+    assert_eq!(least.actuator.friction.coulomb_width, 0.0044 * 0.0254);
+    assert_eq!((least.valve, least.supply, least.command.clone()), (None, None, None));
+    round_trip(&least);
+
+    // Friction alone does not say how long the braid is, so the default preset stays.
+    let friction = read(&format!("[actuator.friction]\nviscous = \"0 N*s/m\"\n{LEAST}"));
+    assert_eq!((friction.actuator.turns, friction.actuator.friction.viscous), (2.5, 0.0));
+
+    // Without a preset the parameter table's defaults hold, and L_min is b/√3.
+    let own = "[actuator]\nthread_length = \"30 cm\"\nturns = 2\nmax_length = \"28 cm\"\n";
+    let own = read(&format!("{own}{LEAST}")).actuator;
+    assert_eq!((own.friction.viscous, own.external_volume, own.min_length), (0.0, 3e-6, 0.3 / 3_f64.sqrt()));
+
+    // A preset's L_min goes with its thread.
+    let longer = read(&format!("[actuator]\npreset = \"colbrunn-2001\"\nthread_length = \"5 in\"\n{LEAST}")).actuator;
+    assert_eq!(longer.min_length, 0.127 / 3_f64.sqrt());
+    let turned = read(&format!("[actuator]\npreset = \"colbrunn-2001\"\nturns = 2\n{LEAST}")).actuator;
+    assert_eq!((turned.turns, turned.min_length), (2.0, 2.4952 * 0.0254));
+}
+
+#[test]
+fn named_valve() {
+    let drive = "[supply]\ngauge_pressure = \"100 psi\"\n[command]\nkind = \"fill\"\n";
+    let text = format!("{drive}[valve]\npreset = \"matrix-eight-channel\"\n{LEAST}");
+    let valve = read(&text).valve.expect("a valve");
+    assert_eq!((valve.kind, valve.efficiency, valve.opening_delay), (ValveKind::ThreeWay, 0.85, 0.004));
+    // Another way to state the passage takes the place of the preset's.
+    let iso = text.replace("[load]", "sonic_conductance = \"0.5 L/(s*bar) ANR\"\ncritical_ratio = 0.3\n[load]");
+    let passage = read(&iso).valve.map(|valve| valve.passage);
+    assert_eq!(passage, Some(Passage::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));
+    round_trip(&read(&iso));
+}
+
+#[test]
+fn effectiveness() {
+    let with = |lines: &str| read(&format!("[actuator.effectiveness]\n{lines}\n{LEAST}"));
+    let psi = 6_894.757_293_168_362;
+    let polynomial = with("polynomial = [0.7, 0.003, 1]\npressure_unit = \"psi\"");
+    assert_eq!(polynomial.actuator.effectiveness, Effectiveness::Polynomial(vec![0.7, 0.003 / psi, 1.0 / (psi * psi)]));
+    round_trip(&polynomial);
+    let table = with("gauge_pressure = [\"20 psi\", \"60 psi\"]\nvalue = [0.8, 0.9]");
+    let expected = Effectiveness::Table {
+        gauge_pressure: vec![137_895.145_863_367_22, 413_685.437_590_101_7],
+        value: vec![0.8, 0.9],
+    };
+    assert_eq!(table.actuator.effectiveness, expected);
+    round_trip(&table);
+}
+
+#[test]
+fn processes() {
+    let with = |lines: &str| {
+        let scenario = read(&format!("[air]\n{lines}\n{LEAST}"));
+        round_trip(&scenario);
+        scenario.air.process
+    };
+    assert_eq!(with("process = \"isothermal\""), Process::Isothermal);
+    assert_eq!(with("process = \"polytropic\"\npolytropic_index = 1.2"), Process::Polytropic { index: 1.2 });
+    let balance = "process = \"energy-balance\"\nwall_temperature = \"20 degC\"";
+    assert_eq!(with(balance), Process::EnergyBalance { heat_transfer: 0.0, wall_temperature: 293.15 });
+}
+
+#[test]
+fn commands() {
+    let with = |kind: &str, lines: &str| {
+        let valve =
+            format!("[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"{kind}\"\nflow_area = \"1 mm^2\"\n");
+        let scenario = read(&format!("{valve}[command]\n{lines}\n{LEAST}"));
+        round_trip(&scenario);
+        scenario.command.expect("a command")
+    };
+    use CommandState::{Exhaust, Fill, Hold};
+    assert_eq!(with("three-way", "kind = \"exhaust\""), Command::Constant(Exhaust));
+    assert_eq!(with("fill-hold-exhaust", "kind = \"hold\""), Command::Constant(Hold));
+    let pwm = "kind = \"pwm\"\nfrequency = \"50 Hz\"\nduty = \"35 %\"\nrest = \"hold\"";
+    let expected = Command::Pwm { frequency: 50.0, duty: 0.35, pulse: Fill, rest: Hold };
+    assert_eq!(with("fill-hold-exhaust", pwm), expected);
+    let table = "kind = \"table\"\ntime = [\"0 s\", \"100 ms\"]\nstate = [\"fill\", \"hold\"]";
+    assert_eq!(with("fill-hold-exhaust", table), Command::Table { time: vec![0.0, 0.1], state: vec![Fill, Hold] });
+}
+
+#[test]
+fn loads() {
+    let with = |lines: &str| {
+        let scenario = read(&format!("{lines}\n[run]\nduration = \"1 s\"\n"));
+        round_trip(&scenario);
+        scenario
+    };
+    let force = with("[load]\nkind = \"constant-force\"\nforce = \"5 lbf\"\nmass = \"1 kg\"").load;
+    assert_eq!(force, Load::ConstantForce { force: 22.241_108_076_302_5, mass: 1.0 });
+    let isometric = with("[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"");
+    assert_eq!((isometric.load, isometric.initial.length), (Load::Isometric, InitialLength::At(0.09)));
+    let wave = "[load]\nkind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"2 mm\"\nfrequency = \"2 Hz\"";
+    let expected = Motion::Sinusoid { length: 0.09, amplitude: 0.002, frequency: 2.0, phase: 0.0 };
+    assert_eq!(with(wave).load, Load::PrescribedMotion(expected));
+    assert_eq!(with(wave).initial.length, InitialLength::OfMotion);
+    with(&format!("{wave}\nphase = \"90 deg\""));
+    let table = "[load]\nkind = \"prescribed-motion\"\ntime = [\"0 s\", \"1 s\"]\ntable_length = [\"9 cm\", \"8 cm\"]";
+    let expected = Motion::Table { time: vec![0.0, 1.0], length: vec![0.09, 0.08] };
+    assert_eq!(with(table).load, Load::PrescribedMotion(expected));
+}
+
+#[test]
+fn values_set_and_removed_by_path() {
+    let mut document = Document::parse(EXAMPLE, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    document.set("valve.efficiency", &toml::Value::Float(0.5)).unwrap_or_else(|error| panic!("{error}"));
+    document.set("load.mass", &"1 kg".into()).unwrap_or_else(|error| panic!("{error}"));
+    document.set("run.engine", &"fixed-step".into()).unwrap_or_else(|error| panic!("{error}"));
+    document.set_text("air.process", "\"isothermal\"").unwrap_or_else(|error| panic!("{error}"));
+    assert!(document.remove("actuator.effectiveness"));
+    assert!(!document.remove("actuator.effectiveness.constant"));
+    let scenario = document.scenario().unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scenario.valve.map(|valve| valve.efficiency), Some(0.5));
+    assert_eq!(scenario.run.engine, Engine::FixedStep);
+    assert_eq!(scenario.air.process, Process::Isothermal);
+    assert_eq!(scenario.actuator.effectiveness, Effectiveness::Constant(1.0));
+    assert!(matches!(scenario.load, Load::HangingMass { mass: 1.0, .. }));
+    for path in ["", "valve.", "a b", "valve.kind = 1\nx", "load.mass.kg"] {
+        assert!(document.set_text(path, "1").is_err(), "{path}");
+    }
+    assert!(document.set_text("load.mass", "1 kg").is_err());
+}
+
+proptest! {
+    /// No text makes the reading panic, and what it accepts it writes back.
+    #[test]
+    fn damaged_files_are_read_or_refused(cut in 0..EXAMPLE.len(), length in 0..40_usize, insert in "[ -~\n]{0,6}") {
+        let mut text = EXAMPLE.to_owned();
+        text.replace_range(cut..(cut + length).min(EXAMPLE.len()), &insert);
+        match Scenario::from_str(&text, "damaged.toml") {
+            Ok(scenario) => prop_assert_eq!(Scenario::from_str(&scenario.to_toml(), "again.toml"), Ok(scenario)),
+            Err(mistakes) => prop_assert!(mistakes.to_string().contains("error: ")),
+        }
+    }
+
+    #[test]
+    fn numbers_survive_the_round_trip(mass in 1e-300_f64..1e300, turns in 1e-3_f64..1e3, pressure in -1e5_f64..1e9) {
+        let mut scenario = read(EXAMPLE);
+        scenario.load = Load::HangingMass { mass, gravity: -pressure };
+        scenario.actuator.turns = turns;
+        scenario.initial.gauge_pressure = pressure;
+        prop_assert_eq!(Scenario::from_str(&scenario.to_toml(), "again.toml"), Ok(scenario));
+    }
+}

@@ -1,0 +1,196 @@
+//! The tables agree with each other: every row of the core's parameter table has its key, every example and every
+//! number of a preset is accepted, the schema is a valid schema that accepts what the reading accepts.
+
+use mckibben::parameter::TABLE;
+use mckibben_scenario::keys::{KEYS, SECTIONS, key_at};
+use mckibben_scenario::presets::{ACTUATORS, COLBRUNN_2001, VALVES};
+use mckibben_scenario::{Document, quantity, schema, starter};
+use serde_json::{Value, json};
+
+#[test]
+fn every_parameter_has_its_key() {
+    for row in TABLE {
+        let key = key_at(row.key).unwrap_or_else(|| panic!("{} has no key", row.key));
+        assert!(key.parameter().is_some_and(|of| std::ptr::eq(of, *row)), "{}", row.key);
+    }
+}
+
+#[test]
+fn keys_are_unique_sorted_by_section_and_explained() {
+    for (index, key) in KEYS.iter().enumerate() {
+        assert!(KEYS[index + 1..].iter().all(|other| other.path != key.path), "{}", key.path);
+        assert!(SECTIONS.iter().any(|section| section.path == key.section()), "{}", key.path);
+        assert!(key.meaning.ends_with('.'), "{}", key.path);
+        if let Some(when) = key.when {
+            assert!(key_at(when.key).is_some(), "{}", key.path);
+        }
+    }
+    let order: Vec<usize> =
+        KEYS.iter().filter_map(|key| SECTIONS.iter().position(|section| section.path == key.section())).collect();
+    assert!(order.is_sorted());
+}
+
+#[test]
+fn every_unit_of_the_tables_parses_with_size_one() {
+    for row in KEYS.iter().filter_map(|key| key.parameter()) {
+        assert_eq!(quantity::parse_unit(row.unit).map(|(_, size)| size), Ok(1.0), "{}", row.key);
+    }
+}
+
+/// A file in which a key applies, for trying its example.
+fn surroundings(path: &str) -> &'static str {
+    match path {
+        "air.polytropic_index" => "[air]\nprocess = \"polytropic\"",
+        "air.heat_transfer" | "air.wall_temperature" => "[air]\nprocess = \"energy-balance\"",
+        "command.pulse" | "command.rest" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"fill-hold-exhaust\"\nflow_area = \"1 mm^2\"\n\
+             [command]\nkind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5"
+        }
+        "command.time" | "command.state" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+             [command]\nkind = \"table\"\ntime = [\"0 s\", \"1 s\"]\nstate = [\"fill\", \"exhaust\"]"
+        }
+        "load.force" => "[load]\nkind = \"constant-force\"\nmass = \"1 kg\"\nforce = \"1 N\"",
+        "load.length" | "load.amplitude" | "load.frequency" | "load.phase" => {
+            "[load]\nkind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\""
+        }
+        "load.time" | "load.table_length" => {
+            "[load]\nkind = \"prescribed-motion\"\ntime = [\"0 s\", \"1 s\"]\ntable_length = [\"9 cm\", \"8 cm\"]"
+        }
+        "actuator.effectiveness.polynomial" | "actuator.effectiveness.pressure_unit" => {
+            "[actuator.effectiveness]\npolynomial = [1.0]\npressure_unit = \"Pa\""
+        }
+        "actuator.effectiveness.gauge_pressure" | "actuator.effectiveness.value" => {
+            "[actuator.effectiveness]\ngauge_pressure = [\"0 Pa\", \"1 Pa\"]\nvalue = [1.0, 1.0]"
+        }
+        "valve.sonic_conductance" | "valve.critical_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n\
+             [valve]\nkind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5"
+        }
+        _ if path.starts_with("valve") || path.starts_with("command") => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
+             [command]\nkind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5"
+        }
+        _ if path.starts_with("supply") => "[supply]\ngauge_pressure = \"1 bar\"",
+        "actuator.turns" | "actuator.thread_length" | "actuator.max_length" => "[actuator]\npreset = \"colbrunn-2001\"",
+        _ => "",
+    }
+}
+
+fn complete(path: &str) -> Document {
+    let given = surroundings(path);
+    let load = if given.contains("[load]") { "" } else { "\n[load]\nkind = \"hanging-mass\"\nmass = \"1 kg\"" };
+    let text = format!("{given}{load}\n[run]\nduration = \"1 s\"\n");
+    Document::parse(&text, "surroundings.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn every_example_is_accepted() {
+    let validator = boon_validator();
+    for key in KEYS {
+        let mut document = complete(key.path);
+        document.set_text(key.path, key.example).unwrap_or_else(|error| panic!("{error}"));
+        document.scenario().unwrap_or_else(|error| panic!("{}:\n{error}", key.path));
+        let mut table = surroundings_as_json(key.path);
+        let value: toml::Table = format!("{} = {}", key.path, key.example).parse().expect("an example is TOML");
+        merge(&mut table, &serde_json::to_value(value).expect("TOML without dates is JSON"));
+        validator(&table).unwrap_or_else(|error| panic!("{}: {error}", key.path));
+    }
+}
+
+fn surroundings_as_json(path: &str) -> Value {
+    let document = complete(path);
+    let table: toml::Table = document.source().text().parse().expect("parsed before");
+    serde_json::to_value(table).expect("TOML without dates is JSON")
+}
+
+fn merge(into: &mut Value, from: &Value) {
+    match (into, from) {
+        (Value::Object(into), Value::Object(from)) => {
+            for (key, value) in from {
+                merge(into.entry(key.clone()).or_insert(json!({})), value);
+            }
+        }
+        (into, from) => *into = from.clone(),
+    }
+}
+
+/// The schema compiled, which also checks it against the schema of schemas.
+fn boon_validator() -> impl Fn(&Value) -> Result<(), String> {
+    let mut schemas = boon::Schemas::new();
+    let mut compiler = boon::Compiler::new();
+    compiler.add_resource("http://localhost/scenario.json", schema()).expect("a JSON document");
+    let index = compiler
+        .compile("http://localhost/scenario.json", &mut schemas)
+        .unwrap_or_else(|error| panic!("the schema is not valid: {error:#}"));
+    move |value| schemas.validate(value, index).map_err(|error| format!("{error:#}"))
+}
+
+#[test]
+fn the_schema_refuses_what_is_plainly_wrong() {
+    let valid = boon_validator();
+    let good = json!({ "load": { "kind": "hanging-mass", "mass": "5 lb" }, "run": { "duration": "1 s" } });
+    valid(&good).unwrap_or_else(|error| panic!("{error}"));
+    let bad = [
+        json!({ "load": { "kind": "hanging-mass" } }),
+        json!({ "load": { "kind": "hanging-mass", "force": "1 N" } }),
+        json!({ "load": { "kind": "isometric", "gravity": "1 m/s^2" } }),
+        json!({ "load": { "mass": 5 } }),
+        json!({ "load": { "mass": "5" } }),
+        json!({ "loads": {} }),
+        json!({ "air": { "process": "adiabatic" } }),
+        json!({ "air": { "polytropic_index": 1.2 } }),
+        json!({ "air": { "heat_capacity_ratio": 3 } }),
+        json!({ "valve": { "kind": "three-way" } }),
+    ];
+    for change in bad {
+        let mut changed = good.clone();
+        merge(&mut changed, &change);
+        if change.pointer("/load/kind").is_some() && change.pointer("/load/mass").is_none() {
+            changed["load"] = change["load"].clone();
+        }
+        assert!(valid(&changed).is_err(), "{changed}");
+    }
+}
+
+#[test]
+fn the_starter_is_a_scenario_that_the_schema_accepts() {
+    let text = starter();
+    let document = Document::parse(&text, "starter.toml").unwrap_or_else(|error| panic!("{error}"));
+    let scenario = document.scenario().unwrap_or_else(|error| panic!("{error}"));
+    let table: toml::Table = text.parse().expect("parsed before");
+    boon_validator()(&serde_json::to_value(table).expect("no dates")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scenario.supply.map(|supply| supply.gauge_pressure), Some(689_475.729_316_836_1));
+    for key in KEYS {
+        assert!(text.contains(&format!("{} = {}", key.name(), key.example)), "{}", key.path);
+    }
+}
+
+#[test]
+fn presets_are_in_range_and_follow_the_paper() {
+    for preset in ACTUATORS.iter().chain(VALVES) {
+        for value in preset.values {
+            assert!(value.value().is_some(), "{}: {}", preset.name, value.parameter.key);
+            assert_eq!(value.assumed, value.source.starts_with("assumed"), "{}", value.parameter.key);
+            let unit = quantity::parse_unit(value.parameter.unit).map(|(dimension, _)| dimension);
+            assert_eq!(quantity::parse(value.text).map(|read| read.dimension), unit, "{}", value.parameter.key);
+        }
+    }
+    let of = |row| COLBRUNN_2001.get(row).and_then(|value| value.value()).expect("the preset has it");
+    use mckibben::parameter as p;
+    let (b, n, longest) = (of(&p::THREAD_LENGTH), of(&p::TURNS), of(&p::MAX_LENGTH));
+    let from_diameter = (longest * longest + (0.25 * 0.0254 * std::f64::consts::PI * n).powi(2)).sqrt();
+    assert!((b / from_diameter - 1.0).abs() < 1e-4, "{b} {from_diameter}");
+    assert!((of(&p::MIN_LENGTH) * 3_f64.sqrt() / b - 1.0).abs() < 1e-4);
+}
+
+/// What the grammar of quantities accepts, the schema's pattern accepts, so that it refuses no valid file.
+#[test]
+fn the_schema_s_pattern_is_no_stricter_than_the_grammar() {
+    let valid = boon_validator();
+    for text in ["2s", " 2.e0 s\n", "+.5 (s)", "\u{2212}2 s", "2 1/Hz", "2/Hz", "2 \u{b5}s", "2e3%*s"] {
+        assert!(quantity::parse(text).is_ok_and(|read| read.has_unit), "{text}");
+        let file = json!({ "load": { "kind": "isometric" }, "run": { "duration": text } });
+        valid(&file).unwrap_or_else(|error| panic!("{text}: {error}"));
+    }
+}

@@ -1,0 +1,114 @@
+//! The energy audit: where the work of the gas went, and the air.
+//!
+//! ```text
+//! ∫ P_g dV = ∫ (1 − Eff) P_g dV                    what effectiveness takes (or gives)
+//!          + Δ(½ M v²) − W Δx                      the load (or −∫ F dx when its motion is given)
+//!          + Δ(½ K_braid (x − L_max)²)             the taut braid
+//!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
+//!          + ∫ (F_limit − K_braid (x − L_max)) v dt    the taut braid's damping and its rebound
+//!          + ∫ (F − F_sum) v dt                    a tendon that cannot push
+//! ```
+//!
+//! The load and the taut braid are taken from the states, the rest by quadrature over the dense output: that the sum
+//! closes is a test of the simulation, to its tolerance, in every run.
+
+use super::mode::Extent;
+use super::trajectory::Trajectory;
+use crate::force::StaticForce;
+use crate::scalar::Real;
+
+/// Where the work of the gas went, in J, and the air, in kg.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyAudit {
+    /// `∫ P_g dV`, the work of the gas beyond that on the surroundings.
+    pub gas_work: f64,
+    /// Work that an effectiveness below 1 takes out of the model, without a place to go.
+    pub effectiveness_loss: f64,
+    /// Energy that the load gained, kinetic and potential; the work on it when its motion is given.
+    pub load: f64,
+    /// Energy that the taut braid gained.
+    pub braid_storage: f64,
+    /// Dissipated by viscous friction.
+    pub viscous: f64,
+    /// Dissipated by Coulomb friction.
+    pub coulomb: f64,
+    /// Dissipated by the taut braid, its rebound included.
+    pub braid: f64,
+    /// Lost where the tension was kept from becoming negative.
+    pub slack: f64,
+    /// Air that came in, in kg.
+    pub air_in: f64,
+    /// Air that went out, in kg.
+    pub air_out: f64,
+    /// Air that the actuator gained, in kg.
+    pub air_gain: f64,
+}
+
+impl EnergyAudit {
+    /// What does not close, in J.
+    pub fn residual(&self) -> f64 {
+        self.gas_work - self.effectiveness_loss - self.load - self.braid_storage - self.dissipated()
+    }
+
+    /// Everything dissipated in J.
+    pub fn dissipated(&self) -> f64 {
+        self.viscous + self.coulomb + self.braid + self.slack
+    }
+
+    /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
+    pub fn turnover(&self) -> f64 {
+        [self.gas_work, self.effectiveness_loss, self.load, self.braid_storage, self.dissipated()]
+            .map(f64::abs)
+            .iter()
+            .sum()
+    }
+
+    /// What does not close in the air, in kg.
+    pub fn air_residual(&self) -> f64 {
+        self.air_in - self.air_out - self.air_gain
+    }
+}
+
+impl<R: Real> Trajectory<R> {
+    /// The energy and air balance of the whole trajectory.
+    pub fn audit(&self) -> EnergyAudit {
+        let rig = self.rig();
+        let actuator = rig.actuator();
+        let (limits, friction, law) = (actuator.limits(), actuator.friction(), actuator.law());
+        let mut audit = EnergyAudit::default();
+        let mut work_on_ends = 0.0;
+        self.quadrature(|weight, sample, mode| {
+            let weight = weight.value();
+            let velocity = sample.velocity;
+            audit.air_in += weight * sample.mass_flow.value().max(0.0);
+            audit.air_out += weight * (-sample.mass_flow.value()).max(0.0);
+            work_on_ends -= weight * (sample.tension * velocity).value();
+            if mode.extent == Extent::Slack {
+                return;
+            }
+            let gauge = actuator.gauge(sample.pressure.0);
+            let ideal = -(law.law.force(sample.length, gauge) * velocity).value();
+            let static_force = law.force(sample.length, gauge);
+            audit.gas_work += weight * ideal;
+            audit.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
+            let viscous = friction.viscous_force(velocity);
+            let coulomb = R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
+            let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
+            let stretch = (sample.length - limits.max_length()).larger(R::zero());
+            audit.viscous += weight * (viscous * velocity).value();
+            audit.coulomb += weight * (coulomb * velocity).value();
+            audit.braid += weight * ((limit - limits.stiffness() * stretch) * velocity).value();
+            let sum = static_force + viscous + coulomb + limit;
+            audit.slack += weight * ((sample.tension - sum) * velocity).value();
+        });
+        let (start, end) = (self.at(R::zero()), self.at(self.duration()));
+        audit.braid_storage = (limits.stored_energy(end.length) - limits.stored_energy(start.length)).value();
+        audit.air_gain = (end.air_mass - start.air_mass).value();
+        audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
+            let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();
+            kinetic(end.velocity) - kinetic(start.velocity)
+                - (inertia.pull * (end.length - start.length)).value()
+        });
+        audit
+    }
+}
