@@ -19,18 +19,11 @@ pub(super) struct Attempt<R, const N: usize> {
     before_end: [R; N],
 }
 
-/// A step that is kept.
-pub(super) struct Accepted<R, const N: usize> {
-    /// The dense output.
-    pub(super) arc: Arc<R, N>,
-    /// The rates at the end of the step.
-    pub(super) slope: [R; N],
-    /// `h` times the largest rate that the last stages show; the method is unstable above about 6.
-    pub(super) stiffness: f64,
-}
+/// Evaluations of an attempted step, besides the first; of the rates at its end; and of the dense output.
+pub(super) const EVALUATIONS: [u64; 3] = [11, 1, 3];
 
-/// Evaluations of an attempted step and those that accepting it adds.
-pub(super) const EVALUATIONS: (u64, u64) = (11, 4);
+/// Square of a distance in units of the tolerance below which two stages do not tell a rate.
+const NOISE: f64 = 1e-6;
 
 macro_rules! advance {
     ($stages:ident, $start:ident, $step:ident; $($stage:literal: $weight:expr),+) => {
@@ -127,26 +120,45 @@ pub(super) fn attempt<R: Real, const N: usize>(
 }
 
 impl<R: Real, const N: usize> Attempt<R, N> {
-    /// Accepts the step: the rates at its end, and its dense output.
+    /// Computes the rates at the end, and returns `h` times the fastest rate that the last stages show; the method is
+    /// unstable above about 6.
     #[inline]
-    pub(super) fn accept(
+    pub(super) fn close(
+        &mut self,
+        time: R,
+        step: R,
+        scale: &[f64; N],
+        mut rates: impl FnMut(R, &[R; N]) -> [R; N],
+    ) -> f64 {
+        let k = &mut self.stages;
+        k[12] = rates(time + step, &self.end);
+        // Hairer's estimate: the last stage and the solution stand at the same instant.
+        let (mut rate, mut distance) = (0.0, 0.0);
+        for n in 0..N {
+            let dk = (k[12][n] - k[11][n]).value() / scale[n];
+            let dy = (self.end[n] - self.before_end[n]).value() / scale[n];
+            rate += dk * dk;
+            distance += dy * dy;
+        }
+        // Two points that agree to a part of the tolerance show only their rounding.
+        if distance > NOISE { step.value().abs() * Scalar::sqrt(rate / distance) } else { 0.0 }
+    }
+
+    /// The rates at the end, after [`Attempt::close`].
+    pub(super) fn slope(&self) -> [R; N] {
+        self.stages[12]
+    }
+
+    /// The dense output, after [`Attempt::close`].
+    #[inline]
+    pub(super) fn dense(
         mut self,
         time: R,
         start: &[R; N],
         step: R,
         mut rates: impl FnMut(R, &[R; N]) -> [R; N],
-    ) -> Accepted<R, N> {
+    ) -> Arc<R, N> {
         let k = &mut self.stages;
-        k[12] = rates(time + step, &self.end);
-        let slope = k[12];
-        // Hairer's estimate: the last stage and the solution stand at the same instant.
-        let (mut rate, mut distance) = (0.0, 0.0);
-        for n in 0..N {
-            let (dk, dy) = ((k[12][n] - k[11][n]).value(), (self.end[n] - self.before_end[n]).value());
-            rate += dk * dk;
-            distance += dy * dy;
-        }
-        let stiffness = if distance > 0.0 { step.value().abs() * Scalar::sqrt(rate / distance) } else { 0.0 };
         let mut state: [R; N];
         state = advance!(k, start, step;
             0: 0.056167502283047954, 6: 0.25350021021662483, 7: -0.2462390374708025, 8: -0.12419142326381637,
@@ -180,7 +192,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             0: -25.69393346270375, 5: -154.18974869023643, 6: -231.5293791760455, 7: 357.6391179106141,
             8: 93.40532418362432, 9: -37.45832313645163, 10: 104.0996495089623, 11: 29.8402934266605,
             12: -43.53345659001114, 13: 96.32455395918828, 14: -39.17726167561544, 15: -149.72683625798564);
-        let arc = Nested::constant(d3)
+        Nested::constant(d3)
             .times_theta()
             .plus(d2)
             .times_rest()
@@ -195,7 +207,6 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             .plus(rise)
             .times_theta()
             .plus(*start)
-            .arc(time, step);
-        Accepted { arc, slope, stiffness }
+            .arc(time, step)
     }
 }

@@ -59,6 +59,8 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     slope: Option<[R; N]>,
     step: f64,
     implicit: bool,
+    /// The fastest rate in 1/s that the last explicit step showed.
+    settling: f64,
     stiff_steps: u32,
     events_here: u32,
     counts: Counts,
@@ -66,8 +68,13 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
 
 /// Largest and smallest change of the step length from one step to the next, and the safety factor.
 const GROWTH: (f64, f64, f64) = (6.0, 0.2, 0.9);
-/// `h` times the fastest rate above which an explicit step counts as stiff, and that many in a row that switch.
-const STIFF: (f64, u32) = (5.0, 5);
+/// `h` times the fastest rate up to which the dense output of the explicit method follows a settling state to the
+/// tolerance: what is aimed at, and what is refused. The method itself would be stable to about 6.
+const SETTLING: (f64, f64) = (2.0, 2.5);
+/// Accuracy must allow so many times the step that [`SETTLING`] does, in so many steps in a row, before the implicit
+/// method takes over: it is of lower order and dearer by the step.
+const STIFF_RATIO: f64 = 4.0;
+const STIFF_STEPS: u32 = 4;
 
 impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S> {
     /// Starts at `time` in a state and mode, to go on until `until` (s) with a relative tolerance for each step.
@@ -84,6 +91,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             slope: None,
             step: (until - time).value(),
             implicit: false,
+            settling: 0.0,
             stiff_steps: 0,
             events_here: 0,
             counts: Counts::default(),
@@ -175,6 +183,12 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         if fastest > 0.0 { part / fastest } else { f64::INFINITY }
     }
 
+    /// Errors in the states that the tolerance allows at the current state.
+    fn weights(&self) -> [f64; N] {
+        let tolerances = self.tolerances();
+        core::array::from_fn(|n| tolerances[n] + self.relative_tolerance * self.state[n].value().abs())
+    }
+
     fn tolerances(&self) -> [f64; N] {
         self.system.magnitudes().map(|magnitude| 0.1 * self.relative_tolerance * magnitude)
     }
@@ -183,24 +197,31 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let (system, mode) = (self.system, self.mode);
         let rates = |time: R, state: &[R; N]| system.rates(time, state, &mode);
         let tolerances = self.tolerances();
-        let attempt =
+        let mut attempt =
             explicit::attempt(self.time, &self.state, slope, length, &tolerances, self.relative_tolerance, rates);
-        self.counts.evaluations += explicit::EVALUATIONS.0;
+        let [tried, closed, dense] = explicit::EVALUATIONS;
+        self.counts.evaluations += tried;
         if !self.control(length.value(), attempt.error, 8.0) {
             return None;
         }
-        let end = attempt.end;
-        let accepted = attempt.accept(self.time, &self.state, length, rates);
-        self.counts.evaluations += explicit::EVALUATIONS.1;
-        self.counts.explicit_steps += 1;
-        self.slope = Some(accepted.slope);
-        if accepted.stiffness > STIFF.0 {
-            self.stiff_steps += 1;
-            self.implicit = self.stiff_steps >= STIFF.1;
-        } else {
-            self.stiff_steps = 0;
+        self.settling = attempt.close(self.time, length, &self.weights(), rates) / length.value();
+        self.counts.evaluations += closed;
+        let bound = SETTLING.0 / self.settling;
+        if length.value() * self.settling > SETTLING.1 {
+            self.step = bound;
+            return None;
         }
-        Some((accepted.arc, end))
+        self.slope = Some(attempt.slope());
+        let end = attempt.end;
+        let arc = attempt.dense(self.time, &self.state, length, rates);
+        self.counts.evaluations += dense;
+        self.counts.explicit_steps += 1;
+        self.stiff_steps = if self.step > STIFF_RATIO * bound { self.stiff_steps + 1 } else { 0 };
+        self.implicit = self.stiff_steps >= STIFF_STEPS;
+        if !self.implicit {
+            self.step = self.step.min(bound);
+        }
+        Some((arc, end))
     }
 
     fn try_implicit(&mut self, slope: &[R; N], length: R) -> Option<(Arc<R, N>, [R; N])> {
@@ -226,7 +247,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let arc = attempt.arc(self.time, &self.state, length);
         self.slope = None;
         // Back to the explicit method once a step that accuracy allows is stable for it.
-        if length.value() * linear.fastest_rate(&self.scales()) < 0.5 * STIFF.0 {
+        if length.value() * linear.fastest_rate(&self.scales()) < STIFF_RATIO * SETTLING.0 {
             self.implicit = false;
             self.stiff_steps = 0;
         }
