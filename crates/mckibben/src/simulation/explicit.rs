@@ -15,15 +15,10 @@ pub(super) struct Attempt<R, const N: usize> {
     pub(super) end: [R; N],
     /// Error over the tolerance; at most 1 for a step that may be kept. NaN when the step left the physics.
     pub(super) error: f64,
-    /// The states at the last stage, which stands at the same instant as the end.
-    before_end: [R; N],
 }
 
-/// Evaluations of an attempted step, besides the first; of the rates at its end; and of the dense output.
-pub(super) const EVALUATIONS: [u64; 3] = [11, 1, 3];
-
-/// Square of a distance in units of the tolerance below which two stages do not tell a rate.
-const NOISE: f64 = 1e-6;
+/// Evaluations of an attempted step, and those that accepting it adds.
+pub(super) const EVALUATIONS: (u64, u64) = (11, 4);
 
 macro_rules! advance {
     ($stages:ident, $start:ident, $step:ident; $($stage:literal: $weight:expr),+) => {
@@ -116,49 +111,21 @@ pub(super) fn attempt<R: Real, const N: usize>(
     }
     let denominator = fifth + 0.01 * third;
     let error = if denominator == 0.0 { 0.0 } else { step.value().abs() * fifth / Scalar::sqrt(denominator * N as f64) };
-    Attempt { stages: k, end, error, before_end: state }
+    Attempt { stages: k, end, error }
 }
 
 impl<R: Real, const N: usize> Attempt<R, N> {
-    /// Computes the rates at the end, and returns `h` times the fastest rate that the last stages show; the method is
-    /// unstable above about 6.
+    /// Accepts the step: its dense output, and the rates at its end.
     #[inline]
-    pub(super) fn close(
-        &mut self,
-        time: R,
-        step: R,
-        scale: &[f64; N],
-        mut rates: impl FnMut(R, &[R; N]) -> [R; N],
-    ) -> f64 {
-        let k = &mut self.stages;
-        k[12] = rates(time + step, &self.end);
-        // Hairer's estimate: the last stage and the solution stand at the same instant.
-        let (mut rate, mut distance) = (0.0, 0.0);
-        for n in 0..N {
-            let dk = (k[12][n] - k[11][n]).value() / scale[n];
-            let dy = (self.end[n] - self.before_end[n]).value() / scale[n];
-            rate += dk * dk;
-            distance += dy * dy;
-        }
-        // Two points that agree to a part of the tolerance show only their rounding.
-        if distance > NOISE { step.value().abs() * Scalar::sqrt(rate / distance) } else { 0.0 }
-    }
-
-    /// The rates at the end, after [`Attempt::close`].
-    pub(super) fn slope(&self) -> [R; N] {
-        self.stages[12]
-    }
-
-    /// The dense output, after [`Attempt::close`].
-    #[inline]
-    pub(super) fn dense(
+    pub(super) fn accept(
         mut self,
         time: R,
         start: &[R; N],
         step: R,
         mut rates: impl FnMut(R, &[R; N]) -> [R; N],
-    ) -> Arc<R, N> {
+    ) -> (Arc<R, N>, [R; N]) {
         let k = &mut self.stages;
+        k[12] = rates(time + step, &self.end);
         let mut state: [R; N];
         state = advance!(k, start, step;
             0: 0.056167502283047954, 6: 0.25350021021662483, 7: -0.2462390374708025, 8: -0.12419142326381637,
@@ -192,7 +159,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             0: -25.69393346270375, 5: -154.18974869023643, 6: -231.5293791760455, 7: 357.6391179106141,
             8: 93.40532418362432, 9: -37.45832313645163, 10: 104.0996495089623, 11: 29.8402934266605,
             12: -43.53345659001114, 13: 96.32455395918828, 14: -39.17726167561544, 15: -149.72683625798564);
-        Nested::constant(d3)
+        let arc = Nested::constant(d3)
             .times_theta()
             .plus(d2)
             .times_rest()
@@ -207,6 +174,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             .plus(rise)
             .times_theta()
             .plus(*start)
-            .arc(time, step)
+            .arc(time, step);
+        (arc, self.stages[12])
     }
 }

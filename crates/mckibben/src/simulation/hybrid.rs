@@ -16,6 +16,7 @@ use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::rig::Rig;
 use super::system::{GuardForm, Guards, HybridSystem};
 use crate::air::Flow;
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
@@ -294,6 +295,19 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         let chamber = actuator.chamber(length, velocity, state[PRESSURE], state[3], slack);
         let flow = self.flow(state[PRESSURE], actuator.air().temperature(&chamber), mode);
         [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
+    }
+
+    fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
+        // Only the pressure settles fast, and only while the flow depends on it.
+        let follows = |zone: Option<FlowZone>| {
+            zone.is_some_and(|zone| !matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut))
+        };
+        if !(follows(phase.mode.supply_zone) || follows(phase.mode.exhaust_zone)) {
+            return 0.0;
+        }
+        let mut seeded = state.map(Dual::<R, 1>::of);
+        seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
+        (-self.rates(Dual::of(time), &seeded, phase)[PRESSURE].slope[0].value()).max(0.0)
     }
 
     fn magnitudes(&self) -> [f64; 4] {

@@ -59,8 +59,6 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     slope: Option<[R; N]>,
     step: f64,
     implicit: bool,
-    /// The fastest rate in 1/s that the last explicit step showed.
-    settling: f64,
     stiff_steps: u32,
     events_here: u32,
     counts: Counts,
@@ -70,7 +68,7 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
 const GROWTH: (f64, f64, f64) = (6.0, 0.2, 0.9);
 /// `h` times the fastest rate up to which the dense output of the explicit method follows a settling state to the
 /// tolerance: what is aimed at, and what is refused. The method itself would be stable to about 6.
-const SETTLING: (f64, f64) = (2.0, 2.5);
+const SETTLING: (f64, f64) = (2.0, 4.0);
 /// Accuracy must allow so many times the step that [`SETTLING`] does, in so many steps in a row, before the implicit
 /// method takes over: it is of lower order and dearer by the step.
 const STIFF_RATIO: f64 = 4.0;
@@ -91,7 +89,6 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             slope: None,
             step: (until - time).value(),
             implicit: false,
-            settling: 0.0,
             stiff_steps: 0,
             events_here: 0,
             counts: Counts::default(),
@@ -167,6 +164,10 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         self.counts.evaluations += 1;
         self.slope = Some(slope);
         self.step = self.step.min(self.first_step(&slope));
+        if !self.implicit {
+            let settling = self.system.settling_rate(self.time, &self.state, &self.mode);
+            self.step = self.step.min(SETTLING.0 / settling);
+        }
         slope
     }
 
@@ -183,12 +184,6 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         if fastest > 0.0 { part / fastest } else { f64::INFINITY }
     }
 
-    /// Errors in the states that the tolerance allows at the current state.
-    fn weights(&self) -> [f64; N] {
-        let tolerances = self.tolerances();
-        core::array::from_fn(|n| tolerances[n] + self.relative_tolerance * self.state[n].value().abs())
-    }
-
     fn tolerances(&self) -> [f64; N] {
         self.system.magnitudes().map(|magnitude| 0.1 * self.relative_tolerance * magnitude)
     }
@@ -197,25 +192,23 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let (system, mode) = (self.system, self.mode);
         let rates = |time: R, state: &[R; N]| system.rates(time, state, &mode);
         let tolerances = self.tolerances();
-        let mut attempt =
+        let attempt =
             explicit::attempt(self.time, &self.state, slope, length, &tolerances, self.relative_tolerance, rates);
-        let [tried, closed, dense] = explicit::EVALUATIONS;
-        self.counts.evaluations += tried;
+        self.counts.evaluations += explicit::EVALUATIONS.0;
         if !self.control(length.value(), attempt.error, 8.0) {
             return None;
         }
-        self.settling = attempt.close(self.time, length, &self.weights(), rates) / length.value();
-        self.counts.evaluations += closed;
-        let bound = SETTLING.0 / self.settling;
-        if length.value() * self.settling > SETTLING.1 {
+        let end = attempt.end;
+        let settling = self.system.settling_rate(self.time + length, &end, &mode);
+        let bound = SETTLING.0 / settling;
+        if length.value() * settling > SETTLING.1 {
             self.step = bound;
             return None;
         }
-        self.slope = Some(attempt.slope());
-        let end = attempt.end;
-        let arc = attempt.dense(self.time, &self.state, length, rates);
-        self.counts.evaluations += dense;
+        let (arc, slope) = attempt.accept(self.time, &self.state, length, rates);
+        self.counts.evaluations += explicit::EVALUATIONS.1;
         self.counts.explicit_steps += 1;
+        self.slope = Some(slope);
         self.stiff_steps = if self.step > STIFF_RATIO * bound { self.stiff_steps + 1 } else { 0 };
         self.implicit = self.stiff_steps >= STIFF_STEPS;
         if !self.implicit {

@@ -9,6 +9,7 @@
 //! What happens at the end of a mode is the system's to say ([`HybridSystem::cross`], [`HybridSystem::pass_instant`]);
 //! when it happens is the integrator's to find, by the rules of [`event`](super::event).
 
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::scalar::{Over, Real};
 use core::fmt::Debug;
@@ -83,6 +84,17 @@ pub trait HybridSystem<R: Real, const N: usize> {
 
     /// Time derivatives of the states by the formulas of `mode`.
     fn rates<T: Over<R>>(&self, time: T, state: &[T; N], mode: &Self::Mode) -> [T; N];
+
+    /// The fastest rate in 1/s at which a state settles by itself, zero when none does: the largest negative diagonal term
+    /// of the Jacobian, unless the system knows better.
+    fn settling_rate(&self, time: R, state: &[R; N], mode: &Self::Mode) -> f64 {
+        let constants = state.map(Dual::<R, 1>::of);
+        (0..N).fold(0.0, |fastest: f64, n| {
+            let mut seeded = constants;
+            seeded[n] = Dual::variable(state[n], 0);
+            fastest.max(-self.rates(Dual::of(time), &seeded, mode)[n].slope[0].value())
+        })
+    }
 
     /// Typical magnitudes of the states, below which an error counts absolutely.
     fn magnitudes(&self) -> [f64; N];
