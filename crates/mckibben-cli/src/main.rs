@@ -1,0 +1,2 @@
+//! The program `mckibben`.
+fn main() {}

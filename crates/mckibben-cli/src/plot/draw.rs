@@ -1,0 +1,344 @@
+//! One panel, from the back to the front: spans, grid, reference lines, axes, series, marks, words on the lines.
+
+use super::decimate::{COLUMN, chord, clip, clip_polygon, reduce, runs, staircase, thin};
+use super::figure::{Extent, Marks, Panel, Reference, Series, Span, Style};
+use super::layout::{TICK, TICK_GAP, TICK_SIZE, words};
+use super::legend::{End, LINE, SHADE, dash, draw_marks, draw_points, rule, symbol};
+use super::scene::{Anchor, Area, Ink, Outline, Point, Scene, Step, Words};
+use super::text::Faces;
+use super::ticks::{Range, Ticks};
+
+/// The size of the words on reference lines.
+const REFERENCE_SIZE: f64 = 6.6;
+/// Points are kept this close to the page, so that a fixed axis over distant data leaves numbers that can be clipped.
+const FAR: f64 = 1e6;
+/// More intervals than this per column of the page are drawn by how much of the column they cover.
+const DENSE: f64 = 0.5;
+/// The steps of such a shade.
+const SHADES: usize = 8;
+
+/// The axes of a panel and where they stand.
+pub(super) struct Frame<'a> {
+    pub(super) area: Area,
+    pub(super) x: Range,
+    pub(super) y: Range,
+    pub(super) x_ticks: &'a Ticks,
+    pub(super) y_ticks: &'a Ticks,
+    /// Whether the horizontal ticks have labels: those of the lowest panel.
+    pub(super) numbered: bool,
+}
+
+impl Frame<'_> {
+    fn page_x(&self, x: f64) -> f64 {
+        (self.area.left + self.x.place(x) * self.area.width()).clamp(-FAR, FAR)
+    }
+
+    fn page_y(&self, y: f64) -> f64 {
+        (self.area.bottom - self.y.place(y) * self.area.height()).clamp(-FAR, FAR)
+    }
+
+    fn page(&self, x: f64, y: f64) -> Point {
+        [self.page_x(x), self.page_y(y)]
+    }
+}
+
+/// Draws a panel without its legend and labels.
+pub(super) fn panel(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>, faces: &Faces) {
+    for span in &panel.spans {
+        draw_span(scene, span, frame);
+    }
+    grid(scene, frame);
+    rules(scene, panel, frame);
+    axes(scene, frame);
+    for series in &panel.series {
+        draw_series(scene, panel, series, frame);
+    }
+    for marks in &panel.marks {
+        draw_marks(scene, marks.colour.into(), marks.symbol, &places(marks, frame));
+    }
+    rule_words(panel, frame, faces).0.into_iter().for_each(|words| scene.words(words));
+}
+
+/// Where the curves of a panel end on the right, for names beside them.
+pub(super) fn ends(panel: &Panel, frame: &Frame<'_>) -> Vec<End> {
+    let named = panel.series.iter().filter(|s| !s.label.trim().is_empty());
+    let end = |s: &Series| {
+        let (lines, points) = shape(s, frame);
+        let at = lines.into_iter().flatten().chain(points).max_by(|a, b| a[0].total_cmp(&b[0]))?;
+        Some(End { at, ink: s.colour.into(), label: s.label.clone() })
+    };
+    named.filter_map(end).collect()
+}
+
+/// What a series looks like within the axes: its lines, then its points.
+fn shape(series: &Series, frame: &Frame<'_>) -> (Vec<Vec<Point>>, Vec<Point>) {
+    let runs = runs(&series.x, &series.y, |x, y| frame.page(x, y));
+    let path = |run: &Vec<Point>| match series.style {
+        Style::Steps => staircase(&reduce(run)),
+        _ => reduce(run),
+    };
+    let lines = match series.style {
+        Style::Points => Vec::new(),
+        _ => runs.iter().flat_map(|run| clip(&path(run), frame.area)).collect(),
+    };
+    let points = match series.style {
+        Style::Line | Style::Steps => Vec::new(),
+        _ => thin(runs.into_iter().flatten().filter(|p| frame.area.contains(*p))),
+    };
+    (lines, points)
+}
+
+fn draw_series(scene: &mut Scene, panel: &Panel, series: &Series, frame: &Frame<'_>) {
+    let ink: Ink = series.colour.into();
+    let (lines, points) = shape(series, frame);
+    let mut outline = Outline::stroked(ink, LINE, dash(panel, series));
+    let mut dots = Outline::filled(ink, 1.0);
+    for line in &lines {
+        match line.as_slice() {
+            // A point alone between gaps has no line; it is shown as a dot a little heavier than the line.
+            [dot] => dots.steps.push(Step::Disc(*dot, 0.9 * LINE)),
+            _ => outline.polyline(line),
+        }
+    }
+    scene.outline(outline);
+    scene.outline(dots);
+    if !points.is_empty() {
+        draw_points(scene, ink, symbol(series.colour), &points);
+    }
+}
+
+/// Where events stand: on their values, or along the upper edge outside the axes.
+fn places(marks: &Marks, frame: &Frame<'_>) -> Vec<Point> {
+    let area = frame.area;
+    if marks.y.is_empty() {
+        let on_page = marks.x.iter().filter(|x| x.is_finite()).map(|x| frame.page_x(*x));
+        return thin(on_page.filter(|x| (area.left..=area.right).contains(x)).map(|x| [x, area.top - 3.4]));
+    }
+    let points = runs(&marks.x, &marks.y, |x, y| frame.page(x, y)).concat();
+    thin(points.into_iter().filter(|p| area.contains(*p)))
+}
+
+fn draw_span(scene: &mut Scene, span: &Span, frame: &Frame<'_>) {
+    let (ink, area) = (Ink::from(span.colour), frame.area);
+    let mut shade = Outline::filled(ink, SHADE);
+    match &span.extent {
+        Extent::Vertical(from, to) => {
+            let (a, b) = (frame.page_y(*from), frame.page_y(*to));
+            let (top, bottom) = (a.min(b).max(area.top), a.max(b).min(area.bottom));
+            if top < bottom {
+                shade.rectangle(Area { top, bottom, ..area });
+            }
+        }
+        Extent::Between { x, lower, upper } => {
+            // Both edges must be numbers, or the strip has no width there.
+            let both: Vec<f64> = lower.iter().zip(upper).map(|(l, u)| l + u).collect();
+            for range in stretches(x, &both) {
+                let edge = |y: &[f64]| -> Vec<Point> {
+                    let run: Vec<Point> = range.clone().map(|i| frame.page(x[i], y[i])).collect();
+                    reduce(&run)
+                };
+                let mut polygon = edge(upper);
+                polygon.extend(edge(lower).into_iter().rev());
+                let polygon = clip_polygon(&polygon, area);
+                if polygon.len() > 2 {
+                    shade.polygon(&polygon);
+                }
+            }
+        }
+        Extent::Horizontal(intervals) => return draw_intervals(scene, ink, intervals, frame),
+    }
+    scene.outline(shade);
+}
+
+/// The index ranges in which both columns are numbers.
+fn stretches(x: &[f64], y: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let fine: Vec<bool> = x.iter().zip(y).map(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    let mut start = 0;
+    let mut found = Vec::new();
+    for piece in fine.chunk_by(|a, b| a == b) {
+        if piece[0] {
+            found.push(start..start + piece.len());
+        }
+        start += piece.len();
+    }
+    found
+}
+
+fn draw_intervals(scene: &mut Scene, ink: Ink, intervals: &[(f64, f64)], frame: &Frame<'_>) {
+    let area = frame.area;
+    let finite = intervals.iter().filter(|(a, b)| !a.is_nan() && !b.is_nan());
+    let on_page =
+        finite.map(|(a, b)| (frame.page_x(a.min(*b)).max(area.left), frame.page_x(a.max(*b)).min(area.right)));
+    let mut pieces: Vec<(f64, f64)> = on_page.filter(|(a, b)| a < b).collect();
+    pieces.sort_by(|p, q| p.0.total_cmp(&q.0));
+    // Intervals that touch are one; what overlaps must not be shaded twice.
+    let mut merged: Vec<(f64, f64)> = Vec::new();
+    for (a, b) in pieces {
+        match merged.last_mut().filter(|last| a <= last.1) {
+            Some(last) => last.1 = last.1.max(b),
+            None => merged.push((a, b)),
+        }
+    }
+    let columns = (area.width() / (2.0 * COLUMN)).ceil();
+    if merged.len() as f64 <= DENSE * columns {
+        let mut shade = Outline::filled(ink, SHADE);
+        merged.iter().for_each(|(left, right)| shade.rectangle(Area { left: *left, right: *right, ..area }));
+        scene.outline(shade);
+        return;
+    }
+    // Finer than the page can show: each column is as dark as the share of it that is covered.
+    let width = area.width() / columns;
+    let mut covered = vec![0.0; columns as usize];
+    for (a, b) in merged {
+        let first = ((a - area.left) / width) as usize;
+        for (i, column) in covered.iter_mut().enumerate().skip(first) {
+            let (left, right) = (area.left + i as f64 * width, area.left + (i as f64 + 1.0) * width);
+            if left >= b {
+                break;
+            }
+            *column += (b.min(right) - a.max(left)).max(0.0) / width;
+        }
+    }
+    let level: Vec<usize> = covered.iter().map(|c| (c * SHADES as f64).round() as usize).collect();
+    for shade in 1..=SHADES {
+        let mut outline = Outline::filled(ink, SHADE * shade as f64 / SHADES as f64);
+        let mut i = 0;
+        for run in level.chunk_by(|a, b| a == b) {
+            if run[0].min(SHADES) == shade {
+                let left = area.left + i as f64 * width;
+                outline.rectangle(Area { left, right: left + run.len() as f64 * width, ..area });
+            }
+            i += run.len();
+        }
+        scene.outline(outline);
+    }
+}
+
+fn grid(scene: &mut Scene, frame: &Frame<'_>) {
+    let area = frame.area;
+    let mut grid = Outline::stroked(Ink::Grid, 0.5, &[]);
+    for (x, _) in &frame.x_ticks.at {
+        grid.polyline(&[[frame.page_x(*x), area.top], [frame.page_x(*x), area.bottom]]);
+    }
+    for (y, _) in &frame.y_ticks.at {
+        grid.polyline(&[[area.left, frame.page_y(*y)], [area.right, frame.page_y(*y)]]);
+    }
+    scene.outline(grid);
+}
+
+fn axes(scene: &mut Scene, frame: &Frame<'_>) {
+    let area = frame.area;
+    let mut lines = Outline::stroked(Ink::Axis, 0.7, &[]);
+    lines.polyline(&[[area.left, area.top], [area.left, area.bottom], [area.right, area.bottom]]);
+    for (x, label) in &frame.x_ticks.at {
+        let x = frame.page_x(*x);
+        lines.polyline(&[[x, area.bottom], [x, area.bottom + TICK]]);
+        if frame.numbered {
+            let baseline = area.bottom + TICK + TICK_GAP + 0.8 * TICK_SIZE;
+            scene.words(words(label.clone(), [x, baseline], Anchor::Middle, TICK_SIZE));
+        }
+    }
+    for (y, label) in &frame.y_ticks.at {
+        let y = frame.page_y(*y);
+        lines.polyline(&[[area.left - TICK, y], [area.left, y]]);
+        let at = [area.left - TICK - TICK_GAP, y + 0.36 * TICK_SIZE];
+        scene.words(words(label.clone(), at, Anchor::End, TICK_SIZE));
+    }
+    scene.outline(lines);
+}
+
+/// The reference lines of a panel, behind the data.
+fn rules(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>) {
+    let area = frame.area;
+    let mut lines = rule();
+    for reference in &panel.references {
+        let (a, b) = match reference {
+            Reference::Horizontal { y, .. } => ([area.left, frame.page_y(*y)], [area.right, frame.page_y(*y)]),
+            Reference::Vertical { x, .. } => ([frame.page_x(*x), area.top], [frame.page_x(*x), area.bottom]),
+        };
+        // A position that is not a number is nowhere.
+        if (a[0] + a[1]).is_finite()
+            && let Some(line) = chord(a, b, area)
+        {
+            lines.polyline(&line);
+        }
+    }
+    scene.outline(lines);
+}
+
+/// The words on the reference lines, each where it covers no data; and those for which there is no such place. Only
+/// distances within the axes matter, so the answer is the same wherever the panel stands.
+pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Vec<Words>, Vec<String>) {
+    let (mut placed, mut homeless) = (Vec::new(), Vec::new());
+    if panel.references.is_empty() {
+        return (placed, homeless);
+    }
+    let mut taken: Vec<Vec<Point>> = Vec::new();
+    for series in &panel.series {
+        let (lines, points) = shape(series, frame);
+        taken.extend(lines.into_iter().chain(points.into_iter().map(|p| vec![p])));
+    }
+    taken.extend(panel.marks.iter().flat_map(|marks| places(marks, frame)).map(|p| vec![p]));
+    for reference in &panel.references {
+        let (Reference::Horizontal { label, .. } | Reference::Vertical { label, .. }) = reference;
+        let width = faces.width(label, REFERENCE_SIZE, false);
+        let free = |start: &Point| {
+            let room = room(*start, width);
+            let rim =
+                Area { left: room.left - 2.0, top: room.top - 1.0, right: room.right + 2.0, bottom: room.bottom + 1.0 };
+            let hit = |run: &Vec<Point>| match run.as_slice() {
+                [point] => rim.contains(*point),
+                run => run.windows(2).any(|w| chord(w[0], w[1], rim).is_some()),
+            };
+            let a = frame.area;
+            let inside =
+                room.left >= a.left && room.right <= a.right && room.top >= a.top - 0.5 && room.bottom <= a.bottom;
+            inside && !taken.iter().any(hit)
+        };
+        match candidates(reference, frame, width).into_iter().find(free) {
+            Some(start) => {
+                let room = room(start, width);
+                taken.push(vec![[room.left, room.top], [room.right, room.bottom]]);
+                let plain = words(label.clone(), start, Anchor::Start, REFERENCE_SIZE);
+                placed.push(Words { halo: true, ink: Ink::Muted, ..plain });
+            }
+            None if is_on(reference, frame) => homeless.push(label.clone()),
+            None => {}
+        }
+    }
+    (placed, homeless)
+}
+
+/// The room of words that start at a point.
+fn room([x, y]: Point, width: f64) -> Area {
+    Area { left: x, top: y - 0.76 * REFERENCE_SIZE, right: x + width, bottom: y + 0.2 * REFERENCE_SIZE }
+}
+
+/// Whether a reference line crosses the axes.
+fn is_on(reference: &Reference, frame: &Frame<'_>) -> bool {
+    let place = match reference {
+        Reference::Horizontal { y, .. } => frame.y.place(*y),
+        Reference::Vertical { x, .. } => frame.x.place(*x),
+    };
+    (0.0..=1.0).contains(&place)
+}
+
+/// Where the words of a reference line may start, the best place first: near its ends, close to the line.
+fn candidates(reference: &Reference, frame: &Frame<'_>, width: f64) -> Vec<Point> {
+    let Area { left, top, right, bottom } = frame.area;
+    let share = [0.0, 1.0, 0.1, 0.9, 0.2, 0.8, 0.3, 0.7, 0.4, 0.6, 0.5];
+    match reference {
+        Reference::Horizontal { y, .. } => {
+            let y = frame.page_y(*y);
+            let (from, to) = (right - 2.0 - width, left + 3.0);
+            let along = share.map(|t| from + t * (to - from));
+            [y - 2.2, y + 0.76 * REFERENCE_SIZE + 2.0].iter().flat_map(|y| along.map(|x| [x, *y])).collect()
+        }
+        Reference::Vertical { x, .. } => {
+            let x = frame.page_x(*x);
+            let (from, to) = (top + 0.76 * REFERENCE_SIZE + 1.0, bottom - 3.0);
+            let along = share.map(|t| from + t * (to - from));
+            [x + 2.5, x - 2.5 - width].iter().flat_map(|x| along.map(|y| [*x, y])).collect()
+        }
+    }
+}

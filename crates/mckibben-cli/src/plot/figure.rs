@@ -1,0 +1,472 @@
+//! What a figure shows: panels, and the series, spans, marks and reference lines in them.
+//!
+//! Everything is plain data. Columns are `f64`, and a value that is not finite is a gap. The unit of an axis stands
+//! apart from its label, so that ticks can choose an SI prefix for it.
+
+use super::PlotError;
+
+/// Which colour a thing is drawn in. Colours adapt to the theme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Colour {
+    /// Grey, for what frames the data: an open valve, a tolerance.
+    Neutral,
+    /// One of seven colours that the colour-blind can tell apart, counted from 0 and repeated after the seventh. The
+    /// number also chooses the dash pattern or the symbol.
+    Category(usize),
+    /// A place on a ramp of one direction from 0 to 1, for families of curves that have an order, such as pressures.
+    Ramp(f64),
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// Straight lines from point to point.
+    #[default]
+    Line,
+    /// A symbol at each point.
+    Points,
+    /// A line with a symbol at each point.
+    LineAndPoints,
+    /// Each value is held until the next: commands, valve positions.
+    Steps,
+}
+
+/// The pattern of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dash {
+    /// No gaps.
+    Solid,
+    /// Dashes.
+    Dashed,
+    /// A dash, a dot.
+    DashDot,
+    /// Dots.
+    Dotted,
+    /// Long dashes.
+    LongDash,
+    /// A dash, two dots.
+    DashDotDot,
+}
+
+/// The shape at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Symbol {
+    /// A disc.
+    #[default]
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle that points up.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
+    /// A triangle that points down.
+    TriangleDown,
+    /// An upright cross.
+    Plus,
+    /// A diagonal cross.
+    Cross,
+}
+
+/// An axis: its words, and its range where the data should not decide.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// The quantity, such as `length`.
+    pub label: String,
+    /// The unit of the values as given, such as `mm`. Empty for none.
+    pub unit: String,
+    /// The lower end, where the data should not decide.
+    pub min: Option<f64>,
+    /// The upper end, where the data should not decide.
+    pub max: Option<f64>,
+    /// Words in place of numbers: `[(0.0, "closed"), (1.0, "open")]`.
+    pub words: Vec<(f64, String)>,
+}
+
+impl Axis {
+    /// An axis whose range the data decide.
+    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), ..Self::default() }
+    }
+
+    /// The same axis with a lower end.
+    #[must_use]
+    pub fn starting_at(mut self, min: f64) -> Self {
+        self.min = Some(min);
+        self
+    }
+
+    /// The same axis with an upper end.
+    #[must_use]
+    pub fn ending_at(mut self, max: f64) -> Self {
+        self.max = Some(max);
+        self
+    }
+
+    /// The same axis with words in place of numbers.
+    #[must_use]
+    pub fn words<S: Into<String>>(mut self, words: impl IntoIterator<Item = (f64, S)>) -> Self {
+        self.words = words.into_iter().map(|(at, word)| (at, word.into())).collect();
+        self
+    }
+
+    fn validate(&self) -> Result<(), PlotError> {
+        let (min, max) = (self.min.unwrap_or(f64::MIN), self.max.unwrap_or(f64::MAX));
+        if min.is_finite() && max.is_finite() && min < max {
+            return Ok(());
+        }
+        Err(PlotError::Range { axis: self.label.clone(), min, max })
+    }
+}
+
+/// One curve or cloud of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Its name in the legend; without one it is not listed.
+    pub label: String,
+    /// The horizontal values, in any order: a loop may run back.
+    pub x: Vec<f64>,
+    /// The vertical values, as many.
+    pub y: Vec<f64>,
+    /// How it is drawn.
+    pub style: Style,
+    /// Its colour.
+    pub colour: Colour,
+    /// Its pattern. Where none is given, the only line of a panel is solid and the others follow their colour.
+    pub dash: Option<Dash>,
+}
+
+impl Series {
+    /// A curve in the first colour.
+    pub fn line(label: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
+        Self { label: label.into(), x, y, style: Style::Line, colour: Colour::Category(0), dash: None }
+    }
+
+    /// A cloud of points in the first colour.
+    pub fn points(label: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
+        Self { style: Style::Points, ..Self::line(label, x, y) }
+    }
+
+    /// A staircase in the first colour.
+    pub fn steps(label: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
+        Self { style: Style::Steps, ..Self::line(label, x, y) }
+    }
+
+    /// The same series in another colour.
+    #[must_use]
+    pub fn colour(mut self, colour: Colour) -> Self {
+        self.colour = colour;
+        self
+    }
+
+    /// The same series with its pattern stated.
+    #[must_use]
+    pub fn dash(mut self, dash: Dash) -> Self {
+        self.dash = Some(dash);
+        self
+    }
+}
+
+/// What a [`Span`] shades.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Extent {
+    /// The full height of the panel within these intervals of x, each as (from, to).
+    Horizontal(Vec<(f64, f64)>),
+    /// The full width of the panel between two values of y.
+    Vertical(f64, f64),
+    /// The area between two curves over the same x: an uncertainty, a tolerance.
+    Between {
+        /// The common horizontal values, rising.
+        x: Vec<f64>,
+        /// The lower curve.
+        lower: Vec<f64>,
+        /// The upper curve.
+        upper: Vec<f64>,
+    },
+}
+
+/// A shaded part of a panel, behind the data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    /// Its name in the legend; without one it is not listed.
+    pub label: String,
+    /// What it covers.
+    pub extent: Extent,
+    /// Its colour, which is drawn thin.
+    pub colour: Colour,
+}
+
+impl Span {
+    /// Grey intervals of x, such as those in which a valve is open.
+    pub fn intervals(label: impl Into<String>, intervals: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), extent: Extent::Horizontal(intervals), colour: Colour::Neutral }
+    }
+
+    /// A grey strip between two values of y.
+    pub fn strip(label: impl Into<String>, from: f64, to: f64) -> Self {
+        Self { label: label.into(), extent: Extent::Vertical(from, to), colour: Colour::Neutral }
+    }
+
+    /// The area between two curves, in the first colour.
+    pub fn between(label: impl Into<String>, x: Vec<f64>, lower: Vec<f64>, upper: Vec<f64>) -> Self {
+        Self { label: label.into(), extent: Extent::Between { x, lower, upper }, colour: Colour::Category(0) }
+    }
+
+    /// The same span in another colour.
+    #[must_use]
+    pub fn colour(mut self, colour: Colour) -> Self {
+        self.colour = colour;
+        self
+    }
+}
+
+/// Events: small hollow symbols, on a curve or along the upper edge of the panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marks {
+    /// Their name in the legend; without one they are not listed.
+    pub label: String,
+    /// When.
+    pub x: Vec<f64>,
+    /// At which value. Empty: they stand on the upper edge, outside the axes.
+    pub y: Vec<f64>,
+    /// Their shape.
+    pub symbol: Symbol,
+    /// Their colour.
+    pub colour: Colour,
+}
+
+impl Marks {
+    /// Marks on a curve, in the colour of text.
+    pub fn at(label: impl Into<String>, symbol: Symbol, x: Vec<f64>, y: Vec<f64>) -> Self {
+        Self { label: label.into(), x, y, symbol, colour: Colour::Neutral }
+    }
+
+    /// Marks on the upper edge of the panel.
+    pub fn on_edge(label: impl Into<String>, symbol: Symbol, x: Vec<f64>) -> Self {
+        Self { label: label.into(), x, y: Vec::new(), symbol, colour: Colour::Neutral }
+    }
+
+    /// The same marks in another colour.
+    #[must_use]
+    pub fn colour(mut self, colour: Colour) -> Self {
+        self.colour = colour;
+        self
+    }
+}
+
+/// A thin straight line across a panel, with words on it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reference {
+    /// At a value of y.
+    Horizontal {
+        /// Where.
+        y: f64,
+        /// Its words; may be empty.
+        label: String,
+    },
+    /// At a value of x.
+    Vertical {
+        /// Where.
+        x: f64,
+        /// Its words; may be empty.
+        label: String,
+    },
+}
+
+/// Where the names of the series go. None of these places covers data.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Legend {
+    /// At the ends of the curves for a family on a ramp, above the axes otherwise, and nowhere for what only repeats
+    /// the vertical axis or an upper panel.
+    #[default]
+    Auto,
+    /// In rows above the axes.
+    Above,
+    /// In the right margin, each beside the end of its curve.
+    Direct,
+    /// Nowhere.
+    Hidden,
+}
+
+/// One pair of axes of a figure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Panel {
+    /// The vertical axis.
+    pub y: Axis,
+    /// The curves and points.
+    pub series: Vec<Series>,
+    /// The shaded parts.
+    pub spans: Vec<Span>,
+    /// The events.
+    pub marks: Vec<Marks>,
+    /// The straight lines.
+    pub references: Vec<Reference>,
+    /// Where the names go.
+    pub legend: Legend,
+    /// The height of the axes in mm, where it should differ from the figure's.
+    pub height_mm: Option<f64>,
+}
+
+impl Panel {
+    /// An empty panel with this vertical axis.
+    pub fn new(y: Axis) -> Self {
+        Self { y, ..Self::default() }
+    }
+
+    /// The same panel with one more series.
+    #[must_use]
+    pub fn series(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// The same panel with one more shaded part.
+    #[must_use]
+    pub fn span(mut self, span: Span) -> Self {
+        self.spans.push(span);
+        self
+    }
+
+    /// The same panel with one more set of events.
+    #[must_use]
+    pub fn marks(mut self, marks: Marks) -> Self {
+        self.marks.push(marks);
+        self
+    }
+
+    /// The same panel with a line at a value of y.
+    #[must_use]
+    pub fn horizontal(mut self, y: f64, label: impl Into<String>) -> Self {
+        self.references.push(Reference::Horizontal { y, label: label.into() });
+        self
+    }
+
+    /// The same panel with a line at a value of x.
+    #[must_use]
+    pub fn vertical(mut self, x: f64, label: impl Into<String>) -> Self {
+        self.references.push(Reference::Vertical { x, label: label.into() });
+        self
+    }
+
+    /// The same panel with its names elsewhere.
+    #[must_use]
+    pub fn legend(mut self, legend: Legend) -> Self {
+        self.legend = legend;
+        self
+    }
+
+    /// The same panel with its own height, in mm.
+    #[must_use]
+    pub fn height_mm(mut self, height: f64) -> Self {
+        self.height_mm = Some(height);
+        self
+    }
+}
+
+/// Panels stacked over one horizontal axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// The words above; may be empty.
+    pub title: String,
+    /// The words below; may be empty.
+    pub caption: String,
+    /// The width of the whole figure in mm.
+    pub width_mm: f64,
+    /// The height of the axes of each panel in mm.
+    pub panel_height_mm: f64,
+    /// The common horizontal axis.
+    pub x: Axis,
+    /// The panels, from the top.
+    pub panels: Vec<Panel>,
+}
+
+impl Default for Figure {
+    /// One column of a two-column journal: 85 mm wide, panels of 32 mm.
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            caption: String::new(),
+            width_mm: 85.0,
+            panel_height_mm: 32.0,
+            x: Axis::default(),
+            panels: Vec::new(),
+        }
+    }
+}
+
+impl Figure {
+    /// An empty figure, one column wide, with this horizontal axis.
+    pub fn new(x: Axis) -> Self {
+        Self { x, ..Self::default() }
+    }
+
+    /// The same figure with words above.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// The same figure with words below.
+    #[must_use]
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.caption = caption.into();
+        self
+    }
+
+    /// The same figure with one more panel at the bottom.
+    #[must_use]
+    pub fn panel(mut self, panel: Panel) -> Self {
+        self.panels.push(panel);
+        self
+    }
+
+    /// The same figure in another size, in mm: the whole width, and the height of each panel's axes.
+    #[must_use]
+    pub fn size_mm(mut self, width: f64, panel_height: f64) -> Self {
+        (self.width_mm, self.panel_height_mm) = (width, panel_height);
+        self
+    }
+
+    /// Refuses what cannot be drawn, so that everything after this is free of errors.
+    pub(super) fn validate(&self) -> Result<(), PlotError> {
+        let within = |name, value: f64, low: f64, high: f64, range| {
+            let fine = (low..=high).contains(&value);
+            if fine { Ok(()) } else { Err(PlotError::Dimension { name, value, unit: "mm", range }) }
+        };
+        within("the width of the figure", self.width_mm, 40.0, 1000.0, "40 to 1000 mm")?;
+        within("the height of a panel", self.panel_height_mm, 4.0, 1000.0, "4 to 1000 mm")?;
+        self.x.validate()?;
+        for panel in &self.panels {
+            if let Some(height) = panel.height_mm {
+                within("the height of a panel", height, 4.0, 1000.0, "4 to 1000 mm")?;
+            }
+            panel.y.validate()?;
+            panel.columns()?;
+        }
+        Ok(())
+    }
+}
+
+impl Panel {
+    /// Columns that belong together have one length.
+    fn columns(&self) -> Result<(), PlotError> {
+        let equal = |label: &str, x: usize, y: usize| match x == y {
+            true => Ok(()),
+            false => Err(PlotError::Columns { label: label.to_string(), x, y }),
+        };
+        for series in &self.series {
+            equal(&series.label, series.x.len(), series.y.len())?;
+        }
+        for marks in self.marks.iter().filter(|marks| !marks.y.is_empty()) {
+            equal(&marks.label, marks.x.len(), marks.y.len())?;
+        }
+        for span in &self.spans {
+            if let Extent::Between { x, lower, upper } = &span.extent {
+                equal(&span.label, x.len(), lower.len())?;
+                equal(&span.label, x.len(), upper.len())?;
+            }
+        }
+        Ok(())
+    }
+}

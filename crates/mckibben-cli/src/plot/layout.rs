@@ -1,0 +1,270 @@
+//! Where everything goes: margins from the words that stand in them, panels from the top, one horizontal axis.
+//!
+//! All lengths are points. The sizes are for print at the figure's true width: ticks and names 7 pt, labels 7.5 pt, the
+//! title 8.5 pt, which is what journals ask of a figure one column wide.
+
+use super::PlotError;
+use super::draw::{self, Frame};
+use super::figure::{Axis, Extent, Figure, Legend, Panel, Reference, Series, Style};
+use super::legend::{self, Entry, Key};
+use super::scene::{Anchor, Area, Ink, Outline, Scene, Words};
+use super::text::Faces;
+use super::ticks::{Range, Ticks, ticks};
+
+/// Points in a millimetre.
+const MM: f64 = 72.0 / 25.4;
+/// The free rim of a figure.
+const RIM: f64 = 3.0;
+/// The length of a tick, and from its end to its label.
+pub(super) const TICK: f64 = 2.6;
+pub(super) const TICK_GAP: f64 = 2.0;
+/// The sizes of words.
+pub(super) const TICK_SIZE: f64 = 7.0;
+const LABEL_SIZE: f64 = 7.5;
+const TITLE_SIZE: f64 = 8.5;
+const CAPTION_SIZE: f64 = 6.8;
+/// From one line of words to the next, of their size.
+const LEADING: f64 = 1.28;
+/// Between the axes of one panel and what belongs to the next.
+const PANEL_GAP: f64 = 8.0;
+/// What events on the upper edge need.
+const EDGE: f64 = 6.5;
+
+/// The figure as primitives.
+pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
+    figure.validate()?;
+    let faces = Faces::load()?;
+    let width = figure.width_mm * MM;
+    let x = x_range(figure);
+    let heights: Vec<f64> = figure.panels.iter().map(|p| p.height_mm.unwrap_or(figure.panel_height_mm) * MM).collect();
+    let ys: Vec<(Range, Ticks)> = figure
+        .panels
+        .iter()
+        .zip(&heights)
+        .map(|(panel, height)| {
+            let range = y_range(panel, x, *height);
+            (range, ticks(&panel.y, range, height / 15.5))
+        })
+        .collect();
+
+    // The margins, from what stands in them.
+    let widest = |ticks: &Ticks| ticks.at.iter().map(|t| faces.width(&t.1, TICK_SIZE, false)).fold(0.0, f64::max);
+    let numbers = ys.iter().map(|(_, ticks)| widest(ticks)).fold(0.0, f64::max).min(0.3 * width);
+    let labels: Vec<Vec<String>> =
+        ys.iter().zip(&heights).map(|((_, t), h)| faces.wrap(&t.label, LABEL_SIZE, false, h + 4.0)).collect();
+    let lines = labels.iter().map(Vec::len).max().unwrap_or(0) as f64;
+    let label_width = lines * LABEL_SIZE * LEADING;
+    let left = RIM + label_width + 3.5 + numbers + TICK_GAP + TICK;
+    let direct: Vec<bool> =
+        figure.panels.iter().zip(&heights).map(|(p, h)| legend::is_direct(p, *h, |s| reach(s, x))).collect();
+    let beside = figure.panels.iter().zip(&direct).filter(|(_, direct)| **direct);
+    let mut right = beside.map(|(p, _)| legend::direct_width(p, &faces, 0.35 * width)).fold(RIM + 2.0, f64::max);
+    let x_ticks = x_ticks(&figure.x, x, width - left - right, &faces);
+    if let Some((at, text)) = x_ticks.at.last() {
+        // The last number must not be cut off.
+        let overhang = 0.5 * faces.width(text, TICK_SIZE, false) - (1.0 - x.place(*at)) * (width - left - right);
+        right = right.max(overhang + RIM);
+    }
+
+    let mut scene = Scene { width, title: figure.title.clone(), ..Scene::default() };
+    scene.description.clone_from(&figure.caption);
+    // The ground is drawn first and its height is known last.
+    scene.outline(Outline { steps: vec![super::scene::Step::Close], ..Outline::filled(Ink::Background, 1.0) });
+    let mut top = RIM;
+    let title = faces.wrap(&figure.title, TITLE_SIZE, true, width - left - RIM);
+    top = paragraph(&mut scene, &title, left, top, TITLE_SIZE, true, Ink::Text);
+    if !title.is_empty() {
+        top += 1.5;
+    }
+    let mut known: Vec<Entry> = Vec::new();
+    let panels = figure.panels.iter().zip(ys).zip(heights.iter().zip(&labels)).zip(direct).enumerate();
+    for (i, (((panel, (y, y_ticks)), (height, label)), direct)) in panels {
+        let mut names = names(panel, direct, &mut known);
+        // Where the panel stands is not known before its legend; what fits in it is.
+        let area = Area { left, top: 0.0, right: width - right, bottom: *height };
+        let mut frame =
+            Frame { area, x, y, x_ticks: &x_ticks, y_ticks: &y_ticks, numbered: i + 1 == figure.panels.len() };
+        let homeless = draw::rule_words(panel, &frame, &faces).1.into_iter();
+        names.extend(homeless.filter(|label| !label.trim().is_empty()).map(|label| Entry { key: Key::Rule, label }));
+        let rows = legend::rows(names, &faces, width - left - RIM);
+        legend::draw_rows(&mut scene, &rows, left, top);
+        top += rows.len() as f64 * legend::ROW + if rows.is_empty() { 0.5 * TICK_SIZE } else { 2.0 };
+        if panel.marks.iter().any(|m| m.y.is_empty() && !m.x.is_empty()) {
+            top += EDGE - if rows.is_empty() { 0.5 * TICK_SIZE } else { 0.0 };
+        }
+        let area = Area { top, bottom: top + height, ..area };
+        frame.area = area;
+        draw::panel(&mut scene, panel, &frame, &faces);
+        if direct {
+            legend::draw_direct(&mut scene, &faces, draw::ends(panel, &frame), area);
+        }
+        axis_label(&mut scene, label, area, RIM + label_width);
+        top = area.bottom + if frame.numbered { 0.0 } else { PANEL_GAP };
+    }
+
+    if !figure.panels.is_empty() {
+        top += TICK + TICK_GAP + TICK_SIZE * 1.1;
+        for line in faces.wrap(&x_ticks.label, LABEL_SIZE, false, width - left - RIM) {
+            top += LABEL_SIZE * LEADING;
+            let middle = 0.5 * (left + width - right);
+            // A long label moves left before it would leave the figure.
+            let half = 0.5 * faces.width(&line, LABEL_SIZE, false);
+            let middle = middle.min(width - RIM - half);
+            scene.words(words(line, [middle, top], Anchor::Middle, LABEL_SIZE));
+        }
+        top += 2.5;
+    }
+    let caption = faces.wrap(&figure.caption, CAPTION_SIZE, false, width - 2.0 * RIM);
+    if !caption.is_empty() {
+        top += 3.0;
+    }
+    top = paragraph(&mut scene, &caption, RIM, top, CAPTION_SIZE, false, Ink::Muted);
+    scene.height = top + RIM;
+    if let Some(super::scene::Item::Outline(ground)) = scene.items.first_mut() {
+        ground.steps.clear();
+        ground.rectangle(Area { left: 0.0, top: 0.0, right: width, bottom: scene.height });
+    }
+    Ok(scene)
+}
+
+/// Words that stand plainly on the ground.
+pub(super) fn words(text: String, at: [f64; 2], anchor: Anchor, size: f64) -> Words {
+    Words { at, anchor, size, bold: false, turned: false, halo: false, ink: Ink::Text, text }
+}
+
+/// Lines of words from a corner downwards. Returns where the next thing may start.
+fn paragraph(scene: &mut Scene, lines: &[String], left: f64, top: f64, size: f64, bold: bool, ink: Ink) -> f64 {
+    for (i, line) in lines.iter().enumerate() {
+        let baseline = top + size * (i as f64 * LEADING + 1.0);
+        scene.words(Words { bold, ink, ..words(line.clone(), [left, baseline], Anchor::Start, size) });
+    }
+    top + lines.len() as f64 * size * LEADING
+}
+
+/// The label of a vertical axis, whose last line ends at `right`.
+fn axis_label(scene: &mut Scene, lines: &[String], area: Area, right: f64) {
+    for (i, line) in lines.iter().rev().enumerate() {
+        let baseline = right - 0.25 * LABEL_SIZE - i as f64 * LABEL_SIZE * LEADING;
+        let middle = 0.5 * (area.top + area.bottom);
+        scene.words(Words { turned: true, ..words(line.clone(), [baseline, middle], Anchor::Middle, LABEL_SIZE) });
+    }
+}
+
+/// The names that go above a panel: those that nothing has told yet.
+fn names(panel: &Panel, direct: bool, known: &mut Vec<Entry>) -> Vec<Entry> {
+    let mut names = legend::entries(panel);
+    match panel.legend {
+        Legend::Hidden => names.clear(),
+        Legend::Above => {}
+        Legend::Auto | Legend::Direct => {
+            // The only series of a panel is named by the axis already, if the words are the same.
+            if let ([only], Legend::Auto) = (panel.series.as_slice(), panel.legend)
+                && only.label.trim().eq_ignore_ascii_case(panel.y.label.trim())
+            {
+                names.retain(|entry| entry.label != only.label);
+            }
+            names.retain(|entry| !known.contains(entry));
+        }
+    }
+    if direct {
+        names.retain(|entry| !panel.series.iter().any(|s| s.label == entry.label));
+    }
+    known.extend(names.iter().cloned());
+    names
+}
+
+/// Round values of the horizontal axis whose labels keep apart.
+fn x_ticks(axis: &Axis, range: Range, width: f64, faces: &Faces) -> Ticks {
+    let spaced = |ticks: &Ticks| {
+        ticks.at.windows(2).all(|w| {
+            let needed = 0.5 * (faces.width(&w[0].1, TICK_SIZE, false) + faces.width(&w[1].1, TICK_SIZE, false)) + 7.0;
+            (range.place(w[1].0) - range.place(w[0].0)) * width >= needed
+        })
+    };
+    let attempt = |spacing: f64| ticks(axis, range, width / spacing);
+    [24.0, 32.0, 44.0, 60.0, 80.0].into_iter().map(attempt).find(spaced).unwrap_or_else(|| attempt(110.0))
+}
+
+/// Grows an extent by a value, if that is a number.
+fn grow(extent: &mut Option<(f64, f64)>, value: f64) {
+    if value.is_finite() {
+        let (low, high) = extent.unwrap_or((value, value));
+        *extent = Some((low.min(value), high.max(value)));
+    }
+}
+
+/// The common range of x: that of the data, tight around curves that only go forth, with a margin around others.
+fn x_range(figure: &Figure) -> Range {
+    let mut extent = None;
+    let mut frames = None;
+    for panel in &figure.panels {
+        for series in &panel.series {
+            let points = series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite());
+            points.for_each(|(x, _)| grow(&mut extent, *x));
+        }
+        panel.marks.iter().flat_map(|m| &m.x).for_each(|x| grow(&mut extent, *x));
+        for span in &panel.spans {
+            match &span.extent {
+                Extent::Between { x, .. } => x.iter().for_each(|x| grow(&mut extent, *x)),
+                Extent::Horizontal(spans) => spans.iter().for_each(|s| {
+                    grow(&mut frames, s.0);
+                    grow(&mut frames, s.1);
+                }),
+                Extent::Vertical(..) => {}
+            }
+        }
+        for reference in &panel.references {
+            if let Reference::Vertical { x, .. } = reference {
+                grow(&mut extent, *x);
+            }
+        }
+    }
+    let forth = |s: &Series| !matches!(s.style, Style::Points | Style::LineAndPoints) && s.x.is_sorted();
+    let tight = figure.panels.iter().flat_map(|p| &p.series).all(forth);
+    Range::new(extent.or(frames), &figure.x, if tight { 0.0 } else { 0.04 })
+}
+
+/// The range of y of a panel of this height: that of what is seen within the range of x.
+fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
+    let mut extent = None;
+    let mut column = |xs: &[f64], ys: &[f64]| {
+        let seen = xs.iter().zip(ys).filter(|(at, _)| (-1e-9..=1.0 + 1e-9).contains(&x.place(**at)));
+        seen.for_each(|(_, y)| grow(&mut extent, *y));
+    };
+    panel.series.iter().for_each(|s| column(&s.x, &s.y));
+    panel.marks.iter().for_each(|m| column(&m.x, &m.y));
+    for span in &panel.spans {
+        if let Extent::Between { x, lower, upper } = &span.extent {
+            column(x, lower);
+            column(x, upper);
+        }
+    }
+    for span in &panel.spans {
+        if let Extent::Vertical(from, to) = span.extent {
+            grow(&mut extent, from);
+            grow(&mut extent, to);
+        }
+    }
+    for reference in &panel.references {
+        if let Reference::Horizontal { y, .. } = reference {
+            grow(&mut extent, *y);
+        }
+    }
+    // A reference line above all else has its words above it.
+    let highest = panel.references.iter().filter_map(|r| match r {
+        Reference::Horizontal { y, label } if !label.trim().is_empty() => Some(*y),
+        _ => None,
+    });
+    if let Some((low, high)) = extent
+        && highest.fold(f64::NEG_INFINITY, f64::max) == high
+    {
+        grow(&mut extent, high + (high - low) * 5.0 / height);
+    }
+    Range::new(extent, &panel.y, if panel.y.words.is_empty() { 0.06 } else { 0.25 })
+}
+
+/// How far to the right a curve ends, 1 at the edge of the axes.
+fn reach(series: &Series, x: Range) -> f64 {
+    let ends = series.x.iter().zip(&series.y).filter(|(x, y)| x.is_finite() && y.is_finite());
+    ends.map(|(at, _)| x.place(*at)).fold(f64::NEG_INFINITY, f64::max)
+}

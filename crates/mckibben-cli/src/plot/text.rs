@@ -1,0 +1,184 @@
+//! The built-in face: how wide words are, and their outlines.
+//!
+//! Noto Sans is compiled in from the crate `notosans` (SIL Open Font License 1.1), so a figure is laid out and drawn
+//! without a font on the machine. It is wider than the Helvetica kind; a reader of the SVG who lacks it finds a little
+//! more room, not less.
+//!
+//! Raised and lowered figures, as in N mm⁻¹ or p₀, are drawn from the ordinary ones at [`SCRIPT`] of their size: few
+//! faces have them all, and one from another face beside one that is built in looks like a mistake.
+
+use super::PlotError;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
+
+/// The size of raised and lowered figures, of the ordinary one.
+pub(super) const SCRIPT: f64 = 0.66;
+
+/// Where a run of words stands against the baseline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Script {
+    Ordinary,
+    Raised,
+    Lowered,
+}
+
+impl Script {
+    /// How far its baseline stands above that of the line, and its size, both of the ordinary size.
+    pub(super) fn shape(self) -> (f64, f64) {
+        match self {
+            Script::Ordinary => (0.0, 1.0),
+            Script::Raised => (0.34, SCRIPT),
+            Script::Lowered => (-0.16, SCRIPT),
+        }
+    }
+}
+
+/// A line of words split where the script changes, with ordinary characters in each part.
+pub(super) fn scripts(text: &str) -> Vec<(Script, String)> {
+    let mut parts: Vec<(Script, String)> = Vec::new();
+    for c in text.chars() {
+        let (script, plain) = plain(c);
+        match parts.last_mut().filter(|(last, _)| *last == script) {
+            Some((_, part)) => part.push(plain),
+            None => parts.push((script, plain.to_string())),
+        }
+    }
+    parts
+}
+
+fn plain(c: char) -> (Script, char) {
+    let figure = |base: u32| char::from_digit(c as u32 - base, 10).unwrap_or(c);
+    match c {
+        '¹' => (Script::Raised, '1'),
+        '²' => (Script::Raised, '2'),
+        '³' => (Script::Raised, '3'),
+        '⁰' | '⁴'..='⁹' => (Script::Raised, figure(0x2070)),
+        '⁺' => (Script::Raised, '+'),
+        '⁻' => (Script::Raised, '−'),
+        '₀'..='₉' => (Script::Lowered, figure(0x2080)),
+        '₊' => (Script::Lowered, '+'),
+        '₋' => (Script::Lowered, '−'),
+        // A line break or a tab inside a label is a space, and what else cannot be seen is nothing to XML either.
+        c if c.is_control() => (Script::Ordinary, ' '),
+        c => (Script::Ordinary, c),
+    }
+}
+
+/// The two weights.
+pub(super) struct Faces {
+    regular: FontRef<'static>,
+    bold: FontRef<'static>,
+}
+
+impl Faces {
+    pub(super) fn load() -> Result<Self, PlotError> {
+        let face = |bytes: &'static [u8]| {
+            FontRef::new(bytes).map_err(|e| PlotError::Raster { reason: format!("the built-in face is damaged: {e}") })
+        };
+        Ok(Self { regular: face(notosans::REGULAR_TTF)?, bold: face(notosans::BOLD_TTF)? })
+    }
+
+    /// Walks over the glyphs of a line: identifier, x, rise of the baseline, size. Returns the width.
+    fn walk(&self, text: &str, size: f64, bold: bool, mut visit: impl FnMut(GlyphId, f64, f64, f64)) -> f64 {
+        let face = if bold { &self.bold } else { &self.regular };
+        let (characters, mut x) = (face.charmap(), 0.0);
+        for (script, part) in scripts(text) {
+            let (rise, scale) = script.shape();
+            let metrics = face.glyph_metrics(Size::new((size * scale) as f32), LocationRef::default());
+            for c in part.chars() {
+                let glyph = characters.map(c).unwrap_or(GlyphId::NOTDEF);
+                visit(glyph, x, rise * size, size * scale);
+                x += metrics.advance_width(glyph).map_or(0.6 * size * scale, f64::from);
+            }
+        }
+        x
+    }
+
+    /// The width of a line in the unit of `size`.
+    pub(super) fn width(&self, text: &str, size: f64, bold: bool) -> f64 {
+        self.walk(text, size, bold, |_, _, _, _| {})
+    }
+
+    /// Draws a line with y upwards. Before each glyph `start` tells the pen how far along and how high it begins.
+    pub(super) fn draw<P: OutlinePen>(
+        &self,
+        (text, size, bold): (&str, f64, bool),
+        pen: &mut P,
+        start: impl Fn(&mut P, f64, f64),
+    ) {
+        let face = if bold { &self.bold } else { &self.regular };
+        let outlines = face.outline_glyphs();
+        self.walk(text, size, bold, |glyph, x, rise, size| {
+            if let Some(outline) = outlines.get(glyph) {
+                let settings = DrawSettings::unhinted(Size::new(size as f32), LocationRef::default());
+                // A glyph that cannot be drawn leaves its room empty; the others still say the most.
+                start(pen, x, rise);
+                let _ = outline.draw(settings, pen);
+            }
+        });
+    }
+
+    /// Lines no wider than `width`, broken at spaces. A word that is wider by itself is shortened.
+    pub(super) fn wrap(&self, text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
+        let mut lines: Vec<String> = Vec::new();
+        for word in text.split_whitespace() {
+            match lines.last_mut().filter(|line| self.width(&format!("{line} {word}"), size, bold) <= width) {
+                Some(line) => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                None => lines.push(self.fit(word, size, bold, width)),
+            }
+        }
+        lines
+    }
+
+    /// The words, or as much of their beginning as fits before an ellipsis.
+    pub(super) fn fit(&self, text: &str, size: f64, bold: bool, width: f64) -> String {
+        if self.width(text, size, bold) <= width {
+            return text.to_string();
+        }
+        let mut shorter: Vec<char> = text.chars().collect();
+        while shorter.pop().is_some() {
+            let line: String = shorter.iter().chain(&['…']).collect();
+            if self.width(&line, size, bold) <= width {
+                return line;
+            }
+        }
+        String::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_are_split_and_made_plain() {
+        let parts = scripts("N mm⁻¹ p₀");
+        let texts: Vec<_> = parts.iter().map(|(s, t)| (*s, t.as_str())).collect();
+        use Script::{Lowered, Ordinary, Raised};
+        assert_eq!(texts, [(Ordinary, "N mm"), (Raised, "−1"), (Ordinary, " p"), (Lowered, "0")]);
+    }
+
+    #[test]
+    fn the_face_has_what_labels_need() {
+        let faces = Faces::load().unwrap();
+        for c in "−–·×°µΩαβγδεθλμνπρστφω Δ±≤≥≈∂∞√ ⁻⁰¹²³⁴⁵⁶⁷⁸⁹₀₁₂₃₄₅₆₇₈₉éüß…".chars()
+        {
+            faces.walk(&c.to_string(), 10.0, false, |glyph, _, _, _| assert_ne!(glyph, GlyphId::NOTDEF, "{c}"));
+        }
+    }
+
+    #[test]
+    fn words_are_broken_and_shortened() {
+        let faces = Faces::load().unwrap();
+        let lines = faces.wrap("force of the muscle against its length", 7.0, false, 60.0);
+        assert!(lines.len() > 1 && lines.iter().all(|l| faces.width(l, 7.0, false) <= 60.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "force of the muscle against its length");
+        let short = faces.fit("Donaudampfschifffahrt", 7.0, false, 40.0);
+        assert!(short.ends_with('…') && faces.width(&short, 7.0, false) <= 40.0);
+        assert!(faces.wrap("", 7.0, false, 10.0).is_empty());
+    }
+}
