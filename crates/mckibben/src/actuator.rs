@@ -173,8 +173,8 @@ impl<S: Scalar> Actuator<S> {
     #[inline(always)]
     pub fn tension_sliding<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, sliding: T) -> T {
         let slack = self.limits.is_slack(distance);
-        let taut = T::of(self.limits.max_length()).lt(distance)
-            & T::zero().lt(self.limits.taut_force(distance, velocity));
+        let taut =
+            T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
         let force = self.signed_force(self.limits.actuator_length(distance), velocity, pressure, sliding, taut);
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
@@ -190,12 +190,8 @@ impl<S: Scalar> Actuator<S> {
     pub fn chamber<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, mass: T, slack: S::Mask) -> Chamber<T> {
         let length = T::select(slack, T::of(self.limits.min_length()), distance);
         let braid = &self.law.law.braid;
-        Chamber {
-            pressure,
-            mass,
-            volume: braid.volume(length) + T::of(self.external_volume),
-            volume_rate: T::select(slack, T::zero(), braid.volume_slope(length) * velocity),
-        }
+        let volume = braid.volume(length) + T::of(self.external_volume);
+        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), braid.volume_slope(length) * velocity))
     }
 
     /// `dP/dt` in Pa/s for a flow through the valve.
@@ -209,16 +205,12 @@ impl<S: Scalar> Actuator<S> {
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
         let Some(valve) = &self.valve else { return Flow::none() };
-        let temperature = self.air.temperature(chamber);
         let through = |port, open: S::Mask| {
             if !open.any() {
                 return Flow::none();
             }
-            let flow = valve.flow(port, chamber.pressure, temperature);
-            Flow {
-                inward: T::select(open, flow.inward, T::zero()),
-                outward: T::select(open, flow.outward, T::zero()),
-            }
+            let flow = valve.flow(port, chamber);
+            Flow { inward: T::select(open, flow.inward, T::zero()), outward: T::select(open, flow.outward, T::zero()) }
         };
         let (a, b) = (through(Port::Supply, supply), through(Port::Exhaust, exhaust));
         Flow { inward: a.inward + b.inward, outward: a.outward + b.outward }
@@ -232,8 +224,7 @@ impl<S: Scalar> Actuator<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
         let force: Dual<S, 3> =
             self.tension(Dual::variable(length, 0), Dual::variable(rate, 1), Dual::variable(pressure, 2));
-        let chamber =
-            self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
+        let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));
         Response {
             tension: force.value,
@@ -258,10 +249,8 @@ impl<S: Scalar> Actuator<S> {
     pub fn sealed_stiffness(&self, length: S, pressure: AbsolutePressure<S>) -> S {
         let volume: Dual<S, 1> = self.volume(Dual::variable(length, 0));
         let pressure_slope = -self.air.index() * pressure.0 * volume.slope[0] / volume.value;
-        let force: Dual<S, 1> = self.static_force(
-            Dual::variable(length, 0),
-            Dual { value: pressure.0, slope: [pressure_slope] },
-        );
+        let force: Dual<S, 1> =
+            self.static_force(Dual::variable(length, 0), Dual { value: pressure.0, slope: [pressure_slope] });
         force.slope[0]
     }
 }

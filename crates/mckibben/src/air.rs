@@ -58,6 +58,8 @@ pub struct Air<S = f64> {
     heat_capacity_ratio: S,
     atmospheric_pressure: S,
     process: Process<S>,
+    /// `1/R`.
+    per_gas_constant: S,
 }
 
 /// The contents of the actuator at an instant.
@@ -71,6 +73,22 @@ pub struct Chamber<T = f64> {
     pub volume: T,
     /// Rate of the volume in m³/s.
     pub volume_rate: T,
+    /// `1/(m V)`: the one division from which temperature, density and rates follow.
+    pub per_content: T,
+}
+
+impl<T: Scalar> Chamber<T> {
+    /// The contents of `volume` (m³, changing at `volume_rate` in m³/s): `mass` (kg) at `pressure` (Pa, absolute).
+    #[inline(always)]
+    pub fn new(pressure: T, mass: T, volume: T, volume_rate: T) -> Self {
+        Self { pressure, mass, volume, volume_rate, per_content: T::one() / (mass * volume) }
+    }
+
+    /// Density `m/V` in kg/m³.
+    #[inline(always)]
+    pub fn density(&self) -> T {
+        self.mass * self.mass * self.per_content
+    }
 }
 
 /// Mass flow through the valve, split by direction.
@@ -115,8 +133,10 @@ impl Air {
                 parameter::WALL_TEMPERATURE.check(wall_temperature)?;
             }
         }
+        let gas_constant = parameter::GAS_CONSTANT.check(gas_constant)?;
         Ok(Self {
-            gas_constant: parameter::GAS_CONSTANT.check(gas_constant)?,
+            gas_constant,
+            per_gas_constant: 1.0 / gas_constant,
             heat_capacity_ratio: parameter::HEAT_CAPACITY_RATIO.check(heat_capacity_ratio)?,
             atmospheric_pressure: parameter::ATMOSPHERIC_PRESSURE.check(atmospheric_pressure.0)?,
             process,
@@ -135,8 +155,10 @@ impl Air {
 impl<S: Scalar> Air<S> {
     /// The same gas over another scalar.
     pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Air<T> {
+        let gas_constant = convert(&parameter::GAS_CONSTANT, self.gas_constant);
         Air {
-            gas_constant: convert(&parameter::GAS_CONSTANT, self.gas_constant),
+            gas_constant,
+            per_gas_constant: T::one() / gas_constant,
             heat_capacity_ratio: convert(&parameter::HEAT_CAPACITY_RATIO, self.heat_capacity_ratio),
             atmospheric_pressure: convert(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure),
             process: match self.process {
@@ -186,7 +208,7 @@ impl<S: Scalar> Air<S> {
     /// Temperature `T = P V/(m R)` in K.
     #[inline(always)]
     pub fn temperature<T: Over<S>>(&self, chamber: &Chamber<T>) -> T {
-        chamber.pressure * chamber.volume / (chamber.mass * T::of(self.gas_constant))
+        chamber.pressure * chamber.volume * chamber.volume * chamber.per_content * T::of(self.per_gas_constant)
     }
 
     /// Mass in kg that fills `volume` at a pressure and a temperature.
@@ -197,21 +219,18 @@ impl<S: Scalar> Air<S> {
     /// `dP/dt` in Pa/s, with inflow at `inflow_temperature` in K.
     #[inline(always)]
     pub fn pressure_rate<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, inflow_temperature: T) -> T {
-        let Chamber { pressure, mass, volume, volume_rate } = *chamber;
+        let Chamber { pressure, mass, volume, volume_rate, per_content } = *chamber;
         match self.process {
             Process::EnergyBalance { heat_transfer, wall_temperature } => {
                 let gamma = T::of(self.heat_capacity_ratio);
                 let temperature = self.temperature(chamber);
-                let enthalpy = gamma
-                    * T::of(self.gas_constant)
-                    * (inflow_temperature * flow.inward - temperature * flow.outward);
-                let heat =
-                    (gamma - T::one()) * T::of(heat_transfer) * (T::of(wall_temperature) - temperature);
-                (enthalpy - gamma * pressure * volume_rate + heat) / volume
+                let enthalpy =
+                    gamma * T::of(self.gas_constant) * (inflow_temperature * flow.inward - temperature * flow.outward);
+                let heat = (gamma - T::one()) * T::of(heat_transfer) * (T::of(wall_temperature) - temperature);
+                (enthalpy - gamma * pressure * volume_rate + heat) * mass * per_content
             }
             _ => {
-                // One division for both quotients.
-                let relative = (flow.net() * volume - volume_rate * mass) / (mass * volume);
+                let relative = (flow.net() * volume - volume_rate * mass) * per_content;
                 T::of(self.index()) * pressure * relative
             }
         }

@@ -55,10 +55,7 @@ impl<S: Scalar> Braid<S> {
 
     /// The same braid over another scalar.
     pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Braid<T> {
-        Braid::assemble(
-            convert(&parameter::THREAD_LENGTH, self.thread_length),
-            convert(&parameter::TURNS, self.turns),
-        )
+        Braid::assemble(convert(&parameter::THREAD_LENGTH, self.thread_length), convert(&parameter::TURNS, self.turns))
     }
 
     /// Thread length `b` in m.

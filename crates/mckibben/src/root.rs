@@ -7,12 +7,7 @@
 ///
 /// `function(low)` and `function(high)` must differ in sign or be zero; the end with the smaller value is returned
 /// otherwise. The result is the end of the last bracket on the side of `high`, so that the sign there is `high`'s.
-pub(crate) fn bracketed(
-    mut low: f64,
-    mut high: f64,
-    tolerance: f64,
-    mut function: impl FnMut(f64) -> f64,
-) -> f64 {
+pub(crate) fn bracketed(mut low: f64, mut high: f64, tolerance: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
     let (mut at_low, mut at_high) = (function(low), function(high));
     if at_high == 0.0 {
         return high;
@@ -31,8 +26,7 @@ pub(crate) fn bracketed(
         let secant = (at_high * low - at_low * high) / (at_high - at_low);
         let towards_middle = if secant < middle { 1.0 } else { -1.0 };
         let cut = truncation * (high - low) * (high - low);
-        let truncated =
-            if cut <= (middle - secant).abs() { secant + towards_middle * cut } else { middle };
+        let truncated = if cut <= (middle - secant).abs() { secant + towards_middle * cut } else { middle };
         let radius = (allowed - half).max(0.0);
         let next = if (truncated - middle).abs() <= radius { truncated } else { middle - towards_middle * radius };
         if !(low < next && next < high) {

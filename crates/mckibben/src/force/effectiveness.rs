@@ -82,7 +82,12 @@ impl Effectiveness {
         let table = |name, problem, entry, remedy| Err(Error::Table { name, problem, entry, remedy });
         if value.len() != gauge_pressure.len() {
             let entry = value.len().min(gauge_pressure.len()) + 1;
-            return table(VALUE, "it has not as many entries as the pressures", entry, "give one value for each pressure");
+            return table(
+                VALUE,
+                "it has not as many entries as the pressures",
+                entry,
+                "give one value for each pressure",
+            );
         }
         if let Some(row) = gauge_pressure.windows(2).position(|pair| pair[1] <= pair[0]) {
             return table(PRESSURE, "the pressures do not rise", row + 2, "sort the rows by pressure and drop repeats");
@@ -194,7 +199,10 @@ impl<S: Scalar> Table<S> {
             let (start, end) = (T::of(self.value[row]), T::of(self.value[row + 1]));
             let (m0, m1) = (T::of(self.slope[row]) * width, T::of(self.slope[row + 1]) * width);
             let rise = end - start;
-            let cubic = start + u * (m0 + u * (T::constant(3.0) * rise - T::constant(2.0) * m0 - m1 + u * (m0 + m1 - T::constant(2.0) * rise)));
+            let cubic = start
+                + u * (m0
+                    + u * (T::constant(3.0) * rise - T::constant(2.0) * m0 - m1
+                        + u * (m0 + m1 - T::constant(2.0) * rise)));
             value = T::select(left.lt(pressure), cubic, value);
         }
         let last = T::of(self.gauge_pressure[self.rows - 1]);

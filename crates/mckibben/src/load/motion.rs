@@ -42,7 +42,13 @@ impl Motion {
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] when the motion would leave
     /// the open interval from 0 to `thread_length`.
-    pub fn sinusoid(length: f64, amplitude: f64, frequency: f64, phase: f64, thread_length: f64) -> Result<Self, Error> {
+    pub fn sinusoid(
+        length: f64,
+        amplitude: f64,
+        frequency: f64,
+        phase: f64,
+        thread_length: f64,
+    ) -> Result<Self, Error> {
         let motion = Self::Sinusoid {
             length: parameter::MOTION_LENGTH.check(length)?,
             amplitude: parameter::MOTION_AMPLITUDE.check(amplitude)?,

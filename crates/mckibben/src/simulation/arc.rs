@@ -60,7 +60,6 @@ impl<R: Real, const N: usize> Arc<R, N> {
 }
 
 /// Builds control points from the inside out: every operation is exact in the Bernstein basis.
-#[derive(Clone, Copy)]
 pub(crate) struct Nested<R, const N: usize> {
     degree: usize,
     points: [[R; N]; POINTS],
@@ -73,52 +72,57 @@ impl<R: Scalar, const N: usize> Nested<R, N> {
         Self { degree: 0, points: [value; POINTS] }
     }
 
-    /// `(a + (b − a) θ) · p`, one degree higher.
-    #[inline(always)]
-    fn times(mut self, a: f64, b: f64) -> Self {
-        let degree = self.degree + 1;
-        for i in (0..=degree).rev() {
-            let kept = R::constant(a * (degree - i) as f64 / degree as f64);
-            let raised = R::constant(b * i as f64 / degree as f64);
-            let lower = if i > 0 { self.points[i - 1] } else { self.points[0] };
-            let same = if i < degree { self.points[i] } else { self.points[0] };
-            self.points[i] = core::array::from_fn(|n| match (i > 0 && b != 0.0, i < degree && a != 0.0) {
-                (true, true) => kept * same[n] + raised * lower[n],
-                (true, false) => raised * lower[n],
-                (false, true) => kept * same[n],
-                (false, false) => R::zero(),
-            });
-        }
-        self.degree = degree;
-        self
-    }
-
     /// `θ · p`, one degree higher.
     #[inline(always)]
-    pub(crate) fn times_theta(self) -> Self {
-        self.times(0.0, 1.0)
+    pub(crate) fn times_theta(&mut self) -> &mut Self {
+        self.degree += 1;
+        for i in (1..=self.degree).rev() {
+            let weight = R::constant(i as f64 / self.degree as f64);
+            self.points[i] = self.points[i - 1].map(|point| weight * point);
+        }
+        self.points[0] = [R::zero(); N];
+        self
     }
 
     /// `(1 − θ) · p`, one degree higher.
     #[inline(always)]
-    pub(crate) fn times_rest(self) -> Self {
-        self.times(1.0, 0.0)
+    pub(crate) fn times_rest(&mut self) -> &mut Self {
+        self.degree += 1;
+        for i in 0..self.degree {
+            let weight = R::constant((self.degree - i) as f64 / self.degree as f64);
+            self.points[i] = self.points[i].map(|point| weight * point);
+        }
+        self.points[self.degree] = [R::zero(); N];
+        self
     }
 
     /// `p + constant`.
     #[inline(always)]
-    pub(crate) fn plus(mut self, constant: [R; N]) -> Self {
+    pub(crate) fn plus(&mut self, constant: [R; N]) -> &mut Self {
         for point in &mut self.points[..=self.degree] {
             *point = core::array::from_fn(|n| point[n] + constant[n]);
         }
         self
     }
 
+    /// The same polynomial, one degree higher.
+    fn raised(&mut self) -> &mut Self {
+        let degree = self.degree + 1;
+        self.points[degree] = self.points[self.degree];
+        for i in (1..degree).rev() {
+            let share = R::constant(i as f64 / degree as f64);
+            let (lower, same) = (self.points[i - 1], self.points[i]);
+            self.points[i] = core::array::from_fn(|n| same[n] + share * (lower[n] - same[n]));
+        }
+        self.degree = degree;
+        self
+    }
+
     /// The polynomial as an arc, its degree raised to 7.
     #[inline(always)]
-    pub(crate) fn arc(mut self, start: R, step: R) -> Arc<R, N> {
+    pub(crate) fn arc(&mut self, start: R, step: R) -> Arc<R, N> {
         while self.degree < POINTS - 1 {
-            self = self.times(1.0, 1.0);
+            self.raised();
         }
         Arc { start, step, points: self.points }
     }
@@ -138,11 +142,23 @@ impl Bernstein {
                 difference[i] = (difference[i] - difference[i - 1]) / (node(i) - node(i - order));
             }
         }
-        let mut nested = Nested::<f64, 1>::constant([difference[POINTS - 1]]);
-        for i in (0..POINTS - 1).rev() {
-            nested = nested.times(-node(i), 1.0 - node(i)).plus([difference[i]]);
+        let mut polynomial = Self([difference[POINTS - 1]; POINTS]);
+        for (degree, i) in (1..POINTS).zip((0..POINTS - 1).rev()) {
+            polynomial.times_linear(degree, node(i));
+            for point in &mut polynomial.0[..=degree] {
+                *point += difference[i];
+            }
         }
-        Self(nested.points.map(|[point]| point))
+        polynomial
+    }
+
+    /// `(θ − root) · p` to become of degree `degree`, in place.
+    fn times_linear(&mut self, degree: usize, root: f64) {
+        for i in (0..=degree).rev() {
+            let raised = if i > 0 { i as f64 / degree as f64 * (1.0 - root) * self.0[i - 1] } else { 0.0 };
+            let kept = if i < degree { (degree - i) as f64 / degree as f64 * root * self.0[i] } else { 0.0 };
+            self.0[i] = raised - kept;
+        }
     }
 
     /// The smallest control point, a lower bound on `[0, 1]`.
@@ -197,10 +213,11 @@ mod tests {
 
     /// Control points of a polynomial given in factors `(θ − root)`.
     fn with_roots(roots: &[f64]) -> Bernstein {
-        let mut nested = Nested::<f64, 1>::constant([1.0]);
-        for root in roots {
-            nested = nested.times(-root, 1.0 - root);
+        let mut product = Bernstein([1.0; POINTS]);
+        for (i, root) in roots.iter().enumerate() {
+            product.times_linear(i + 1, *root);
         }
+        let mut nested = Nested { degree: roots.len(), points: product.0.map(|point| [point]) };
         Bernstein(nested.arc(0.0, 1.0).points.map(|[point]| point))
     }
 

@@ -92,8 +92,10 @@ impl<R: Real> Trajectory<R> {
             audit.gas_work += weight * ideal;
             audit.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
             let viscous = friction.viscous_force(velocity);
-            let coulomb = R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
-            let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
+            let coulomb =
+                R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
+            let limit =
+                if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
             let stretch = (sample.length - limits.max_length()).larger(R::zero());
             audit.viscous += weight * (viscous * velocity).value();
             audit.coulomb += weight * (coulomb * velocity).value();
@@ -106,8 +108,7 @@ impl<R: Real> Trajectory<R> {
         audit.air_gain = (end.air_mass - start.air_mass).value();
         audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
             let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();
-            kinetic(end.velocity) - kinetic(start.velocity)
-                - (inertia.pull * (end.length - start.length)).value()
+            kinetic(end.velocity) - kinetic(start.velocity) - (inertia.pull * (end.length - start.length)).value()
         });
         audit
     }

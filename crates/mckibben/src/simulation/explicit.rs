@@ -8,7 +8,8 @@
 use super::arc::{Arc, Nested};
 use crate::scalar::{Real, Scalar};
 
-/// An attempted step.
+/// An attempted step; kept from step to step, so that nothing is moved.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Attempt<R, const N: usize> {
     stages: [[R; N]; 16],
     /// The states at the end of the step.
@@ -40,85 +41,94 @@ macro_rules! difference {
     };
 }
 
-/// Attempts a step of length `step` from `start`, where the rates are `slope`.
-#[inline]
-pub(super) fn attempt<R: Real, const N: usize>(
-    time: R,
-    start: &[R; N],
-    slope: &[R; N],
-    step: R,
-    tolerance: &[f64; N],
-    relative: f64,
-    mut rates: impl FnMut(R, &[R; N]) -> [R; N],
-) -> Attempt<R, N> {
-    let mut k = [[R::zero(); N]; 16];
-    k[0] = *slope;
-    let mut state: [R; N];
-    state = advance!(k, start, step;
+impl<R: Real, const N: usize> Attempt<R, N> {
+    /// No step yet.
+    pub(super) fn new() -> Self {
+        Self { stages: [[R::zero(); N]; 16], end: [R::zero(); N], error: f64::NAN }
+    }
+
+    /// Attempts a step of length `step` from `start`, where the rates are `slope`.
+    #[inline]
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn attempt(
+        &mut self,
+        time: R,
+        start: &[R; N],
+        slope: &[R; N],
+        step: R,
+        tolerance: &[f64; N],
+        relative: f64,
+        mut rates: impl FnMut(R, &[R; N]) -> [R; N],
+    ) {
+        let k = &mut self.stages;
+        k[0] = *slope;
+        let mut state: [R; N];
+        state = advance!(k, start, step;
         0: 0.05260015195876773);
-    k[1] = rates(time + step * R::constant(0.05260015195876773), &state);
-    state = advance!(k, start, step;
+        k[1] = rates(time + step * R::constant(0.05260015195876773), &state);
+        state = advance!(k, start, step;
         0: 0.0197250569845379, 1: 0.0591751709536137);
-    k[2] = rates(time + step * R::constant(0.0789002279381516), &state);
-    state = advance!(k, start, step;
+        k[2] = rates(time + step * R::constant(0.0789002279381516), &state);
+        state = advance!(k, start, step;
         0: 0.02958758547680685, 2: 0.08876275643042054);
-    k[3] = rates(time + step * R::constant(0.1183503419072274), &state);
-    state = advance!(k, start, step;
+        k[3] = rates(time + step * R::constant(0.1183503419072274), &state);
+        state = advance!(k, start, step;
         0: 0.2413651341592667, 2: -0.8845494793282861, 3: 0.924834003261792);
-    k[4] = rates(time + step * R::constant(0.2816496580927726), &state);
-    state = advance!(k, start, step;
+        k[4] = rates(time + step * R::constant(0.2816496580927726), &state);
+        state = advance!(k, start, step;
         0: 0.037037037037037035, 3: 0.17082860872947386, 4: 0.12546768756682242);
-    k[5] = rates(time + step * R::constant(0.3333333333333333), &state);
-    state = advance!(k, start, step;
+        k[5] = rates(time + step * R::constant(0.3333333333333333), &state);
+        state = advance!(k, start, step;
         0: 0.037109375, 3: 0.17025221101954405, 4: 0.06021653898045596, 5: -0.017578125);
-    k[6] = rates(time + step * R::constant(0.25), &state);
-    state = advance!(k, start, step;
+        k[6] = rates(time + step * R::constant(0.25), &state);
+        state = advance!(k, start, step;
         0: 0.03709200011850479, 3: 0.17038392571223998, 4: 0.10726203044637328, 5: -0.015319437748624402,
         6: 0.008273789163814023);
-    k[7] = rates(time + step * R::constant(0.3076923076923077), &state);
-    state = advance!(k, start, step;
+        k[7] = rates(time + step * R::constant(0.3076923076923077), &state);
+        state = advance!(k, start, step;
         0: 0.6241109587160757, 3: -3.3608926294469414, 4: -0.868219346841726, 5: 27.59209969944671,
         6: 20.154067550477894, 7: -43.48988418106996);
-    k[8] = rates(time + step * R::constant(0.6512820512820513), &state);
-    state = advance!(k, start, step;
+        k[8] = rates(time + step * R::constant(0.6512820512820513), &state);
+        state = advance!(k, start, step;
         0: 0.47766253643826434, 3: -2.4881146199716677, 4: -0.590290826836843, 5: 21.230051448181193,
         6: 15.279233632882423, 7: -33.28821096898486, 8: -0.020331201708508627);
-    k[9] = rates(time + step * R::constant(0.6), &state);
-    state = advance!(k, start, step;
+        k[9] = rates(time + step * R::constant(0.6), &state);
+        state = advance!(k, start, step;
         0: -0.9371424300859873, 3: 5.186372428844064, 4: 1.0914373489967295, 5: -8.149787010746927,
         6: -18.52006565999696, 7: 22.739487099350505, 8: 2.4936055526796523, 9: -3.0467644718982196);
-    k[10] = rates(time + step * R::constant(0.8571428571428571), &state);
-    state = advance!(k, start, step;
+        k[10] = rates(time + step * R::constant(0.8571428571428571), &state);
+        state = advance!(k, start, step;
         0: 2.273310147516538, 3: -10.53449546673725, 4: -2.0008720582248625, 5: -17.9589318631188,
         6: 27.94888452941996, 7: -2.8589982771350235, 8: -8.87285693353063, 9: 12.360567175794303,
         10: 0.6433927460157636);
-    k[11] = rates(time + step * R::constant(1.0), &state);
-    let end: [R; N] = advance!(k, start, step;
+        k[11] = rates(time + step * R::constant(1.0), &state);
+        let end: [R; N] = advance!(k, start, step;
         0: 0.054293734116568765, 5: 4.450312892752409, 6: 1.8915178993145003, 7: -5.801203960010585,
         8: 0.3111643669578199, 9: -0.1521609496625161, 10: 0.20136540080403034, 11: 0.04471061572777259);
-    let (mut fifth, mut third) = (0.0, 0.0);
-    for n in 0..N {
-        let size = start[n].value().abs().max(end[n].value().abs());
-        let scale = tolerance[n] + relative * size;
-        let of_order_5 = difference!(k, n;
+        let (mut fifth, mut third) = (0.0, 0.0);
+        for n in 0..N {
+            let size = start[n].value().abs().max(end[n].value().abs());
+            let scale = tolerance[n] + relative * size;
+            let of_order_5 = difference!(k, n;
             0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502, 7: 1.6643771824549864,
             8: -0.35032884874997366, 9: 0.3341791187130175, 10: 0.08192320648511571, 11: -0.022355307863886294);
-        let of_order_3 = difference!(k, n;
+            let of_order_3 = difference!(k, n;
             0: -0.18980075407240762, 5: 4.450312892752409, 6: 1.8915178993145003, 7: -5.801203960010585,
             8: -0.4226823213237919, 9: -0.1521609496625161, 10: 0.20136540080403034, 11: 0.02265179219836082);
-        fifth += (of_order_5 / scale) * (of_order_5 / scale);
-        third += (of_order_3 / scale) * (of_order_3 / scale);
+            fifth += (of_order_5 / scale) * (of_order_5 / scale);
+            third += (of_order_3 / scale) * (of_order_3 / scale);
+        }
+        let denominator = fifth + 0.01 * third;
+        let error =
+            if denominator == 0.0 { 0.0 } else { step.value().abs() * fifth / Scalar::sqrt(denominator * N as f64) };
+        self.end = end;
+        self.error = error;
     }
-    let denominator = fifth + 0.01 * third;
-    let error = if denominator == 0.0 { 0.0 } else { step.value().abs() * fifth / Scalar::sqrt(denominator * N as f64) };
-    Attempt { stages: k, end, error }
-}
 
-impl<R: Real, const N: usize> Attempt<R, N> {
     /// Accepts the step: its dense output, and the rates at its end.
     #[inline]
     pub(super) fn accept(
-        mut self,
+        &mut self,
         time: R,
         start: &[R; N],
         step: R,
@@ -159,7 +169,8 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             0: -25.69393346270375, 5: -154.18974869023643, 6: -231.5293791760455, 7: 357.6391179106141,
             8: 93.40532418362432, 9: -37.45832313645163, 10: 104.0996495089623, 11: 29.8402934266605,
             12: -43.53345659001114, 13: 96.32455395918828, 14: -39.17726167561544, 15: -149.72683625798564);
-        let arc = Nested::constant(d3)
+        let mut nested = Nested::constant(d3);
+        let arc = nested
             .times_theta()
             .plus(d2)
             .times_rest()

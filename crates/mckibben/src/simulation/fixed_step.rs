@@ -239,7 +239,8 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     }
 
     fn next_instant(&self, until: R) -> Option<R> {
-        let seat = self.rig.actuation().and_then(|drive| self.clock.next_motion(&drive.solenoid, &drive.command, until));
+        let seat =
+            self.rig.actuation().and_then(|drive| self.clock.next_motion(&drive.solenoid, &drive.command, until));
         let corner = match self.rig.load() {
             Load::Prescribed(motion) => motion.corner(self.corners_passed),
             _ => None,

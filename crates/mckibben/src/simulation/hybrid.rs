@@ -15,7 +15,7 @@ use super::event::band;
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::rig::Rig;
 use super::system::{GuardForm, Guards, HybridSystem};
-use crate::air::Flow;
+use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::{Inertia, Load};
@@ -45,6 +45,8 @@ pub struct RigSystem<'a, R: Real = f64> {
     /// The same as a force in N.
     force_band: f64,
     inertia: Option<Inertia<R>>,
+    /// `1/M`, or zero when the motion is given.
+    per_mass: R,
 }
 
 impl<'a, R: Real> RigSystem<'a, R> {
@@ -67,6 +69,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             band,
             force_band: band * force,
             inertia,
+            per_mass: inertia.map_or(R::zero(), |inertia| R::one() / inertia.mass),
         }
     }
 
@@ -117,11 +120,10 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// Flow through the passages that are open in a mode.
     #[inline(always)]
-    pub fn flow<T: Over<R>>(&self, pressure: T, temperature: T, mode: &Mode) -> Flow<T> {
+    pub fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
         let Some(valve) = self.rig.actuator().valve() else { return Flow::none() };
-        let through = |port, zone: Option<FlowZone>| {
-            zone.map_or(Flow::none(), |zone| valve.flow_in_zone(port, zone, pressure, temperature))
-        };
+        let through =
+            |port, zone: Option<FlowZone>| zone.map_or(Flow::none(), |zone| valve.flow_in_zone(port, zone, chamber));
         match (mode.supply_zone, mode.exhaust_zone) {
             (zone, None) => through(Port::Supply, zone),
             (None, zone) => through(Port::Exhaust, zone),
@@ -160,7 +162,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
         let [length, velocity] = [state[LENGTH].value(), state[VELOCITY].value()];
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
         let pushed_up = self.inertia.is_some_and(|inertia| inertia.pull.value() < 0.0);
-        mode.extent = if length < shortest || (length == shortest && (velocity < 0.0 || (velocity == 0.0 && pushed_up))) {
+        mode.extent = if length < shortest || (length == shortest && (velocity < 0.0 || (velocity == 0.0 && pushed_up)))
+        {
             Extent::Slack
         } else if length < longest || (length == longest && velocity <= 0.0) {
             Extent::Free
@@ -245,7 +248,11 @@ impl<'a, R: Real> RigSystem<'a, R> {
         let valve = self.rig.actuator().valve()?;
         let (low, high) = valve.law.bounds(zone, valve.port_pressure(port));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
-        if up { high.map(|bound| widened(bound, 1.0 + self.band)) } else { low.map(|bound| widened(bound, 1.0 - self.band)) }
+        if up {
+            high.map(|bound| widened(bound, 1.0 + self.band))
+        } else {
+            low.map(|bound| widened(bound, 1.0 - self.band))
+        }
     }
 
     fn zone_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
@@ -275,7 +282,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     type Guard = Guard;
     type Kind = EventKind;
 
-    #[inline]
+    #[inline(always)]
     fn rates<T: Over<R>>(&self, time: T, state: &[T; 4], phase: &Phase<R>) -> [T; 4] {
         let mode = &phase.mode;
         let actuator = self.rig.actuator();
@@ -286,22 +293,21 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             _ if mode.sliding == Sliding::Stuck => ends[1] = T::zero(),
             _ => {
                 if let Some(inertia) = self.inertia {
-                    ends[2] = (T::of(inertia.pull) - self.tension(state, mode)) / T::of(inertia.mass);
+                    ends[2] = (T::of(inertia.pull) - self.tension(state, mode)) * T::of(self.per_mass);
                 }
             }
         }
         let [length, velocity, acceleration] = ends;
         let slack = mode.extent == Extent::Slack;
         let chamber = actuator.chamber(length, velocity, state[PRESSURE], state[3], slack);
-        let flow = self.flow(state[PRESSURE], actuator.air().temperature(&chamber), mode);
+        let flow = self.flow(&chamber, mode);
         [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
     }
 
     fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
         // Only the pressure settles fast, and only while the flow depends on it.
-        let follows = |zone: Option<FlowZone>| {
-            zone.is_some_and(|zone| !matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut))
-        };
+        let follows =
+            |zone: Option<FlowZone>| zone.is_some_and(|zone| !matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut));
         if !(follows(phase.mode.supply_zone) || follows(phase.mode.exhaust_zone)) {
             return 0.0;
         }
@@ -315,10 +321,8 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     }
 
     fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
-        let seat = self
-            .rig
-            .actuation()
-            .and_then(|drive| phase.clock.next_motion(&drive.solenoid, &drive.command, until));
+        let seat =
+            self.rig.actuation().and_then(|drive| phase.clock.next_motion(&drive.solenoid, &drive.command, until));
         let corner = match self.rig.load() {
             Load::Prescribed(motion) => motion.corner(phase.corners_passed),
             _ => None,

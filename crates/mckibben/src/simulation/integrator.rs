@@ -57,6 +57,7 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     guards: Guards<S::Guard>,
     instant: Option<R>,
     slope: Option<[R; N]>,
+    explicit: explicit::Attempt<R, N>,
     step: f64,
     implicit: bool,
     stiff_steps: u32,
@@ -87,6 +88,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             guards: Guards::new(),
             instant: None,
             slope: None,
+            explicit: explicit::Attempt::new(),
             step: (until - time).value(),
             implicit: false,
             stiff_steps: 0,
@@ -144,8 +146,11 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
                 return Err(self.system.stuck(self.time, &self.state, &self.mode));
             }
             // A stop is reached exactly, derivative included.
-            let (length, end_time) =
-                if step == room { (stop - self.time, stop) } else { (R::constant(step), self.time + R::constant(step)) };
+            let (length, end_time) = if step == room {
+                (stop - self.time, stop)
+            } else {
+                (R::constant(step), self.time + R::constant(step))
+            };
             let tried =
                 if self.implicit { self.try_implicit(&slope, length) } else { self.try_explicit(&slope, length) };
             match tried {
@@ -192,20 +197,20 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let (system, mode) = (self.system, self.mode);
         let rates = |time: R, state: &[R; N]| system.rates(time, state, &mode);
         let tolerances = self.tolerances();
-        let attempt =
-            explicit::attempt(self.time, &self.state, slope, length, &tolerances, self.relative_tolerance, rates);
+        let tolerance = self.relative_tolerance;
+        self.explicit.attempt(self.time, &self.state, slope, length, &tolerances, tolerance, rates);
         self.counts.evaluations += explicit::EVALUATIONS.0;
-        if !self.control(length.value(), attempt.error, 8.0) {
+        if !self.control(length.value(), self.explicit.error, 8.0) {
             return None;
         }
-        let end = attempt.end;
+        let end = self.explicit.end;
         let settling = self.system.settling_rate(self.time + length, &end, &mode);
         let bound = SETTLING.0 / settling;
         if length.value() * settling > SETTLING.1 {
             self.step = bound;
             return None;
         }
-        let (arc, slope) = attempt.accept(self.time, &self.state, length, rates);
+        let (arc, slope) = self.explicit.accept(self.time, &self.state, length, rates);
         self.counts.evaluations += explicit::EVALUATIONS.1;
         self.counts.explicit_steps += 1;
         self.slope = Some(slope);
@@ -262,12 +267,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         kept
     }
 
-    fn accept(
-        &mut self,
-        arc: Arc<R, N>,
-        end: [R; N],
-        end_time: R,
-    ) -> Result<Piece<R, S::Mode, S::Kind, N>, Error> {
+    fn accept(&mut self, arc: Arc<R, N>, end: [R; N], end_time: R) -> Result<Piece<R, S::Mode, S::Kind, N>, Error> {
         let mode = self.mode;
         if let Some(Crossing { guard, theta }) = event::first_crossing(self.system, &mode, &self.guards, &arc) {
             let before = self.time.value();

@@ -235,9 +235,8 @@ impl<S: Real> Rig<S> {
             });
         };
         let limits = self.actuator.limits();
-        let surplus = |length: S| {
-            self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull
-        };
+        let surplus =
+            |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull;
         let at = |length: f64| surplus(S::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
         let thread = self.actuator.law().law.braid.thread_length().value();

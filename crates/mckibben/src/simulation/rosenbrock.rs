@@ -45,8 +45,16 @@ const C: [[f64; 7]; STAGES] = [
 const NODES: [f64; STAGES] =
     [0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0, 1.0];
 
-const TIME_WEIGHTS: [f64; STAGES] =
-    [0.21193756319429014, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734, 2.325825639765069, 0.0, 0.0, 0.0];
+const TIME_WEIGHTS: [f64; STAGES] = [
+    0.21193756319429014,
+    -0.42387512638858027,
+    -0.3384627126235924,
+    1.8046452872882734,
+    2.325825639765069,
+    0.0,
+    0.0,
+    0.0,
+];
 
 #[rustfmt::skip]
 const DENSE: [[f64; STAGES]; 3] = [
@@ -69,11 +77,7 @@ pub(super) struct Linearisation<R, const N: usize> {
 
 impl<R: Real, const N: usize> Linearisation<R, N> {
     /// The exact Jacobian `∂f/∂y` and `∂f/∂t`.
-    pub(super) fn at(
-        time: R,
-        state: &[R; N],
-        rates: impl Fn(Dual<R, 1>, &[Dual<R, 1>; N]) -> [Dual<R, 1>; N],
-    ) -> Self {
+    pub(super) fn at(time: R, state: &[R; N], rates: impl Fn(Dual<R, 1>, &[Dual<R, 1>; N]) -> [Dual<R, 1>; N]) -> Self {
         let constants = state.map(Dual::of);
         let mut jacobian = [[R::zero(); N]; N];
         for column in 0..N {
@@ -129,17 +133,14 @@ pub(super) fn attempt<R: Real, const N: usize>(
         } else {
             // The last two stages start from the one before with its increment added.
             state = if stage < A.len() {
-                core::array::from_fn(|n| {
-                    (0..stage).fold(start[n], |sum, j| sum + R::constant(A[stage][j]) * k[j][n])
-                })
+                core::array::from_fn(|n| (0..stage).fold(start[n], |sum, j| sum + R::constant(A[stage][j]) * k[j][n]))
             } else {
                 core::array::from_fn(|n| state[n] + k[stage - 1][n])
             };
             rates(time + step * R::constant(NODES[stage]), &state)
         };
         let right: [R; N] = core::array::from_fn(|n| {
-            let history =
-                (0..stage).fold(R::zero(), |sum, j| sum + R::constant(C[stage][j]) * k[j][n]);
+            let history = (0..stage).fold(R::zero(), |sum, j| sum + R::constant(C[stage][j]) * k[j][n]);
             value[n] + history / step + step * R::constant(TIME_WEIGHTS[stage]) * linear.per_time[n]
         });
         k[stage] = matrix.solve(right);
@@ -162,7 +163,8 @@ impl<R: Real, const N: usize> Attempt<R, N> {
                 (0..STAGES).fold(R::zero(), |sum, j| sum + R::constant(row[j]) * self.stages[j][n])
             })
         });
-        Nested::constant(third)
+        let mut nested = Nested::constant(third);
+        nested
             .times_theta()
             .plus(second)
             .times_theta()
@@ -189,8 +191,8 @@ impl<R: Real, const N: usize> Factored<R, N> {
         });
         let mut order: [usize; N] = core::array::from_fn(|i| i);
         for column in 0..N {
-            let largest = (column..N)
-                .max_by(|&a, &b| rows[a][column].value().abs().total_cmp(&rows[b][column].value().abs()))?;
+            let largest =
+                (column..N).max_by(|&a, &b| rows[a][column].value().abs().total_cmp(&rows[b][column].value().abs()))?;
             rows.swap(column, largest);
             order.swap(column, largest);
             let pivot = rows[column][column];

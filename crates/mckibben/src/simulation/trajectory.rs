@@ -157,7 +157,7 @@ fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &P
     let slack = phase.mode.extent == Extent::Slack;
     let chamber = actuator.chamber(state[0], state[1], state[2], state[3], slack);
     let temperature = actuator.air().temperature(&chamber);
-    let flow = system.flow(state[2], temperature, &phase.mode);
+    let flow = system.flow(&chamber, &phase.mode);
     Sample::new(time, state, system.tension(state, &phase.mode), chamber.volume, temperature, &flow, phase.mode.ports)
 }
 

@@ -63,7 +63,12 @@ impl Command {
         let fault = |name, problem, entry, remedy| Err(Error::Table { name, problem, entry, remedy });
         if time.len() != request.len() || time.is_empty() {
             let entry = time.len().min(request.len()) + 1;
-            return fault("command.state", "there is not one state for each time", entry, "give as many states as times");
+            return fault(
+                "command.state",
+                "there is not one state for each time",
+                entry,
+                "give as many states as times",
+            );
         }
         check_times("command.time", &time)?;
         Ok(Self::Table { time, request })

@@ -163,9 +163,7 @@ impl<S: Scalar> FlowLaw<S> {
             }
             FlowStandard::Iso6358 { sonic_conductance, critical_ratio } => (
                 critical_ratio,
-                sonic_conductance
-                    * S::constant(REFERENCE_DENSITY)
-                    * S::constant(REFERENCE_TEMPERATURE).sqrt(),
+                sonic_conductance * S::constant(REFERENCE_DENSITY) * S::constant(REFERENCE_TEMPERATURE).sqrt(),
             ),
         };
         // g² = ψ²/(1 − r), written so that nothing cancels as r → 1.
@@ -222,6 +220,12 @@ impl<S: Scalar> FlowLaw<S> {
         self.conductance
     }
 
+    /// Specific gas constant R in J/(kg·K).
+    #[inline(always)]
+    pub fn gas_constant(&self) -> S {
+        self.gas_constant
+    }
+
     /// Pressure ratio `r_c` below which the flow is choked.
     pub fn critical_ratio(&self) -> S {
         self.critical_ratio
@@ -252,13 +256,13 @@ impl<S: Scalar> FlowLaw<S> {
         T::select(T::of(self.laminar_ratio).lt(ratio), self.laminar(ratio), self.subsonic(kept))
     }
 
-    /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds.
+    /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow asks for no ratio.
     #[inline(always)]
-    pub fn in_zone<T: Over<S>>(&self, zone: FlowZone, ratio: T) -> T {
+    pub fn in_zone<T: Over<S>>(&self, zone: FlowZone, ratio: impl FnOnce() -> T) -> T {
         match zone {
             FlowZone::ChokedIn | FlowZone::ChokedOut => T::one(),
-            FlowZone::SubsonicIn | FlowZone::SubsonicOut => self.subsonic(ratio),
-            FlowZone::LaminarIn | FlowZone::LaminarOut => self.laminar(ratio),
+            FlowZone::SubsonicIn | FlowZone::SubsonicOut => self.subsonic(ratio()),
+            FlowZone::LaminarIn | FlowZone::LaminarOut => self.laminar(ratio()),
         }
     }
 }
@@ -270,7 +274,8 @@ impl<S: Real> FlowLaw<S> {
         // A critical ratio of zero never chokes.
         let choked = (self.critical_ratio.value() > 0.0).then_some(self.critical_ratio * beyond);
         let (choked_in, laminar_in) = (choked, Some(self.laminar_ratio * beyond));
-        let (choked_out, laminar_out) = (choked.map(|_| beyond / self.critical_ratio), Some(beyond / self.laminar_ratio));
+        let (choked_out, laminar_out) =
+            (choked.map(|_| beyond / self.critical_ratio), Some(beyond / self.laminar_ratio));
         match zone {
             FlowZone::ChokedIn => (None, choked_in),
             FlowZone::SubsonicIn => (choked_in, laminar_in),
@@ -294,9 +299,8 @@ fn chebyshev_fit<S: Scalar>(function: impl Fn(f64) -> S) -> [S; TERMS] {
     next[1] = 1.0;
     for k in 0..TERMS {
         let share = if k == 0 { 1.0 } else { 2.0 } / count;
-        let coefficient = (0..TERMS).fold(S::zero(), |sum, node| {
-            sum + values[node] * S::constant(share * Scalar::cos(k as f64 * angle(node)))
-        });
+        let coefficient = (0..TERMS)
+            .fold(S::zero(), |sum, node| sum + values[node] * S::constant(share * Scalar::cos(k as f64 * angle(node))));
         for (term, whole) in polynomial.iter_mut().zip(now) {
             *term = *term + coefficient * S::constant(whole);
         }

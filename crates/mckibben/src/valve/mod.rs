@@ -14,7 +14,7 @@ pub use flow::{FlowLaw, FlowStandard, FlowZone};
 pub(crate) use solenoid::SIMULTANEOUS;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 
-use crate::air::{Air, Flow};
+use crate::air::{Air, Chamber, Flow};
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -140,43 +140,44 @@ impl<S: Scalar> Valve<S> {
         }
     }
 
-    /// `1/√T` of air that leaves the actuator.
+    /// `P/√T` of air that leaves the actuator; with the actuator's own temperature that is `√(R P ρ)`.
     #[inline(always)]
-    fn per_root_outflow_temperature<T: Over<S>>(&self, temperature: T) -> T {
+    fn outward_drive<T: Over<S>>(&self, chamber: &Chamber<T>) -> T {
         match self.exhaust_temperature {
-            ExhaustTemperature::Ambient => T::of(self.supply.per_root_temperature),
-            ExhaustTemperature::Actuator => T::one() / temperature.sqrt(),
+            ExhaustTemperature::Ambient => chamber.pressure * T::of(self.supply.per_root_temperature),
+            ExhaustTemperature::Actuator => {
+                (T::of(self.law.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
+            }
         }
     }
 
     /// Flow through one open port in the zone that `zone` says, smoothly continued beyond the zone's bounds.
     #[inline(always)]
-    pub fn flow_in_zone<T: Over<S>>(&self, port: Port, zone: FlowZone, pressure: T, temperature: T) -> Flow<T> {
+    pub fn flow_in_zone<T: Over<S>>(&self, port: Port, zone: FlowZone, chamber: &Chamber<T>) -> Flow<T> {
         let beyond = T::of(self.port_pressure(port));
+        let conductance = T::of(self.law.conductance());
         if zone.is_inward() {
-            let upstream = beyond * T::of(self.supply.per_root_temperature);
-            let inward = T::of(self.law.conductance()) * upstream * self.law.in_zone(zone, pressure / beyond);
-            Flow { inward, outward: T::zero() }
+            let drive = beyond * T::of(self.supply.per_root_temperature);
+            let ratio = || chamber.pressure / beyond;
+            Flow { inward: conductance * drive * self.law.in_zone(zone, ratio), outward: T::zero() }
         } else {
-            let upstream = pressure * self.per_root_outflow_temperature(temperature);
-            let outward = T::of(self.law.conductance()) * upstream * self.law.in_zone(zone, beyond / pressure);
+            let ratio = || beyond / chamber.pressure;
+            let outward = conductance * self.outward_drive(chamber) * self.law.in_zone(zone, ratio);
             Flow { inward: T::zero(), outward }
         }
     }
 
     /// Flow through one open port, whatever the zone: selects instead of branches.
     #[inline(always)]
-    pub fn flow<T: Over<S>>(&self, port: Port, pressure: T, temperature: T) -> Flow<T> {
+    pub fn flow<T: Over<S>>(&self, port: Port, chamber: &Chamber<T>) -> Flow<T> {
         let beyond = T::of(self.port_pressure(port));
+        let pressure = chamber.pressure;
         let inwards = pressure.lt(beyond);
-        let inflow = T::of(self.supply.per_root_temperature);
-        let outflow = self.per_root_outflow_temperature(temperature);
+        let inward_drive = beyond * T::of(self.supply.per_root_temperature);
+        let drive = T::select(inwards, inward_drive, self.outward_drive(chamber));
         let high = T::select(inwards, beyond, pressure);
         let low = T::select(inwards, pressure, beyond);
-        let size = T::of(self.law.conductance())
-            * high
-            * T::select(inwards, inflow, outflow)
-            * self.law.ratio_function(low / high);
+        let size = T::of(self.law.conductance()) * drive * self.law.ratio_function(low / high);
         Flow { inward: T::select(inwards, size, T::zero()), outward: T::select(inwards, T::zero(), size) }
     }
 }
