@@ -30,6 +30,7 @@
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
 //! | [`simulation`] | two ways through time |
+//! | [`ring_down`] | damping from the peaks of a ring-down |
 //!
 //! Everything is in SI. Tension is positive; velocity is positive when the actuator lengthens; mass flow is positive
 //! into the actuator.
@@ -47,6 +48,7 @@ pub mod force;
 pub mod friction;
 pub mod load;
 pub mod parameter;
+pub mod ring_down;
 pub mod scalar;
 pub mod simulation;
 pub mod valve;

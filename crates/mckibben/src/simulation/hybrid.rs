@@ -272,6 +272,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 }
 
+/// Rate of settling for which two pressures that would meet in a second count.
+const MEETING: f64 = 4.0;
 /// Velocity scale: one length a second. Below it an error in velocity counts absolutely.
 const USUAL_RATE: f64 = 1.0;
 /// Temperature in K at which the scale of the air mass is taken.
@@ -306,14 +308,27 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 
     fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
         // Only the pressure settles fast, and only while the flow depends on it.
-        let follows =
-            |zone: Option<FlowZone>| zone.is_some_and(|zone| !matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut));
-        if !(follows(phase.mode.supply_zone) || follows(phase.mode.exhaust_zone)) {
-            return 0.0;
+        let zones = [(Port::Supply, phase.mode.supply_zone), (Port::Exhaust, phase.mode.exhaust_zone)];
+        let mut fastest: f64 = 0.0;
+        for (port, zone) in zones {
+            let Some(valve) = self.rig.actuator().valve() else { continue };
+            match zone {
+                Some(FlowZone::LaminarIn | FlowZone::LaminarOut) => {
+                    let mut seeded = state.map(Dual::<R, 1>::of);
+                    seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
+                    let slope = self.rates(Dual::of(time), &seeded, phase)[PRESSURE].slope[0].value();
+                    fastest = fastest.max(-slope);
+                }
+                // The slope grows without bound as the pressures meet: what counts is the time until they would.
+                Some(FlowZone::SubsonicIn | FlowZone::SubsonicOut) => {
+                    let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
+                    let rate = self.rates(time, state, phase)[PRESSURE].value();
+                    fastest = fastest.max(MEETING * rate / gap);
+                }
+                _ => {}
+            }
         }
-        let mut seeded = state.map(Dual::<R, 1>::of);
-        seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
-        (-self.rates(Dual::of(time), &seeded, phase)[PRESSURE].slope[0].value()).max(0.0)
+        fastest
     }
 
     fn magnitudes(&self) -> [f64; 4] {

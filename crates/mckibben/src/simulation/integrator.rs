@@ -57,6 +57,8 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     guards: Guards<S::Guard>,
     instant: Option<R>,
     slope: Option<[R; N]>,
+    /// Whether an instant has just made the last step length meaningless.
+    fresh: bool,
     explicit: explicit::Attempt<R, N>,
     step: f64,
     implicit: bool,
@@ -68,7 +70,7 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
 /// Largest and smallest change of the step length from one step to the next, and the safety factor.
 const GROWTH: (f64, f64, f64) = (6.0, 0.2, 0.9);
 /// `h` times the fastest rate up to which the dense output of the explicit method follows a settling state to the
-/// tolerance: what is aimed at, and what is refused. The method itself would be stable to about 6.
+/// tolerance: what is aimed at, and what is refused in hindsight. The method itself would be stable to about 6.
 const SETTLING: (f64, f64) = (2.0, 4.0);
 /// Accuracy must allow so many times the step that [`SETTLING`] does, in so many steps in a row, before the implicit
 /// method takes over: it is of lower order and dearer by the step.
@@ -88,6 +90,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             guards: Guards::new(),
             instant: None,
             slope: None,
+            fresh: true,
             explicit: explicit::Attempt::new(),
             step: (until - time).value(),
             implicit: false,
@@ -168,7 +171,9 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let slope = self.system.rates(self.time, &self.state, &self.mode);
         self.counts.evaluations += 1;
         self.slope = Some(slope);
-        self.step = self.step.min(self.first_step(&slope));
+        let first = self.first_step(&slope);
+        self.step = if self.fresh { first } else { self.step.min(first) };
+        self.fresh = false;
         if !self.implicit {
             let settling = self.system.settling_rate(self.time, &self.state, &self.mode);
             self.step = self.step.min(SETTLING.0 / settling);
@@ -185,7 +190,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     fn first_step(&self, slope: &[R; N]) -> f64 {
         let scales = self.scales();
         let fastest = (0..N).map(|n| slope[n].value().abs() / scales[n]).fold(0.0, f64::max);
-        let part = 3.0 * Scalar::exp(Scalar::ln(self.relative_tolerance) / 8.0);
+        let part = 4.0 * Scalar::exp(Scalar::ln(self.relative_tolerance) / 8.0);
         if fastest > 0.0 { part / fastest } else { f64::INFINITY }
     }
 
@@ -300,6 +305,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let kind = self.system.pass_instant(self.time, &mut self.state, &mut self.mode)?;
         self.count_event(before)?;
         self.enter_mode();
+        self.fresh = true;
         Ok(Piece { arc, mode, end: self.time, event: Some((kind, self.mode)) })
     }
 
