@@ -308,27 +308,22 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 
     fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
         // Only the pressure settles fast, and only while the flow depends on it.
+        let choked = |zone| matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut);
+        let Some(valve) = self.rig.actuator().valve() else { return 0.0 };
         let zones = [(Port::Supply, phase.mode.supply_zone), (Port::Exhaust, phase.mode.exhaust_zone)];
-        let mut fastest: f64 = 0.0;
-        for (port, zone) in zones {
-            let Some(valve) = self.rig.actuator().valve() else { continue };
-            match zone {
-                Some(FlowZone::LaminarIn | FlowZone::LaminarOut) => {
-                    let mut seeded = state.map(Dual::<R, 1>::of);
-                    seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
-                    let slope = self.rates(Dual::of(time), &seeded, phase)[PRESSURE].slope[0].value();
-                    fastest = fastest.max(-slope);
-                }
-                // The slope grows without bound as the pressures meet: what counts is the time until they would.
-                Some(FlowZone::SubsonicIn | FlowZone::SubsonicOut) => {
-                    let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
-                    let rate = self.rates(time, state, phase)[PRESSURE].value();
-                    fastest = fastest.max(MEETING * rate / gap);
-                }
-                _ => {}
-            }
+        let mut follows =
+            zones.into_iter().filter_map(|(port, zone)| Some((port, zone.filter(|&zone| !choked(zone))?)));
+        let Some((port, zone)) = follows.next() else { return 0.0 };
+        let mut seeded = state.map(Dual::<R, 1>::of);
+        seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
+        let rate = self.rates(Dual::of(time), &seeded, phase)[PRESSURE];
+        let settling = (-rate.slope[0].value()).max(0.0);
+        if matches!(zone, FlowZone::LaminarIn | FlowZone::LaminarOut) {
+            return settling;
         }
-        fastest
+        // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
+        let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
+        settling.max(MEETING * rate.value() / gap)
     }
 
     fn magnitudes(&self) -> [f64; 4] {
