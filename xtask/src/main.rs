@@ -1,1 +1,26 @@
-fn main() {}
+//! `cargo xtask test`: the whole check, the same on a laptop and in CI.
+//!
+//! It sets up what it needs by itself: a Python environment in `.venv` with SciPy, from which the independent reference
+//! trajectories are computed. Nothing is skipped because something is missing.
+
+mod python;
+mod steps;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+usage: cargo xtask test [STEP...]
+
+Runs every check, or only the named ones: format, lint, docs, no-std, reference, test.
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.split_first() {
+        Some((command, chosen)) if command == "test" => steps::run(chosen),
+        _ => {
+            eprint!("{HELP}");
+            ExitCode::from(2)
+        }
+    }
+}

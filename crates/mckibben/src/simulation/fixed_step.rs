@@ -170,8 +170,12 @@ pub struct FixedStepper<'a, R: Real = f64> {
     sliding: Sliding,
 }
 
-/// Parts of a step between two instants: where sliding may turn or stick before the rest is taken as it is.
+/// Parts of a step between two instants in which sliding may turn, stick or break away before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
+/// Part of a step to which a turn is located.
+const TURN_TOLERANCE: f64 = 1e-12;
+/// Part of a step that a load which starts from rest moves before a turn is looked for.
+const FROM_REST: f64 = 1e-3;
 
 impl<'a, R: Real> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
@@ -288,49 +292,60 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         state
     }
 
-    /// Goes on to `until` with the same passages open, turning or sticking where the velocity comes to zero.
+    /// Goes on to `until` with the same passages open, in parts that end where the load turns, sticks or breaks away.
     fn advance_smoothly(&mut self, until: R) {
-        if self.sliding == Sliding::Stuck {
-            self.sliding = self.sliding_from_rest_or_velocity();
-        }
-        for turn in 0..=MAX_TURNS {
+        for _ in 0..MAX_TURNS {
             let step = until - self.time;
             if step.value() <= 0.0 {
                 break;
             }
             let end = self.take(step);
-            let direction = self.sliding.direction();
-            let turns = direction * end[1].value() < 0.0 && self.rig.load().inertia().is_some() && turn < MAX_TURNS;
-            if !turns {
+            if self.keeps_sliding(&end) >= 0.0 {
                 self.state = end;
+                self.time = until;
                 break;
             }
-            let part = self.turning_point(&end, step) * step;
+            let keeps = |theta: f64| self.keeps_sliding(&self.take(R::constant(theta) * step));
+            // From rest the function starts at zero, or a rounding below: look away from the start.
+            let from = if keeps(0.0) > 0.0 { 0.0 } else { FROM_REST };
+            let part = R::constant(crate::root::bracketed(from, 1.0, TURN_TOLERANCE, keeps)) * step;
             self.state = self.take(part);
-            self.state[1] = R::zero();
+            if self.sliding != Sliding::Stuck {
+                self.state[1] = R::zero();
+            }
             self.time = self.time + part;
-            self.sliding = self.sliding_from_rest_or_velocity();
+            self.sliding = self.sliding_after(self.sliding);
         }
-        self.time = until;
+        if self.time.value() < until.value() {
+            self.state = self.take(until - self.time);
+            self.time = until;
+        }
         if self.rig.load().inertia().is_none() {
             self.sliding = self.sliding_from_rest_or_velocity();
         }
     }
 
-    /// Where in a step the velocity comes to zero: the root of the cubic through both ends with their slopes.
-    fn turning_point(&self, end: &[R; 4], step: R) -> R {
-        let held = self.held();
-        let start_slope = self.rig.rates(self.time, &self.state, &held)[1] * step;
-        let end_slope = self.rig.rates(self.time + step, end, &held)[1] * step;
-        let (start, rise) = (self.state[1], end[1] - self.state[1]);
-        let (two, three) = (R::constant(2.0), R::constant(3.0));
-        let square = three * rise - two * start_slope - end_slope;
-        let cube = start_slope + end_slope - two * rise;
-        let velocity = |theta: R| start + theta * (start_slope + theta * (square + theta * cube));
-        let value = |theta: f64| velocity(R::constant(theta)).value();
-        // From rest the turning point is the later root: look away from the start.
-        let from = if start.value() == 0.0 { 1e-3 } else { 0.0 };
-        R::constant(crate::root::bracketed(from, 1.0, 1e-14, value))
+    /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
+    fn keeps_sliding(&self, state: &[R; 4]) -> f64 {
+        let Some(inertia) = self.rig.load().inertia() else { return 1.0 };
+        match self.sliding {
+            Sliding::Stuck => {
+                let (least, most) = self.rig.holdable(state[0], state[2]);
+                (most - inertia.pull).smaller(inertia.pull - least).value()
+            }
+            sliding => sliding.direction() * state[1].value(),
+        }
+    }
+
+    /// The direction after the present one has ceased to hold; a load that broke away does not stick in the same instant.
+    fn sliding_after(&self, before: Sliding) -> Sliding {
+        let after = self.sliding_from_rest_or_velocity();
+        if before != Sliding::Stuck || after != Sliding::Stuck {
+            return after;
+        }
+        let (least, most) = self.rig.holdable(self.state[0], self.state[2]);
+        let pull = self.rig.load().inertia().map_or(R::zero(), |inertia| inertia.pull);
+        if (most - pull).value() < (pull - least).value() { Sliding::Lengthening } else { Sliding::Shortening }
     }
 
     /// The direction of sliding at the present state, or sticking at rest.

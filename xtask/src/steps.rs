@@ -1,0 +1,159 @@
+//! The steps of the check, in order, and the summary at the end.
+
+use crate::python;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+/// Tests that passed and failed in a step; `None` for a step that runs no tests of its own.
+type Tally = Option<(u64, u64)>;
+
+/// A step's name and what it does; an error says in words what went wrong.
+type Step = (&'static str, fn(&Path) -> Result<Tally, String>);
+
+const STEPS: [Step; 6] = [
+    ("format", format),
+    ("lint", lint),
+    ("docs", docs),
+    ("no-std", no_std),
+    ("reference", reference),
+    ("test", test),
+];
+
+/// Runs the chosen steps, or all of them, and prints what ran.
+pub(crate) fn run(chosen: &[String]) -> ExitCode {
+    if let Some(unknown) = chosen.iter().find(|name| !STEPS.iter().any(|(step, _)| step == name)) {
+        eprintln!("there is no step `{unknown}`");
+        return ExitCode::from(2);
+    }
+    let root = root();
+    let mut report: Vec<(&str, Duration, Result<Tally, String>)> = Vec::new();
+    for (name, step) in STEPS {
+        if !chosen.is_empty() && !chosen.iter().any(|wanted| wanted == name) {
+            continue;
+        }
+        println!("\n== {name}");
+        let begun = Instant::now();
+        let outcome = step(&root);
+        if let Err(problem) = &outcome {
+            println!("{name}: {problem}");
+        }
+        report.push((name, begun.elapsed(), outcome));
+    }
+    summary(&report)
+}
+
+fn summary(report: &[(&str, Duration, Result<Tally, String>)]) -> ExitCode {
+    println!("\n{:<12}{:>9}  outcome", "step", "time");
+    let (mut passed, mut failed) = (0, 0);
+    for (name, time, outcome) in report {
+        let words = match outcome {
+            Ok(Some((good, bad))) => {
+                passed += good;
+                failed += bad;
+                format!("{good} tests passed, {bad} failed")
+            }
+            Ok(None) => {
+                passed += 1;
+                "passed".to_owned()
+            }
+            Err(problem) => {
+                failed += 1;
+                format!("FAILED: {problem}")
+            }
+        };
+        println!("{name:<12}{:>7.1} s  {words}", time.as_secs_f64());
+    }
+    println!("\n{passed} passed, {failed} failed");
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_owned()
+}
+
+fn cargo(root: &Path) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(root);
+    command
+}
+
+/// Runs a command to its end; its output goes where ours goes.
+pub(crate) fn succeed(command: &mut Command) -> Result<(), String> {
+    let line = words(command);
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("`{line}` ended with {status}")),
+        Err(error) => Err(format!("`{line}` could not be started: {error}")),
+    }
+}
+
+fn words(command: &Command) -> String {
+    let name = Path::new(command.get_program()).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    command.get_args().fold(name, |line, word| format!("{line} {}", word.to_string_lossy()))
+}
+
+fn format(root: &Path) -> Result<Tally, String> {
+    succeed(cargo(root).args(["fmt", "--all", "--check"]))?;
+    succeed(cargo(root).args(["fmt", "--all", "--check"]).current_dir(root.join("benches"))).map(|()| None)
+}
+
+fn lint(root: &Path) -> Result<Tally, String> {
+    let mut command = cargo(root);
+    command.args(["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"]);
+    succeed(&mut command).map(|()| None)
+}
+
+fn docs(root: &Path) -> Result<Tally, String> {
+    let mut command = cargo(root);
+    command.args(["doc", "--workspace", "--no-deps", "--locked"]).env("RUSTDOCFLAGS", "--deny warnings");
+    succeed(&mut command).map(|()| None)
+}
+
+/// The core without the standard library, with and without an allocator.
+fn no_std(root: &Path) -> Result<Tally, String> {
+    for features in ["libm", "libm,alloc"] {
+        let mut command = cargo(root);
+        command.args(["check", "--package", "mckibben", "--no-default-features", "--features", features, "--locked"]);
+        succeed(command.env("RUSTFLAGS", "--deny warnings").env("CARGO_TARGET_DIR", root.join("target/no-std")))?;
+    }
+    Ok(None)
+}
+
+/// The independent reference trajectories, computed anew.
+fn reference(root: &Path) -> Result<Tally, String> {
+    python::reference(root).map(|()| None)
+}
+
+/// Every test of the workspace, the examples in the documentation included.
+fn test(root: &Path) -> Result<Tally, String> {
+    let mut command = cargo(root);
+    command.args(["test", "--workspace", "--locked", "--no-fail-fast"]);
+    command.env("MCKIBBEN_REFERENCE", python::reference_folder(root)).stdout(Stdio::piped());
+    let mut child = command.spawn().map_err(|error| format!("cargo test could not be started: {error}"))?;
+    let (mut passed, mut failed) = (0, 0);
+    if let Some(output) = child.stdout.take() {
+        for line in BufReader::new(output).lines().map_while(Result::ok) {
+            println!("{line}");
+            if let Some(counts) = line.strip_prefix("test result: ") {
+                passed += count_before(counts, " passed");
+                failed += count_before(counts, " failed");
+            }
+        }
+    }
+    let status = child.wait().map_err(|error| format!("cargo test was lost: {error}"))?;
+    if !status.success() && failed == 0 {
+        return Err(format!("cargo test ended with {status}"));
+    }
+    Ok(Some((passed, failed)))
+}
+
+/// The number that stands before a word: 12 for ` passed` in `ok. 12 passed; 0 failed`.
+fn count_before(line: &str, word: &str) -> u64 {
+    line.split_once(word)
+        .and_then(|(before, _)| before.rsplit(|c: char| !c.is_ascii_digit()).next())
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or(0)
+}
