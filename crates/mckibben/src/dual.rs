@@ -64,6 +64,7 @@ impl<S: Scalar, const K: usize> Sub for Dual<S, K> {
     }
 }
 
+#[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
 impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
@@ -72,6 +73,7 @@ impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
     }
 }
 
+#[expect(clippy::suspicious_arithmetic_impl, reason = "the quotient rule multiplies and subtracts")]
 impl<S: Scalar, const K: usize> Div for Dual<S, K> {
     type Output = Self;
     #[inline(always)]

@@ -121,6 +121,8 @@ impl<S: Scalar> Motion<S> {
 
     /// Instant in s of the corner of index `corner`.
     pub fn corner(&self, corner: usize) -> Option<S> {
+        #[cfg(not(feature = "alloc"))]
+        let _ = corner;
         match self {
             Self::Sinusoid { .. } => None,
             #[cfg(feature = "alloc")]

@@ -46,6 +46,9 @@ pub struct Piece<R, M, K, const N: usize> {
     pub event: Option<(K, M)>,
 }
 
+/// The piece of a system's trajectory that a step gives.
+pub type PieceOf<R, S, const N: usize> = Piece<R, <S as HybridSystem<R, N>>::Mode, <S as HybridSystem<R, N>>::Kind, N>;
+
 /// Steps a system through time; each call of [`Integrator::advance`] gives the next piece.
 pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     system: &'a S,
@@ -135,7 +138,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     /// # Errors
     /// [`Error::Stopped`] when the step length falls below the resolution of time, when events do not let time advance,
     /// or when the system itself cannot go on.
-    pub fn advance(&mut self) -> Result<Option<Piece<R, S::Mode, S::Kind, N>>, Error> {
+    pub fn advance(&mut self) -> Result<Option<PieceOf<R, S, N>>, Error> {
         let stop = self.instant.unwrap_or(self.until);
         if reached(self.time, stop) {
             return if self.instant.is_some() { self.pass_instant().map(Some) } else { Ok(None) };
@@ -272,7 +275,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         kept
     }
 
-    fn accept(&mut self, arc: Arc<R, N>, end: [R; N], end_time: R) -> Result<Piece<R, S::Mode, S::Kind, N>, Error> {
+    fn accept(&mut self, arc: Arc<R, N>, end: [R; N], end_time: R) -> Result<PieceOf<R, S, N>, Error> {
         let mode = self.mode;
         if let Some(Crossing { guard, theta }) = event::first_crossing(self.system, &mode, &self.guards, &arc) {
             let before = self.time.value();
@@ -296,7 +299,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     }
 
     /// Passes the instant at the current time: a piece without length.
-    fn pass_instant(&mut self) -> Result<Piece<R, S::Mode, S::Kind, N>, Error> {
+    fn pass_instant(&mut self) -> Result<PieceOf<R, S, N>, Error> {
         let (before, mode) = (self.time.value(), self.mode);
         let arc = Arc { start: self.time, step: R::one(), points: [self.state; super::arc::POINTS] };
         if let Some(instant) = self.instant {

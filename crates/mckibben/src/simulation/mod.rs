@@ -25,7 +25,7 @@ pub use arc::Arc;
 pub use energy::EnergyAudit;
 pub use fixed_step::{FixedStepper, Held, Method};
 pub use hybrid::{Phase, RigSystem};
-pub use integrator::{Counts, Integrator, Piece};
+pub use integrator::{Counts, Integrator, Piece, PieceOf};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::Sample;

@@ -129,7 +129,7 @@ impl<S: Scalar> Command<S> {
                     return (index == 0).then_some((S::zero(), request));
                 }
                 let period = S::constant((index / 2) as f64);
-                Some(if index % 2 == 0 {
+                Some(if index.is_multiple_of(2) {
                     (period / *frequency, *pulse)
                 } else {
                     ((period + *duty) / *frequency, *rest)
