@@ -212,8 +212,7 @@ impl<S: Scalar> Actuator<S> {
             let flow = valve.flow(port, chamber);
             Flow { inward: T::select(open, flow.inward, T::zero()), outward: T::select(open, flow.outward, T::zero()) }
         };
-        let (a, b) = (through(Port::Supply, supply), through(Port::Exhaust, exhaust));
-        Flow { inward: a.inward + b.inward, outward: a.outward + b.outward }
+        through(Port::Supply, supply).and(through(Port::Exhaust, exhaust))
     }
 
     /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at

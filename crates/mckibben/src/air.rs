@@ -107,6 +107,12 @@ impl<T: Scalar> Flow<T> {
         Self { inward: T::zero(), outward: T::zero() }
     }
 
+    /// Two flows together.
+    #[inline(always)]
+    pub fn and(self, other: Self) -> Self {
+        Self { inward: self.inward + other.inward, outward: self.outward + other.outward }
+    }
+
     /// Net flow into the actuator in kg/s.
     #[inline(always)]
     pub fn net(&self) -> T {

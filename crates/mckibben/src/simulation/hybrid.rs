@@ -122,15 +122,15 @@ impl<'a, R: Real> RigSystem<'a, R> {
     #[inline(always)]
     pub fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
         let Some(valve) = self.rig.actuator().valve() else { return Flow::none() };
-        let through =
-            |port, zone: Option<FlowZone>| zone.map_or(Flow::none(), |zone| valve.flow_in_zone(port, zone, chamber));
         match (mode.supply_zone, mode.exhaust_zone) {
-            (zone, None) => through(Port::Supply, zone),
-            (None, zone) => through(Port::Exhaust, zone),
-            (supply, exhaust) => {
-                let (a, b) = (through(Port::Supply, supply), through(Port::Exhaust, exhaust));
-                Flow { inward: a.inward + b.inward, outward: a.outward + b.outward }
-            }
+            (Some(zone), None) => valve.flow_in_zone(Port::Supply, zone, chamber),
+            (None, Some(zone)) => valve.flow_in_zone(Port::Exhaust, zone, chamber),
+            (Some(supply), Some(exhaust)) => valve.flow_in_zone(Port::Supply, supply, chamber).and(valve.flow_in_zone(
+                Port::Exhaust,
+                exhaust,
+                chamber,
+            )),
+            (None, None) => Flow::none(),
         }
     }
 
