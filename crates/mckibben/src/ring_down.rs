@@ -19,6 +19,9 @@
 //! `β → 1`: from one and the same ring-down the paper's Q is the exact one times `(1 + √β)²/4`, 10 % low at ζ = 0.035,
 //! while β, c and ζ agree.
 //!
+//! Half of the way from each peak to the trough after it obeys the exact recursion too. On a spring that stiffens with
+//! length it is the better amplitude: the curvature that shortens one side lengthens the other.
+//!
 //! With more than two drops, (27) and (28) become the least-squares line of Δx over X, which for two is the same.
 //!
 //! | symbol | name in code | unit |

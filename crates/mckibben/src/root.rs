@@ -29,6 +29,8 @@ pub(crate) fn bracketed(mut low: f64, mut high: f64, tolerance: f64, mut functio
         let truncated = if cut <= (middle - secant).abs() { secant + towards_middle * cut } else { middle };
         let radius = (allowed - half).max(0.0);
         let next = if (truncated - middle).abs() <= radius { truncated } else { middle - towards_middle * radius };
+        // Rounding may put the proposal on an end: the middle still divides the bracket, until nothing lies between.
+        let next = if low < next && next < high { next } else { middle };
         if !(low < next && next < high) {
             break;
         }

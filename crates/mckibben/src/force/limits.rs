@@ -105,6 +105,11 @@ impl<S: Scalar> LengthLimits<S> {
         self.stiffness
     }
 
+    /// Damping of the taut braid `C_braid` in N·s/m.
+    pub fn damping(&self) -> S {
+        self.damping
+    }
+
     /// `K_braid (x − L_max) + C_braid v` in N before it is kept from pushing; only meaningful beyond `L_max`.
     #[inline(always)]
     pub fn taut_force<T: Over<S>>(&self, distance: T, velocity: T) -> T {

@@ -64,6 +64,11 @@ impl<S: Scalar> Friction<S> {
         self.has_coulomb
     }
 
+    /// Viscous damping `c` in N·s/m.
+    pub fn viscous(&self) -> S {
+        self.viscous
+    }
+
     /// Viscous part `c v` in N.
     #[inline(always)]
     pub fn viscous_force<T: Over<S>>(&self, velocity: T) -> T {

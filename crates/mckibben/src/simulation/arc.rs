@@ -48,6 +48,11 @@ impl<R: Real, const N: usize> Arc<R, N> {
         sum
     }
 
+    /// Whether every control point is a finite number.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.points.as_flattened().iter().all(|point| point.value().is_finite())
+    }
+
     /// θ of a time in s.
     pub fn theta(&self, time: R) -> R {
         (time - self.start) / self.step

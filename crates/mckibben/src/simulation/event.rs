@@ -77,8 +77,7 @@ pub(crate) fn first_crossing<R: Real, const N: usize, S: HybridSystem<R, N>>(
     Some(Crossing { guard, theta: differentiable(system, mode, guard, arc, theta) })
 }
 
-/// The place of a crossing with its derivatives: one Newton step over the scalar, which moves only what is below the
-/// rounding of the value.
+/// The place of a crossing with its derivatives, by the implicit function theorem; its value stays as it was found.
 fn differentiable<R: Real, const N: usize, S: HybridSystem<R, N>>(
     system: &S,
     mode: &S::Mode,
@@ -88,8 +87,11 @@ fn differentiable<R: Real, const N: usize, S: HybridSystem<R, N>>(
 ) -> R {
     let place = R::constant(theta);
     let there: Dual<R, 1> = value(system, mode, guard, arc, Dual::variable(place, 0));
+    if there.slope[0].value() == 0.0 {
+        return place;
+    }
     let shift = there.value / there.slope[0];
-    if shift.value().abs() < 1e-9 { place - shift } else { place }
+    place - (shift - R::constant(shift.value()))
 }
 
 fn value<R: Real, T: Over<R>, const N: usize, S: HybridSystem<R, N>>(

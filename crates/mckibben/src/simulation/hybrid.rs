@@ -247,12 +247,10 @@ impl<'a, R: Real> RigSystem<'a, R> {
     fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
         let valve = self.rig.actuator().valve()?;
         let (low, high) = valve.law.bounds(zone, valve.port_pressure(port));
+        // A subsonic piece ends before the pressures are equal, where its root would.
+        let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
-        if up {
-            high.map(|bound| widened(bound, 1.0 + self.band))
-        } else {
-            low.map(|bound| widened(bound, 1.0 - self.band))
-        }
+        if up { high.map(|bound| widened(bound, 1.0 + band)) } else { low.map(|bound| widened(bound, 1.0 - band)) }
     }
 
     fn zone_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
@@ -276,6 +274,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
 const MEETING: f64 = 4.0;
 /// Velocity scale: one length a second. Below it an error in velocity counts absolutely.
 const USUAL_RATE: f64 = 1.0;
+/// The part of that scale in which the velocity's error is told from rest.
+const SLOW: f64 = 0.1;
 /// Temperature in K at which the scale of the air mass is taken.
 const ROOM_TEMPERATURE: f64 = 293.15;
 
@@ -307,23 +307,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     }
 
     fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
-        // Only the pressure settles fast, and only while the flow depends on it.
-        let choked = |zone| matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut);
-        let Some(valve) = self.rig.actuator().valve() else { return 0.0 };
-        let zones = [(Port::Supply, phase.mode.supply_zone), (Port::Exhaust, phase.mode.exhaust_zone)];
-        let mut follows =
-            zones.into_iter().filter_map(|(port, zone)| Some((port, zone.filter(|&zone| !choked(zone))?)));
-        let Some((port, zone)) = follows.next() else { return 0.0 };
-        let mut seeded = state.map(Dual::<R, 1>::of);
-        seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
-        let rate = self.rates(Dual::of(time), &seeded, phase)[PRESSURE];
-        let settling = (-rate.slope[0].value()).max(0.0);
-        if matches!(zone, FlowZone::LaminarIn | FlowZone::LaminarOut) {
-            return settling;
-        }
-        // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
-        let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
-        settling.max(MEETING * rate.value() / gap)
+        self.damping_rate(&phase.mode).max(self.pressure_settling_rate(time, state, phase))
     }
 
     fn magnitudes(&self) -> [f64; 4] {
@@ -386,8 +370,12 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             }
         }
         match mode.sliding {
-            Sliding::Lengthening if mode.extent != Extent::Slack => guards.add(Guard::Rest, above(VELOCITY, R::zero())),
-            Sliding::Shortening if mode.extent != Extent::Slack => guards.add(Guard::Rest, below(VELOCITY, R::zero())),
+            Sliding::Lengthening if mode.extent != Extent::Slack => {
+                guards.add(Guard::Rest, above(VELOCITY, R::constant(-self.rest_band())))
+            }
+            Sliding::Shortening if mode.extent != Extent::Slack => {
+                guards.add(Guard::Rest, below(VELOCITY, R::constant(self.rest_band())))
+            }
             Sliding::Stuck => {
                 guards.add(Guard::BreakLonger, GuardForm::Function);
                 guards.add(Guard::BreakShorter, GuardForm::Function);
@@ -417,10 +405,10 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             Guard::Tight => shortest - length,
             Guard::Taut => longest - length,
             Guard::Untaut => length - longest,
-            Guard::Rebound => limits.taut_force(length, velocity),
-            Guard::Retaut => -limits.taut_force(length, velocity),
-            Guard::Rest if mode.sliding == Sliding::Shortening => -velocity,
-            Guard::Rest => velocity,
+            Guard::Rebound => limits.taut_force(length, velocity) + band,
+            Guard::Retaut => band - limits.taut_force(length, velocity),
+            Guard::Rest if mode.sliding == Sliding::Shortening => T::constant(self.rest_band()) - velocity,
+            Guard::Rest => T::constant(self.rest_band()) + velocity,
             Guard::BreakLonger => self.rig.holdable(length, pressure).1 + band - pull(),
             Guard::BreakShorter => pull() - self.rig.holdable(length, pressure).0 + band,
             Guard::TensionZero => self.signed_force(state, mode) + band,
@@ -523,8 +511,42 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 }
 
 impl<R: Real> RigSystem<'_, R> {
+    /// The velocity in m/s by which zero must be passed before it is a turn: what a few steps may err.
+    fn rest_band(&self) -> f64 {
+        10.0 * self.band * SLOW * self.magnitudes[LENGTH]
+    }
+
     fn thread_length(&self) -> R {
         self.rig.actuator().law().law.braid.thread_length()
+    }
+
+    /// Rate in 1/s at which friction and the taut braid damp the load.
+    fn damping_rate(&self, mode: &Mode) -> f64 {
+        let actuator = self.rig.actuator();
+        if mode.extent == Extent::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
+            return 0.0;
+        }
+        let taut = if mode.extent == Extent::Taut { actuator.limits().damping().value() } else { 0.0 };
+        (actuator.friction().viscous().value() + taut) * self.per_mass.value()
+    }
+
+    /// Rate in 1/s at which the pressure settles to that of an open port; zero while the flow does not depend on it.
+    fn pressure_settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
+        let choked = |zone| matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut);
+        let Some(valve) = self.rig.actuator().valve() else { return 0.0 };
+        let zones = [(Port::Supply, phase.mode.supply_zone), (Port::Exhaust, phase.mode.exhaust_zone)];
+        let follows = |(port, zone): (Port, Option<FlowZone>)| Some((port, zone.filter(|&zone| !choked(zone))?));
+        let Some((port, zone)) = zones.into_iter().find_map(follows) else { return 0.0 };
+        let mut seeded = state.map(Dual::<R, 1>::of);
+        seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
+        let rate = self.rates(Dual::of(time), &seeded, phase)[PRESSURE];
+        let settling = (-rate.slope[0].value()).max(0.0);
+        if matches!(zone, FlowZone::LaminarIn | FlowZone::LaminarOut) {
+            return settling;
+        }
+        // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
+        let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
+        settling.max(MEETING * rate.value() / gap)
     }
 
     /// The velocity has come to zero: stick, or go the other way.

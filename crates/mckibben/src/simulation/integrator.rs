@@ -75,10 +75,12 @@ const GROWTH: (f64, f64, f64) = (6.0, 0.2, 0.9);
 /// `h` times the fastest rate up to which the dense output of the explicit method follows a settling state to the
 /// tolerance: what is aimed at, and what is refused in hindsight. The method itself would be stable to about 6.
 const SETTLING: (f64, f64) = (2.0, 4.0);
-/// Accuracy must allow so many times the step that [`SETTLING`] does, in so many steps in a row, before the implicit
-/// method takes over: it is of lower order and dearer by the step.
+/// Steps in a row that [`SETTLING`] and not accuracy has bounded, after which the implicit method takes over; one in which
+/// accuracy would allow [`STIFF_RATIO`] times as much counts for several. The implicit method is of lower order and dearer
+/// by the step.
+const STIFF_STEPS: u32 = 40;
+const CLEARLY_STIFF: u32 = 10;
 const STIFF_RATIO: f64 = 4.0;
-const STIFF_STEPS: u32 = 4;
 
 impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S> {
     /// Starts at `time` in a state and mode, to go on until `until` (s) with a relative tolerance for each step.
@@ -220,9 +222,18 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         }
         let (arc, slope) = self.explicit.accept(self.time, &self.state, length, rates);
         self.counts.evaluations += explicit::EVALUATIONS.1;
+        if !arc.is_finite() {
+            // A stage of the dense output alone left the physics.
+            self.step = 0.25 * length.value();
+            return None;
+        }
         self.counts.explicit_steps += 1;
         self.slope = Some(slope);
-        self.stiff_steps = if self.step > STIFF_RATIO * bound { self.stiff_steps + 1 } else { 0 };
+        self.stiff_steps = match self.step / bound {
+            ratio if ratio > STIFF_RATIO => self.stiff_steps + CLEARLY_STIFF,
+            ratio if ratio >= 1.0 => self.stiff_steps + 1,
+            _ => 0,
+        };
         self.implicit = self.stiff_steps >= STIFF_STEPS;
         if !self.implicit {
             self.step = self.step.min(bound);

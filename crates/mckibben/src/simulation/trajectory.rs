@@ -36,6 +36,9 @@ pub struct Trajectory<R: Real = f64> {
     counts: Counts,
 }
 
+/// Steps that a stored trajectory may have: about two gigabytes.
+const MAX_PIECES: usize = 4_000_000;
+
 /// Simulates a rig from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
 ///
 /// # Errors
@@ -60,6 +63,16 @@ pub fn simulate<R: Real>(
             events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
         }
         pieces.push(piece);
+        if pieces.len() > MAX_PIECES {
+            return Err(Error::Stopped {
+                time: integrator.time().value(),
+                reason: "the run takes more steps than a stored trajectory may have",
+                quantity: "steps",
+                value: MAX_PIECES as f64,
+                unit: "",
+                remedy: "shorten run.duration, loosen run.relative_tolerance, or use the fixed-step engine",
+            });
+        }
     }
     let last = (integrator.time(), *integrator.state(), *integrator.mode());
     let counts = integrator.counts();

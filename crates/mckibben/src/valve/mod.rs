@@ -23,7 +23,8 @@ use crate::scalar::{Over, Scalar};
 /// The air that feeds the valve. Its temperature is also that of the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supply<S = f64> {
-    pressure: S,
+    gauge_pressure: S,
+    atmospheric_pressure: S,
     temperature: S,
     /// `1/√T`, which every inflow has.
     per_root_temperature: S,
@@ -37,11 +38,11 @@ impl Supply {
     /// minus the atmospheric pressure.
     pub fn new(gauge: GaugePressure, temperature: f64, air: &Air) -> Result<Self, Error> {
         parameter::SUPPLY_GAUGE_PRESSURE.check(gauge.0)?;
-        let pressure = gauge.absolute(air.atmosphere()).0;
-        if pressure <= 0.0 {
+        if gauge.absolute(air.atmosphere()).0 <= 0.0 {
             return Err(below_vacuum(&parameter::SUPPLY_GAUGE_PRESSURE, gauge, air));
         }
-        Ok(Self::assemble(pressure, parameter::SUPPLY_TEMPERATURE.check(temperature)?))
+        let temperature = parameter::SUPPLY_TEMPERATURE.check(temperature)?;
+        Ok(Self::assemble(gauge.0, air.atmosphere().0, temperature))
     }
 }
 
@@ -61,21 +62,24 @@ pub(crate) fn below_vacuum(parameter: &'static Parameter, gauge: GaugePressure, 
 }
 
 impl<S: Scalar> Supply<S> {
-    fn assemble(pressure: S, temperature: S) -> Self {
-        Self { pressure, temperature, per_root_temperature: S::one() / temperature.sqrt() }
+    fn assemble(gauge_pressure: S, atmospheric_pressure: S, temperature: S) -> Self {
+        let per_root_temperature = S::one() / temperature.sqrt();
+        Self { gauge_pressure, atmospheric_pressure, temperature, per_root_temperature }
     }
 
     /// The same supply over another scalar.
     pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Supply<T> {
         Supply::assemble(
-            convert(&parameter::SUPPLY_GAUGE_PRESSURE, self.pressure),
+            convert(&parameter::SUPPLY_GAUGE_PRESSURE, self.gauge_pressure),
+            convert(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure),
             convert(&parameter::SUPPLY_TEMPERATURE, self.temperature),
         )
     }
 
     /// Absolute pressure of the supply.
+    #[inline(always)]
     pub fn pressure(&self) -> AbsolutePressure<S> {
-        AbsolutePressure(self.pressure)
+        AbsolutePressure(self.gauge_pressure + self.atmospheric_pressure)
     }
 
     /// Temperature of the supply and of the surroundings in K.
@@ -135,7 +139,7 @@ impl<S: Scalar> Valve<S> {
     #[inline(always)]
     pub fn port_pressure(&self, port: Port) -> S {
         match port {
-            Port::Supply => self.supply.pressure,
+            Port::Supply => self.supply.pressure().0,
             Port::Exhaust => self.atmospheric_pressure,
         }
     }
