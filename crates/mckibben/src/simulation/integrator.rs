@@ -66,6 +66,7 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     step: f64,
     implicit: bool,
     stiff_steps: u32,
+    implicit_run: u32,
     events_here: u32,
     counts: Counts,
 }
@@ -81,6 +82,8 @@ const SETTLING: (f64, f64) = (2.0, 4.0);
 const STIFF_STEPS: u32 = 40;
 const CLEARLY_STIFF: u32 = 10;
 const STIFF_RATIO: f64 = 4.0;
+/// Steps in which the implicit method may grow before it is judged.
+const GROWING: u32 = 6;
 
 impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S> {
     /// Starts at `time` in a state and mode, to go on until `until` (s) with a relative tolerance for each step.
@@ -100,6 +103,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             step: (until - time).value(),
             implicit: false,
             stiff_steps: 0,
+            implicit_run: 0,
             events_here: 0,
             counts: Counts::default(),
         };
@@ -235,6 +239,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             _ => 0,
         };
         self.implicit = self.stiff_steps >= STIFF_STEPS;
+        self.implicit_run = 0;
         if !self.implicit {
             self.step = self.step.min(bound);
         }
@@ -263,8 +268,11 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         self.counts.implicit_steps += 1;
         let arc = attempt.arc(self.time, &self.state, length);
         self.slope = None;
-        // Back to the explicit method once a step that accuracy allows is stable for it.
-        if length.value() * linear.fastest_rate(&self.scales()) < STIFF_RATIO * SETTLING.0 {
+        // Back to the explicit method if, given time to grow, the steps stay near those that are stable for it.
+        self.implicit_run += 1;
+        if self.implicit_run > GROWING
+            && length.value() * linear.fastest_rate(&self.scales()) < STIFF_RATIO * SETTLING.0
+        {
             self.implicit = false;
             self.stiff_steps = 0;
         }
