@@ -27,7 +27,7 @@ fn every_admissible_tolerance_comes_to_the_end() {
                 let state = [start.length, start.velocity, start.pressure.0, start.air_mass];
                 let mut integrator = Integrator::new(&system, 0.0, state, system.begin(&state), 0.5, tolerance);
                 let mut pieces = 0;
-                // FAILS above 1e-3. Counted here, not stored: the run may have no end.
+                // Counted here, not stored: a run that does not end would fill the memory.
                 while let Some(piece) = integrator.advance().unwrap_or_else(|error| panic!("at {tolerance:e}: {error}"))
                 {
                     pieces += 1;

@@ -171,7 +171,6 @@ fn check_samples(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
         }
     }
     for pair in run.events().windows(2) {
-        // FAILS between a rebound of the taut braid and its return within a rounding: the second is located before the first.
         prop_assert!(pair[0].time <= pair[1].time, "{pair:?}");
     }
     Ok(())
@@ -226,7 +225,6 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
                 tally.borrow_mut()[1] += 1;
                 Ok(())
             }
-            // FAILS rarely with a pressure of NaN: see `tests/issue_dense_output_overshoot.rs`.
             (one, other) => {
                 Err(TestCaseError::fail(format!("{:?} and {:?}", one.map(|r| r.counts()), other.map(|r| r.counts()))))
             }

@@ -19,6 +19,7 @@ mod sample;
 pub mod system;
 #[cfg(feature = "alloc")]
 mod trajectory;
+mod zones;
 
 pub use arc::Arc;
 #[cfg(feature = "alloc")]
