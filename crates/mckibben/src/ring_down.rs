@@ -1,7 +1,8 @@
 //! Damping from a ring-down: viscous and Coulomb friction told apart by how the peaks shrink.
 //!
-//! A mass on a spring loses a share of its amplitude to viscous friction and a constant length to Coulomb friction. With
-//! same-side amplitudes `X₁ > X₂ > …`, measured from the rest position, and the drop `Δx = X − X⁺` from one to the next:
+//! A mass on a spring loses a share of its amplitude to viscous friction and a constant length to Coulomb friction.
+//! With same-side amplitudes `X₁ > X₂ > …`, measured from the rest position, and the drop `Δx = X − X⁺` from one to
+//! the next:
 //!
 //! ```text
 //! paper's form   Δx = X(1 − β) + 4Q                                  (24)–(26)
@@ -14,8 +15,9 @@
 //! ζ_eq = ln(X/(X − Δx))/(2π)                                         (32)  both frictions as one
 //! ```
 //!
-//! The exact form adds up two half cycles. In each, the mass swings about a centre that Coulomb friction has moved by `Q`
-//! against the motion: `X′ = √β X − Q(1 + √β)`, and twice that is the second line. The paper's `4Q` is its limit for
+//! The exact form adds up two half cycles. In each, the mass swings about a centre that Coulomb friction has moved by
+//! `Q` against the motion: `X′ = √β X − Q(1 + √β)`, and twice that is the second line. The paper's `4Q` is its limit
+//! for
 //! `β → 1`: from one and the same ring-down the paper's Q is the exact one times `(1 + √β)²/4`, 10 % low at ζ = 0.035,
 //! while β, c and ζ agree.
 //!
@@ -35,13 +37,15 @@
 //! | M | `mass` | kg |
 //! | T_d | `period` | s |
 //!
-//! Valid for a linear spring, underdamped, with `X > 2Q` at the last peak (friction has not yet stopped it). On the muscle
-//! the spring that the mass feels is the tangent stiffness `k_t` with the valve shut, while the friction of (12) is
+//! Valid for a linear spring, underdamped, with `X > 2Q` at the last peak (friction has not yet stopped it). On the
+//! muscle the spring that the mass feels is the tangent stiffness `k_t` with the valve shut, while the friction of
+//! (12) is
 //! `Q k_sec`: what a ring-down shows is `Q k_sec/k_t`, not the Q of (12). A β above 1 or a Q below 0 is what noise or a
 //! wrong rest position gives; it is returned as it is.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3; exact form: piecewise solution of the damped oscillator.
-//! Checked by `tests/ring_down.rs`: both recursions in closed form, the exact one against the oscillator's own solution.
+//! Checked by `tests/ring_down.rs`: both recursions in closed form, the exact one against the oscillator's own
+//! solution.
 
 use crate::error::Error;
 use crate::parameter::{self, Parameter, Range};
@@ -133,8 +137,9 @@ impl Damping {
     /// Three amplitudes give (27) and (28) themselves; more are fitted by least squares.
     ///
     /// # Errors
-    /// [`Error::Table`] for fewer than three amplitudes, one that is not finite or not above zero, or amplitudes that do
-    /// not fall, or fall so that no damping explains it; [`Error::OutOfRange`] for a period or mass that is not above zero.
+    /// [`Error::Table`] for fewer than three amplitudes, one that is not finite or not above zero, or amplitudes that
+    /// do not fall, or fall so that no damping explains it; [`Error::OutOfRange`] for a period or mass that is not
+    /// above zero.
     pub fn from_peaks(amplitudes: &[f64], period: f64, mass: f64, form: Form) -> Result<Self, Error> {
         if amplitudes.len() < 3 {
             return Err(fault("it has too few peaks", amplitudes.len() + 1, "give three or more successive peaks"));

@@ -54,11 +54,12 @@ mod tests {
 
     #[test]
     fn finds_roots_of_easy_and_awkward_functions() {
-        let cases: [(&dyn Fn(f64) -> f64, f64, f64, f64); 4] = [
-            (&|x| x * x - 2.0, 0.0, 2.0, 2.0_f64.sqrt()),
-            (&|x| x.powi(9) - 1e-9, 0.0, 1.0, 0.1),
-            (&|x| if x < 0.3 { -1.0 } else { 1.0 }, 0.0, 1.0, 0.3),
-            (&|x| 5.0 - x, 0.0, 5.0, 5.0),
+        type Case = (fn(f64) -> f64, f64, f64, f64);
+        let cases: [Case; 4] = [
+            (|x| x * x - 2.0, 0.0, 2.0, 2.0_f64.sqrt()),
+            (|x| x.powi(9) - 1e-9, 0.0, 1.0, 0.1),
+            (|x| if x < 0.3 { -1.0 } else { 1.0 }, 0.0, 1.0, 0.3),
+            (|x| 5.0 - x, 0.0, 5.0, 5.0),
         ];
         for (function, low, high, exact) in cases {
             let root = bracketed(low, high, 1e-14, function);
