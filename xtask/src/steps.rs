@@ -12,14 +12,8 @@ type Tally = Option<(u64, u64)>;
 /// A step's name and what it does; an error says in words what went wrong.
 type Step = (&'static str, fn(&Path) -> Result<Tally, String>);
 
-const STEPS: [Step; 6] = [
-    ("format", format),
-    ("lint", lint),
-    ("docs", docs),
-    ("no-std", no_std),
-    ("reference", reference),
-    ("test", test),
-];
+const STEPS: [Step; 6] =
+    [("format", format), ("lint", lint), ("docs", docs), ("no-std", no_std), ("reference", reference), ("test", test)];
 
 /// Runs the chosen steps, or all of them, and prints what ran.
 pub(crate) fn run(chosen: &[String]) -> ExitCode {

@@ -1,5 +1,50 @@
 //! The program `mckibben`, as a library so that its parts are tested.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`arguments`] | the command line |
+//! | [`commands`] | one module for each command |
+//! | [`settings`] | values of the scenario from the command line |
+//! | [`engine`] | a run by the engine that the scenario names |
+//! | [`observation`] | the figures of a run |
+//! | [`summary`], [`describe`], [`events`] | a run in words |
+//! | [`record`] | a run as CSV or Parquet |
+//! | [`portrait`], [`plot`] | a run as a figure, and figures in general |
+//! | [`output`] | files that are whole or not there |
+//! | [`terminal`], [`progress`], [`quantities`] | words, bars and numbers for people |
+//! | [`failure`] | why a command failed, and the exit code that says so |
 
 #![forbid(unsafe_code)]
 
+pub mod arguments;
+pub mod commands;
+pub mod describe;
+pub mod engine;
+pub mod events;
+pub mod failure;
+pub mod observation;
+pub mod output;
 pub mod plot;
+pub mod portrait;
+pub mod progress;
+pub mod quantities;
+pub mod record;
+pub mod report;
+pub mod settings;
+pub mod summary;
+pub mod terminal;
+
+use clap::Parser as _;
+use std::process::ExitCode;
+
+/// Runs the program on the process's arguments; the exit code is that of [`failure`].
+pub fn run() -> ExitCode {
+    let arguments = arguments::Arguments::parse();
+    match commands::run(&arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(failure.code())
+        }
+    }
+}

@@ -115,7 +115,15 @@ impl Document {
     /// # Errors
     /// When the text is no TOML value, and as for [`Document::set`].
     pub fn set_text(&mut self, path: &str, value: &str) -> Result<(), Diagnostics> {
-        let source = Source::new("value set from outside", format!("{path} = {value}"));
+        self.set_text_from("value set from outside", path, value)
+    }
+
+    /// As [`Document::set_text`]; `name` stands in messages where a file's name would, for instance `--set`.
+    ///
+    /// # Errors
+    /// As for [`Document::set_text`].
+    pub fn set_text_from(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
+        let source = Source::new(name, format!("{path} = {value}"));
         let names: Vec<&str> = path.split('.').collect();
         let bare =
             |name: &&str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));

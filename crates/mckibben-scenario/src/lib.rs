@@ -30,11 +30,13 @@
 //! | [`presets`] | named actuators and valves, each number with its source |
 //! | [`diagnostic`] | errors that show file, line, column and remedy |
 //! | [`Document`] | a file as parsed, with values set from outside, and the core's errors shown in it |
+//! | [`Assumed`] | the numbers in force that no source states |
 //! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |
 //! | [`schema`], [`starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
 
 #![forbid(unsafe_code)]
 
+mod assumed;
 mod choice;
 mod diagnose;
 pub mod diagnostic;
@@ -53,13 +55,14 @@ mod starter;
 mod unit;
 mod write;
 
+pub use assumed::Assumed;
 pub use choice::{
     Choice, CommandKind, CommandState, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind, ValveKind,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
-pub use model::Experiment;
 pub use document::Document;
+pub use model::Experiment;
 pub use scenario::{
     Actuator, Air, Command, Effectiveness, Friction, Initial, InitialLength, Limit, Load, Motion, Passage, Process,
     Run, Scenario, Supply, Valve,

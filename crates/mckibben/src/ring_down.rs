@@ -17,9 +17,8 @@
 //!
 //! The exact form adds up two half cycles. In each, the mass swings about a centre that Coulomb friction has moved by
 //! `Q` against the motion: `X′ = √β X − Q(1 + √β)`, and twice that is the second line. The paper's `4Q` is its limit
-//! for
-//! `β → 1`: from one and the same ring-down the paper's Q is the exact one times `(1 + √β)²/4`, 10 % low at ζ = 0.035,
-//! while β, c and ζ agree.
+//! for `β → 1`: from one and the same ring-down the paper's Q is the exact one times `(1 + √β)²/4`, 10 % low at
+//! ζ = 0.035, while β, c and ζ agree.
 //!
 //! Half of the way from each peak to the trough after it obeys the exact recursion too. On a spring that stiffens with
 //! length it is the better amplitude: the curvature that shortens one side lengthens the other.
@@ -39,9 +38,8 @@
 //!
 //! Valid for a linear spring, underdamped, with `X > 2Q` at the last peak (friction has not yet stopped it). On the
 //! muscle the spring that the mass feels is the tangent stiffness `k_t` with the valve shut, while the friction of
-//! (12) is
-//! `Q k_sec`: what a ring-down shows is `Q k_sec/k_t`, not the Q of (12). A β above 1 or a Q below 0 is what noise or a
-//! wrong rest position gives; it is returned as it is.
+//! (12) is `Q k_sec`: what a ring-down shows is `Q k_sec/k_t`, not the Q of (12). A β above 1 or a Q below 0 is what
+//! noise or a wrong rest position gives; it is returned as it is.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3; exact form: piecewise solution of the damped oscillator.
 //! Checked by `tests/ring_down.rs`: both recursions in closed form, the exact one against the oscillator's own

@@ -21,7 +21,7 @@ fn end_of(rig: &Rig, start: State, method: Method, step: f64, duration: f64) -> 
     let mut stepper = FixedStepper::new(rig, start, method);
     let steps = (duration / step).round() as u32;
     for index in 1..=steps {
-        stepper.advance_to(duration * f64::from(index) / f64::from(steps));
+        stepper.advance_to(duration * f64::from(index) / f64::from(steps)).expect("a step");
     }
     stepper.state()
 }
@@ -97,7 +97,7 @@ fn the_stable_method_holds_a_small_chamber_near_equal_pressure_at_any_step() {
             let mut index = 0;
             while stepper.time() < 1.0 {
                 index += 1;
-                stepper.advance_to(step * f64::from(index));
+                stepper.advance_to(step * f64::from(index)).expect("a step");
                 let pressure = stepper.state().pressure.0;
                 assert!(
                     pressure > 0.99 * low && pressure < 1.01 * high,
@@ -108,7 +108,7 @@ fn the_stable_method_holds_a_small_chamber_near_equal_pressure_at_any_step() {
             // At 0.18 s the valve has been shut to the exhaust for long: the pressure is the supply's.
             let mut stepper = FixedStepper::new(&rig, start, Method::Stable);
             for index in 1..=(0.1 / step).round() as u32 {
-                stepper.advance_to(step * f64::from(index));
+                stepper.advance_to(step * f64::from(index)).expect("a step");
             }
             let gap = stepper.state().pressure.0 / high - 1.0;
             assert!(gap.abs() < 1e-3, "{process:?}, step {step}: {gap} from the supply");
@@ -141,7 +141,7 @@ fn both_engines_agree_on_the_papers_pwm_run() {
     for (method, step, allowed) in [(Method::Rk4, 2e-5, 2e-5), (Method::Stable, 2e-5, 2e-4)] {
         let mut stepper = FixedStepper::new(&rig, start, method);
         for index in 1..=(1.0 / step) as u32 {
-            stepper.advance_to(step * f64::from(index));
+            stepper.advance_to(step * f64::from(index)).expect("a step");
             if index % 100 == 0 {
                 let (ours, theirs) = (stepper.sample(), exact.at(stepper.time()));
                 assert_eq!(ours.ports, theirs.ports);

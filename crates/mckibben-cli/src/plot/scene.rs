@@ -193,7 +193,10 @@ impl Area {
         self.bottom - self.top
     }
 
+    /// Whether a point lies within, its edges included: a value at the end of an axis is shown, whatever the rounding.
     pub(super) fn contains(&self, [x, y]: Point) -> bool {
-        (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
+        const ROUNDING: f64 = 1e-6;
+        (self.left - ROUNDING..=self.right + ROUNDING).contains(&x)
+            && (self.top - ROUNDING..=self.bottom + ROUNDING).contains(&y)
     }
 }

@@ -14,7 +14,7 @@ use crate::scenario::{Actuator, Air, Effectiveness, Friction, Limit, Process};
 use mckibben::parameter::{self as p, Parameter};
 
 /// The keys that together say how long the braid is; giving none of them asks for the default preset.
-static GEOMETRY: [&Parameter; 3] = [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH];
+pub(crate) static GEOMETRY: [&Parameter; 3] = [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH];
 
 pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
     let preset = if r.has("actuator.preset") {

@@ -15,6 +15,8 @@ mod body;
 mod course;
 mod drive;
 
+pub(crate) use body::GEOMETRY;
+
 use crate::choice::ValveKind;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;

@@ -6,7 +6,7 @@
 //!          + Δ(½ K_braid (x − L_max)²)             the taut braid
 //!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
 //!          + ∫ (F_limit − K_braid (x − L_max)) v dt    the taut braid's damping and its rebound
-//!          + ∫ (F − F_sum) v dt                    a tendon that cannot push
+//!          + ∫ (F − F_sum) v dt                    a correction of these where a tendon cannot push
 //! ```
 //!
 //! The load and the taut braid are taken from the states, the rest by quadrature over the dense output: that the sum
@@ -34,7 +34,8 @@ pub struct EnergyAudit {
     pub coulomb: f64,
     /// Dissipated by the taut braid, its rebound included.
     pub braid: f64,
-    /// Lost where the tension was kept from becoming negative.
+    /// What the friction terms count too little, or too much when negative, while the tension is kept from becoming
+    /// negative: a tendon that cannot push does not transmit them.
     pub slack: f64,
     /// Air that came in, in kg.
     pub air_in: f64,
@@ -80,10 +81,13 @@ impl<R: Real> Trajectory<R> {
         self.quadrature(|weight, sample, mode| {
             let weight = weight.value();
             let velocity = sample.velocity;
-            audit.air_in += weight * sample.mass_flow.value().max(0.0);
-            audit.air_out += weight * (-sample.mass_flow.value()).max(0.0);
+            let slack = mode.extent == Extent::Slack;
+            let chamber = actuator.chamber(sample.length, velocity, sample.pressure.0, sample.air_mass, slack);
+            let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
+            audit.air_in += weight * flow.inward.value();
+            audit.air_out += weight * flow.outward.value();
             work_on_ends -= weight * (sample.tension * velocity).value();
-            if mode.extent == Extent::Slack {
+            if slack {
                 return;
             }
             let gauge = actuator.gauge(sample.pressure.0);

@@ -17,7 +17,7 @@
 //!    what the tolerance allows. A mass at rest sticks until the load exceeds what friction can hold by the same token.
 //! 7. **Chatter.** A hundred events that do not advance time are an error that names the guard's quantity.
 //!
-//! The tolerance of rule 6 is [`band`]; no law contains an epsilon.
+//! The tolerance of rule 6 is the function `band` below; no law contains an epsilon.
 //!
 //! Checked by `tests/events.rs`, one test for each rule, and by the tests of the arc's polynomial.
 

@@ -26,6 +26,7 @@ use super::mode::Sliding;
 use super::rig::{Rig, State};
 use super::sample::Sample;
 use crate::dual::Dual;
+use crate::error::Error;
 use crate::load::Load;
 use crate::scalar::{Mask, Over, Real, Scalar};
 use crate::valve::{Port, Ports, SIMULTANEOUS, SeatClock};
@@ -229,16 +230,47 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     }
 
     /// Goes on to `until` in one step, divided where something switches.
-    pub fn advance_to(&mut self, until: R) {
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
+    pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
             let instant = self.next_instant(until);
             let part_end = instant.unwrap_or(until);
+            let before = (self.time, self.state, self.sliding);
             self.advance_smoothly(part_end);
+            if let Err(error) = self.check() {
+                (self.time, self.state, self.sliding) = before;
+                return Err(error);
+            }
             if instant.is_none() {
-                return;
+                return Ok(());
             }
             self.pass_instants();
             self.sliding = self.sliding_from_rest_or_velocity();
+        }
+    }
+
+    /// Whether the state is one that the laws hold for.
+    fn check(&self) -> Result<(), Error> {
+        let [length, velocity, pressure, air_mass] = self.state.map(Real::value);
+        let thread = self.rig.actuator().law().law.braid.thread_length().value();
+        let numbers = [
+            ("length", length, "m", length < thread),
+            ("velocity", velocity, "m/s", true),
+            ("absolute pressure", pressure, "Pa", pressure > 0.0),
+            ("air mass", air_mass, "kg", air_mass > 0.0),
+        ];
+        match numbers.into_iter().find(|(_, value, _, admissible)| !(value.is_finite() && *admissible)) {
+            None => Ok(()),
+            Some((quantity, value, unit, _)) => Err(Error::Stopped {
+                time: self.time.value(),
+                reason: "a step of the fixed-step engine left the physics",
+                quantity,
+                value,
+                unit,
+                remedy: "shorten run.step, or set run.method = \"stable\" or run.engine = \"event-located\"",
+            }),
         }
     }
 

@@ -15,6 +15,7 @@ use super::event::band;
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::rig::Rig;
 use super::system::{GuardForm, Guards, HybridSystem};
+use crate::air::Process;
 use crate::error::Error;
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
@@ -31,6 +32,8 @@ pub struct Phase<R = f64> {
     pub mode: Mode,
     clock: SeatClock<R>,
     corners_passed: usize,
+    /// `P V/m` of an isothermal process, which nothing changes.
+    isothermal: Option<R>,
 }
 
 /// A rig with the tolerance to which its events are told from rounding.
@@ -97,7 +100,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             sliding: Sliding::Held,
             clamped: false,
         };
-        let mut phase = Phase { mode, clock, corners_passed: 0 };
+        let mut phase = Phase { mode, clock, corners_passed: 0, isothermal: self.isothermal_content(state) };
         if let Load::Prescribed(motion) = self.rig.load() {
             while motion.corner(phase.corners_passed).is_some_and(|corner| corner.value() <= 0.0) {
                 phase.corners_passed += 1;
@@ -433,6 +436,9 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             let [length, velocity, _] = motion.at(time, phase.corners_passed);
             (state[LENGTH], state[VELOCITY]) = (length, velocity);
         }
+        if let Some(content) = phase.isothermal {
+            state[PRESSURE] = content * state[3] / self.rig.actuator().volume(state[LENGTH]);
+        }
     }
 
     fn stuck(&self, time: R, state: &[R; 4], _phase: &Phase<R>) -> Error {
@@ -451,6 +457,13 @@ impl<R: Real> RigSystem<'_, R> {
     /// The velocity in m/s by which zero must be passed before it is a turn: what a few steps may err.
     fn rest_band(&self) -> f64 {
         10.0 * self.band * SLOW * self.magnitudes[LENGTH]
+    }
+
+    /// `P V/m` of a state, if the process keeps it.
+    fn isothermal_content(&self, state: &[R; 4]) -> Option<R> {
+        let actuator = self.rig.actuator();
+        let content = || state[PRESSURE] * actuator.volume(state[LENGTH]) / state[3];
+        matches!(actuator.air().process(), Process::Isothermal).then(content)
     }
 
     fn thread_length(&self) -> R {

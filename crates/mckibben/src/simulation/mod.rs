@@ -29,6 +29,6 @@ pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
-pub use sample::Sample;
+pub use sample::{Sample, SampleTimes};
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate};

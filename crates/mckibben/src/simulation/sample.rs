@@ -3,7 +3,7 @@
 use crate::air::Flow;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
-use crate::valve::Ports;
+use crate::valve::{Ports, SIMULTANEOUS};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,5 +44,34 @@ impl<R: Scalar> Sample<R> {
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
         Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }
+    }
+}
+
+/// The times of samples: 0, every interval, and the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleTimes {
+    duration: f64,
+    interval: f64,
+    last: u64,
+}
+
+impl SampleTimes {
+    /// The times of a run of `duration` s sampled every `interval` s, both above zero. An end that differs from a whole
+    /// number of intervals by rounding is one of them.
+    pub fn new(duration: f64, interval: f64) -> Self {
+        let whole = (duration / interval * (1.0 + SIMULTANEOUS)) as u64;
+        let rest = duration - whole as f64 * interval;
+        let ends_whole = rest.max(-rest) <= 4.0 * SIMULTANEOUS * duration;
+        Self { duration, interval, last: whole + u64::from(!ends_whole) }
+    }
+
+    /// Index of the last sample, which is at the end.
+    pub fn last(&self) -> u64 {
+        self.last
+    }
+
+    /// Time in s of the sample of index `index`, from 0.
+    pub fn time(&self, index: u64) -> f64 {
+        if index >= self.last { self.duration } else { index as f64 * self.interval }
     }
 }

@@ -4,7 +4,7 @@ use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, Integrator, Piece};
 use super::mode::{EventKind, Extent, Mode};
 use super::rig::{Rig, State};
-use super::sample::Sample;
+use super::sample::{Sample, SampleTimes};
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
@@ -110,13 +110,10 @@ impl<R: Real> Trajectory<R> {
     /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
     pub fn samples(&self, interval: f64) -> impl Iterator<Item = Sample<R>> + '_ {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        let end = self.last.0.value();
-        let whole = (end / interval * (1.0 + SIMULTANEOUS)) as u64;
-        let ends_whole = (whole as f64 * interval - end).abs() <= SIMULTANEOUS * end * 4.0;
+        let times = SampleTimes::new(self.last.0.value(), interval);
         let mut place = 0;
-        (0..=whole + u64::from(!ends_whole)).map(move |index| {
-            let time = (index as f64 * interval).min(end);
-            let time = if index == whole && ends_whole { end } else { time };
+        (0..=times.last()).map(move |index| {
+            let time = times.time(index);
             while self.pieces.get(place).is_some_and(|piece| begins_by(piece, time)) {
                 place += 1;
             }

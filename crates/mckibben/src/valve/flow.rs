@@ -39,7 +39,7 @@ use core::f64::consts::PI;
 /// Terms of the polynomial g: beyond this the next Chebyshev coefficient is below the rounding of `f64` for every γ.
 const TERMS: usize = 20;
 /// Density of the reference atmosphere in kg/m³ (ISO 8778).
-const REFERENCE_DENSITY: f64 = 1.185;
+pub const REFERENCE_DENSITY: f64 = 1.185;
 /// Temperature of the reference atmosphere in K (ISO 8778).
 const REFERENCE_TEMPERATURE: f64 = 293.15;
 

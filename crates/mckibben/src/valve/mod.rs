@@ -10,7 +10,7 @@ mod solenoid;
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
-pub use flow::{FlowLaw, FlowStandard, FlowZone};
+pub use flow::{FlowLaw, FlowStandard, FlowZone, REFERENCE_DENSITY};
 pub(crate) use solenoid::SIMULTANEOUS;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 

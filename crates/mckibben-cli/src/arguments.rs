@@ -1,0 +1,59 @@
+//! The command line.
+//!
+//! Mistakes in it are shown by `clap`, with exit code 2, as every other mistake in the input.
+
+use crate::commands::check::CheckArguments;
+use crate::commands::completions::CompletionsArguments;
+use crate::commands::curves::CurvesArguments;
+use crate::commands::init::InitArguments;
+use crate::commands::presets::PresetsArguments;
+use crate::commands::reproduce::ReproduceArguments;
+use crate::commands::schema::SchemaArguments;
+use crate::commands::simulate::SimulateArguments;
+use crate::terminal::HELP;
+use clap::{Parser, Subcommand};
+
+/// Simulate braided pneumatic actuators (McKibben muscles) from scenario files.
+#[derive(Debug, Parser)]
+#[command(
+    name = "mckibben",
+    version,
+    styles = HELP,
+    max_term_width = 110,
+    after_help = "\
+Examples:
+  mckibben init muscle.toml
+  mckibben simulate muscle.toml --output run.csv --plot run.svg
+
+Exit codes:
+  0  done
+  2  the input is wrong: arguments, a missing file, a scenario; nothing was written
+  3  the simulation could not go on; nothing was written
+  4  the output could not be written; nothing was left behind"
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What the program does.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario: print what it came to, write the run, draw it
+    Simulate(SimulateArguments),
+    /// Check scenario files and show every mistake where it is
+    Check(CheckArguments),
+    /// Write a commented scenario file to start from
+    Init(InitArguments),
+    /// Show the named actuators and valves: values, sources, what is assumed
+    Presets(PresetsArguments),
+    /// Print the JSON Schema of scenario files, for editors
+    Schema(SchemaArguments),
+    /// Draw static curves of an actuator
+    Curves(CurvesArguments),
+    /// Reproduce the experiments of the paper
+    Reproduce(ReproduceArguments),
+    /// Print a completion script for a shell
+    Completions(CompletionsArguments),
+}

@@ -1,0 +1,48 @@
+//! `mckibben init`: writes a scenario file to start from.
+
+use crate::failure::Failure;
+use crate::output;
+use crate::terminal::{self, GOOD, styled};
+use std::path::{Path, PathBuf};
+
+/// What `mckibben init` is asked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  mckibben init                     write scenario.toml
+  mckibben init muscle.toml         write muscle.toml
+  mckibben init - | less            look at it first
+
+Exit codes: 0 done; 2 the file is there already; 4 it could not be written.")]
+pub struct InitArguments {
+    /// The file to write; `-` for standard output.
+    #[arg(value_name = "FILE", default_value = "scenario.toml")]
+    pub file: PathBuf,
+    /// Replace a file that is there already.
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+/// Writes the file.
+///
+/// # Errors
+/// [`Failure::input`] when the file exists; [`Failure::output`] when it cannot be written.
+pub fn run(arguments: &InitArguments) -> Result<(), Failure> {
+    let text = mckibben_scenario::starter();
+    let path = arguments.file.as_path();
+    if path == Path::new("-") {
+        return terminal::print(&text);
+    }
+    if !arguments.force && path.symlink_metadata().is_ok() {
+        return Err(Failure::input(
+            format!("`{}` is there already", path.display()),
+            "give another name, or --force to replace it",
+        ));
+    }
+    output::write(path, text.as_bytes())?;
+    let shown = path.display();
+    terminal::print(&format!(
+        "{} {shown}\nnext: mckibben simulate {shown} --output run.csv --plot run.svg\n",
+        styled(GOOD, "wrote")
+    ))
+}

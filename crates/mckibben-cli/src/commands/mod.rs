@@ -1,0 +1,30 @@
+//! One module for each command.
+
+pub mod check;
+pub mod completions;
+pub mod curves;
+pub mod init;
+pub mod presets;
+pub mod reproduce;
+pub mod schema;
+pub mod simulate;
+
+use crate::arguments::Command;
+use crate::failure::Failure;
+
+/// Does what a command asks.
+///
+/// # Errors
+/// Why it could not be done.
+pub fn run(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Init(arguments) => init::run(arguments),
+        Command::Presets(arguments) => presets::run(arguments),
+        Command::Schema(arguments) => schema::run(arguments),
+        Command::Curves(arguments) => curves::run(arguments),
+        Command::Reproduce(arguments) => reproduce::run(arguments),
+        Command::Completions(arguments) => completions::run(arguments),
+    }
+}

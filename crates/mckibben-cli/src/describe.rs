@@ -1,0 +1,74 @@
+//! A scenario in a few words.
+
+use crate::quantities::{digits, given, given_percent};
+use mckibben_scenario::{Command, CommandState, Engine, Load, Method, Motion, Process, Run, Scenario};
+
+/// What the actuator pulls on.
+pub fn load(load: &Load) -> String {
+    match load {
+        Load::HangingMass { mass, gravity } => {
+            format!("hanging mass of {} ({})", mass_of(*mass), given(mass * gravity, "N"))
+        }
+        Load::ConstantForce { force, mass } => {
+            format!("constant force of {} on {}", given(*force, "N"), mass_of(*mass))
+        }
+        Load::Isometric => "isometric".to_owned(),
+        Load::PrescribedMotion(Motion::Sinusoid { amplitude, frequency, .. }) => {
+            format!("prescribed motion, ±{} at {}", given(*amplitude, "m"), given(*frequency, "Hz"))
+        }
+        Load::PrescribedMotion(Motion::Table { time, .. }) => {
+            format!("prescribed motion, table of {} points", time.len())
+        }
+    }
+}
+
+/// A mass that people lift is told in kilograms.
+fn mass_of(mass: f64) -> String {
+    if mass >= 0.1 { format!("{} kg", digits(mass)) } else { given(mass, "kg") }
+}
+
+/// What drives the valve, or that there is none.
+pub fn drive(scenario: &Scenario) -> String {
+    let (Some(valve), Some(command), Some(supply)) = (&scenario.valve, &scenario.command, &scenario.supply) else {
+        return "sealed, no valve".to_owned();
+    };
+    let command = match command {
+        Command::Pwm { frequency, duty, pulse, rest } => {
+            let states = match (pulse, rest) {
+                (CommandState::Fill, CommandState::Exhaust) => String::new(),
+                (pulse, rest) => format!(" between {} and {}", pulse.name(), rest.name()),
+            };
+            format!("PWM of {} at {} duty{states}", given(*frequency, "Hz"), given_percent(*duty))
+        }
+        Command::Constant(state) => format!("{} all the time", state.name()),
+        Command::Table { time, .. } => format!("table of {} commands", time.len()),
+    };
+    let supply = given(supply.gauge_pressure, "Pa");
+    format!("{} valve, {command}, supply at {supply} gauge", valve.kind.name())
+}
+
+/// The process of the air.
+pub fn air(process: &Process) -> String {
+    match process {
+        Process::Isentropic => "isentropic".to_owned(),
+        Process::Isothermal => "isothermal".to_owned(),
+        Process::Polytropic { index } => format!("polytropic, index {index}"),
+        Process::EnergyBalance { heat_transfer, .. } => {
+            format!("energy balance, heat transfer {}", given(*heat_transfer, "W/K"))
+        }
+    }
+}
+
+/// The engine with what steers it.
+pub fn engine(run: &Run) -> String {
+    match (run.engine, run.method) {
+        (Engine::EventLocated, _) => format!("event-located, relative tolerance {:e}", run.relative_tolerance),
+        (Engine::FixedStep, method) => {
+            let name = match method {
+                Method::Stable => "stable method",
+                Method::Rk4 => "Runge-Kutta 4",
+            };
+            format!("fixed-step, {name}, steps of at most {}", given(run.step, "s"))
+        }
+    }
+}

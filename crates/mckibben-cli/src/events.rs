@@ -1,0 +1,101 @@
+//! The log of events: as a table for people, and as CSV.
+//!
+//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
+//! of the event they say what holds from then on.
+
+use crate::engine::Outcome;
+use crate::failure::Failure;
+use crate::terminal::{FAINT, styled};
+use mckibben::simulation::{Event, EventKind, Extent, Sliding};
+use mckibben::valve::FlowZone;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::Path;
+
+/// The columns of the CSV.
+pub const COLUMNS: [&str; 8] =
+    ["time_s", "event", "valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
+
+/// The events of a run, or `None` where the engine keeps no log of them.
+pub fn of<'o>(outcome: &'o Outcome<'_>) -> Option<&'o [Event]> {
+    match outcome {
+        Outcome::Located(trajectory) => Some(trajectory.events()),
+        Outcome::Stepped { .. } => None,
+    }
+}
+
+/// How many events of each kind there are.
+pub fn counts(events: &[Event]) -> BTreeMap<EventKind, u64> {
+    let mut counts = BTreeMap::new();
+    for event in events {
+        *counts.entry(event.kind).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// The log as a table for people.
+pub fn table(events: &[Event]) -> String {
+    let mut text = styled(FAINT, format!("{:>16}  {:<12}  {}", "time (s)", "event", "then")) + "\n";
+    for event in events {
+        let after = &event.after;
+        let mut then = vec![after.ports.name()];
+        then.extend(after.supply_zone.or(after.exhaust_zone).map(zone));
+        then.extend([extent(after.extent), sliding(after.sliding)]);
+        then.extend(after.clamped.then_some("tension kept at zero"));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:>16.9}  {:<12}  {}", event.time, event.kind.name(), then.join(", "));
+    }
+    text
+}
+
+/// Writes the log as CSV.
+///
+/// # Errors
+/// [`Failure::output`], which names `path`, when writing fails.
+pub fn write(events: &[Event], path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
+    let failed = |error: csv::Error| Failure::output(path, error);
+    let mut writer = csv::Writer::from_writer(out);
+    writer.write_record(COLUMNS).map_err(failed)?;
+    for event in events {
+        let after = &event.after;
+        let time = format!("{:?}", event.time);
+        let [supply, exhaust] = [after.supply_zone, after.exhaust_zone].map(|flow| flow.map_or("", zone));
+        let clamped = if after.clamped { "true" } else { "false" };
+        let words = [event.kind.name(), after.ports.name(), supply, exhaust];
+        let words = words.into_iter().chain([extent(after.extent), sliding(after.sliding), clamped]);
+        writer.write_record([time.as_str()].into_iter().chain(words)).map_err(failed)?;
+    }
+    writer.flush().map_err(|error| Failure::output(path, error))
+}
+
+/// The name of a piece of the flow law.
+fn zone(zone: FlowZone) -> &'static str {
+    match zone {
+        FlowZone::ChokedIn => "choked-in",
+        FlowZone::SubsonicIn => "subsonic-in",
+        FlowZone::LaminarIn => "laminar-in",
+        FlowZone::LaminarOut => "laminar-out",
+        FlowZone::SubsonicOut => "subsonic-out",
+        FlowZone::ChokedOut => "choked-out",
+    }
+}
+
+fn extent(extent: Extent) -> &'static str {
+    match extent {
+        Extent::Slack => "slack",
+        Extent::Free => "free",
+        Extent::Taut => "taut",
+        Extent::Rebound => "rebound",
+    }
+}
+
+fn sliding(sliding: Sliding) -> &'static str {
+    match sliding {
+        Sliding::Lengthening => "lengthening",
+        Sliding::Shortening => "shortening",
+        Sliding::Stuck => "stuck",
+        Sliding::Held => "held",
+        Sliding::Frictionless => "frictionless",
+    }
+}

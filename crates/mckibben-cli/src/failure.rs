@@ -1,0 +1,134 @@
+//! Why a command failed, and the exit code that says so.
+//!
+//! | code | meaning | made by |
+//! |---|---|---|
+//! | 0 | done | |
+//! | 2 | the input is wrong: arguments, a missing file, a scenario; nothing was written | [`Failure::input`] |
+//! | 3 | the simulation could not go on; nothing was written | [`Failure::stopped`] |
+//! | 4 | the output could not be written; nothing was left behind | [`Failure::output`] |
+//!
+//! Checked by `tests/bad_input.rs` and `tests/simulate.rs`.
+
+use mckibben_scenario::{Diagnostic, Diagnostics, Document, Style};
+use std::fmt;
+use std::path::Path;
+
+/// What sort of failure it is; its number is the exit code.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+#[repr(u8)]
+pub enum Reason {
+    /// The arguments or the scenario are wrong.
+    Input = 2,
+    /// The simulation could not go on.
+    Stopped = 3,
+    /// The output could not be written.
+    Output = 4,
+}
+
+impl Reason {
+    /// What an error of the core is: a simulation that stopped, or values that contradict each other.
+    fn of(error: &mckibben::Error) -> Self {
+        if matches!(error, mckibben::Error::Stopped { .. }) { Self::Stopped } else { Self::Input }
+    }
+}
+
+/// Why a command failed.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Failure {
+    reason: Reason,
+    message: Message,
+}
+
+/// What is said about it.
+#[derive(Clone, Debug, Eq, PartialEq)]
+enum Message {
+    /// A sentence, and what to do about it.
+    Words { title: String, help: Option<String> },
+    /// Places in a file.
+    Places(Diagnostics),
+}
+
+impl Failure {
+    /// The input is wrong, and no place in a file can be shown.
+    pub fn input(title: impl Into<String>, help: impl Into<String>) -> Self {
+        Self::words(Reason::Input, title.into(), Some(help.into()))
+    }
+
+    /// The simulation could not go on, and no place in a file can be shown.
+    pub fn stopped(title: impl Into<String>) -> Self {
+        Self::words(Reason::Stopped, title.into(), None)
+    }
+
+    /// An error of the core, shown in the scenario that led to it.
+    pub fn of_core(error: &mckibben::Error, document: &Document) -> Self {
+        Self { reason: Reason::of(error), message: Message::Places(document.diagnose(error).into()) }
+    }
+
+    /// A file could not be written.
+    pub fn output(path: &Path, error: impl fmt::Display) -> Self {
+        let title = format!("`{}` could not be written: {error}", path.display());
+        let help = "give a path in a folder that exists and that you may write to; nothing was left behind";
+        Self::words(Reason::Output, title, Some(help.into()))
+    }
+
+    fn words(reason: Reason, title: String, help: Option<String>) -> Self {
+        Self { reason, message: Message::Words { title, help } }
+    }
+
+    /// What sort of failure it is.
+    pub fn reason(&self) -> Reason {
+        self.reason
+    }
+
+    /// The exit code.
+    pub fn code(&self) -> u8 {
+        self.reason as u8
+    }
+
+    /// The message as text for people, without a line end after it.
+    pub fn render(&self, style: Style) -> String {
+        match &self.message {
+            Message::Places(places) => places.render(style),
+            Message::Words { title, help } => {
+                let (red, bold, reset) = match style {
+                    Style::Plain => ("", "", ""),
+                    Style::Coloured => ("\x1b[1m\x1b[91m", "\x1b[1m", "\x1b[0m"),
+                };
+                let help = help.as_ref().map(|help| format!("\n {bold}= help{reset}: {help}")).unwrap_or_default();
+                format!("{red}error{reset}{bold}: {title}{reset}{help}")
+            }
+        }
+    }
+
+    /// Prints the message on standard error, in colour where that is wanted.
+    pub fn print(&self) {
+        anstream::eprintln!("{}", self.render(Style::Coloured));
+    }
+}
+
+/// An error of the core where no scenario is at hand to show it in; [`Failure::of_core`] shows it.
+impl From<mckibben::Error> for Failure {
+    fn from(error: mckibben::Error) -> Self {
+        Self::words(Reason::of(&error), error.to_string(), None)
+    }
+}
+
+impl From<Diagnostics> for Failure {
+    fn from(places: Diagnostics) -> Self {
+        Self { reason: Reason::Input, message: Message::Places(places) }
+    }
+}
+
+impl From<Diagnostic> for Failure {
+    fn from(place: Diagnostic) -> Self {
+        Diagnostics::from(place).into()
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(Style::Plain))
+    }
+}
+
+impl std::error::Error for Failure {}

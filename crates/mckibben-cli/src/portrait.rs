@@ -1,0 +1,201 @@
+//! The figure of a run: length, pressure and tension over time, the valve as bands behind them.
+
+use crate::engine::Outcome;
+use crate::events;
+use crate::failure::Failure;
+use crate::plot::{Axis, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
+use mckibben::Error;
+use mckibben::simulation::{EventKind, Sample};
+use mckibben_scenario::Experiment;
+use std::path::Path;
+
+/// How a figure is written.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Format {
+    /// Scalable vector graphics.
+    Svg,
+    /// A raster of 300 pixels per inch.
+    Png,
+}
+
+impl Format {
+    /// The format that a file's ending asks for.
+    ///
+    /// # Errors
+    /// [`Failure::input`] for another ending.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        match crate::record::ending(path).as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Failure::input(
+                format!("`{}` does not say how to draw the run", path.display()),
+                "end the name of --plot with .svg or .png",
+            )),
+        }
+    }
+}
+
+/// Draws a run; the bytes of the file.
+///
+/// # Errors
+/// [`Failure::output`], which names `path`, when the figure cannot be drawn.
+pub fn draw(
+    experiment: &Experiment,
+    outcome: &Outcome<'_>,
+    title: &str,
+    (path, format): (&Path, Format),
+) -> Result<Vec<u8>, Failure> {
+    let figure = figure(experiment, outcome, title)?;
+    let failed = |error| Failure::output(path, error);
+    match format {
+        Format::Svg => figure.to_svg(Theme::Light).map(String::into_bytes).map_err(failed),
+        Format::Png => figure.to_png(Theme::Light, PRINT_SCALE).map_err(failed),
+    }
+}
+
+/// The fewest points over the duration that show a smooth curve, and the most that a curve needs.
+const POINTS: (f64, f64) = (2000.0, 100_000.0);
+/// Marks of one kind above which they are left out: they would hide what they point at.
+const MARKS: u64 = 12;
+/// The events that are marked, what says most first: there are five symbols.
+const MARKED: [EventKind; 9] = [
+    EventKind::Stick,
+    EventKind::BreakAway,
+    EventKind::Slack,
+    EventKind::Tight,
+    EventKind::Taut,
+    EventKind::Untaut,
+    EventKind::Reversal,
+    EventKind::Corner,
+    EventKind::TensionZero,
+];
+
+/// What is drawn of the samples.
+#[derive(Debug, Default)]
+struct Curves {
+    time: Vec<f64>,
+    length: Vec<f64>,
+    pressure: Vec<f64>,
+    tension: Vec<f64>,
+    supply: Bands,
+}
+
+/// Intervals in which the passage to the supply is open.
+#[derive(Debug, Default)]
+struct Bands {
+    intervals: Vec<(f64, f64)>,
+    open_since: Option<f64>,
+}
+
+impl Bands {
+    fn see(&mut self, time: f64, open: bool) {
+        match (self.open_since, open) {
+            (None, true) => self.open_since = Some(time),
+            (Some(since), false) => {
+                self.intervals.push((since, time));
+                self.open_since = None;
+            }
+            _ => {}
+        }
+    }
+}
+
+fn figure(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {
+    let duration = experiment.run.duration;
+    let curves = curves(experiment, outcome)?;
+    let limits = experiment.rig.actuator().limits();
+    let peak = curves.pressure.iter().fold(0.0, |peak: f64, pressure| peak.max(pressure.abs()));
+    let (per_pascal, unit) = if peak < 50e3 { (1e-3, "kPa") } else { (1e-5, "bar") };
+
+    let mut length = Panel::new(Axis::new("length", "mm"));
+    let (least, greatest) = range(&curves.length);
+    // A limit is shown where the curve comes near it; further away it would only flatten the curve.
+    let near = 0.15 * (greatest - least).max(1e-3);
+    for (value, name) in [(limits.max_length(), "max length"), (limits.min_length(), "min length")] {
+        if (least - near..=greatest + near).contains(&value) {
+            length = length.horizontal(value * 1e3, name);
+        }
+    }
+    for marks in marks(outcome) {
+        length = length.marks(marks);
+    }
+    let panels = [
+        (length, curves.length, 1e3),
+        (Panel::new(Axis::new("gauge pressure", unit)), curves.pressure, per_pascal),
+        (Panel::new(Axis::new("tension", "N")), curves.tension, 1.0),
+    ];
+    let mut figure = Figure::new(Axis::new("time", "s").starting_at(0.0).ending_at(duration)).title(title);
+    for (index, (panel, values, factor)) in panels.into_iter().enumerate() {
+        let values = values.into_iter().map(|value| value * factor).collect();
+        // One entry in a legend names the bands of all panels.
+        let name = if index == 0 { "supply open" } else { "" };
+        let mut panel = panel.series(Series::line("", curves.time.clone(), values));
+        if !curves.supply.intervals.is_empty() {
+            panel = panel.span(Span::intervals(name, curves.supply.intervals.clone()));
+        }
+        figure = figure.panel(panel);
+    }
+    Ok(figure.size_mm(120.0, 32.0))
+}
+
+fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Error> {
+    let (duration, interval) = (experiment.run.duration, experiment.run.sample_interval);
+    let mut curves = Curves::default();
+    let atmosphere = experiment.rig.actuator().air().atmosphere().0;
+    let draw = |curves: &mut Curves, sample: &Sample| {
+        curves.time.push(sample.time);
+        curves.length.push(sample.length);
+        curves.pressure.push(sample.pressure.0 - atmosphere);
+        curves.tension.push(sample.tension);
+    };
+    match outcome {
+        Outcome::Located(trajectory) => {
+            let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
+            trajectory.samples(interval).for_each(|sample| draw(&mut curves, &sample));
+            curves.supply.see(0.0, trajectory.at(0.0).ports.supply);
+            for event in trajectory.events().iter().filter(|event| event.kind == EventKind::Valve) {
+                curves.supply.see(event.time, event.after.ports.supply);
+            }
+        }
+        Outcome::Stepped { .. } => {
+            let stride = (duration / interval / POINTS.1).ceil().max(1.0) as u64;
+            let mut row = 0;
+            outcome.each_sample::<Error>(interval, &mut |sample| {
+                if row % stride == 0 {
+                    draw(&mut curves, sample);
+                }
+                // Without a log the bands are as sharp as the samples.
+                curves.supply.see(sample.time, sample.ports.supply);
+                row += 1;
+                Ok(())
+            })?;
+        }
+    }
+    curves.supply.see(duration, false);
+    Ok(curves)
+}
+
+/// Symbols at the events of the motion, each kind that is rare enough to be looked at one by one.
+fn marks(outcome: &Outcome<'_>) -> Vec<Marks> {
+    let Outcome::Located(trajectory) = outcome else { return Vec::new() };
+    let symbols = [Symbol::Circle, Symbol::Triangle, Symbol::Square, Symbol::Diamond, Symbol::TriangleDown];
+    let log = trajectory.events();
+    let counts = events::counts(log);
+    let few = |kind: &EventKind| counts.get(kind).is_some_and(|number| *number <= MARKS);
+    MARKED
+        .into_iter()
+        .filter(few)
+        .zip(symbols)
+        .map(|(kind, symbol)| {
+            let times: Vec<f64> = log.iter().filter(|event| event.kind == kind).map(|event| event.time).collect();
+            let lengths = times.iter().map(|time| trajectory.at(*time).length * 1e3).collect();
+            Marks::at(kind.name(), symbol, times, lengths)
+        })
+        .collect()
+}
+
+fn range(values: &[f64]) -> (f64, f64) {
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), value| (least.min(*value), greatest.max(*value)))
+}

@@ -1,0 +1,101 @@
+//! The file of a run: the columns, and the two formats they are written in.
+
+mod csv;
+mod parquet;
+
+use crate::engine::Outcome;
+use crate::failure::Failure;
+use mckibben::simulation::Sample;
+use mckibben_scenario::{Document, Scenario};
+use std::io::Write;
+use std::path::Path;
+
+/// A column of numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Its name, with the unit at its end.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: fn(&Sample) -> f64,
+}
+
+/// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`].
+pub const COLUMNS: [Column; 9] = [
+    column("time_s", "s", |sample| sample.time),
+    column("length_m", "m", |sample| sample.length),
+    column("velocity_m_s", "m/s", |sample| sample.velocity),
+    column("pressure_pa", "Pa", |sample| sample.pressure.0),
+    column("air_mass_kg", "kg", |sample| sample.air_mass),
+    column("temperature_k", "K", |sample| sample.temperature),
+    column("volume_m3", "m^3", |sample| sample.volume),
+    column("tension_n", "N", |sample| sample.tension),
+    column("mass_flow_kg_s", "kg/s", |sample| sample.mass_flow),
+];
+
+/// The last column.
+pub const VALVE: &str = "valve";
+
+const fn column(name: &'static str, unit: &'static str, value: fn(&Sample) -> f64) -> Column {
+    Column { name, unit, value }
+}
+
+/// How a run is written.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Format {
+    /// Text with commas, each number in the shortest digits that identify it.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+impl Format {
+    /// The format that a file's ending asks for.
+    ///
+    /// # Errors
+    /// [`Failure::input`] for another ending.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        match ending(path).as_deref() {
+            Some("csv") => Ok(Self::Csv),
+            Some("parquet") => Ok(Self::Parquet),
+            _ => Err(Failure::input(
+                format!("`{}` does not say how to write the run", path.display()),
+                "end the name of --output with .csv or .parquet",
+            )),
+        }
+    }
+}
+
+/// The ending of a file's name in small letters.
+pub fn ending(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// What a file says about itself, where its format has a place for it.
+#[derive(Clone, Debug)]
+pub struct Provenance<'a> {
+    /// The scenario as it was written.
+    pub document: &'a Document,
+    /// What was set on the command line, as `KEY=VALUE`.
+    pub set: &'a [String],
+    /// The scenario as it was understood.
+    pub scenario: &'a Scenario,
+}
+
+/// Writes a run.
+///
+/// # Errors
+/// [`Failure::output`], which names `path`, when writing fails.
+pub fn write(
+    outcome: &Outcome<'_>,
+    interval: f64,
+    provenance: &Provenance<'_>,
+    (path, format): (&Path, Format),
+    out: &mut (dyn Write + Send),
+) -> Result<(), Failure> {
+    match format {
+        Format::Csv => csv::write(outcome, interval, path, out),
+        Format::Parquet => parquet::write(outcome, interval, provenance, path, out),
+    }
+}

@@ -1,0 +1,277 @@
+//! What a run came to, as text for people.
+
+use crate::describe;
+use crate::engine::Outcome;
+use crate::events;
+use crate::observation::{Observation, Range, Ripple};
+use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
+use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
+use mckibben::simulation::EnergyAudit;
+use mckibben::valve::REFERENCE_DENSITY;
+use mckibben_scenario::{Assumed, Experiment, Load, Scenario};
+use std::fmt::Write as _;
+use std::time::Duration;
+
+/// A change of the mean length below this part of it is not worth telling.
+const SETTLED: f64 = 1e-7;
+
+/// A space at which no line is broken.
+const KEPT: &str = "\u{a0}";
+
+/// Width of the column of names.
+const NAMES: usize = 14;
+
+/// Everything that the summary tells about.
+#[derive(Clone, Copy, Debug)]
+pub struct Summary<'a> {
+    /// The name of the scenario file.
+    pub name: &'a str,
+    /// The scenario as it was understood.
+    pub scenario: &'a Scenario,
+    /// What was simulated.
+    pub experiment: &'a Experiment,
+    /// The run.
+    pub outcome: &'a Outcome<'a>,
+    /// Its figures.
+    pub observation: &'a Observation,
+    /// How long the computer took.
+    pub elapsed: Duration,
+    /// The assumed values in force.
+    pub assumed: &'a [Assumed],
+}
+
+impl Summary<'_> {
+    /// The summary, with colours.
+    pub fn render(&self) -> String {
+        let mut page = Page::default();
+        self.what_ran(&mut page);
+        self.events(&mut page);
+        self.states(&mut page);
+        self.air(&mut page);
+        if let Outcome::Located(trajectory) = self.outcome {
+            energy(&mut page, &trajectory.audit());
+        }
+        page.text + &assumptions(self.assumed)
+    }
+
+    fn what_ran(&self, page: &mut Page) {
+        let run = &self.experiment.run;
+        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+        page.line("load", &describe::load(&self.scenario.load));
+        page.line("drive", &describe::drive(self.scenario));
+        page.line("air", &describe::air(&self.scenario.air.process));
+        page.line("engine", &describe::engine(run));
+        let steps = match self.outcome {
+            Outcome::Located(trajectory) => {
+                let counts = trajectory.counts();
+                let steps = count(counts.explicit_steps + counts.implicit_steps);
+                let implicit = match counts.implicit_steps {
+                    0 => String::new(),
+                    implicit => format!(" ({} of them implicit)", count(implicit)),
+                };
+                let (rejected, evaluations) = (count(counts.rejected_steps), count(counts.evaluations));
+                format!("{steps} steps{implicit}, {rejected} repeated, {evaluations} evaluations")
+            }
+            Outcome::Stepped { steps, .. } => format!("{} steps", count(*steps)),
+        };
+        page.line("cost", &format!("{steps}, {}", quantity(self.elapsed.as_secs_f64(), "s")));
+    }
+
+    fn states(&self, page: &mut Page) {
+        let (last, extremes) = (&self.observation.last, &self.observation.extremes);
+        let limits = self.experiment.rig.actuator().limits();
+        let longest = limits.max_length();
+        let contraction = |length: f64| (longest - length) / longest;
+        let atmosphere = self.experiment.rig.actuator().air().atmosphere().0;
+        let gauge = |range: Range| Range { least: range.least - atmosphere, greatest: range.greatest - atmosphere };
+        let shortening =
+            Range { least: contraction(extremes.length.greatest), greatest: contraction(extremes.length.least) };
+        page.heading("State");
+        page.head(["at the end", "least", "greatest"]);
+        page.range("length", last.length, extremes.length, "m");
+        let percents = [contraction(last.length), shortening.least, shortening.greatest].map(percent);
+        page.columns("contraction", percents);
+        page.range("velocity", last.velocity, extremes.velocity, "m/s");
+        page.range("tension", last.tension, extremes.tension, "N");
+        page.range("gauge pressure", last.pressure.0 - atmosphere, gauge(extremes.pressure), "Pa");
+        let kelvin = |kelvin: f64| format!("{kelvin:.1} K");
+        let temperature = &extremes.temperature;
+        page.columns("temperature", [last.temperature, temperature.least, temperature.greatest].map(kelvin));
+        page.line("air", &format!("{} in {} at the end", quantity(last.air_mass, "kg"), volume(last.volume)));
+        page.line("valve", &format!("{} at the end", last.ports.name()));
+        // A length that is fixed has no ripple, whatever the pressure does.
+        let moves = !matches!(self.scenario.load, Load::Isometric);
+        if let Some(ripple) = self.observation.ripple.as_ref().filter(|_| moves) {
+            page.line("under PWM", &under_pwm(ripple, contraction(ripple.mean)));
+        }
+    }
+
+    fn air(&self, page: &mut Page) {
+        let air = &self.observation.air;
+        if self.scenario.valve.is_none() {
+            return;
+        }
+        let told = |mass: f64| format!("{}, {} ANR", quantity(mass, "kg"), volume(mass / REFERENCE_DENSITY));
+        page.heading("Air");
+        if matches!(self.outcome, Outcome::Stepped { .. }) {
+            page.line("in", &format!("{} (by the net change of each step)", told(air.from_supply)));
+            page.line("out", &told(air.to_surroundings));
+            return;
+        }
+        page.line("from supply", &told(air.from_supply));
+        page.line("to exhaust", &told(air.to_surroundings));
+        // Flow against the usual direction is worth a line only where there is any.
+        for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
+            if mass > 1e-12 * (air.from_supply + air.to_surroundings) {
+                page.line(name, &told(mass));
+            }
+        }
+    }
+
+    fn events(&self, page: &mut Page) {
+        page.heading("Events");
+        match events::of(self.outcome) {
+            None => page.line("", "the fixed-step engine keeps no log of events"),
+            Some([]) => page.line("", "none"),
+            Some(log) => {
+                let counts = events::counts(log);
+                let kinds: Vec<String> =
+                    counts.iter().map(|(kind, number)| format!("{}{KEPT}{}", kind.name(), count(*number))).collect();
+                page.line(&count(log.len() as u64), &kinds.join(", "));
+            }
+        }
+    }
+}
+
+/// The length under PWM in words.
+fn under_pwm(ripple: &Ripple, contraction: f64) -> String {
+    let periods = match ripple.periods {
+        1 => "the last period".to_owned(),
+        many => format!("the last {many} periods"),
+    };
+    let settled = |drift: f64| drift.abs() <= SETTLED * ripple.mean.abs();
+    let drift = match ripple.drift {
+        Some(drift) if settled(drift) => "; the mean has settled".to_owned(),
+        Some(drift) => format!("; the mean drifts by {} per period", quantity(drift, "m")),
+        None => String::new(),
+    };
+    format!(
+        "mean length {} (contraction {}), ripple {} peak to peak over {periods}{drift}",
+        quantity(ripple.mean, "m"),
+        percent(contraction),
+        quantity(ripple.peak_to_peak, "m"),
+    )
+}
+
+fn energy(page: &mut Page, audit: &EnergyAudit) {
+    page.heading("Energy");
+    let named = [
+        ("gas work", audit.gas_work, "by the gauge pressure"),
+        ("to the load", audit.load, "kinetic and potential, or the work on a prescribed motion"),
+        ("stored", audit.braid_storage, "in the taut braid"),
+        ("viscous", audit.viscous, "dissipated by viscous friction"),
+        ("Coulomb", audit.coulomb, "dissipated by Coulomb friction"),
+        ("braid damping", audit.braid, "dissipated by the taut braid"),
+        ("slack", audit.slack, "correction of friction while a tendon cannot push"),
+        ("effectiveness", audit.effectiveness_loss, "taken by an effectiveness other than 1"),
+    ];
+    let turnover = audit.turnover();
+    let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
+    for (index, (name, value, where_to)) in named.into_iter().enumerate() {
+        if index < 2 || value.abs() > 1e-12 * turnover {
+            page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
+        }
+    }
+    let relative = if turnover > 0.0 { audit.residual() / turnover } else { 0.0 };
+    let share =
+        if relative == 0.0 { "closed to the last bit".to_owned() } else { format!("{relative:.1e} of the turnover") };
+    page.value("residual", &quantity(audit.residual(), "J"), &share);
+}
+
+/// The closing note about numbers that nobody states.
+fn assumptions(assumed: &[Assumed]) -> String {
+    if assumed.is_empty() {
+        return String::new();
+    }
+    let named: Vec<String> =
+        assumed.iter().map(|value| format!("{} = {}", value.parameter.key, value.text).replace(' ', KEPT)).collect();
+    let presets: Vec<&str> = assumed.iter().filter_map(|value| value.preset).collect();
+    let from = match presets.first() {
+        Some(preset) => format!("; see `mckibben{KEPT}presets{KEPT}{preset}`"),
+        None => String::new(),
+    };
+    let note = wrap(&format!("{}{from}.", named.join(", ")), "  ", width()).replace(KEPT, " ");
+    format!("\n{}\n{note}\n", styled(NOTABLE, "Assumed, stated by no source and not set in the file"))
+}
+
+/// The text with each number tied to the word behind it, which is its unit or its next group of digits.
+fn keep_numbers(text: &str) -> String {
+    let mut kept = String::new();
+    for word in text.split(' ') {
+        if !kept.is_empty() {
+            let before = kept.rsplit([' ', ',', '(']).next().unwrap_or_default();
+            let is_number = before.ends_with(|last: char| last.is_ascii_digit());
+            kept.push_str(if is_number { KEPT } else { " " });
+        }
+        kept.push_str(word);
+    }
+    kept
+}
+
+/// A volume in litres.
+fn volume(cubic_metres: f64) -> String {
+    quantity(cubic_metres * 1e3, "L")
+}
+
+/// Text with a column of names.
+#[derive(Debug, Default)]
+struct Page {
+    text: String,
+}
+
+impl Page {
+    fn heading(&mut self, heading: &str) {
+        let gap = if self.text.is_empty() { "" } else { "\n" };
+        self.put(format_args!("{gap}{}\n", styled(HEADING, heading)));
+    }
+
+    /// A name and some text, broken where the terminal ends.
+    fn line(&mut self, name: &str, text: &str) {
+        let indent = " ".repeat(NAMES + 4);
+        let text = wrap(&keep_numbers(text), &indent, width()).replace(KEPT, " ");
+        self.put(format_args!("  {name:<NAMES$}  {}\n", text.trim_start()));
+    }
+
+    /// A name, a value at the right of its column, and what it is.
+    fn value(&mut self, name: &str, value: &str, what: &str) {
+        self.put(format_args!("  {name:<NAMES$}{value:>14}  {}\n", styled(FAINT, what)));
+    }
+
+    fn head(&mut self, names: [&str; 3]) {
+        let [a, b, c] = names;
+        let line = format!("  {:<NAMES$}{a:>14}{b:>14}{c:>14}", "");
+        self.put(format_args!("{}\n", styled(FAINT, line)));
+    }
+
+    fn columns(&mut self, name: &str, [a, b, c]: [String; 3]) {
+        self.put(format_args!("  {name:<NAMES$}{a:>14}{b:>14}{c:>14}\n"));
+    }
+
+    /// Three values under one prefix.
+    fn range(&mut self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
+        let values = [end, least, greatest];
+        let (factor, prefix) = common_prefix(&values);
+        // A remainder of rounding is no value; the largest of the three gives the measure.
+        let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let told = |value: f64| {
+            let value = if value.abs() < fine { 0.0 } else { value };
+            format!("{} {prefix}{unit}", digits(value * factor))
+        };
+        self.columns(name, values.map(told));
+    }
+
+    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = self.text.write_fmt(text);
+    }
+}

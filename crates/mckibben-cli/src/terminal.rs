@@ -1,0 +1,88 @@
+//! Words on the terminal: colour where it is wanted, and a closed pipe is no mistake.
+//!
+//! Colour codes are always written and taken out again by `anstream` when the output is no terminal, or `NO_COLOR` is
+//! set, or the terminal has none.
+
+use crate::failure::Failure;
+use clap::builder::styling::{AnsiColor, Style, Styles};
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+/// Headings.
+pub const HEADING: Style = Style::new().bold();
+/// What matters less.
+pub const FAINT: Style = Style::new().dimmed();
+/// What is well.
+pub const GOOD: Style = AnsiColor::Green.on_default().bold();
+/// What deserves a look.
+pub const NOTABLE: Style = AnsiColor::Yellow.on_default();
+
+/// The colours of the help pages.
+pub const HELP: Styles = Styles::styled()
+    .header(HEADING)
+    .usage(HEADING)
+    .literal(AnsiColor::Cyan.on_default().bold())
+    .placeholder(AnsiColor::Cyan.on_default());
+
+/// Some text in a style.
+pub fn styled(style: Style, text: impl std::fmt::Display) -> String {
+    format!("{style}{text}{style:#}")
+}
+
+/// Prints text on standard output.
+///
+/// # Errors
+/// [`Failure::output`] when it cannot be written. That the reader went away (`| head`) is none.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = anstream::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::output(Path::new("standard output"), error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints text on standard error; that it could not be written has nowhere to be said.
+pub fn print_error(text: &str) {
+    let _ = anstream::stderr().lock().write_all(text.as_bytes());
+}
+
+/// The width of the terminal in characters, within reason; 100 where there is none.
+pub fn width() -> usize {
+    console_width().unwrap_or(100).clamp(60, 120)
+}
+
+/// What the shell says about the width, which it does not always export.
+fn console_width() -> Option<usize> {
+    std::env::var("COLUMNS").ok()?.parse().ok()
+}
+
+/// Breaks text into lines of at most `width` characters, each after `indent`.
+pub fn wrap(text: &str, indent: &str, width: usize) -> String {
+    let mut lines = String::new();
+    let mut line = indent.to_owned();
+    for word in text.split(' ') {
+        let filled = line.chars().count();
+        if filled > indent.len() && filled + 1 + word.chars().count() > width {
+            lines.push_str(line.trim_end());
+            lines.push('\n');
+            line = indent.to_owned();
+        } else if filled > indent.len() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    lines + line.trim_end()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_no_longer_than_asked() {
+        let text = wrap("one two three four five six", "  ", 12);
+        assert_eq!(text, "  one two\n  three four\n  five six");
+    }
+}

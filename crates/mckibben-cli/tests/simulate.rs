@@ -1,0 +1,275 @@
+//! `mckibben simulate`: what it writes and prints, against the library that it calls.
+
+mod common;
+
+use common::{Folder, of_repository};
+use mckibben::simulation::simulate;
+use mckibben_scenario::Document;
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::RowAccessor as _;
+use std::path::Path;
+
+const HEADER: &str =
+    "time_s,length_m,velocity_m_s,pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
+
+const PWM: &str = r#"[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[run]
+duration = "0.3 s"
+"#;
+
+fn run(folder: &Folder, arguments: &[&str]) -> String {
+    let output = folder.mckibben().args(arguments).output().expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// The numbers of a row, and its valve.
+type Row = ([f64; 9], String);
+
+/// The rows of a CSV file.
+fn rows(path: &Path) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(path).expect("a CSV file");
+    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>().join(","), HEADER);
+    let row = |record: csv::StringRecord| {
+        let numbers = std::array::from_fn(|column| record[column].parse().expect("a number"));
+        (numbers, record[9].to_owned())
+    };
+    reader.records().map(|record| row(record.expect("a row"))).collect()
+}
+
+#[test]
+fn the_file_holds_what_the_library_computes_to_the_last_bit() {
+    let folder = Folder::new("bits");
+    folder.file("muscle.toml", PWM);
+    run(&folder, &["simulate", "muscle.toml", "--output", "run.csv"]);
+    let written = rows(&folder.path("run.csv"));
+    let experiment = Document::parse(PWM, "muscle.toml").expect("TOML").experiment().expect("good");
+    let trajectory = simulate(&experiment.rig, experiment.start, 0.3, 1e-8).expect("runs");
+    let samples: Vec<_> = trajectory.samples(1e-3).collect();
+    assert_eq!((written.len(), samples.len()), (301, 301));
+    for ((numbers, valve), s) in written.iter().zip(samples) {
+        let expected =
+            [s.time, s.length, s.velocity, s.pressure.0, s.air_mass, s.temperature, s.volume, s.tension, s.mass_flow];
+        assert_eq!(numbers.map(f64::to_bits), expected.map(f64::to_bits));
+        assert_eq!(valve, s.ports.name());
+    }
+    assert_eq!(written[300].0[0], 0.3);
+}
+
+#[test]
+fn the_end_has_its_row_even_between_intervals() {
+    let folder = Folder::new("end");
+    folder.file("muscle.toml", PWM);
+    for engine in ["event-located", "fixed-step"] {
+        let engine = format!("run.engine={engine}");
+        run(&folder, &["simulate", "muscle.toml", "-s", "run.duration=10.5 ms", "-s", &engine, "-o", "run.csv"]);
+        let times: Vec<f64> = rows(&folder.path("run.csv")).iter().map(|row| row.0[0]).collect();
+        assert_eq!((times.len(), times[0], times[10], times[11]), (12, 0.0, 0.01, 0.0105), "{engine}");
+    }
+}
+
+#[test]
+fn parquet_and_csv_agree() {
+    let folder = Folder::new("parquet");
+    folder.file("muscle.toml", PWM);
+    let set = ["--set", "command.duty=0.4"];
+    run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", set[0], set[1]]);
+    run(&folder, &["simulate", "muscle.toml", "-o", "run.parquet", set[0], set[1]]);
+    let file = std::fs::File::open(folder.path("run.parquet")).expect("written");
+    let reader = SerializedFileReader::new(file).expect("a Parquet file");
+    let metadata = reader.metadata().file_metadata();
+    let names: Vec<&str> = metadata.schema_descr().columns().iter().map(|column| column.name()).collect();
+    assert_eq!(names.join(","), HEADER);
+    let pairs = metadata.key_value_metadata().expect("metadata");
+    let value =
+        |key: &str| pairs.iter().find(|pair| pair.key == key).and_then(|pair| pair.value.clone()).expect("there");
+    assert_eq!(value("mckibben.version"), env!("CARGO_PKG_VERSION"));
+    assert_eq!(value("mckibben.scenario"), PWM);
+    assert_eq!(value("mckibben.set"), r#"["command.duty=0.4"]"#);
+    assert!(value("mckibben.units").contains(r#""pressure_pa":"Pa""#));
+    assert!(value("mckibben.resolved").contains("duty = 0.4"));
+    let written = rows(&folder.path("run.csv"));
+    assert_eq!(metadata.num_rows(), written.len() as i64);
+    for (row, (numbers, valve)) in reader.get_row_iter(None).expect("rows").zip(&written) {
+        let row = row.expect("a row");
+        for (column, number) in numbers.iter().enumerate() {
+            assert_eq!(row.get_double(column).expect("a number").to_bits(), number.to_bits());
+        }
+        assert_eq!(row.get_string(9).expect("a word").as_bytes(), valve.as_bytes());
+    }
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let folder = Folder::new("bytes");
+    folder.file("muscle.toml", PWM);
+    for ending in ["csv", "parquet", "svg", "png"] {
+        let option = if matches!(ending, "csv" | "parquet") { "--output" } else { "--plot" };
+        let [one, two] = ["one", "two"].map(|name| format!("{name}.{ending}"));
+        for name in [&one, &two] {
+            run(&folder, &["simulate", "muscle.toml", "--quiet", option, name]);
+        }
+        let bytes = |name: &str| std::fs::read(folder.path(name)).expect("written");
+        assert_eq!(bytes(&one), bytes(&two), "{ending}");
+    }
+}
+
+#[test]
+fn set_changes_the_run() {
+    let folder = Folder::new("set");
+    folder.file("muscle.toml", PWM);
+    run(&folder, &["simulate", "muscle.toml", "-o", "light.csv", "--set", "load.mass=1 lb"]);
+    run(&folder, &["simulate", "muscle.toml", "-o", "heavy.csv", "--set", "load.mass=\"15 lb\""]);
+    let tension = |name: &str| rows(&folder.path(name))[0].0[7];
+    let pound = 0.453_592_37 * 9.806_65;
+    assert!((tension("light.csv") - pound).abs() < 1e-9 && (tension("heavy.csv") - 15.0 * pound).abs() < 1e-9);
+}
+
+#[test]
+fn the_fixed_step_engine_comes_close_to_the_reference_and_closer_with_shorter_steps() {
+    let folder = Folder::new("fixed");
+    folder.file("muscle.toml", PWM);
+    run(&folder, &["simulate", "muscle.toml", "-o", "reference.csv"]);
+    let reference = rows(&folder.path("reference.csv"));
+    let error = |step: &str, method: &str| {
+        let (step, method) = (format!("run.step={step}"), format!("run.method={method}"));
+        let set = ["run.engine=fixed-step", &step, &method].map(|setting| ["--set", setting]).concat();
+        run(&folder, &[&["simulate", "muscle.toml", "-o", "fixed.csv"][..], &set].concat());
+        let fixed = rows(&folder.path("fixed.csv"));
+        assert_eq!(fixed.len(), reference.len());
+        let gap = |(a, b): (&Row, &Row)| {
+            assert_eq!((a.0[0], &a.1), (b.0[0], &b.1), "time and valve");
+            (a.0[1] - b.0[1]).abs()
+        };
+        fixed.iter().zip(&reference).map(gap).fold(0.0, f64::max)
+    };
+    let [coarse, fine] = [error("0.2 ms", "stable"), error("0.05 ms", "stable")];
+    assert!(coarse < 1e-3 && fine < coarse / 4.0, "{coarse:e} m, {fine:e} m");
+    let classical = error("0.05 ms", "rk4");
+    assert!(classical < 1e-4, "{classical:e} m");
+}
+
+#[test]
+fn a_step_too_long_for_runge_kutta_is_told() {
+    let folder = Folder::new("blow-up");
+    folder.file("muscle.toml", PWM);
+    let set = ["--set", "run.engine=fixed-step", "--set", "run.method=rk4", "--set", "run.step=20 ms"];
+    let set = [&set[..], &["--set", "run.sample_interval=20 ms", "--set", "actuator.external_volume=0.1 mL"]].concat();
+    let output = folder.mckibben().args(["simulate", "muscle.toml", "-o", "run.csv"]).args(set).output().expect("runs");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{message}");
+    assert!(message.contains("t = ") && message.contains("shorten run.step"), "{message}");
+    assert_eq!(folder.names(), ["muscle.toml"]);
+}
+
+#[test]
+fn the_plot_is_a_figure() {
+    let folder = Folder::new("plot");
+    folder.file("muscle.toml", PWM);
+    run(&folder, &["simulate", "muscle.toml", "--plot", "run.svg"]);
+    let svg = std::fs::read_to_string(folder.path("run.svg")).expect("written");
+    assert!(svg.contains("<svg") && svg.trim_end().ends_with("</svg>"));
+    for word in ["length", "gauge pressure", "tension", "supply open", "time"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    run(&folder, &["simulate", "muscle.toml", "--plot", "run.PNG"]);
+    let decoder =
+        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("run.PNG")).expect("written")));
+    let info = decoder.read_info().expect("a PNG");
+    assert!(info.info().width > 1000 && info.info().height > 1000);
+}
+
+#[test]
+fn the_summary_has_the_figures() {
+    let folder = Folder::new("summary");
+    folder.file("muscle.toml", PWM);
+    let text = run(&folder, &["simulate", "muscle.toml"]);
+    assert!(!text.contains('\x1b'));
+    for word in [
+        "muscle.toml",
+        "hanging mass of 2.268 kg",
+        "PWM of 25 Hz at 50 % duty",
+        "event-located, relative tolerance 1e-8",
+        "steps",
+        "evaluations",
+        "valve 15",
+        "length",
+        "contraction",
+        "velocity",
+        "tension",
+        "gauge pressure",
+        "temperature",
+        "ripple",
+        "from supply",
+        "ANR",
+        "gas work",
+        "to the load",
+        "viscous",
+        "Coulomb",
+        "residual",
+        "of the turnover",
+        "Assumed",
+        "actuator.thread_length = 4.3218 in",
+        "valve.laminar_ratio = 0.999",
+    ] {
+        assert!(text.contains(word), "`{word}` is not in\n{text}");
+    }
+    // A file that gives every value assumes nothing.
+    let path = of_repository("validation/reference/sealed-ring-down.toml");
+    let explicit = run(&folder, &["simulate", &path.to_string_lossy()]);
+    assert!(!explicit.contains("Assumed") && explicit.contains("sealed, no valve"), "{explicit}");
+}
+
+#[test]
+fn events_are_printed_and_written() {
+    let folder = Folder::new("events");
+    folder.file("muscle.toml", PWM);
+    let text = run(&folder, &["simulate", "muscle.toml", "--quiet", "--events", "--events-output", "events.csv"]);
+    let written = std::fs::read_to_string(folder.path("events.csv")).expect("written");
+    assert!(written.starts_with("time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped\n"));
+    assert!(written.contains("\n0.004,valve,supply,choked-in,,"), "{written}");
+    assert_eq!(text.lines().count(), written.lines().count());
+}
+
+#[test]
+fn what_cannot_be_written_is_told_before_anything_is_simulated() {
+    let folder = Folder::new("unwritable");
+    folder.file("muscle.toml", PWM);
+    std::fs::create_dir(folder.path("folder.csv")).expect("made");
+    for (option, path) in
+        [("-o", "absent/run.csv"), ("-p", "absent/run.svg"), ("-o", "folder.csv"), ("-o", "muscle.toml/run.csv")]
+    {
+        // A run of a century would not come back.
+        let arguments = ["simulate", "muscle.toml", "--set", "run.duration=3e9 s", option, path];
+        let output = folder.mckibben().args(arguments).output().expect("the program runs");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(4), "{message}");
+        assert!(message.contains("could not be written") && message.contains(path), "{message}");
+        assert_eq!(folder.names(), ["folder.csv", "muscle.toml"]);
+    }
+}
+
+#[test]
+fn every_command_helps_with_an_example() {
+    let folder = Folder::new("help");
+    for command in ["simulate", "check", "init", "presets", "schema", "completions"] {
+        let text = run(&folder, &[command, "--help"]);
+        assert!(text.contains("Examples:") && text.contains(&format!("mckibben {command}")), "{text}");
+    }
+    let text = run(&folder, &["--help"]);
+    assert!(["Exit codes:", "  0  ", "  2  ", "  3  ", "  4  "].iter().all(|word| text.contains(word)), "{text}");
+    assert!(run(&folder, &["presets"]).contains("assumed"));
+    assert!(run(&folder, &["completions", "bash"]).contains("_mckibben"));
+    let schema: serde_json::Value = serde_json::from_str(&run(&folder, &["schema"])).expect("JSON");
+    assert_eq!(schema["title"], "mckibben scenario");
+}

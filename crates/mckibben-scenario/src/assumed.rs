@@ -1,0 +1,140 @@
+//! Which numbers of a scenario nobody states: those of presets that are marked as assumed, and defaults whose source
+//! says so, where the file does not give its own.
+//!
+//! A program that shows results lists them beside the results. Checked by the tests below.
+
+use crate::document::{Document, Value};
+use crate::keys::{self, KEYS, Key};
+use crate::presets::{self, Preset};
+use crate::quantity;
+use crate::read::GEOMETRY;
+use mckibben::parameter::{self as p, Parameter};
+
+/// A number that is in force and that no source states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assumed {
+    /// What it is the value of.
+    pub parameter: &'static Parameter,
+    /// The value with its unit.
+    pub text: String,
+    /// On what ground it was chosen.
+    pub source: &'static str,
+    /// Name of the preset that gives it, or `None` for a default.
+    pub preset: Option<&'static str>,
+}
+
+impl Document {
+    /// The assumed numbers that are in force, in the order of the table of keys. Of a document that has mistakes, as far
+    /// as it can be read.
+    pub fn assumed(&self) -> Vec<Assumed> {
+        KEYS.iter().filter(|key| self.is_left_out(key)).filter_map(|key| self.stand_in(key.parameter()?)).collect()
+    }
+
+    /// The named actuator that gives what the file leaves out: the one it names, or the default where the file does
+    /// not describe a braid of its own.
+    pub fn actuator_preset(&self) -> Option<&'static Preset> {
+        match self.said("actuator.preset") {
+            Some(name) => presets::actuator(name),
+            None if GEOMETRY.iter().any(|row| self.contains(row.key)) => None,
+            None => presets::ACTUATORS.first().copied(),
+        }
+    }
+
+    /// The named valve that gives what the file leaves out.
+    pub fn valve_preset(&self) -> Option<&'static Preset> {
+        self.said("valve.preset").and_then(presets::valve)
+    }
+
+    /// The word that stands at a path.
+    fn said(&self, path: &str) -> Option<&str> {
+        match &self.entry(path)?.node.value {
+            Value::String(word) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// Whether a key applies and is not given, and nothing that the file gives says the same in another way.
+    fn is_left_out(&self, key: &Key) -> bool {
+        let optional = ["supply", "valve", "command"];
+        let section = key.section();
+        if self.contains(key.path) || (optional.contains(&section) && !self.contains(section)) {
+            return false;
+        }
+        if let Some(when) = key.when {
+            let default = || keys::key_at(when.key).and_then(|selector| selector.default);
+            if !self.said(when.key).or_else(default).is_some_and(|word| when.words.contains(&word)) {
+                return false;
+            }
+        }
+        match key.path {
+            // A polynomial or a table stands in place of the constant.
+            path if path == p::EFFECTIVENESS.key => {
+                ![&keys::POLYNOMIAL, &keys::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
+            }
+            path if path == p::FLOW_AREA.key => !self.contains(p::SONIC_CONDUCTANCE.key),
+            // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
+            path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),
+            _ => true,
+        }
+    }
+
+    /// The preset's or the table's value of a parameter, when it is assumed.
+    fn stand_in(&self, row: &'static Parameter) -> Option<Assumed> {
+        let preset = match row.key.split('.').next() {
+            Some("actuator") => self.actuator_preset(),
+            Some("valve") => self.valve_preset(),
+            _ => None,
+        };
+        if let Some((preset, value)) = preset.and_then(|preset| Some((preset, preset.get(row)?))) {
+            let text = value.text.to_owned();
+            return value.assumed.then_some(Assumed {
+                parameter: row,
+                text,
+                source: value.source,
+                preset: Some(preset.name),
+            });
+        }
+        let default = row.default.filter(|_| row.source.contains("assumed"))?;
+        let text = quantity::format(default, row.unit);
+        Some(Assumed { parameter: row, text, source: row.source, preset: None })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys_of(text: &str) -> Vec<&'static str> {
+        let document = Document::parse(text, "muscle.toml").expect("TOML");
+        document.assumed().iter().map(|assumed| assumed.parameter.key).collect()
+    }
+
+    #[test]
+    fn the_default_preset_brings_its_assumptions() {
+        let found = keys_of("[load]\nkind = \"isometric\"");
+        let expected = [
+            "actuator.thread_length",
+            "actuator.turns",
+            "actuator.min_length",
+            "actuator.external_volume",
+            "actuator.effectiveness.constant",
+            "actuator.limit.stiffness",
+            "actuator.limit.damping",
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn what_the_file_gives_is_not_assumed() {
+        let own = "[actuator]\nthread_length = \"11 cm\"\nturns = 2.5\nmax_length = \"9 cm\"\nexternal_volume = \"1 mL\"\n\
+                   [actuator.effectiveness]\npolynomial = [1.0]\n[actuator.limit]\nstiffness = \"1e5 N/m\"";
+        assert_eq!(keys_of(own), ["actuator.limit.damping"]);
+    }
+
+    #[test]
+    fn a_valve_brings_the_defaults_of_valve_and_supply() {
+        let found = keys_of("[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"");
+        assert!(found.contains(&"supply.temperature") && found.contains(&"valve.laminar_ratio"), "{found:?}");
+        assert!(!found.contains(&"valve.efficiency"));
+    }
+}
