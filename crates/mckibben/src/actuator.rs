@@ -152,13 +152,23 @@ impl<S: Scalar> Actuator<S> {
         self.friction.coulomb_bound(self.law.secant_stiffness(length, shortest, self.gauge(pressure)))
     }
 
-    /// The sum of (12) for a given direction of sliding (−1, 0, +1) and taut branch, before it is kept from pushing.
+    /// The sum of (12) for a given direction of sliding (−1, 0, +1), taut branch and effectiveness, before it is kept from
+    /// pushing.
     #[inline(always)]
-    pub fn signed_force<T: Over<S>>(&self, length: T, velocity: T, pressure: T, sliding: T, taut: S::Mask) -> T {
+    pub fn signed_force<T: Over<S>>(
+        &self,
+        [length, velocity, pressure]: [T; 3],
+        sliding: T,
+        taut: S::Mask,
+        effectiveness: T,
+    ) -> T {
+        let gauge = self.gauge(pressure);
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
-        let mut force = self.static_force(length, pressure) + limit + self.friction.viscous_force(velocity);
+        let ideal = &self.law.law;
+        let mut force = effectiveness * ideal.force(length, gauge) + limit + self.friction.viscous_force(velocity);
         if self.friction.has_coulomb() {
-            force = force + sliding * self.coulomb_bound(length, pressure);
+            let secant = ideal.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
+            force = force + sliding * self.friction.coulomb_bound(effectiveness * secant);
         }
         force
     }
@@ -175,7 +185,8 @@ impl<S: Scalar> Actuator<S> {
         let slack = self.limits.is_slack(distance);
         let taut =
             T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
-        let force = self.signed_force(self.limits.actuator_length(distance), velocity, pressure, sliding, taut);
+        let ends = [self.limits.actuator_length(distance), velocity, pressure];
+        let force = self.signed_force(ends, sliding, taut, self.law.effectiveness.at(self.gauge(pressure)));
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
 

@@ -71,8 +71,8 @@ impl HybridSystem<f64, 2> for Small {
                 + T::constant(field.matrix[i][1]) * state[1]
         })
     }
-    fn magnitudes(&self) -> [f64; 2] {
-        [self.magnitude; 2]
+    fn scales(&self, state: &[f64; 2], _mode: &Mode) -> [f64; 2] {
+        state.map(|value| value.abs() + 0.1 * self.magnitude)
     }
     fn next_instant(&self, mode: &Mode, until: f64) -> Option<f64> {
         self.instants.get(mode.1).copied().filter(|instant| *instant <= until)

@@ -56,8 +56,8 @@ impl HybridSystem<f64, 2> for Problem {
             Self::Stiff => [-T::constant(LAMBDA) * (a - time.cos()), -b],
         }
     }
-    fn magnitudes(&self) -> [f64; 2] {
-        [1.0, 1.0]
+    fn scales(&self, state: &[f64; 2], _mode: &Self::Mode) -> [f64; 2] {
+        state.map(|value| value.abs() + 0.1)
     }
     fn next_instant(&self, (): &(), _until: f64) -> Option<f64> {
         None

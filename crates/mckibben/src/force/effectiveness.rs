@@ -131,6 +131,25 @@ impl<S: Scalar> Effectiveness<S> {
         }
     }
 
+    /// The ratio by the formula of one piece, smoothly continued beyond the piece's bounds.
+    ///
+    /// A table of n rows has the pieces 0 (constant below the first row), 1 to n − 1 (the cubics) and n (constant above
+    /// the last row); the other forms have the piece 0 alone.
+    #[inline(always)]
+    pub fn in_piece<T: Over<S>>(&self, piece: usize, gauge: GaugePressure<T>) -> T {
+        match self {
+            Self::Table(table) => table.in_piece(piece, gauge.0),
+            _ => self.at(gauge),
+        }
+    }
+
+    /// Gauge pressures in Pa between which a piece holds; `None` where it has no end.
+    pub fn piece_bounds(&self, piece: usize) -> (Option<S>, Option<S>) {
+        let Self::Table(table) = self else { return (None, None) };
+        let knot = |row: usize| (row < table.rows).then(|| table.gauge_pressure[row]);
+        (piece.checked_sub(1).and_then(knot), knot(piece))
+    }
+
     /// The same law over another scalar.
     pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Effectiveness<T> {
         let mut number = |value| convert(&parameter::EFFECTIVENESS, value);
@@ -193,20 +212,34 @@ impl<S: Scalar> Table<S> {
     fn at<T: Over<S>>(&self, pressure: T) -> T {
         let mut value = T::of(self.value[0]);
         for row in 0..self.rows - 1 {
-            let left = T::of(self.gauge_pressure[row]);
-            let width = T::of(self.width(row));
-            let u = (pressure - left) / width;
-            let (start, end) = (T::of(self.value[row]), T::of(self.value[row + 1]));
-            let (m0, m1) = (T::of(self.slope[row]) * width, T::of(self.slope[row + 1]) * width);
-            let rise = end - start;
-            let cubic = start
-                + u * (m0
-                    + u * (T::constant(3.0) * rise - T::constant(2.0) * m0 - m1
-                        + u * (m0 + m1 - T::constant(2.0) * rise)));
-            value = T::select(left.lt(pressure), cubic, value);
+            let started = T::of(self.gauge_pressure[row]).lt(pressure);
+            value = T::select(started, self.cubic(row, pressure), value);
         }
         let last = T::of(self.gauge_pressure[self.rows - 1]);
         T::select(last.lt(pressure), T::of(self.value[self.rows - 1]), value)
+    }
+
+    #[inline(always)]
+    fn in_piece<T: Over<S>>(&self, piece: usize, pressure: T) -> T {
+        if piece == 0 {
+            T::of(self.value[0])
+        } else if piece < self.rows {
+            self.cubic(piece - 1, pressure)
+        } else {
+            T::of(self.value[self.rows - 1])
+        }
+    }
+
+    /// The cubic from row `row` to the next.
+    #[inline(always)]
+    fn cubic<T: Over<S>>(&self, row: usize, pressure: T) -> T {
+        let width = T::of(self.width(row));
+        let u = (pressure - T::of(self.gauge_pressure[row])) / width;
+        let (start, end) = (T::of(self.value[row]), T::of(self.value[row + 1]));
+        let (m0, m1) = (T::of(self.slope[row]) * width, T::of(self.slope[row + 1]) * width);
+        let (rise, two) = (end - start, T::constant(2.0));
+        let square = T::constant(3.0) * rise - two * m0 - m1;
+        start + u * (m0 + u * (square + u * (m0 + m1 - two * rise)))
     }
 }
 

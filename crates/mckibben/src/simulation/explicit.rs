@@ -70,8 +70,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
         start: &[R; N],
         slope: &[R; N],
         step: R,
-        tolerance: &[f64; N],
-        relative: f64,
+        allowed: &[f64; N],
         mut rates: impl FnMut(R, &[R; N]) -> [R; N],
     ) {
         let k = &mut self.stages;
@@ -121,8 +120,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
             8: 0.3111643669578199, 9: -0.1521609496625161, 10: 0.20136540080403034, 11: 0.04471061572777259);
         let (mut fifth, mut third) = (0.0, 0.0);
         for n in 0..N {
-            let size = start[n].value().abs().max(end[n].value().abs());
-            let scale = tolerance[n] + relative * size;
+            let scale = allowed[n];
             let of_order_5 = difference!(k, n;
             0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502, 7: 1.6643771824549864,
             8: -0.35032884874997366, 9: 0.3341791187130175, 10: 0.08192320648511571, 11: -0.022355307863886294);

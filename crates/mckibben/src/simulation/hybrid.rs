@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | passages | supply, exhaust | a seat moves (an instant) |
 //! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
+//! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
 //! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | sliding | lengthening, shortening, stuck, held, frictionless | the velocity comes to zero; the load breaks away |
 //! | clamped | yes, no | the sum of forces passes zero |
@@ -45,6 +46,8 @@ pub struct RigSystem<'a, R: Real = f64> {
     band: f64,
     /// The same as a force in N.
     force_band: f64,
+    /// Scale of the length in m while the braid is taut.
+    taut_scale: f64,
     inertia: Option<Inertia<R>>,
     /// `1/M`, or zero when the motion is given.
     per_mass: R,
@@ -69,6 +72,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             magnitudes: [longest.value(), longest.value() * USUAL_RATE, atmosphere, air_mass],
             band,
             force_band: band * force,
+            taut_scale: (TAUT * force / limits.stiffness().value()).min(longest.value()),
             inertia,
             per_mass: inertia.map_or(R::zero(), |inertia| R::one() / inertia.mass),
         }
@@ -96,6 +100,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             ports,
             supply_zone: None,
             exhaust_zone: None,
+            effectiveness_piece: self.effectiveness_piece(state[PRESSURE]),
             extent: Extent::Free,
             sliding: Sliding::Held,
             clamped: false,
@@ -128,8 +133,10 @@ impl<'a, R: Real> RigSystem<'a, R> {
     #[inline(always)]
     fn signed_force<T: Over<R>>(&self, state: &[T; 4], mode: &Mode) -> T {
         let [length, velocity, pressure, _] = *state;
+        let actuator = self.rig.actuator();
+        let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(pressure));
         let direction = T::constant(mode.sliding.direction());
-        self.rig.actuator().signed_force(length, velocity, pressure, direction, mode.extent == Extent::Taut)
+        actuator.signed_force([length, velocity, pressure], direction, mode.extent == Extent::Taut, effectiveness)
     }
 
     /// The extent of a state that may lie on a limit: then the velocity, or at rest the balance, decides.
@@ -212,10 +219,12 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 }
 
-/// Velocity scale: one length a second. Below it an error in velocity counts absolutely.
+/// Velocity scale: one length a second.
 const USUAL_RATE: f64 = 1.0;
-/// The part of that scale in which the velocity's error is told from rest.
+/// The part of that scale below which an error in velocity counts absolutely.
 const SLOW: f64 = 0.1;
+/// Part of the stretch under the usual force that a taut length is measured by.
+const TAUT: f64 = 0.5;
 /// Temperature in K at which the scale of the air mass is taken.
 const ROOM_TEMPERATURE: f64 = 293.15;
 
@@ -250,8 +259,15 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         self.damping_rate(&phase.mode).max(self.pressure_settling_rate(time, state, phase))
     }
 
-    fn magnitudes(&self) -> [f64; 4] {
-        self.magnitudes
+    fn scales(&self, state: &[R; 4], phase: &Phase<R>) -> [f64; 4] {
+        let [longest, _, atmosphere, air_mass] = self.magnitudes;
+        let [length, velocity, pressure, mass] = state.map(|value| value.value().abs());
+        // On the taut braid a length counts by the force that an error in it makes.
+        let length = match phase.mode.extent {
+            Extent::Taut | Extent::Rebound => self.taut_scale,
+            Extent::Slack | Extent::Free => length.max(longest),
+        };
+        [length, velocity + self.slow(), pressure + 0.1 * atmosphere, mass + 0.1 * air_mass]
     }
 
     fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
@@ -326,6 +342,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             guards.add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
         self.zone_guards(mode, &mut guards);
+        self.piece_guards(mode, &mut guards);
         guards
     }
 
@@ -357,6 +374,8 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
             Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
             Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
+            Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
+            Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
         }
     }
 
@@ -428,6 +447,11 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
                 Self::move_zone(&mut phase.mode.exhaust_zone, guard == Guard::ExhaustUp);
                 Ok(EventKind::Flow)
             }
+            Guard::PieceDown | Guard::PieceUp => {
+                let piece = &mut phase.mode.effectiveness_piece;
+                *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
+                Ok(EventKind::Effectiveness)
+            }
         }
     }
 
@@ -456,7 +480,12 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 impl<R: Real> RigSystem<'_, R> {
     /// The velocity in m/s by which zero must be passed before it is a turn: what a few steps may err.
     fn rest_band(&self) -> f64 {
-        10.0 * self.band * SLOW * self.magnitudes[LENGTH]
+        10.0 * self.band * self.slow()
+    }
+
+    /// The velocity in m/s below which its error counts absolutely.
+    fn slow(&self) -> f64 {
+        SLOW * self.magnitudes[VELOCITY]
     }
 
     /// `P V/m` of a state, if the process keeps it.

@@ -5,7 +5,7 @@
 //! than by accuracy, a linearly implicit method of order 5 takes over until the mode ends or the stiffness does.
 //!
 //! The error of a step is the root mean square over the states of the estimated error over
-//! `relative_tolerance · max(|y|, magnitude)`.
+//! `relative_tolerance · scale`, where the system says what the scale of a state is in its mode.
 //!
 //! Everything is generic over a [`Real`] scalar: with dual numbers the trajectory carries its exact derivatives with
 //! respect to any parameter, through every event. Step sizes and decisions look at values alone.
@@ -191,8 +191,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     }
 
     fn scales(&self) -> [f64; N] {
-        let magnitudes = self.system.magnitudes();
-        core::array::from_fn(|n| self.state[n].value().abs().max(magnitudes[n]))
+        self.system.scales(&self.state, &self.mode)
     }
 
     /// A first step in a new mode: a part of the time in which the rates would change a state by its own size.
@@ -203,16 +202,16 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         if fastest > 0.0 { part / fastest } else { f64::INFINITY }
     }
 
-    fn tolerances(&self) -> [f64; N] {
-        self.system.magnitudes().map(|magnitude| 0.1 * self.relative_tolerance * magnitude)
+    /// Errors that the tolerance allows in a step.
+    fn allowed(&self) -> [f64; N] {
+        self.scales().map(|scale| self.relative_tolerance * scale)
     }
 
     fn try_explicit(&mut self, slope: &[R; N], length: R) -> Option<(Arc<R, N>, [R; N])> {
         let (system, mode) = (self.system, self.mode);
         let rates = |time: R, state: &[R; N]| system.rates(time, state, &mode);
-        let tolerances = self.tolerances();
-        let tolerance = self.relative_tolerance;
-        self.explicit.attempt(self.time, &self.state, slope, length, &tolerances, tolerance, rates);
+        let allowed = self.allowed();
+        self.explicit.attempt(self.time, &self.state, slope, length, &allowed, rates);
         self.counts.evaluations += explicit::EVALUATIONS.0;
         if !self.control(length.value(), self.explicit.error, 8.0) {
             return None;
@@ -250,17 +249,10 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let (system, mode) = (self.system, self.mode);
         let linear =
             rosenbrock::Linearisation::at(self.time, &self.state, |time, state| system.rates(time, state, &mode));
-        let tolerances = self.tolerances();
-        let attempt = rosenbrock::attempt(
-            self.time,
-            &self.state,
-            slope,
-            &linear,
-            length,
-            &tolerances,
-            self.relative_tolerance,
-            |time, state| system.rates(time, state, &mode),
-        );
+        let allowed = self.allowed();
+        let attempt = rosenbrock::attempt(self.time, &self.state, slope, &linear, length, &allowed, |time, state| {
+            system.rates(time, state, &mode)
+        });
         self.counts.evaluations += rosenbrock::EVALUATIONS + N as u64 + 1;
         if !self.control(length.value(), attempt.error, 5.0) {
             return None;

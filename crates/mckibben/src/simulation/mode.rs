@@ -51,6 +51,8 @@ pub struct Mode {
     pub supply_zone: Option<FlowZone>,
     /// The piece of the flow law through the open passage to the surroundings.
     pub exhaust_zone: Option<FlowZone>,
+    /// The piece of a tabulated effectiveness; 0 for the other forms.
+    pub effectiveness_piece: usize,
     /// Slack, free or taut.
     pub extent: Extent,
     /// The direction of sliding, or sticking.
@@ -89,6 +91,8 @@ pub enum EventKind {
     TensionBack,
     /// The flow went to another piece of its law (choked, subsonic, near equal pressure, reversed).
     Flow,
+    /// The pressure passed a row of a tabulated effectiveness.
+    Effectiveness,
 }
 
 impl EventKind {
@@ -108,6 +112,7 @@ impl EventKind {
             Self::TensionZero => "tension-zero",
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
+            Self::Effectiveness => "effectiveness",
         }
     }
 }
@@ -147,4 +152,8 @@ pub enum Guard {
     ExhaustDown,
     /// The pressure leaves the piece of the exhaust's flow law upwards.
     ExhaustUp,
+    /// The pressure leaves the piece of the effectiveness downwards.
+    PieceDown,
+    /// The pressure leaves the piece of the effectiveness upwards.
+    PieceUp,
 }

@@ -117,8 +117,7 @@ pub(super) fn attempt<R: Real, const N: usize>(
     slope: &[R; N],
     linear: &Linearisation<R, N>,
     step: R,
-    tolerance: &[f64; N],
-    relative: f64,
+    allowed: &[f64; N],
     mut rates: impl FnMut(R, &[R; N]) -> [R; N],
 ) -> Attempt<R, N> {
     let failed = Attempt { end: *start, error: f64::NAN, stages: [[R::zero(); N]; STAGES] };
@@ -148,8 +147,7 @@ pub(super) fn attempt<R: Real, const N: usize>(
     let end: [R; N] = core::array::from_fn(|n| state[n] + k[STAGES - 1][n]);
     let mut sum = 0.0;
     for n in 0..N {
-        let size = start[n].value().abs().max(end[n].value().abs());
-        let ratio = k[STAGES - 1][n].value() / (tolerance[n] + relative * size);
+        let ratio = k[STAGES - 1][n].value() / allowed[n];
         sum += ratio * ratio;
     }
     Attempt { end, error: Scalar::sqrt(sum / N as f64), stages: k }

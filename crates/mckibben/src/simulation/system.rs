@@ -96,8 +96,8 @@ pub trait HybridSystem<R: Real, const N: usize> {
         })
     }
 
-    /// Typical magnitudes of the states, below which an error counts absolutely.
-    fn magnitudes(&self) -> [f64; N];
+    /// Scales of the states, above zero: the relative tolerance times its scale is the error that a step may make in a state.
+    fn scales(&self, state: &[R; N], mode: &Self::Mode) -> [f64; N];
 
     /// The next instant in s, up to and with `until`, at which `mode` ends by itself.
     fn next_instant(&self, mode: &Self::Mode, until: R) -> Option<R>;

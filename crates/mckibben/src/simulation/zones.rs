@@ -1,4 +1,5 @@
-//! The pieces of the flow law as components of the mode: which one holds, and when the pressure leaves it.
+//! The pieces of the flow law and of a tabulated effectiveness as components of the mode: which one holds, and when the
+//! pressure leaves it.
 
 use super::hybrid::{PRESSURE, Phase, RigSystem};
 use super::mode::{Guard, Mode};
@@ -93,5 +94,31 @@ impl<R: Real> RigSystem<'_, R> {
         // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
         let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
         settling.max(MEETING * rate.value() / gap)
+    }
+
+    /// The piece of the effectiveness at an absolute pressure.
+    pub(super) fn effectiveness_piece(&self, pressure: R) -> usize {
+        let actuator = self.rig().actuator();
+        let gauge = actuator.gauge(pressure).0.value();
+        let bounds = |piece| actuator.law().effectiveness.piece_bounds(piece).1;
+        (0..).find(|&piece| bounds(piece).is_none_or(|end| gauge <= end.value())).unwrap_or(0)
+    }
+
+    /// The absolute pressure in Pa at which a piece of the effectiveness ends on one side, passed by the band.
+    pub(super) fn piece_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        let actuator = self.rig().actuator();
+        let (low, high) = actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece);
+        let factor = if up { 1.0 + self.band() } else { 1.0 - self.band() };
+        let bound = if up { high } else { low };
+        bound.map(|gauge| (gauge + actuator.air().atmosphere().0) * R::constant(factor))
+    }
+
+    pub(super) fn piece_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
+        if let Some(bound) = self.piece_bound(mode, false) {
+            guards.add(Guard::PieceDown, GuardForm::Above { index: PRESSURE, bound: bound.value() });
+        }
+        if let Some(bound) = self.piece_bound(mode, true) {
+            guards.add(Guard::PieceUp, GuardForm::Below { index: PRESSURE, bound: bound.value() });
+        }
     }
 }
