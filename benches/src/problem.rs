@@ -134,10 +134,12 @@ impl Problem {
         ]
     }
 
-    /// Typical sizes of the four states, which set the absolute tolerances of everybody.
+    /// Typical sizes of the four states, which set the absolute tolerances of every peer: the longest length, that length
+    /// in a second, the atmosphere, and the air at the start.
     pub fn magnitudes(&self) -> [f64; 4] {
-        use mckibben::simulation::{RigSystem, system::HybridSystem};
-        RigSystem::new(&self.experiment.rig, 1e-8).magnitudes()
+        let actuator = self.experiment.rig.actuator();
+        let longest = actuator.limits().max_length();
+        [longest, longest, actuator.air().atmosphere().0, self.experiment.start.air_mass]
     }
 
     /// The problem as the text that peers in other languages read.
