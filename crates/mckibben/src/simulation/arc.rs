@@ -166,10 +166,10 @@ impl Bernstein {
         }
     }
 
-    /// The smallest control point, a lower bound on `[0, 1]`.
+    /// Whether no control point is below zero, and so the polynomial is not on `[0, 1]`.
     #[inline(always)]
-    pub(crate) fn lower_bound(&self) -> f64 {
-        self.0.iter().copied().fold(f64::INFINITY, f64::min)
+    pub(crate) fn is_never_negative(&self) -> bool {
+        self.0.iter().all(|point| *point >= 0.0)
     }
 
     /// The two halves, each on its own `[0, 1]` (de Casteljau).
@@ -195,7 +195,7 @@ impl Bernstein {
     }
 
     fn descent_within(&self, low: f64, high: f64) -> Option<(f64, f64)> {
-        if self.lower_bound() >= 0.0 {
+        if self.is_never_negative() {
             return None;
         }
         let falls = self.0.windows(2).all(|pair| pair[1] <= pair[0]);

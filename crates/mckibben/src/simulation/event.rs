@@ -64,7 +64,7 @@ pub(crate) fn first_crossing<R: Real, const N: usize, S: HybridSystem<R, N>>(
                 None => continue,
             },
         };
-        if polynomial.lower_bound() >= 0.0 {
+        if polynomial.is_never_negative() {
             continue;
         }
         let Some((low, high)) = polynomial.first_descent() else { continue };

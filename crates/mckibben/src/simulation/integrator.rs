@@ -60,6 +60,8 @@ pub struct Integrator<'a, R: Real, const N: usize, S: HybridSystem<R, N>> {
     guards: Guards<S::Guard>,
     instant: Option<R>,
     slope: Option<[R; N]>,
+    /// Part of a state's own time scale that the first step in a mode takes.
+    first_part: f64,
     /// Whether an instant has just made the last step length meaningless.
     fresh: bool,
     explicit: explicit::Attempt<R, N>,
@@ -98,6 +100,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             guards: Guards::new(),
             instant: None,
             slope: None,
+            first_part: 4.0 * eighth_root(relative_tolerance),
             fresh: true,
             explicit: explicit::Attempt::new(),
             step: (until - time).value(),
@@ -198,8 +201,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     fn first_step(&self, slope: &[R; N]) -> f64 {
         let scales = self.scales();
         let fastest = (0..N).map(|n| slope[n].value().abs() / scales[n]).fold(0.0, f64::max);
-        let part = 4.0 * Scalar::exp(Scalar::ln(self.relative_tolerance) / 8.0);
-        if fastest > 0.0 { part / fastest } else { f64::INFINITY }
+        if fastest > 0.0 { self.first_part / fastest } else { f64::INFINITY }
     }
 
     /// Errors that the tolerance allows in a step.
@@ -213,7 +215,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let allowed = self.allowed();
         self.explicit.attempt(self.time, &self.state, slope, length, &allowed, rates);
         self.counts.evaluations += explicit::EVALUATIONS.0;
-        if !self.control(length.value(), self.explicit.error, 8.0) {
+        if !self.control(length.value(), self.explicit.error, eighth_root) {
             return None;
         }
         let end = self.explicit.end;
@@ -254,7 +256,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             system.rates(time, state, &mode)
         });
         self.counts.evaluations += rosenbrock::EVALUATIONS + N as u64 + 1;
-        if !self.control(length.value(), attempt.error, 5.0) {
+        if !self.control(length.value(), attempt.error, fifth_root) {
             return None;
         }
         self.counts.implicit_steps += 1;
@@ -272,13 +274,13 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     }
 
     /// Sets the next step length from the error of this one; whether this one may be kept.
-    fn control(&mut self, length: f64, error: f64, order: f64) -> bool {
+    fn control(&mut self, length: f64, error: f64, root: fn(f64) -> f64) -> bool {
         let (largest, smallest, safety) = GROWTH;
         if !error.is_finite() {
             self.step = 0.25 * length;
             return false;
         }
-        let factor = if error > 0.0 { safety * Scalar::exp(-Scalar::ln(error) / order) } else { largest };
+        let factor = if error > 0.0 { safety / root(error) } else { largest };
         let kept = error <= 1.0;
         let proposal = length * factor.clamp(smallest, if kept { largest } else { 1.0 });
         // A step cut short to meet a stop says little about what is possible.
@@ -332,6 +334,14 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         }
         Ok(())
     }
+}
+
+fn eighth_root(x: f64) -> f64 {
+    Scalar::sqrt(Scalar::sqrt(Scalar::sqrt(x)))
+}
+
+fn fifth_root(x: f64) -> f64 {
+    Scalar::exp(Scalar::ln(x) / 5.0)
 }
 
 /// Whether a time has come to an instant, up to the rounding of either.
