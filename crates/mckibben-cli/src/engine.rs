@@ -10,7 +10,7 @@
 
 use crate::progress::Progress;
 use mckibben::Error;
-use mckibben::simulation::{FixedStepper, Sample, SampleTimes, Trajectory, simulate};
+use mckibben::simulation::{FixedStepper, Sample, SampleTimes, Trajectory, simulate_watched};
 use mckibben_scenario::{Engine, Experiment, Method};
 
 /// A finished run.
@@ -36,8 +36,12 @@ pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Re
     let run = &experiment.run;
     match run.engine {
         Engine::EventLocated => {
-            let _progress = Progress::begin("simulating", None);
-            let trajectory = simulate(&experiment.rig, experiment.start, run.duration, run.relative_tolerance)?;
+            const PARTS: f64 = 1000.0;
+            let progress = Progress::begin("simulating", Some(PARTS as u64));
+            let (rig, start) = (&experiment.rig, experiment.start);
+            let trajectory = simulate_watched(rig, start, run.duration, run.relative_tolerance, |time| {
+                progress.at((PARTS * time / run.duration) as u64);
+            })?;
             Ok(Outcome::Located(Box::new(trajectory)))
         }
         Engine::FixedStep => {

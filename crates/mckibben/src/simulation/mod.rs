@@ -31,4 +31,4 @@ pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes};
 #[cfg(feature = "alloc")]
-pub use trajectory::{Event, Trajectory, simulate};
+pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

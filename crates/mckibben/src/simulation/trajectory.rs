@@ -50,6 +50,23 @@ pub fn simulate<R: Real>(
     duration: R,
     relative_tolerance: f64,
 ) -> Result<Trajectory<R>, Error> {
+    simulate_watched(rig, start, duration, relative_tolerance, |_| ())
+}
+
+/// Pieces between two calls of a watcher: a fraction of a millisecond.
+const WATCHED: usize = 256;
+
+/// The same as [`simulate`], calling `watch` with the time in s that has been reached, now and then.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_watched<R: Real>(
+    rig: &Rig<R>,
+    start: State<R>,
+    duration: R,
+    relative_tolerance: f64,
+    mut watch: impl FnMut(f64),
+) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
     let system = RigSystem::new(rig, relative_tolerance);
@@ -63,6 +80,9 @@ pub fn simulate<R: Real>(
             events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
         }
         pieces.push(piece);
+        if pieces.len().is_multiple_of(WATCHED) {
+            watch(integrator.time().value());
+        }
         if pieces.len() > MAX_PIECES {
             return Err(Error::Stopped {
                 time: integrator.time().value(),
