@@ -29,7 +29,7 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::Load;
 use crate::scalar::{Mask, Over, Real, Scalar};
-use crate::valve::{Port, Ports, SIMULTANEOUS, SeatClock};
+use crate::valve::{Port, Ports, SeatClock};
 
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -235,7 +235,7 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
-            let instant = self.next_instant(until);
+            let instant = self.rig.next_instant(&self.clock, self.corners_passed, until);
             let part_end = instant.unwrap_or(until);
             let before = (self.time, self.state, self.sliding);
             self.advance_smoothly(part_end);
@@ -274,31 +274,12 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         }
     }
 
-    fn next_instant(&self, until: R) -> Option<R> {
-        let seat =
-            self.rig.actuation().and_then(|drive| self.clock.next_motion(&drive.solenoid, &drive.command, until));
-        let corner = match self.rig.load() {
-            Load::Prescribed(motion) => motion.corner(self.corners_passed),
-            _ => None,
-        };
-        let corner = corner.filter(|corner| corner.value() <= until.value());
-        [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
-    }
-
     fn pass_instants(&mut self) {
         if let Some(drive) = self.rig.actuation() {
             self.clock.advance(self.time, &drive.solenoid, &drive.command);
             self.ports = self.clock.ports(&drive.solenoid);
         }
-        if let Load::Prescribed(motion) = self.rig.load() {
-            let now = self.time.value();
-            while motion
-                .corner(self.corners_passed)
-                .is_some_and(|corner| corner.value() <= now + SIMULTANEOUS * now.abs())
-            {
-                self.corners_passed += 1;
-            }
-        }
+        self.corners_passed = self.rig.corners_passed(self.corners_passed, self.time);
     }
 
     fn held(&self) -> Held<R> {
@@ -383,16 +364,11 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     /// The direction of sliding at the present state, or sticking at rest.
     fn sliding_from_rest_or_velocity(&self) -> Sliding {
         let velocity = self.state[1].value();
-        let heading = |heading: f64| match self.rig.actuator().friction().has_coulomb() {
-            false => Sliding::Frictionless,
-            true if heading < 0.0 => Sliding::Shortening,
-            true => Sliding::Lengthening,
-        };
         let Some(inertia) = self.rig.load().inertia() else {
-            return if velocity == 0.0 { Sliding::Held } else { heading(velocity) };
+            return if velocity == 0.0 { Sliding::Held } else { self.rig.sliding(velocity) };
         };
         if velocity != 0.0 || !self.rig.actuator().friction().has_coulomb() {
-            return heading(velocity);
+            return self.rig.sliding(velocity);
         }
         let (least, most) = self.rig.holdable(self.state[0], self.state[2]);
         if most.value() < inertia.pull.value() {
@@ -400,7 +376,7 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         } else if inertia.pull.value() < least.value() {
             Sliding::Shortening
         } else if self.rig.actuator().limits().is_slack(self.state[0]).any() {
-            heading(inertia.pull.value())
+            self.rig.sliding(inertia.pull.value())
         } else {
             Sliding::Stuck
         }

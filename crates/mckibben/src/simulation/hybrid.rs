@@ -105,12 +105,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
             sliding: Sliding::Held,
             clamped: false,
         };
-        let mut phase = Phase { mode, clock, corners_passed: 0, isothermal: self.isothermal_content(state) };
-        if let Load::Prescribed(motion) = self.rig.load() {
-            while motion.corner(phase.corners_passed).is_some_and(|corner| corner.value() <= 0.0) {
-                phase.corners_passed += 1;
-            }
-        }
+        let corners_passed = self.rig.corners_passed(0, R::zero());
+        let mut phase = Phase { mode, clock, corners_passed, isothermal: self.isothermal_content(state) };
         self.enter_ports(state, &mut phase.mode);
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(R::zero(), state, &mut phase);
@@ -165,10 +161,10 @@ impl<'a, R: Real> RigSystem<'a, R> {
             (Load::Prescribed(motion), _) => {
                 let [_, velocity, acceleration] = motion.at::<R>(time, phase.corners_passed).map(Real::value);
                 let heading = if velocity == 0.0 { acceleration } else { velocity };
-                if heading == 0.0 { Sliding::Held } else { self.sliding(heading) }
+                if heading == 0.0 { Sliding::Held } else { self.rig.sliding(heading) }
             }
             (_, Some(inertia)) if velocity == 0.0 => self.rest_or_slide(inertia, state, &mut phase.mode),
-            _ => self.sliding(velocity),
+            _ => self.rig.sliding(velocity),
         };
         self.enter_clamp(state, &mut phase.mode);
     }
@@ -178,27 +174,19 @@ impl<'a, R: Real> RigSystem<'a, R> {
         let actuator = self.rig.actuator();
         let on_the_stop = state[LENGTH].value() == actuator.limits().min_length().value();
         if mode.extent == Extent::Slack || !(actuator.friction().has_coulomb() || on_the_stop) {
-            return self.sliding(inertia.pull.value());
+            return self.rig.sliding(inertia.pull.value());
         }
         let (least, most) = self.rig.holdable(state[LENGTH], state[PRESSURE]);
         let (least, most, pull) = (least.value(), most.value(), inertia.pull.value());
         if pull > most + self.force_band {
-            self.sliding(1.0)
+            self.rig.sliding(1.0)
         } else if pull < least - self.force_band {
             if on_the_stop {
                 mode.extent = Extent::Slack;
             }
-            self.sliding(-1.0)
+            self.rig.sliding(-1.0)
         } else {
             Sliding::Stuck
-        }
-    }
-
-    fn sliding(&self, heading: f64) -> Sliding {
-        match self.rig.actuator().friction().has_coulomb() {
-            false => Sliding::Frictionless,
-            true if heading < 0.0 => Sliding::Shortening,
-            true => Sliding::Lengthening,
         }
     }
 
@@ -271,17 +259,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     }
 
     fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
-        let seat =
-            self.rig.actuation().and_then(|drive| phase.clock.next_motion(&drive.solenoid, &drive.command, until));
-        let corner = match self.rig.load() {
-            Load::Prescribed(motion) => motion.corner(phase.corners_passed),
-            _ => None,
-        };
-        let corner = corner.filter(|corner| corner.value() <= until.value());
-        match (seat, corner) {
-            (Some(seat), Some(corner)) => Some(if seat.value() <= corner.value() { seat } else { corner }),
-            (one, other) => one.or(other),
-        }
+        self.rig.next_instant(&phase.clock, phase.corners_passed, until)
     }
 
     fn pass_instant(&self, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
@@ -425,10 +403,10 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
                 if inertial {
                     state[VELOCITY] = R::zero();
                 }
-                self.turn(time, state, phase)
+                Ok(self.turn(state, phase))
             }
             Guard::BreakLonger | Guard::BreakShorter => {
-                phase.mode.sliding = self.sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                phase.mode.sliding = self.rig.sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
                 if guard == Guard::BreakShorter && state[LENGTH].value() <= limits.min_length().value() {
                     phase.mode.extent = Extent::Slack;
                 }
@@ -510,19 +488,12 @@ impl<R: Real> RigSystem<'_, R> {
     }
 
     /// The velocity has come to zero: stick, or go the other way.
-    fn turn(&self, time: R, state: &[R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
-        match self.inertia {
-            Some(inertia) => {
-                phase.mode.sliding = self.rest_or_slide(inertia, state, &mut phase.mode);
-                self.enter_clamp(state, &mut phase.mode);
-            }
-            None => {
-                let heading = if phase.mode.sliding == Sliding::Lengthening { -1.0 } else { 1.0 };
-                phase.mode.sliding = self.sliding(heading);
-                self.enter_clamp(state, &mut phase.mode);
-            }
-        }
-        let _ = time;
-        Ok(if phase.mode.sliding == Sliding::Stuck { EventKind::Stick } else { EventKind::Reversal })
+    fn turn(&self, state: &[R; 4], phase: &mut Phase<R>) -> EventKind {
+        phase.mode.sliding = match self.inertia {
+            Some(inertia) => self.rest_or_slide(inertia, state, &mut phase.mode),
+            None => self.rig.sliding(-phase.mode.sliding.direction()),
+        };
+        self.enter_clamp(state, &mut phase.mode);
+        if phase.mode.sliding == Sliding::Stuck { EventKind::Stick } else { EventKind::Reversal }
     }
 }

@@ -156,7 +156,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         loop {
             let room = (stop - self.time).value();
             // The last step before a stop is not left to be a sliver.
-            let step = if self.step >= 0.999 * room { room } else { self.step.min(0.5 * room.max(self.step)) };
+            let step = if self.step >= 0.999 * room { room } else { self.step.min(0.5 * room) };
             if step <= 4.0 * f64::EPSILON * self.time.value().abs() {
                 return Err(self.system.stuck(self.time, &self.state, &self.mode));
             }

@@ -14,6 +14,7 @@
 //! | P | `pressure`, absolute | Pa |
 //! | m | `air_mass` | kg |
 
+use super::mode::Sliding;
 use crate::actuator::Actuator;
 use crate::error::{Error, Requirement};
 use crate::load::Load;
@@ -21,7 +22,7 @@ use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
-use crate::valve::{Command, Solenoid};
+use crate::valve::{Command, SIMULTANEOUS, SeatClock, Solenoid};
 
 /// What drives the valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -202,6 +203,37 @@ impl<S: Scalar> Rig<S> {
 }
 
 impl<S: Real> Rig<S> {
+    /// The next instant in s, up to and with `until`, at which a seat moves or a prescribed motion turns a corner.
+    pub(super) fn next_instant(&self, clock: &SeatClock<S>, corners_passed: usize, until: S) -> Option<S> {
+        let motion = |drive: &Actuation<S>| clock.next_motion(&drive.solenoid, &drive.command, until);
+        let seat = self.actuation.as_ref().and_then(motion);
+        let corner = self.corner(corners_passed).filter(|corner| corner.value() <= until.value());
+        [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+    }
+
+    /// How many corners of a prescribed motion have been passed at `time` (s), when `passed` were before.
+    pub(super) fn corners_passed(&self, passed: usize, time: S) -> usize {
+        let now = time.value();
+        let has_come = |corner: S| corner.value() <= now + SIMULTANEOUS * now.abs();
+        (passed..).find(|&next| !self.corner(next).is_some_and(has_come)).unwrap_or(passed)
+    }
+
+    fn corner(&self, index: usize) -> Option<S> {
+        match &self.load {
+            Load::Prescribed(motion) => motion.corner(index),
+            _ => None,
+        }
+    }
+
+    /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.
+    pub(super) fn sliding(&self, heading: f64) -> Sliding {
+        match self.actuator.friction().has_coulomb() {
+            false => Sliding::Frictionless,
+            true if heading < 0.0 => Sliding::Shortening,
+            true => Sliding::Lengthening,
+        }
+    }
+
     /// The state at a start that has been checked, over any scalar with one value.
     ///
     /// # Errors

@@ -5,7 +5,7 @@
 
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 /// What the valve is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,8 +124,8 @@ impl<S: Scalar> Command<S> {
             Self::Pwm { frequency, duty, pulse, rest } => {
                 let never = duty.le(S::zero());
                 let always = S::one().le(*duty);
-                if crate::scalar::Mask::any(never | always) {
-                    let request = if crate::scalar::Mask::any(never) { *rest } else { *pulse };
+                if (never | always).any() {
+                    let request = if never.any() { *rest } else { *pulse };
                     return (index == 0).then_some((S::zero(), request));
                 }
                 let period = S::constant((index / 2) as f64);
