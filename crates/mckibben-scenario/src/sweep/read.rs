@@ -161,13 +161,23 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
     let mut bases = Vec::new();
     for combination in 0..combinations {
         let mut rest = combination;
+        let mut chosen = Vec::new();
         for varied in varied.iter().rev() {
             if let Some(count) = varied.words() {
-                document.put(&varied.path, &varied.key, varied.word(rest % count));
+                let word = varied.word(rest % count);
+                document.put(&varied.path, &varied.key, word);
+                chosen.push(format!("`{} = {}`", varied.path, word.place.text()));
                 rest /= count;
             }
         }
-        bases.push(document.scenario()?);
+        let base = document.scenario();
+        bases.push(match chosen.is_empty() {
+            true => base?,
+            false => base.map_err(|found| {
+                chosen.reverse();
+                found.help(&format!("so it is in the rows with {} of [sweep.vary]", chosen.join(" and ")))
+            })?,
+        });
     }
     Ok(bases)
 }

@@ -198,7 +198,16 @@ fn spread<'d>(
 ) -> Option<Read<'d>> {
     const KINDS: [&str; 3] = ["uniform", "normal", "log-normal"];
     let Some(kind) = table.0.iter().find(|entry| KINDS.contains(&entry.name.as_str())) else {
-        return range(r, table, node, row, design);
+        // No part of a range is a table, so this is a distribution whose name is misspelt.
+        let Some(entry) = table.0.iter().find(|entry| matches!(entry.node.value, Value::Table(_))) else {
+            return range(r, table, node, row, design);
+        };
+        let title = format!("`{}` is no distribution", entry.name);
+        let diagnostic = Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "unknown");
+        let meant = nearest(&entry.name, KINDS).map(|name| format!("did you mean `{name}`?"));
+        let known = format!("known here: {}", list_of(KINDS.into_iter()));
+        r.note(diagnostic.help(meant.unwrap_or(known)));
+        return None;
     };
     let others = table.0.iter().filter(|entry| entry.name != kind.name);
     let others: Vec<Diagnostic> = others
@@ -271,7 +280,8 @@ fn range<'d>(
     row: &'static Parameter,
     design: DesignKind,
 ) -> Option<Read<'d>> {
-    let read = ends(r, table, node, row, &["from", "to", "count", "spacing"]);
+    const KNOWN: [&str; 4] = ["from", "to", "count", "spacing"];
+    let read = ends(r, table, node, row, &KNOWN);
     let count = match table.get("count") {
         Some(entry) => Some(r.whole_of(&entry.node, &COUNT)?),
         None => None,
@@ -279,6 +289,8 @@ fn range<'d>(
     let (ends, from) = read?;
     match count {
         Some(count) => Some((Values::Steps(ends, count), vec![from])),
+        // A misspelt part may be the count.
+        None if table.0.iter().any(|entry| !KNOWN.contains(&entry.name.as_str())) => None,
         None if design == DesignKind::Grid => {
             let title = format!("the range of `{}` has no `count`, which a grid needs", row.key);
             r.note(
