@@ -16,7 +16,7 @@ use super::directions::JOE_KUO;
 use super::random::{BITS, Stream, unit};
 
 /// Most dimensions, one for each key that varies.
-pub(super) const MOST: usize = JOE_KUO.len() + 1;
+const MOST: usize = JOE_KUO.len() + 1;
 
 /// One dimension of the sequence.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,6 +100,12 @@ mod tests {
                 assert_eq!(dimension(of).digits(*point), expected << (BITS - 30), "point {point}, dimension {of}");
             }
         }
+    }
+
+    #[test]
+    fn every_key_that_varies_has_a_dimension() {
+        assert!(crate::keys::KEYS.iter().filter(|key| key.varies()).count() <= MOST);
+        assert!(Dimension::new(MOST, Stream::new(7, "")).is_none());
     }
 
     /// Each of 2^m intervals holds one of each 2^m points that begin at a multiple of 2^m.
