@@ -15,9 +15,6 @@
 use super::directions::JOE_KUO;
 use super::random::{BITS, Stream, unit};
 
-/// Most dimensions, one for each key that varies.
-const MOST: usize = JOE_KUO.len() + 1;
-
 /// One dimension of the sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Dimension {
@@ -26,7 +23,7 @@ pub(super) struct Dimension {
 }
 
 impl Dimension {
-    /// A dimension counted from 0; `None` from [`MOST`] on.
+    /// A dimension counted from 0; `None` where the table of direction numbers ends.
     pub(super) fn new(dimension: usize, flips: Stream) -> Option<Self> {
         let mut vectors = [0; BITS as usize];
         let Some(before) = dimension.checked_sub(1) else {
@@ -75,6 +72,8 @@ impl Dimension {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const MOST: usize = JOE_KUO.len() + 1;
 
     fn dimension(of: usize) -> Dimension {
         Dimension::new(of, Stream::new(7, "")).expect("a dimension")
