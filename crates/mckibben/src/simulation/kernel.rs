@@ -28,9 +28,6 @@ use crate::load::{Line, Load};
 use crate::scalar::{Over, Scalar};
 use crate::valve::Port;
 
-/// Weight of each stage of the classical Runge–Kutta method in sixths, and how far the next stage reaches along it.
-const RK4: [(f64, f64); 4] = [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)];
-
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -68,22 +65,25 @@ impl<S: Scalar> Rig<S> {
     /// Time derivatives of the four states, by selects: whatever the mode.
     #[inline(always)]
     pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {
-        let actuator = self.actuator();
-        let [mut length, mut velocity, pressure, mass] = *state;
-        let mut acceleration = T::zero();
+        let [length, velocity, pressure, mass] = *state;
+        let [length, velocity, acceleration] = self.motion(time, [length, velocity, pressure], held);
+        let (chamber, flow) = self.contents(length, velocity, pressure, mass, held);
+        [velocity, acceleration, self.actuator().pressure_rate(&chamber, &flow), flow.net()]
+    }
+
+    /// Length, velocity and acceleration of the ends as the load has them.
+    #[inline(always)]
+    fn motion<T: Over<S>>(&self, time: T, [length, velocity, pressure]: [T; 3], held: &Held<S>) -> [T; 3] {
         match self.load() {
-            Load::Prescribed(motion) => [length, velocity, acceleration] = motion.on_line(time, &held.line),
-            Load::Isometric => velocity = T::zero(),
+            Load::Prescribed(motion) => motion.on_line(time, &held.line),
+            Load::Isometric => [length, T::zero(), T::zero()],
             Load::HangingMass { .. } | Load::ConstantForce { .. } => {
-                if let Some(inertia) = self.load().inertia() {
-                    let tension = actuator.tension_sliding(length, velocity, pressure, T::of(held.sliding));
-                    acceleration = T::select(held.stuck, T::zero(), inertia.acceleration(tension));
-                    velocity = T::select(held.stuck, T::zero(), velocity);
-                }
+                let Some(inertia) = self.load().inertia() else { return [length, velocity, T::zero()] };
+                let tension = self.actuator().tension_sliding(length, velocity, pressure, T::of(held.sliding));
+                let acceleration = T::select(held.stuck, T::zero(), inertia.acceleration(tension));
+                [length, T::select(held.stuck, T::zero(), velocity), acceleration]
             }
         }
-        let (chamber, flow) = self.contents(length, velocity, pressure, mass, held);
-        [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
     }
 
     /// The air and its flow.
@@ -130,28 +130,43 @@ impl<S: Scalar> Rig<S> {
     /// One part of a step by the classical Runge–Kutta method.
     #[inline(always)]
     pub fn step_rk4(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        // One loop, so that the rates are compiled once.
-        let (mut at, mut sum) = (state, [S::zero(); 4]);
-        for (stage, (weight, reach)) in RK4.into_iter().enumerate() {
-            let here = if stage == 0 { S::zero() } else { step * S::constant(RK4[stage - 1].1) };
-            let slope = self.rates(time + here, &at, held);
-            sum = ahead(&sum, S::constant(weight), &slope);
-            at = ahead(&state, step * S::constant(reach), &slope);
-        }
+        let half = S::constant(0.5) * step;
+        let k1 = self.rates(time, &state, held);
+        let k2 = self.rates(time + half, &ahead(&state, half, &k1), held);
+        let k3 = self.rates(time + half, &ahead(&state, half, &k2), held);
+        let k4 = self.rates(time + step, &ahead(&state, step, &k3), held);
+        let inner = ahead(&k2, S::one(), &k3);
+        let sum = ahead(&ahead(&k1, S::one(), &k4), S::constant(2.0), &inner);
         ahead(&state, step * S::constant(1.0 / 6.0), &sum)
     }
 
     /// One part of a step by the stable method.
     #[inline(always)]
     pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let seeded: [Dual<S, 3>; 4] = core::array::from_fn(|n| Dual::variable(state[n], n));
-        let rates = self.rates(Dual::of(time), &seeded, held);
-        let first: [S; 4] = rates.map(|rate| rate.value);
-        let matrix = Matrix::new(&rates, self.settling_rate(&state, &first, held), step);
+        let (first, slopes) = self.rates_with_slopes(time, &state, held);
+        let matrix = Matrix::new(&first, &slopes, self.settling_rate(&state, &first, held), step);
         let k1 = matrix.solve(first);
         let second = self.rates(time + step, &ahead(&state, step, &k1), held);
         let k2 = matrix.solve(ahead(&second, S::constant(-2.0), &k1));
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
+    }
+
+    /// Time derivatives of the four states, and those of their slopes that the stable method uses.
+    #[inline(always)]
+    fn rates_with_slopes(&self, time: S, state: &[S; 4], held: &Held<S>) -> ([S; 4], Slopes<S>) {
+        let [length, velocity, pressure, mass] = *state;
+        let ends: [Dual<S, 2>; 3] = [Dual::variable(length, 0), Dual::variable(velocity, 1), Dual::of(pressure)];
+        let [length, velocity, acceleration] = self.motion(Dual::of(time), ends, held);
+        let air: Dual<S, 1> = Dual::variable(pressure, 0);
+        let ends = [Dual::of(length.value), Dual::of(velocity.value)];
+        let (chamber, flow) = self.contents(ends[0], ends[1], air, Dual::of(mass), held);
+        let (pressure_rate, mass_rate) = (self.actuator().pressure_rate(&chamber, &flow), flow.net());
+        let slopes = Slopes {
+            acceleration: acceleration.slope,
+            pressure_rate: pressure_rate.slope[0],
+            mass_rate: mass_rate.slope[0],
+        };
+        ([velocity.value, acceleration.value, pressure_rate.value, mass_rate.value], slopes)
     }
 
     /// Rate in 1/s of the secant from the pressure to that of an open port: how fast it would settle at its present rate.
@@ -177,6 +192,16 @@ fn ahead<S: Scalar>(state: &[S; 4], step: S, slope: &[S; 4]) -> [S; 4] {
     end
 }
 
+/// What the matrix of the stable method is made of.
+struct Slopes<S> {
+    /// Of the acceleration, by length and by velocity.
+    acceleration: [S; 2],
+    /// Of the pressure's rate, by the pressure.
+    pressure_rate: S,
+    /// Of the air mass's rate, by the pressure.
+    mass_rate: S,
+}
+
 /// `I − γhA` in the blocks that it has: length and velocity, pressure, air mass.
 struct Matrix<S> {
     reach: S,
@@ -188,22 +213,21 @@ struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     #[inline(always)]
-    fn new(rates: &[Dual<S, 3>; 4], settling: S, step: S) -> Self {
+    fn new(rates: &[S; 4], slopes: &Slopes<S>, settling: S, step: S) -> Self {
         let reach = step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
-        let velocity_by_length = reach * rates[1].slope[0];
-        let velocity_by_velocity = reach * rates[1].slope[1];
-        let tangent = rates[2].slope[2].smaller(S::zero());
+        let velocity_by_length = reach * slopes.acceleration[0];
+        let velocity_by_velocity = reach * slopes.acceleration[1];
+        let tangent = slopes.pressure_rate.smaller(S::zero());
         let steeper = tangent.smaller(-settling);
-        let by_pressure = rates[3].slope[2];
         // The air mass answers to the pressure along the same line, tangent or secant.
-        let secant_mass = -settling * rates[3].value / rates[2].value;
+        let secant_mass = -settling * rates[3] / rates[2];
         let takes_secant = (-settling).lt(tangent);
         Self {
             reach,
             velocity_by_length,
             velocity_pivot: S::one() / (S::one() - velocity_by_velocity - reach * velocity_by_length),
             pressure_pivot: S::one() / (S::one() - reach * steeper),
-            mass_by_pressure: reach * S::select(takes_secant, secant_mass, by_pressure),
+            mass_by_pressure: reach * S::select(takes_secant, secant_mass, slopes.mass_rate),
         }
     }
 
