@@ -305,6 +305,7 @@ pub static KEYS: &[Key] = &[
     quantity(&p::RELATIVE_TOLERANCE, "1e-8"),
     choice("run.method", Method::CHOICES, "Formula of the fixed-step engine.", "\"stable\"").or("stable"),
     quantity(&p::STEP, "\"0.1 ms\""),
+    quantity(&p::ACCURACY, "1e-3"),
 ];
 
 /// The row of a key.

@@ -88,6 +88,11 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.band
     }
 
+    /// The usual size of each state: the longest length, a usual velocity, the atmosphere's pressure, the air at that.
+    pub(super) fn magnitudes(&self) -> [f64; 4] {
+        self.magnitudes
+    }
+
     /// The phase at t = 0 in a state.
     pub fn begin(&self, state: &[R; 4]) -> Phase<R> {
         let mut clock = SeatClock::released();
