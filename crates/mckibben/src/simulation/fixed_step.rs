@@ -16,8 +16,8 @@
 //! ```
 //!
 //! That freedom is used: `A` holds the exact derivatives of the mechanics (the taut braid may be stiff) and, for the
-//! pressure, the steeper of the tangent and the secant to the port's pressure, so that no step overshoots the port. With
-//! this γ the first stage goes at most 0.59 of the way.
+//! pressure, the steeper of the tangent and the secant of the flow's part to the port's pressure, so that no flow
+//! overshoots the port. With this γ the first stage goes at most 0.59 of the way.
 //!
 //! The kernels take masks and selects instead of branches, so that they also run on lanes.
 //! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
@@ -25,6 +25,7 @@
 use super::mode::Sliding;
 use super::rig::{Rig, State};
 use super::sample::Sample;
+use crate::air::Flow;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::Load;
@@ -99,7 +100,7 @@ impl<S: Scalar> Rig<S> {
         let seeded: [Dual<S, 3>; 4] = core::array::from_fn(|n| Dual::variable(state[n], n));
         let rates = self.rates(Dual::of(time), &seeded, held);
         let first: [S; 4] = rates.map(|rate| rate.value);
-        let matrix = Matrix::new(&rates, self.settling_rate(&state, &first, held), step);
+        let matrix = Matrix::new(&rates, self.secant(&state, &first, held), step);
         let k1 = matrix.solve(first);
         let predicted: [S; 4] = core::array::from_fn(|n| k1[n].multiply_add(step, state[n]));
         let second = self.rates(time + step, &predicted, held);
@@ -108,15 +109,23 @@ impl<S: Scalar> Rig<S> {
         core::array::from_fn(|n| state[n] + half * (S::constant(3.0) * k1[n] + k2[n]))
     }
 
-    /// Rate in 1/s of the secant from the pressure to that of an open port: how fast it would settle at its present rate.
+    /// The secant from the pressure to that of an open port: of the pressure's rate in 1/s, and of the air mass's in
+    /// kg/(s·Pa), by the flow alone. What else moves the pressure (the volume, heat) does not settle at the port.
     #[inline(always)]
-    fn settling_rate(&self, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> S {
-        let Some(valve) = self.actuator().valve() else { return S::zero() };
+    fn secant(&self, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> [S; 2] {
+        let actuator = self.actuator();
+        let Some(valve) = actuator.valve() else { return [S::zero(); 2] };
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
         let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
-        let gap = port - state[2];
-        let secant = rates[2] / gap;
-        S::select(one_open & S::zero().lt(secant), secant, S::zero())
+        let [length, _, pressure, mass] = *state;
+        let slack = actuator.limits().is_slack(length);
+        let chamber = actuator.chamber(length, rates[0], pressure, mass, slack);
+        let by_flow = rates[2] - actuator.pressure_rate(&chamber, &Flow::none());
+        let gap = port - pressure;
+        let settling = by_flow / gap;
+        // Where the pressures are equal there is no secant, and the tangent has the slope of the straight line.
+        let settles = one_open & S::zero().lt(gap.magnitude()) & S::zero().lt(settling);
+        [settling, rates[3] / gap].map(|slope| S::select(settles, slope, S::zero()))
     }
 }
 
@@ -131,22 +140,20 @@ struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     #[inline(always)]
-    fn new(rates: &[Dual<S, 3>; 4], settling: S, step: S) -> Self {
+    fn new(rates: &[Dual<S, 3>; 4], [settling, mass_settling]: [S; 2], step: S) -> Self {
         let reach = step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
         let velocity_by_length = reach * rates[1].slope[0];
         let velocity_by_velocity = reach * rates[1].slope[1];
         let tangent = rates[2].slope[2].smaller(S::zero());
         let steeper = tangent.smaller(-settling);
-        let by_pressure = rates[3].slope[2];
-        // The air mass answers to the pressure along the same line, tangent or secant.
-        let secant_mass = -settling * rates[3].value / rates[2].value;
         let takes_secant = (-settling).lt(tangent);
         Self {
             reach,
             velocity_by_length,
             velocity_pivot: S::one() / (S::one() - velocity_by_velocity - reach * velocity_by_length),
             pressure_pivot: S::one() / (S::one() - reach * steeper),
-            mass_by_pressure: reach * S::select(takes_secant, secant_mass, by_pressure),
+            // The air mass answers to the pressure along the same line, tangent or secant.
+            mass_by_pressure: reach * S::select(takes_secant, -mass_settling, rates[3].slope[2]),
         }
     }
 
