@@ -1,7 +1,8 @@
 //! The fixed-step engine: bounded cost, no allocation, valve edges honoured inside the step.
 //!
-//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, and, with Coulomb
-//! friction, where the velocity comes to zero: there the load sticks if friction can hold it. Each part is one step of
+//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, where the tendon
+//! falls slack or tight, where the braid comes taut or ceases to pull, and, with Coulomb friction, where the velocity comes
+//! to zero: there the load sticks if friction can hold it. Each part is one step of
 //!
 //! | method | order | for |
 //! |---|---|---|
@@ -22,7 +23,7 @@
 //! The kernels take masks and selects instead of branches, so that they also run on lanes.
 //! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
 
-use super::mode::Sliding;
+use super::mode::{Extent, Sliding};
 use super::rig::{Rig, State};
 use super::sample::Sample;
 use crate::air::Flow;
@@ -52,6 +53,10 @@ pub struct Held<S: Scalar> {
     pub sliding: S,
     /// Where friction holds the load at rest.
     pub stuck: S::Mask,
+    /// Where the tendon is slack.
+    pub slack: S::Mask,
+    /// Where the taut braid pulls.
+    pub taut: S::Mask,
     /// Corners of a prescribed motion that have been passed.
     pub corners_passed: usize,
 }
@@ -68,15 +73,17 @@ impl<S: Scalar> Rig<S> {
             Load::Isometric => velocity = T::zero(),
             Load::HangingMass { .. } | Load::ConstantForce { .. } => {
                 if let Some(inertia) = self.load().inertia() {
-                    let tension = actuator.tension_sliding(length, velocity, pressure, T::of(held.sliding));
+                    let ends = [length, velocity, pressure];
+                    let effectiveness = actuator.law().effectiveness.at(actuator.gauge(pressure));
+                    let force = actuator.signed_force(ends, T::of(held.sliding), held.taut, effectiveness);
+                    let tension = T::select(held.slack, T::zero(), force.larger(T::zero()));
                     let free = (T::of(inertia.pull) - tension) / T::of(inertia.mass);
                     acceleration = T::select(held.stuck, T::zero(), free);
                     velocity = T::select(held.stuck, T::zero(), velocity);
                 }
             }
         }
-        let slack = actuator.limits().is_slack(length);
-        let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
+        let chamber = actuator.chamber(length, velocity, pressure, mass, held.slack);
         let flow = actuator.flow(&chamber, held.supply, held.exhaust);
         [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
     }
@@ -118,8 +125,7 @@ impl<S: Scalar> Rig<S> {
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
         let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
         let [length, _, pressure, mass] = *state;
-        let slack = actuator.limits().is_slack(length);
-        let chamber = actuator.chamber(length, rates[0], pressure, mass, slack);
+        let chamber = actuator.chamber(length, rates[0], pressure, mass, held.slack);
         let by_flow = rates[2] - actuator.pressure_rate(&chamber, &Flow::none());
         let gap = port - pressure;
         let settling = by_flow / gap;
@@ -176,13 +182,24 @@ pub struct FixedStepper<'a, R: Real = f64> {
     ports: Ports,
     corners_passed: usize,
     sliding: Sliding,
+    /// Slack, taut, or free: between the limits or beyond without pull.
+    extent: Extent,
 }
 
-/// Parts of a step between two instants in which sliding may turn, stick or break away before the rest is taken as it is.
+/// What a part of a step may end at before its time.
+#[derive(Clone, Copy, Debug)]
+enum Turn {
+    /// The direction of sliding ceases to hold.
+    Sliding,
+    /// The extent ceases to hold.
+    Extent,
+}
+
+/// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
 /// Part of a step to which a turn is located.
 const TURN_TOLERANCE: f64 = 1e-12;
-/// Part of a step that a load which starts from rest moves before a turn is looked for.
+/// Part of a step that a load which starts from rest, or on a limit, moves before a turn is looked for.
 const FROM_REST: f64 = 1e-3;
 
 impl<'a, R: Real> FixedStepper<'a, R> {
@@ -197,6 +214,7 @@ impl<'a, R: Real> FixedStepper<'a, R> {
             ports: Ports::CLOSED,
             corners_passed: 0,
             sliding: Sliding::Held,
+            extent: Extent::Free,
         };
         stepper.pass_instants();
         stepper.sliding = stepper.sliding_from_rest_or_velocity();
@@ -244,10 +262,10 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         loop {
             let instant = self.rig.next_instant(&self.clock, self.corners_passed, until);
             let part_end = instant.unwrap_or(until);
-            let before = (self.time, self.state, self.sliding);
+            let before = (self.time, self.state, self.sliding, self.extent);
             self.advance_smoothly(part_end);
             if let Err(error) = self.check() {
-                (self.time, self.state, self.sliding) = before;
+                (self.time, self.state, self.sliding, self.extent) = before;
                 return Err(error);
             }
             if instant.is_none() {
@@ -295,6 +313,8 @@ impl<'a, R: Real> FixedStepper<'a, R> {
             exhaust: self.ports.exhaust,
             sliding: R::constant(self.sliding.direction()),
             stuck: self.sliding == Sliding::Stuck,
+            slack: self.extent == Extent::Slack,
+            taut: self.extent == Extent::Taut,
             corners_passed: self.corners_passed,
         }
     }
@@ -312,29 +332,37 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         state
     }
 
-    /// Goes on to `until` with the same passages open, in parts that end where the load turns, sticks or breaks away.
+    /// Goes on to `until` with the same passages open, in parts that end where the load turns, sticks or breaks away, and
+    /// where it passes a limit of the length.
     fn advance_smoothly(&mut self, until: R) {
+        if self.keeps_extent(&self.state) < 0.0 {
+            self.extent = self.extent_of(&self.state);
+        }
         for _ in 0..MAX_TURNS {
             let step = until - self.time;
             if step.value() <= 0.0 {
                 break;
             }
             let end = self.take(step);
-            if self.keeps_sliding(&end) >= 0.0 {
+            let turns = [Turn::Sliding, Turn::Extent].into_iter().filter(|&turn| self.keeps(turn, &end) < 0.0);
+            let first = turns.map(|turn| (self.part_to(turn, step), turn)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((part, turn)) = first else {
                 self.state = end;
                 self.time = until;
                 break;
-            }
-            let keeps = |theta: f64| self.keeps_sliding(&self.take(R::constant(theta) * step));
-            // From rest the function starts at zero, or a rounding below: look away from the start.
-            let from = if keeps(0.0) > 0.0 { 0.0 } else { FROM_REST };
-            let part = R::constant(crate::root::bracketed(from, 1.0, TURN_TOLERANCE, keeps)) * step;
+            };
+            let part = R::constant(part) * step;
             self.state = self.take(part);
-            if self.sliding != Sliding::Stuck {
-                self.state[1] = R::zero();
-            }
             self.time = self.time + part;
-            self.sliding = self.sliding_after(self.sliding);
+            match turn {
+                Turn::Sliding => {
+                    if self.sliding != Sliding::Stuck {
+                        self.state[1] = R::zero();
+                    }
+                    self.sliding = self.sliding_after(self.sliding);
+                }
+                Turn::Extent => self.extent = self.extent_after(),
+            }
         }
         if self.time.value() < until.value() {
             self.state = self.take(until - self.time);
@@ -342,6 +370,58 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         }
         if self.rig.load().inertia().is_none() {
             self.sliding = self.sliding_from_rest_or_velocity();
+        }
+    }
+
+    /// The part of a step at whose end something ceases to hold that does not hold at the end of the whole.
+    fn part_to(&self, turn: Turn, step: R) -> f64 {
+        let keeps = |theta: f64| self.keeps(turn, &self.take(R::constant(theta) * step));
+        // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
+        let from = if keeps(0.0) > 0.0 { 0.0 } else { FROM_REST };
+        crate::root::bracketed(from, 1.0, TURN_TOLERANCE, keeps)
+    }
+
+    /// Negative where something has ceased to hold.
+    fn keeps(&self, turn: Turn, state: &[R; 4]) -> f64 {
+        match turn {
+            Turn::Sliding => self.keeps_sliding(state),
+            Turn::Extent => self.keeps_extent(state),
+        }
+    }
+
+    /// The length in m by which a state is within the extent, negative beyond. The force of the taut braid counts as the
+    /// stretch that it would take at rest.
+    fn keeps_extent(&self, state: &[R; 4]) -> f64 {
+        let limits = self.rig.actuator().limits();
+        let above = (state[0] - limits.min_length()).value();
+        let stretched = (state[0] - limits.max_length()).value();
+        let taut = stretched.min((limits.taut_force(state[0], state[1]) / limits.stiffness()).value());
+        match self.extent {
+            Extent::Slack => -above,
+            Extent::Taut => taut,
+            Extent::Free | Extent::Rebound => above.min(-taut),
+        }
+    }
+
+    /// The extent of a state that lies on no limit.
+    fn extent_of(&self, state: &[R; 4]) -> Extent {
+        let limits = self.rig.actuator().limits();
+        let pulls = limits.force(state[0], state[1]).value() > 0.0;
+        match limits.is_slack(state[0]).any() {
+            true => Extent::Slack,
+            false if pulls => Extent::Taut,
+            false => Extent::Free,
+        }
+    }
+
+    /// The extent after the present one has ceased to hold.
+    fn extent_after(&self) -> Extent {
+        let limits = self.rig.actuator().limits();
+        let middle = 0.5 * (limits.min_length() + limits.max_length()).value();
+        match self.extent {
+            Extent::Slack | Extent::Taut => Extent::Free,
+            Extent::Free | Extent::Rebound if self.state[0].value() < middle => Extent::Slack,
+            Extent::Free | Extent::Rebound => Extent::Taut,
         }
     }
 
