@@ -21,6 +21,8 @@
 //! overshoots the port. With this γ the first stage goes at most 0.59 of the way.
 //!
 //! The kernels take masks and selects instead of branches, so that they also run on lanes.
+//! What error a step leaves is in `docs/accuracy.md`; a step for an accuracy is chosen by [`super::accuracy`].
+//!
 //! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
 
 use super::mode::{Extent, Sliding};
