@@ -89,6 +89,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// The usual size of each state: the longest length, a usual velocity, the atmosphere's pressure, the air at that.
+    #[cfg(feature = "alloc")]
     pub(super) fn magnitudes(&self) -> [f64; 4] {
         self.magnitudes
     }
