@@ -157,8 +157,8 @@ pub(crate) fn chosen(measured: &Measured) -> String {
 const HEAD: &str = "\
 # Accuracy of the fixed-step engine
 
-Made by `cargo xtask accuracy`; a test measures every figure anew. The figures are differences between the two engines of
-this program, not between the model and a muscle.
+Made by `cargo xtask accuracy`; a test measures every figure of its tables anew. They are differences between the two
+engines of this program, not between the model and a muscle.
 
 Each case is run by the event-located engine at a relative tolerance of 1e-12, and by the fixed-step engine at steps from
 10 ms to 0.01 ms. The error of a state is the largest difference at the end of any step, as a share of the range that the
@@ -180,15 +180,15 @@ How to read it:
 
 - RK4 has order 4 where nothing has a kink (the ring-down). The flow law is only continuous where it meets its straight
   line near equal pressures, and the tension where it comes to zero: there the order falls towards 2, at small errors.
-- The stable method has order 2. Its price for standing any step is an error hundreds of times that of RK4 at 0.1 ms: take
-  it where the step is given from outside and long for the chamber, RK4 where accuracy is asked for.
+- The stable method has order 2. Its price for long steps near equal pressure is an error hundreds of times that of RK4 at
+  0.1 ms: take it where the step is given from outside and long for the chamber, RK4 where accuracy is asked for.
 - A small chamber shows where RK4 ends: at 10 ms it leaves the physics, and at 5, 2 and 1 ms it still hangs 35, 12 and 3 kPa
   below the supply's pressure after a second. Its steps must lie below the time in which the air settles. The stable
   method comes to the supply's pressure at each of these steps.
 - At 10 ms, a quarter of the period, the stable method leaves the physics too under PWM. Where a step does, the engine stops
   and says so.
-- Valve edges, turns of the velocity with Coulomb friction, slack and taut end a part of a step where they happen, so
-  none of them costs an order.
+- Valve edges, turns of the velocity with Coulomb friction, slack and taut end a part of a step where they happen: no
+  jump of a force or a flow lies inside one.
 ";
 
 /// The whole page.
