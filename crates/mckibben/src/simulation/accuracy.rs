@@ -22,8 +22,9 @@
 //!
 //! Checked by `tests/accuracy.rs`; the figures for the examples are in `docs/accuracy.md`.
 
-use super::fixed_step::{FixedStepper, Method};
+use super::fixed_step::FixedStepper;
 use super::hybrid::RigSystem;
+use super::kernel::Method;
 use super::rig::{Rig, State};
 use super::sample::SampleTimes;
 use super::trajectory::{Trajectory, simulate};

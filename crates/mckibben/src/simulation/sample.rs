@@ -1,9 +1,11 @@
 //! What is known at an instant, whichever engine computed it.
 
-use crate::air::Flow;
+use super::kernel::Observed;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
+#[cfg(feature = "batch")]
+use crate::{air::Flow, scalar::Vector};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,15 +37,34 @@ impl<R: Scalar> Sample<R> {
     pub(super) fn new(
         time: R,
         &[length, velocity, pressure, air_mass]: &[R; 4],
-        tension: R,
-        volume: R,
-        temperature: R,
-        flow: &Flow<R>,
+        observed: &Observed<R>,
         ports: Ports,
     ) -> Self {
+        let &Observed { tension, volume, temperature, flow } = observed;
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
         Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }
+    }
+}
+
+impl Sample {
+    /// The sample of one lane.
+    #[cfg(feature = "batch")]
+    pub(crate) fn of_lane<S: Vector<Lane = f64>>(
+        time: f64,
+        state: &[S; 4],
+        observed: &Observed<S>,
+        lane: usize,
+        ports: Ports,
+    ) -> Self {
+        let flow = Flow { inward: observed.flow.inward.lane(lane), outward: observed.flow.outward.lane(lane) };
+        let observed = Observed {
+            tension: observed.tension.lane(lane),
+            volume: observed.volume.lane(lane),
+            temperature: observed.temperature.lane(lane),
+            flow,
+        };
+        Self::new(time, &state.map(|number| number.lane(lane)), &observed, ports)
     }
 }
 
