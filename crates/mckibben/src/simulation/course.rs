@@ -70,9 +70,10 @@ impl<S: Vector> Course<S> {
             let step = S::of_time((until - self.time).larger(S::Time::zero()));
             let end = instructions.run(Take { course: self, rig, method, step });
             if may_turn && turns < MAX_TURNS {
-                let turned = rig.keeps(&self.held, &end).lt(S::zero()) & S::zero().lt(step);
+                let keeps = rig.keeps(&self.held, &end);
+                let turned = keeps[0].smaller(keeps[1]).lt(S::zero()) & S::zero().lt(step);
                 if turned.any() {
-                    instructions.run(Turn { instructions, course: self, rig, method, until, step, end, turned });
+                    instructions.run(Turn { instructions, course: self, rig, method, until, step, end, keeps, turned });
                     turns += 1;
                     continue;
                 }
@@ -160,6 +161,8 @@ struct Turn<'a, S: Vector, I> {
     until: S::Time,
     step: S,
     end: [S; 4],
+    /// By how much sliding and extent hold at the end.
+    keeps: [S; 2],
     turned: S::Mask,
 }
 
@@ -168,16 +171,9 @@ impl<S: Vector, I: Instructions> Kernel for Turn<'_, S, I> {
 
     #[inline(always)]
     fn run(self) {
-        let ceased = [
-            self.turned & self.rig.keeps_sliding(&self.course.held, &self.end).lt(S::zero()),
-            self.turned & self.rig.keeps_extent(&self.course.held, &self.end).lt(S::zero()),
-        ];
-        let (part, at_turn) = self.locate(&ceased);
+        let (part, at_turn, at_limit) = self.locate();
         let Self { course, rig, until, end, turned, .. } = self;
-        // Where both have ceased to hold by the end of the step, the one that is nil at the turn has done so first.
-        let slides_on = rig.keeps_extent(&course.held, &at_turn).lt(rig.keeps_sliding(&course.held, &at_turn));
-        let at_limit = ceased[1] & (!ceased[0] | slides_on);
-        let at_rest = ceased[0] & !at_limit;
+        let (at_rest, at_limit) = (turned & !at_limit, turned & at_limit);
         let was_stuck = course.held.stuck;
         for n in 0..4 {
             course.state[n] = S::select(turned, at_turn[n], end[n]);
@@ -201,19 +197,24 @@ impl<S: Vector, I: Instructions> Kernel for Turn<'_, S, I> {
 }
 
 impl<S: Vector, I: Instructions> Turn<'_, S, I> {
-    /// How much of the step is taken up to the turn, and the state there.
+    /// How much of the step is taken up to the turn, the state there, and where it is the extent that ends.
+    ///
+    /// What holds at the end of the step is taken to hold throughout. Of two that do not, the one that is nil at the turn
+    /// has ceased to hold first.
     ///
     /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
     /// that the bracket shrinks whatever the function.
     #[inline(always)]
-    fn locate(&self, ceased: &[S::Mask; 2]) -> (S, [S; 4]) {
+    fn locate(&self) -> (S, [S; 4], S::Mask) {
         let Self { instructions, rig, method, step, end, turned, .. } = *self;
         let course = &*self.course;
         let tolerance = S::constant(TURN_TOLERANCE);
         let (mut low, mut high) = (S::zero(), S::one());
-        let mut at_low = self.keeps(ceased, &course.state);
-        let mut at_high = self.keeps(ceased, &end);
-        let (mut theta, mut at_turn) = (S::one(), end);
+        let [sliding, extent] = self.ceasing(&rig.keeps(&course.held, &course.state));
+        let mut at_low = sliding.smaller(extent);
+        let [sliding, extent] = self.ceasing(&self.keeps);
+        let mut at_high = sliding.smaller(extent);
+        let (mut theta, mut at_turn, mut at_limit) = (S::one(), end, extent.lt(sliding));
         let mut open = turned;
         for count in 0..MAX_SECANTS {
             // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
@@ -223,10 +224,12 @@ impl<S: Vector, I: Instructions> Turn<'_, S, I> {
             let inside = if count % 4 == 3 { half } else { secant };
             let next = S::select(from_rest, S::constant(FROM_REST), inside);
             let state = instructions.run(Take { course, rig, method, step: next * step });
-            let value = self.keeps(ceased, &state);
+            let [sliding, extent] = self.ceasing(&rig.keeps(&course.held, &state));
+            let value = sliding.smaller(extent);
             let is_beyond = value.lt(S::zero());
             let change = (next - theta).magnitude();
             theta = S::select(open, next, theta);
+            at_limit = chosen(open, extent.lt(sliding), at_limit);
             for n in 0..4 {
                 at_turn[n] = S::select(open, state[n], at_turn[n]);
             }
@@ -242,24 +245,25 @@ impl<S: Vector, I: Instructions> Turn<'_, S, I> {
                 S::select(is_beyond, value, halved * at_high),
             );
         }
-        (theta * step, at_turn)
+        (theta * step, at_turn, at_limit)
     }
 
-    /// Negative where what has ceased to hold by the end of the step, sliding or extent, does not hold in a state.
+    /// By how much sliding and extent hold, as far as they do not hold at the end of the step.
     #[inline(always)]
-    fn keeps(&self, [sliding, extent]: &[S::Mask; 2], state: &[S; 4]) -> S {
-        let held = &self.course.held;
+    fn ceasing(&self, &[sliding, extent]: &[S; 2]) -> [S; 2] {
         let endless = S::constant(f64::INFINITY);
-        let keeps_sliding = S::select(*sliding, self.rig.keeps_sliding(held, state), endless);
-        S::select(*extent, self.rig.keeps_extent(held, state), endless).smaller(keeps_sliding)
+        [
+            S::select(self.keeps[0].lt(S::zero()), sliding, endless),
+            S::select(self.keeps[1].lt(S::zero()), extent, endless),
+        ]
     }
 }
 
 impl<S: Scalar> Rig<S> {
-    /// Negative where the direction of sliding or the extent has ceased to hold.
+    /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
-    fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> S {
-        self.keeps_extent(held, state).smaller(self.keeps_sliding(held, state))
+    fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
+        [self.keeps_sliding(held, state), self.keeps_extent(held, state)]
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
