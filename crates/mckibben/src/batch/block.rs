@@ -73,18 +73,11 @@ impl<S: Vector<Lane = f64>> Block<S> {
             ports: Ports::CLOSED,
             fault: None,
         };
-        let held = Held {
-            supply: S::Mask::splat(false),
-            exhaust: S::Mask::splat(false),
-            sliding: S::zero(),
-            stuck: S::Mask::splat(false),
-            line: Line::resting(S::zero()),
-        };
         // Lanes without a row hold no number, so that nothing ever happens in them.
         let start = |number: usize| {
             S::from_lanes(|lane| rows.get(lane).map_or(f64::NAN, |(_, state)| state.to_array()[number]))
         };
-        let course = Course { time: S::Time::zero(), state: core::array::from_fn(start), held };
+        let course = Course { time: S::Time::zero(), state: core::array::from_fn(start), held: Held::nothing() };
         let mut block = Self {
             rig: gather(&rigs),
             method,
@@ -118,7 +111,7 @@ impl<S: Vector<Lane = f64>> Block<S> {
             Line { time: lines(|line| line.time), length: lines(|line| line.length), slope: lines(|line| line.slope) };
         held.supply = S::mask(|index| lanes.get(index).is_some_and(|lane| lane.ports.supply));
         held.exhaust = S::mask(|index| lanes.get(index).is_some_and(|lane| lane.ports.exhaust));
-        self.course.slide(&self.rig, which);
+        self.course.enter(&self.rig, which);
         self.look_ahead(which);
     }
 

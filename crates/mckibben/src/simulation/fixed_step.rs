@@ -1,8 +1,11 @@
 //! The fixed-step engine: bounded cost, no allocation, valve edges honoured inside the step.
 //!
-//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, and, with Coulomb
-//! friction, where the velocity comes to zero: there the load sticks if friction can hold it. Each part is one step of a
-//! [`Method`]. A [batch](crate::batch) does the same in lanes.
+//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, where the tendon
+//! falls slack or tight, where the braid comes taut or ceases to pull, and, with Coulomb friction, where the velocity comes
+//! to zero: there the load sticks if friction can hold it. Each part is one step of a [`Method`]. A
+//! [batch](crate::batch) does the same in lanes.
+//!
+//! What error a step leaves is in `docs/accuracy.md`; a step for an accuracy is chosen by [`super::accuracy`].
 //!
 //! Checked by `tests/fixed_step.rs`.
 
@@ -12,7 +15,6 @@ use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::timetable::Progress;
 use crate::error::Error;
-use crate::load::Line;
 use crate::scalar::Real;
 use crate::valve::Ports;
 
@@ -29,9 +31,7 @@ pub struct FixedStepper<'a, R: Real = f64> {
 impl<'a, R: Real> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let held =
-            Held { supply: false, exhaust: false, sliding: R::zero(), stuck: false, line: Line::resting(R::zero()) };
-        let course = Course { time: R::zero(), state: start.to_array(), held };
+        let course = Course { time: R::zero(), state: start.to_array(), held: Held::nothing() };
         let mut stepper = Self { rig, method, course, progress: Progress::none(), ports: Ports::CLOSED };
         stepper.pass_instants();
         stepper
@@ -85,7 +85,7 @@ impl<'a, R: Real> FixedStepper<'a, R> {
         self.ports = timetable.pass(&mut self.progress, self.course.time);
         self.course.held.line = timetable.line(&self.progress);
         (self.course.held.supply, self.course.held.exhaust) = (self.ports.supply, self.ports.exhaust);
-        self.course.slide(self.rig, true);
+        self.course.enter(self.rig, true);
     }
 }
 

@@ -95,4 +95,18 @@ impl SampleTimes {
     pub fn time(&self, index: u64) -> f64 {
         if index >= self.last { self.duration } else { index as f64 * self.interval }
     }
+
+    /// The ends in s of the steps that divide every interval into the least number of equal parts not longer than `step`
+    /// s (above zero), and whether each is the time of a sample.
+    pub fn steps(self, step: f64) -> impl Iterator<Item = (f64, bool)> {
+        (1..=self.last).flat_map(move |index| {
+            let (from, until) = (self.time(index - 1), self.time(index));
+            // The quotient of two decimal numbers may lie a rounding above a whole one.
+            let quotient = (until - from) / step * (1.0 - 1e-12);
+            let parts = (quotient as u64).saturating_add(1).max(1);
+            let end =
+                move |part| if part == parts { until } else { from + (until - from) * (part as f64 / parts as f64) };
+            (1..=parts).map(move |part| (end(part), part == parts))
+        })
+    }
 }
