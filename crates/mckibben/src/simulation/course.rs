@@ -1,12 +1,10 @@
-//! From one instant to the next, in any number of lanes: each slides, turns, sticks, breaks away, falls slack and comes
-//! taut by itself.
+//! From one instant to the next: a load slides, turns, sticks, breaks away, falls slack and comes taut.
 //!
 //! With Coulomb friction the direction of sliding is held over a step, and so is the extent: slack, taut, or free, which is
 //! between the limits of the length or beyond the longest without pull. Where the velocity has changed its sign by the end
 //! of the step, friction can no longer hold a load at rest, or the length or the force of the taut braid has left the
 //! extent, the point within the step where that first happens is found by bracketed secants on the method's own step; the
-//! load then turns, sticks or breaks away, or the extent changes, and the rest of the step follows. Lanes in which nothing
-//! happens have arrived; lanes that turned go on.
+//! load then turns, sticks or breaks away, or the extent changes, and the rest of the step follows.
 //!
 //! At rest the load sticks while its pull lies between the least and the largest tension that friction can hold,
 //! `F_s + F_limit ± Q k_sec`, (12).
@@ -16,7 +14,7 @@
 use super::kernel::{Held, Method};
 use super::rig::Rig;
 use crate::load::Load;
-use crate::scalar::{Mask, Scalar, Vector};
+use crate::scalar::{Mask, Real, Scalar};
 
 /// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
@@ -27,243 +25,171 @@ const FROM_REST: f64 = 1e-3;
 /// Secants and bisections after which a turn is taken where the bracket is.
 const MAX_SECANTS: usize = 60;
 
-/// How work is compiled: a kernel that is run by one of these uses its instructions throughout.
-pub(crate) trait Instructions: Copy {
-    /// Runs a kernel.
-    fn run<K: Kernel>(self, kernel: K) -> K::Output;
-}
-
-/// Work that is worth a compilation of its own.
-pub(crate) trait Kernel {
-    /// What comes out of it.
-    type Output;
-    /// Does the work.
-    fn run(self) -> Self::Output;
-}
-
-/// The instructions that the whole program is compiled for.
+/// Where a rig is, and what it holds to until the next instant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ordinary;
-
-impl Instructions for Ordinary {
-    #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        kernel.run()
-    }
+pub(crate) struct Course<R: Real> {
+    pub(crate) time: R::Time,
+    pub(crate) state: [R; 4],
+    pub(crate) held: Held<R>,
 }
 
-/// Where each lane is, and what it holds to until the next instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Course<S: Vector> {
-    pub(crate) time: S::Time,
-    pub(crate) state: [S; 4],
-    pub(crate) held: Held<S>,
-}
-
-impl<S: Vector> Course<S> {
+impl<R: Real> Course<R> {
     /// Goes on to `until` with the same passages open.
-    #[inline(always)]
-    pub(crate) fn advance(&mut self, instructions: impl Instructions, rig: &Rig<S>, method: Method, until: S::Time) {
-        let may_turn = !matches!(rig.load(), Load::Isometric);
-        let mut turns = 0;
-        loop {
-            let step = S::of_time((until - self.time).larger(S::Time::zero()));
-            let end = instructions.run(Take { course: self, rig, method, step });
-            if may_turn && turns < MAX_TURNS {
-                let keeps = rig.keeps(&self.held, &end);
-                let turned = keeps[0].smaller(keeps[1]).lt(S::zero()) & S::zero().lt(step);
-                if turned.any() {
-                    instructions.run(Turn { instructions, course: self, rig, method, until, step, end, keeps, turned });
-                    turns += 1;
-                    continue;
-                }
-            }
-            self.state = end;
-            self.time = self.time.larger(until);
-            if turns == MAX_TURNS {
-                self.stretch(rig, S::zero().lt(step));
-            }
-            break;
+    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time) {
+        for _ in 0..MAX_TURNS {
+            let Some(turn) = self.attempt(rig, method, until) else { return };
+            self.turn(rig, &turn);
         }
+        self.arrive(rig, until, self.take(rig, method, self.step_to(until)));
+        self.stretch(rig);
+    }
+
+    /// Takes the whole step, or says where in it something ceases to hold.
+    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time) -> Option<Turn<R>> {
+        let step = self.step_to(until);
+        let end = self.take(rig, method, step);
+        let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
+        if R::zero().lt(step) && (ceases[0] || ceases[1]) {
+            return Some(self.locate(rig, method, step, end, ceases));
+        }
+        self.arrive(rig, until, end);
+        None
+    }
+
+    fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: [R; 4]) {
+        self.state = end;
+        self.time = self.time.larger(until);
         if rig.load().inertia().is_none() {
-            self.slide(rig, S::Mask::splat(true));
+            self.slide(rig);
         }
     }
 
-    /// Decides anew what follows an instant in the lanes of `which`.
-    #[inline(always)]
-    pub(crate) fn enter(&mut self, rig: &Rig<S>, which: S::Mask) {
-        self.slide(rig, which);
-        self.stretch(rig, which);
+    fn step_to(&self, until: R::Time) -> R {
+        R::of_time((until - self.time).larger(R::Time::zero()))
     }
 
-    /// Decides anew the extent in those lanes of `which` where it does not hold.
-    #[inline(always)]
-    fn stretch(&mut self, rig: &Rig<S>, which: S::Mask) {
-        let limits = rig.actuator().limits();
-        let [length, velocity, ..] = self.state;
-        let left = which & rig.keeps_extent(&self.held, &self.state).lt(S::zero());
-        let slack = limits.is_slack(length);
-        let taut = !slack & S::zero().lt(limits.force(length, velocity));
-        self.held.slack = chosen(left, slack, self.held.slack);
-        self.held.taut = chosen(left, taut, self.held.taut);
+    fn take(&self, rig: &Rig<R>, method: Method, step: R) -> [R; 4] {
+        rig.take(method, R::of_time(self.time), &self.state, step, &self.held)
     }
 
-    /// Decides anew how the lanes of `which` slide.
-    #[inline(always)]
-    fn slide(&mut self, rig: &Rig<S>, which: S::Mask) {
-        let (direction, stuck) = rig.slides(&self.state);
-        self.held.sliding = S::select(which, direction, self.held.sliding);
-        self.held.stuck = chosen(which, stuck, self.held.stuck);
+    /// Decides anew what follows an instant.
+    pub(crate) fn enter(&mut self, rig: &Rig<R>) {
+        self.slide(rig);
+        self.stretch(rig);
     }
 
-    /// Passes the limit of the length that ends the extent in the lanes of `which`.
-    #[inline(always)]
-    fn pass_limit(&mut self, rig: &Rig<S>, which: S::Mask) {
-        let limits = rig.actuator().limits();
-        let middle = S::constant(0.5) * (limits.min_length() + limits.max_length());
-        let (was_free, short) = (!(self.held.slack | self.held.taut), self.state[0].lt(middle));
-        self.held.slack = chosen(which, was_free & short, self.held.slack);
-        self.held.taut = chosen(which, was_free & !short, self.held.taut);
-    }
-}
-
-/// One or the other, lane by lane.
-#[inline(always)]
-fn chosen<M: Mask>(which: M, yes: M, no: M) -> M {
-    (which & yes) | (!which & no)
-}
-
-/// One step of the method from where the lanes are.
-struct Take<'a, S: Vector> {
-    course: &'a Course<S>,
-    rig: &'a Rig<S>,
-    method: Method,
-    step: S,
-}
-
-impl<S: Vector> Kernel for Take<'_, S> {
-    type Output = [S; 4];
-
-    #[inline(always)]
-    fn run(self) -> [S; 4] {
-        let Course { time, state, held } = self.course;
-        self.rig.take(self.method, S::of_time(*time), state, self.step, held)
-    }
-}
-
-/// The part of a step up to the turn in some lanes, and the whole step in the others.
-struct Turn<'a, S: Vector, I> {
-    instructions: I,
-    course: &'a mut Course<S>,
-    rig: &'a Rig<S>,
-    method: Method,
-    until: S::Time,
-    step: S,
-    end: [S; 4],
-    /// By how much sliding and extent hold at the end.
-    keeps: [S; 2],
-    turned: S::Mask,
-}
-
-impl<S: Vector, I: Instructions> Kernel for Turn<'_, S, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (part, at_turn, at_limit) = self.locate();
-        let Self { course, rig, until, end, turned, .. } = self;
-        let (at_rest, at_limit) = (turned & !at_limit, turned & at_limit);
-        let was_stuck = course.held.stuck;
-        for n in 0..4 {
-            course.state[n] = S::select(turned, at_turn[n], end[n]);
+    /// Decides anew the extent where it does not hold.
+    fn stretch(&mut self, rig: &Rig<R>) {
+        if rig.keeps_extent(&self.held, &self.state).lt(R::zero()) {
+            let limits = rig.actuator().limits();
+            let [length, velocity, ..] = self.state;
+            self.held.slack = limits.is_slack(length);
+            self.held.taut = !self.held.slack && R::zero().lt(limits.force(length, velocity));
         }
-        course.state[1] = S::select(at_rest & !was_stuck, S::zero(), course.state[1]);
-        let reached = course.time + part.to_time();
-        course.time = S::Time::select(turned, reached, course.time.larger(until));
-        course.pass_limit(rig, at_limit);
-        course.slide(rig, at_rest);
+    }
+
+    /// Decides anew how the load slides.
+    fn slide(&mut self, rig: &Rig<R>) {
+        (self.held.sliding, self.held.stuck) = rig.slides(&self.state);
+    }
+
+    /// Goes to a turn and through it.
+    fn turn(&mut self, rig: &Rig<R>, turn: &Turn<R>) {
+        self.state = turn.state;
+        self.time = self.time + turn.part.to_time();
+        if turn.at_limit {
+            let limits = rig.actuator().limits();
+            let middle = R::constant(0.5) * (limits.min_length() + limits.max_length());
+            let (was_free, short) = (!(self.held.slack || self.held.taut), self.state[0].lt(middle));
+            (self.held.slack, self.held.taut) = (was_free && short, was_free && !short);
+            return;
+        }
+        let was_stuck = self.held.stuck;
+        if !was_stuck {
+            self.state[1] = R::zero();
+        }
+        self.slide(rig);
         // A load that broke away does not stick in the same instant, whatever the last rounding of the margin.
-        let broke = at_rest & was_stuck & course.held.stuck;
-        if broke.any()
+        if was_stuck
+            && self.held.stuck
             && let Some(inertia) = rig.load().inertia()
         {
-            let (least, most) = rig.holdable(course.state[0], course.state[2]);
+            let (least, most) = rig.holdable(self.state[0], self.state[2]);
             let longer = (most - inertia.pull).lt(inertia.pull - least);
-            course.held.sliding = S::select(broke, S::select(longer, S::one(), -S::one()), course.held.sliding);
-            course.held.stuck = course.held.stuck & !broke;
+            self.held.sliding = R::select(longer, R::one(), -R::one());
+            self.held.stuck = false;
         }
     }
-}
 
-impl<S: Vector, I: Instructions> Turn<'_, S, I> {
-    /// How much of the step is taken up to the turn, the state there, and where it is the extent that ends.
+    /// The point within a step where sliding or extent first ceases to hold.
     ///
     /// What holds at the end of the step is taken to hold throughout. Of two that do not, the one that is nil at the turn
     /// has ceased to hold first.
     ///
     /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
     /// that the bracket shrinks whatever the function.
-    #[inline(always)]
-    fn locate(&self) -> (S, [S; 4], S::Mask) {
-        let Self { instructions, rig, method, step, end, turned, .. } = *self;
-        let course = &*self.course;
-        let tolerance = S::constant(TURN_TOLERANCE);
-        let (mut low, mut high) = (S::zero(), S::one());
-        let [sliding, extent] = self.ceasing(&rig.keeps(&course.held, &course.state));
-        let mut at_low = sliding.smaller(extent);
-        let [sliding, extent] = self.ceasing(&self.keeps);
-        let mut at_high = sliding.smaller(extent);
-        let (mut theta, mut at_turn, mut at_limit) = (S::one(), end, extent.lt(sliding));
-        let mut open = turned;
+    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: [R; 4], ceases: [bool; 2]) -> Turn<R> {
+        let endless = R::constant(f64::INFINITY);
+        let margin = |state: &[R; 4]| {
+            let [sliding, extent] = rig.keeps(&self.held, state);
+            let (sliding, extent) = (R::select(ceases[0], sliding, endless), R::select(ceases[1], extent, endless));
+            (sliding.smaller(extent), extent.lt(sliding))
+        };
+        let half = R::constant(0.5);
+        let (mut low, mut high) = (R::zero(), R::one());
+        let (mut at_low, _) = margin(&self.state);
+        let (mut at_high, at_limit) = margin(&end);
+        let mut theta = R::one();
+        let mut turn = Turn { part: step, state: end, at_limit };
         for count in 0..MAX_SECANTS {
             // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
-            let from_rest = at_low.le(S::zero());
-            let secant = (high - low).multiply_add(at_low / (at_low - at_high), low);
-            let half = S::constant(0.5) * (low + high);
-            let inside = if count % 4 == 3 { half } else { secant };
-            let next = S::select(from_rest, S::constant(FROM_REST), inside);
-            let state = instructions.run(Take { course, rig, method, step: next * step });
-            let [sliding, extent] = self.ceasing(&rig.keeps(&course.held, &state));
-            let value = sliding.smaller(extent);
-            let is_beyond = value.lt(S::zero());
+            let from_rest = at_low.le(R::zero());
+            let next = if from_rest {
+                R::constant(FROM_REST)
+            } else if count % 4 == 3 {
+                half * (low + high)
+            } else {
+                (high - low).multiply_add(at_low / (at_low - at_high), low)
+            };
+            let state = self.take(rig, method, next * step);
+            let (value, at_limit) = margin(&state);
+            let is_beyond = value.lt(R::zero());
             let change = (next - theta).magnitude();
-            theta = S::select(open, next, theta);
-            at_limit = chosen(open, extent.lt(sliding), at_limit);
-            for n in 0..4 {
-                at_turn[n] = S::select(open, state[n], at_turn[n]);
-            }
-            let found = change.le(tolerance) | (value.le(S::zero()) & S::zero().le(value)) | (from_rest & is_beyond);
-            open = open & !found;
-            if !open.any() {
+            theta = next;
+            turn = Turn { part: theta * step, state, at_limit };
+            let is_nil = value.le(R::zero()) && R::zero().le(value);
+            if change.le(R::constant(TURN_TOLERANCE)) || is_nil || (from_rest && is_beyond) {
                 break;
             }
-            let halved = S::constant(0.5);
-            (low, high) = (S::select(is_beyond, low, next), S::select(is_beyond, next, high));
-            (at_low, at_high) = (
-                S::select(is_beyond, S::select(from_rest, at_low, halved * at_low), value),
-                S::select(is_beyond, value, halved * at_high),
-            );
+            if is_beyond {
+                (high, at_high) = (next, value);
+                at_low = R::select(from_rest, at_low, half * at_low);
+            } else {
+                (low, at_low) = (next, value);
+                at_high = half * at_high;
+            }
         }
-        (theta * step, at_turn, at_limit)
+        turn
     }
+}
 
-    /// By how much sliding and extent hold, as far as they do not hold at the end of the step.
-    #[inline(always)]
-    fn ceasing(&self, &[sliding, extent]: &[S; 2]) -> [S; 2] {
-        let endless = S::constant(f64::INFINITY);
-        [
-            S::select(self.keeps[0].lt(S::zero()), sliding, endless),
-            S::select(self.keeps[1].lt(S::zero()), extent, endless),
-        ]
-    }
+/// Where within a step something ceases to hold.
+struct Turn<R> {
+    /// How much of the step is taken up to there.
+    part: R,
+    state: [R; 4],
+    /// Whether it is the extent that ends.
+    at_limit: bool,
 }
 
 impl<S: Scalar> Rig<S> {
     /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
-    fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
-        [self.keeps_sliding(held, state), self.keeps_extent(held, state)]
+    pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
+        match self.load() {
+            Load::Isometric => [S::constant(f64::INFINITY); 2],
+            _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
+        }
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
@@ -296,7 +222,7 @@ impl<S: Scalar> Rig<S> {
 
     /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
     #[inline(always)]
-    fn slides(&self, state: &[S; 4]) -> (S, S::Mask) {
+    pub(crate) fn slides(&self, state: &[S; 4]) -> (S, S::Mask) {
         let [length, velocity, pressure, _] = *state;
         let nowhere = S::Mask::splat(false);
         if !self.actuator().friction().has_coulomb() {

@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{air::Flow, scalar::Vector};
+use crate::{air::Flow, batch::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,21 +50,20 @@ impl<R: Scalar> Sample<R> {
 impl Sample {
     /// The sample of one lane.
     #[cfg(feature = "batch")]
-    pub(crate) fn of_lane<S: Vector<Lane = f64>>(
+    pub(crate) fn of_lane<W: Wide>(
         time: f64,
-        state: &[S; 4],
-        observed: &Observed<S>,
+        state: &[W; 4],
+        observed: &Observed<W>,
         lane: usize,
         ports: Ports,
     ) -> Self {
-        let flow = Flow { inward: observed.flow.inward.lane(lane), outward: observed.flow.outward.lane(lane) };
-        let observed = Observed {
-            tension: observed.tension.lane(lane),
-            volume: observed.volume.lane(lane),
-            temperature: observed.temperature.lane(lane),
-            flow,
-        };
-        Self::new(time, &state.map(|number| number.lane(lane)), &observed, ports)
+        let number = |wide: &W| wide.lane(lane).value();
+        let Observed { tension, volume, temperature, flow } = observed;
+        let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
+        let observed =
+            Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
+        let [length, velocity, pressure, mass] = state;
+        Self::new(time, &[number(length), number(velocity), number(pressure), number(mass)], &observed, ports)
     }
 }
 
