@@ -36,6 +36,17 @@ impl Width {
         Self::available().pop().unwrap_or(Self::Baseline)
     }
 
+    /// How many rows of `f64` are stepped at once: a batch of no more is one block, which one thread steps.
+    pub fn rows(self) -> usize {
+        match self {
+            Self::Baseline => 1,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => 4,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => 8,
+        }
+    }
+
     /// This width, or the widest where the machine has not got it.
     pub(super) fn or_widest(self) -> Self {
         if Self::available().contains(&self) { self } else { Self::widest() }
