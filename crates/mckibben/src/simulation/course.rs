@@ -144,16 +144,18 @@ impl<R: Real> Course<R> {
         for count in 0..MAX_SECANTS {
             // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
             let from_rest = at_low.le(R::zero());
+            let secant = (high - low).multiply_add(at_low / (at_low - at_high), low);
             let next = if from_rest {
                 R::constant(FROM_REST)
-            } else if count % 4 == 3 {
-                half * (low + high)
+            } else if count % 4 != 3 && low.lt(secant) && secant.lt(high) {
+                secant
             } else {
-                (high - low).multiply_add(at_low / (at_low - at_high), low)
+                half * (low + high)
             };
             let state = self.take(rig, method, next * step);
             let (value, at_limit) = margin(&state);
-            let is_beyond = value.lt(R::zero());
+            // What is not a number is beyond as well.
+            let is_beyond = !R::zero().le(value);
             let change = (next - theta).magnitude();
             theta = next;
             turn = Turn { part: theta * step, state, at_limit };
