@@ -184,9 +184,9 @@ fn any_admissible_row_goes_on_or_says_why_not() {
             }
         }
         let round = tried / TOGETHER;
-        let method = if round % 2 == 0 { Method::Rk4 } else { Method::Stable };
+        let method = if round.is_multiple_of(2) { Method::Rk4 } else { Method::Stable };
         let (until, steps) = [(2e-3, 20), (5e-3, 10), (1e-3, 200), (2e-2, 20)][round / 2 % 4];
-        let samples = if round % 3 == 0 {
+        let samples = if round.is_multiple_of(3) {
             let mut batch: Batch<f32> = Batch::new(papers.clone(), method);
             batch.advance(until, steps);
             batch.samples()

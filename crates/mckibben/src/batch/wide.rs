@@ -132,7 +132,7 @@ macro_rules! one_by_one {
 macro_rules! wide {
     ($number:ident, $wide:ident($lanes:ident), $mask:ident($mask_lanes:ident);
      $add:ident $sub:ident $mul:ident $div:ident $neg:ident $sqrt:ident $splat:ident $lt:ident $le:ident $select:ident
-     $and:ident $or:ident $not:ident $first:ident) => {
+     $min:ident $max:ident $and:ident $or:ident $not:ident $first:ident) => {
         #[doc = concat!("A register of `", stringify!($number), "`.")]
         #[derive(Clone, Copy, Debug)]
         #[repr(C)]
@@ -204,6 +204,21 @@ macro_rules! wide {
             fn select(mask: $mask<S>, yes: Self, no: Self) -> Self {
                 Self { simd: yes.simd, lanes: yes.simd.$select(mask.lanes, yes.lanes, no.lanes) }
             }
+            #[inline(always)]
+            fn smaller(self, other: Self) -> Self {
+                // A register's minimum is its second number where the two do not compare, as it is here.
+                match S::IS_SCALAR {
+                    true => Self::select(self.lt(other), self, other),
+                    false => Self { simd: self.simd, lanes: self.simd.$min(self.lanes, other.lanes) },
+                }
+            }
+            #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                match S::IS_SCALAR {
+                    true => Self::select(self.lt(other), other, self),
+                    false => Self { simd: self.simd, lanes: self.simd.$max(other.lanes, self.lanes) },
+                }
+            }
         }
 
         impl<S: Instructions> Wide for $wide<S> {
@@ -242,10 +257,10 @@ macro_rules! wide {
 wide! {
     f64, Doubles(f64s), DoubleMask(m64s);
     add_f64s sub_f64s mul_f64s div_f64s neg_f64s sqrt_f64s splat_f64s less_than_f64s less_than_or_equal_f64s select_f64s
-    and_m64s or_m64s not_m64s first_true_m64s
+    min_f64s max_f64s and_m64s or_m64s not_m64s first_true_m64s
 }
 wide! {
     f32, Singles(f32s), SingleMask(m32s);
     add_f32s sub_f32s mul_f32s div_f32s neg_f32s sqrt_f32s splat_f32s less_than_f32s less_than_or_equal_f32s select_f32s
-    and_m32s or_m32s not_m32s first_true_m32s
+    min_f32s max_f32s and_m32s or_m32s not_m32s first_true_m32s
 }

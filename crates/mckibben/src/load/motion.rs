@@ -176,6 +176,8 @@ impl<S: Scalar> Motion<S> {
     /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on a straight line of the table.
     #[inline(always)]
     pub fn on_line<T: Over<S>>(&self, time: T, line: &Line<S>) -> [T; 3] {
+        #[cfg(not(feature = "alloc"))]
+        let _ = line;
         match self {
             Self::Sinusoid { length, amplitude, frequency, phase } => {
                 let rate = T::constant(TAU) * T::of(*frequency);

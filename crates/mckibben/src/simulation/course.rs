@@ -18,8 +18,8 @@ use crate::scalar::{Mask, Real, Scalar};
 
 /// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
-/// Part of a step to which a turn is located: the last secant before is closer than that, and each squares the error.
-const TURN_TOLERANCE: f64 = 1e-9;
+/// Part of a step that the last secant moves a turn by: what is left of its error is of the order of the square.
+const TURN_TOLERANCE: f64 = 1e-6;
 /// Part of a step that a load which starts from rest, or on a limit, moves before a turn is looked for.
 const FROM_REST: f64 = 1e-3;
 /// Secants and bisections after which a turn is taken where the bracket is.
@@ -139,7 +139,7 @@ impl<R: Real> Course<R> {
         let (mut low, mut high) = (R::zero(), R::one());
         let (mut at_low, _) = margin(&self.state);
         let (mut at_high, at_limit) = margin(&end);
-        let mut theta = R::one();
+        let (mut theta, mut was_beyond) = (R::one(), None);
         let mut turn = Turn { part: step, state: end, at_limit };
         for count in 0..MAX_SECANTS {
             // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
@@ -147,7 +147,7 @@ impl<R: Real> Course<R> {
             let secant = (high - low).multiply_add(at_low / (at_low - at_high), low);
             let next = if from_rest {
                 R::constant(FROM_REST)
-            } else if count % 4 != 3 && low.lt(secant) && secant.lt(high) {
+            } else if count % 8 != 7 && low.lt(secant) && secant.lt(high) {
                 secant
             } else {
                 half * (low + high)
@@ -163,13 +163,15 @@ impl<R: Real> Course<R> {
             if change.le(R::constant(TURN_TOLERANCE)) || is_nil || (from_rest && is_beyond) {
                 break;
             }
+            let stays = was_beyond == Some(is_beyond);
             if is_beyond {
                 (high, at_high) = (next, value);
-                at_low = R::select(from_rest, at_low, half * at_low);
+                at_low = R::select(stays, half * at_low, at_low);
             } else {
                 (low, at_low) = (next, value);
-                at_high = half * at_high;
+                at_high = R::select(stays, half * at_high, at_high);
             }
+            was_beyond = Some(is_beyond);
         }
         turn
     }
