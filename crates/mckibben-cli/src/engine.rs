@@ -86,23 +86,32 @@ pub fn rows(experiment: &Experiment) -> u64 {
     SampleTimes::new(experiment.run.duration, experiment.run.sample_interval).last() + 1
 }
 
+/// The least number of equal steps from one time to another that are not longer than `step`, all in s.
+pub fn steps_between(from: f64, until: f64, step: f64) -> u64 {
+    // The quotient of two decimal numbers may lie a rounding above a whole one.
+    ((until - from) / step * (1.0 - 1e-12)).ceil().max(1.0) as u64
+}
+
+/// The formula of the fixed-step engine, as the core names it.
+pub fn method(method: Method) -> mckibben::simulation::Method {
+    match method {
+        Method::Stable => mckibben::simulation::Method::Stable,
+        Method::Rk4 => mckibben::simulation::Method::Rk4,
+    }
+}
+
 /// Runs the fixed-step engine and shows every step, and whether it is a recorded sample.
 fn step_through<F: From<Error>>(
     experiment: &Experiment,
     each: &mut dyn FnMut(&Sample, bool) -> Result<(), F>,
 ) -> Result<(), F> {
     let run = &experiment.run;
-    let method = match run.method {
-        Method::Stable => mckibben::simulation::Method::Stable,
-        Method::Rk4 => mckibben::simulation::Method::Rk4,
-    };
-    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, method);
+    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, method(run.method));
     each(&stepper.sample(), true)?;
     let times = SampleTimes::new(run.duration, run.sample_interval);
     for row in 1..=times.last() {
         let (from, until) = (times.time(row - 1), times.time(row));
-        // The quotient of two decimal numbers may lie a rounding above a whole one.
-        let parts = ((until - from) / run.step * (1.0 - 1e-12)).ceil().max(1.0) as u64;
+        let parts = steps_between(from, until, run.step);
         for part in 1..=parts {
             let to = if part == parts { until } else { from + (until - from) * (part as f64 / parts as f64) };
             stepper.advance_to(to)?;

@@ -1,0 +1,206 @@
+//! The runs of a unit of work.
+//!
+//! Rows of the fixed-step engine whose times are the same go through time together as one [`Batch`]; rows of the
+//! event-located engine run one by one. A row that cannot be built or cannot go on gives its reason and nothing else.
+
+use super::batch::{Batch, Row};
+use super::reduce::Reducer;
+use crate::engine;
+use crate::observation::AirUse;
+use crate::sweep::description::{Quantity, Record, Reduction, Sweep};
+use mckibben::simulation::{Sample, SampleTimes, Trajectory, simulate};
+use mckibben_scenario::{Engine, Experiment, Method, Run};
+use std::ops::Range;
+
+/// What a run came to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The value of each reduction that has one.
+    Reduced(Vec<Option<f64>>),
+    /// Samples in the order of time.
+    Sampled(Vec<Sample>),
+    /// Why there is nothing.
+    Failed(String),
+}
+
+/// Simulates the rows.
+pub fn simulate_rows(sweep: &Sweep, rows: Range<u64>) -> Vec<Outcome> {
+    let first = rows.start;
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    let mut groups: Vec<(Timing, Vec<(usize, Experiment)>)> = Vec::new();
+    for row in rows {
+        let index = (row - first) as usize;
+        // What a batch will compute is put in its place afterwards.
+        let mut outcome = Outcome::Reduced(Vec::new());
+        match build(sweep, row) {
+            Err(reason) => outcome = Outcome::Failed(reason),
+            Ok(experiment) if experiment.run.engine == Engine::EventLocated => {
+                outcome = locate(&experiment, sweep.record());
+            }
+            Ok(experiment) => {
+                let timing = Timing::of(&experiment.run);
+                match groups.iter_mut().find(|(known, _)| *known == timing) {
+                    Some((_, members)) => members.push((index, experiment)),
+                    None => groups.push((timing, vec![(index, experiment)])),
+                }
+            }
+        }
+        outcomes.push(outcome);
+    }
+    for (timing, members) in groups {
+        step(&timing, members, sweep.record(), &mut outcomes);
+    }
+    outcomes
+}
+
+fn build(sweep: &Sweep, row: u64) -> Result<Experiment, String> {
+    let experiment = sweep.scenario(row).map_err(|error| error.to_string())?;
+    let experiment = experiment.experiment().map_err(|error| error.to_string())?;
+    let end = experiment.run.duration;
+    match sweep.record() {
+        Record::Samples(times) => match times.iter().find(|time| **time > end) {
+            Some(time) => Err(format!(
+                "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
+            )),
+            None => Ok(experiment),
+        },
+        _ => Ok(experiment),
+    }
+}
+
+/// The times of a run by the fixed-step engine: rows with the same can go together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Timing {
+    duration: f64,
+    sample_interval: f64,
+    step: f64,
+    method: Method,
+}
+
+impl Timing {
+    fn of(run: &Run) -> Self {
+        let Run { duration, sample_interval, step, method, .. } = *run;
+        Self { duration, sample_interval, step, method }
+    }
+}
+
+/// The instants that a record looks at.
+#[derive(Clone, Copy, Debug)]
+enum Stops<'a> {
+    Regular(SampleTimes),
+    Listed(&'a [f64]),
+}
+
+impl<'a> Stops<'a> {
+    fn of(record: &'a Record, duration: f64, interval: f64) -> Self {
+        match record {
+            Record::Samples(times) => Self::Listed(times),
+            Record::Reductions(_) | Record::Trajectories => Self::Regular(SampleTimes::new(duration, interval)),
+        }
+    }
+
+    fn times(self) -> impl Iterator<Item = f64> + 'a {
+        let count = match self {
+            Self::Regular(times) => times.last() + 1,
+            Self::Listed(times) => times.len() as u64,
+        };
+        (0..count).map(move |index| match self {
+            Self::Regular(times) => times.time(index),
+            Self::Listed(times) => times[index as usize],
+        })
+    }
+}
+
+/// What is made of the samples of a run.
+#[derive(Debug)]
+enum Recorder<'a> {
+    Reducing(&'a [Reduction], Reducer),
+    Keeping(Vec<Sample>),
+    Stopped(String),
+}
+
+impl<'a> Recorder<'a> {
+    fn new(record: &'a Record, experiment: &Experiment) -> Self {
+        match record {
+            Record::Reductions(reductions) => {
+                Self::Reducing(reductions, Reducer::new(reductions, &experiment.rig, experiment.run.duration))
+            }
+            Record::Samples(_) | Record::Trajectories => Self::Keeping(Vec::new()),
+        }
+    }
+
+    fn see(&mut self, sample: &Sample) {
+        match self {
+            Self::Reducing(_, reducer) => reducer.see(sample),
+            Self::Keeping(samples) => samples.push(*sample),
+            Self::Stopped(_) => {}
+        }
+    }
+
+    fn finish(self) -> Outcome {
+        match self {
+            Self::Reducing(reductions, reducer) => Outcome::Reduced(reducer.finish(reductions)),
+            Self::Keeping(samples) => Outcome::Sampled(samples),
+            Self::Stopped(reason) => Outcome::Failed(reason),
+        }
+    }
+}
+
+/// Runs rows of the same timing by the fixed-step engine.
+fn step(timing: &Timing, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
+    let mut recorders: Vec<(usize, Recorder<'_>)> =
+        members.iter().map(|(index, experiment)| (*index, Recorder::new(record, experiment))).collect();
+    let rows = members.into_iter().map(|(_, Experiment { rig, start, .. })| Row { rig, start }).collect();
+    let mut batch = Batch::new(rows, engine::method(timing.method));
+    for until in Stops::of(record, timing.duration, timing.sample_interval).times() {
+        let from = batch.time();
+        if until > from {
+            batch.advance(until, engine::steps_between(from, until, timing.step));
+        }
+        let mut alive = recorders.iter_mut().enumerate().filter(|(_, (_, r))| !matches!(r, Recorder::Stopped(_)));
+        let mut any = false;
+        for (row, (_, recorder)) in &mut alive {
+            any = true;
+            match batch.sample(row) {
+                Ok(sample) => recorder.see(&sample),
+                Err(error) => *recorder = Recorder::Stopped(error.to_string()),
+            }
+        }
+        if !any {
+            break;
+        }
+    }
+    for (index, recorder) in recorders {
+        outcomes[index] = recorder.finish();
+    }
+}
+
+/// Runs a row by the event-located engine.
+fn locate(experiment: &Experiment, record: &Record) -> Outcome {
+    let (rig, run) = (&experiment.rig, &experiment.run);
+    let trajectory = match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
+        Ok(trajectory) => trajectory,
+        Err(error) => return Outcome::Failed(error.to_string()),
+    };
+    let mut recorder = Recorder::new(record, experiment);
+    match record {
+        Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
+        Record::Reductions(_) | Record::Trajectories => {
+            trajectory.samples(run.sample_interval).for_each(|sample| recorder.see(&sample));
+        }
+    }
+    if let Recorder::Reducing(reductions, reducer) = &mut recorder
+        && reductions.iter().any(|reduction| reduction.quantity == Quantity::Air)
+    {
+        reducer.set_air_used(air_used(&trajectory));
+    }
+    recorder.finish()
+}
+
+/// Air in kg that came from the supply.
+fn air_used(trajectory: &Trajectory) -> f64 {
+    let mut air = AirUse::default();
+    let actuator = trajectory.rig().actuator();
+    trajectory.quadrature(|weight, sample, mode| air.see(actuator, weight, sample, mode));
+    air.from_supply
+}
