@@ -187,7 +187,11 @@ impl Sweep {
         let mut document = self.document.clone();
         for (i, axis) in self.axes.iter().enumerate() {
             let text = &axis.texts[self.at(i, row)];
-            document.set_text(&axis.path, &format!("{text:?}")).or_else(|_| document.set_text(&axis.path, text))?;
+            if text.parse::<f64>().is_ok() {
+                document.set_text(&axis.path, text)?
+            } else {
+                document.set_text(&axis.path, &format!("{text:?}"))?
+            };
         }
         document.scenario()
     }
