@@ -10,14 +10,13 @@ use crate::progress::Progress;
 use crate::quantities::{count, digits, quantity};
 use crate::record;
 use crate::settings::Setting;
-use crate::sweep::description::{Record, Sweep};
 use crate::sweep::destination::{Destination, Place};
 use crate::sweep::folder::{Folder, Manifest};
 use crate::sweep::plan::{Plan, Shard};
 use crate::sweep::tally::Tally;
 use crate::sweep::{chart, read, rows, schedule, table};
 use crate::terminal::{self, FAINT, GOOD, HEADING, styled};
-use mckibben_scenario::{Document, Engine};
+use mckibben_scenario::{Document, Engine, Record, Sweep};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -90,7 +89,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let figure = figure.transpose()?;
     let target = Target::of(arguments)?;
     let (document, set) = document(arguments)?;
-    let sweep = Sweep::of(&document).ok_or_else(|| {
+    let sweep = document.sweep()?.ok_or_else(|| {
         let title = format!("`{}` has no section [sweep]", arguments.file.display());
         Failure::input(title, "say what varies under [sweep.vary]; `mckibben sweep --help` has an example")
     })?;

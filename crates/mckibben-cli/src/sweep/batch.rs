@@ -5,40 +5,35 @@ use mckibben::simulation::{FixedStepper, Method, Rig, Sample, State};
 
 /// A row of a batch.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub(super) struct Row {
     /// What is simulated.
-    pub rig: Rig,
+    pub(super) rig: Rig,
     /// Its state at t = 0.
-    pub start: State,
+    pub(super) start: State,
 }
 
 /// Rows that go through time together.
 #[derive(Debug)]
-pub struct Batch {
+pub(super) struct Batch {
     rows: Vec<Result<FixedStepper<'static>, Error>>,
     time: f64,
 }
 
 impl Batch {
     /// Starts all rows at t = 0.
-    pub fn new(rows: Vec<Row>, method: Method) -> Self {
+    pub(super) fn new(rows: Vec<Row>, method: Method) -> Self {
         // The stepper borrows its rig; here the rig is never given back.
         let begin = |row: Row| Ok(FixedStepper::new(Box::leak(Box::new(row.rig)), row.start, method));
         Self { rows: rows.into_iter().map(begin).collect(), time: 0.0 }
     }
 
-    /// How many rows there are.
-    pub fn len(&self) -> usize {
-        self.rows.len()
-    }
-
     /// The time in s that has been reached.
-    pub fn time(&self) -> f64 {
+    pub(super) fn time(&self) -> f64 {
         self.time
     }
 
     /// Takes every living row to `until` in equal steps.
-    pub fn advance(&mut self, until: f64, steps: u64) {
+    pub(super) fn advance(&mut self, until: f64, steps: u64) {
         let from = self.time;
         for row in &mut self.rows {
             for step in 1..=steps {
@@ -56,7 +51,7 @@ impl Batch {
     ///
     /// # Errors
     /// Why the row stopped.
-    pub fn sample(&self, row: usize) -> Result<Sample, Error> {
+    pub(super) fn sample(&self, row: usize) -> Result<Sample, Error> {
         self.rows[row].as_ref().map(FixedStepper::sample).map_err(Clone::clone)
     }
 }

@@ -13,7 +13,8 @@ use crate::failure::Failure;
 use crate::plot::{Axis, Beside, Field, Figure, Legend, PRINT_SCALE, Panel, PlotError, Series, Style, Theme};
 use crate::portrait::Format;
 use crate::quantities::count;
-use crate::sweep::description::{AxisKind, AxisValue, Quantity, Record, Reduction, Statistic, Sweep};
+use mckibben_scenario::sweep::{Quantity, Statistic};
+use mckibben_scenario::{AxisKind, AxisValue, Record, Reduction, Sweep};
 use std::path::Path;
 
 /// Panels that a figure has at most, one above the other.
@@ -142,7 +143,7 @@ fn key(sweep: &Sweep, axis: usize, rows: &[u64]) -> Values {
     let label = of.path.replace(['.', '_'], " ");
     match &of.kind {
         AxisKind::Quantity { unit, .. } => scaled(label, unit, at),
-        AxisKind::Word { .. } => {
+        AxisKind::Word => {
             let words = words.into_iter().enumerate().map(|(index, word)| (index as f64, word));
             Values { axis: Axis::new(label, "").words(words), at }
         }

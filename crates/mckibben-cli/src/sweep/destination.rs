@@ -8,7 +8,7 @@ use super::table::{self, Column};
 use crate::failure::Failure;
 use crate::output::Pending;
 use crate::record::Format;
-use crate::sweep::description::Sweep;
+use mckibben_scenario::Sweep;
 use std::path::Path;
 
 /// Where the lines go.

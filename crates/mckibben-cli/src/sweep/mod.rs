@@ -25,7 +25,6 @@
 
 mod batch;
 pub mod chart;
-pub mod description;
 pub mod destination;
 pub mod folder;
 pub mod plan;

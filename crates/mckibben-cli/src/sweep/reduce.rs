@@ -21,9 +21,10 @@
 //!
 //! Checked by the tests below against closed forms and by `tests/sweep.rs` against files of `mckibben simulate`.
 
-use crate::sweep::description::{Quantity, Reduction, Statistic};
 use mckibben::simulation::{Rig, Sample};
 use mckibben::valve::Command;
+use mckibben_scenario::Reduction;
+use mckibben_scenario::sweep::{Quantity, Statistic};
 
 /// The band of the settling time, as a share of the total change.
 const SETTLED: f64 = 0.02;

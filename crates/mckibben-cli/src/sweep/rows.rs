@@ -7,9 +7,9 @@ use super::batch::{Batch, Row};
 use super::reduce::Reducer;
 use crate::engine;
 use crate::observation::AirUse;
-use crate::sweep::description::{Quantity, Record, Reduction, Sweep};
 use mckibben::simulation::{Sample, SampleTimes, Trajectory, simulate};
-use mckibben_scenario::{Engine, Experiment, Method, Run};
+use mckibben_scenario::sweep::Quantity;
+use mckibben_scenario::{Engine, Experiment, Method, Record, Reduction, Run, Sweep};
 use std::ops::Range;
 
 /// What a run came to.
@@ -54,7 +54,7 @@ pub fn simulate_rows(sweep: &Sweep, rows: Range<u64>) -> Vec<Outcome> {
 }
 
 fn build(sweep: &Sweep, row: u64) -> Result<Experiment, String> {
-    let experiment = sweep.scenario(row).map_err(|error| error.to_string())?;
+    let experiment = sweep.scenario(row).map_err(|error| error.error.to_string())?;
     let experiment = experiment.experiment().map_err(|error| error.to_string())?;
     let end = experiment.run.duration;
     match sweep.record() {

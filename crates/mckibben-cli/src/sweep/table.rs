@@ -13,7 +13,7 @@
 use super::rows::Outcome;
 use crate::failure::Failure;
 use crate::record::{COLUMNS, VALVE};
-use crate::sweep::description::{AxisKind, AxisValue, Record, Sweep};
+use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -74,8 +74,8 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
     let mut columns = vec![column(RUN, "", Kind::Count, false)];
     for axis in sweep.axes() {
         columns.push(match &axis.kind {
-            AxisKind::Quantity { unit, column: name } => column(name, unit, Kind::Number, false),
-            AxisKind::Word { column: name } => column(name, "", Kind::Word, false),
+            AxisKind::Quantity { unit, .. } => column(&axis.column(), unit, Kind::Number, false),
+            AxisKind::Word => column(&axis.column(), "", Kind::Word, false),
         });
     }
     match sweep.record() {

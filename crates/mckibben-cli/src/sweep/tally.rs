@@ -4,8 +4,8 @@
 
 use super::rows::Outcome;
 use crate::quantities::{common_prefix, count, digits};
-use crate::sweep::description::{Record, Reduction, Sweep};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
+use mckibben_scenario::{Record, Reduction, Sweep};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
