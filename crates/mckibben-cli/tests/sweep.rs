@@ -10,7 +10,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-const BASE: &str = r#"[supply]
+const BASE: &str = r#"[actuator]
+preset = "colbrunn-2001"
+[supply]
 gauge_pressure = "100 psi"
 [valve]
 preset = "matrix-eight-channel"
@@ -161,17 +163,18 @@ fn the_engines_agree_within_the_error_of_the_fixed_step() {
     };
     let exact = of("event-located", "run.step=0.1 ms");
     let [coarse, fine] = ["run.step=0.1 ms", "run.step=0.025 ms"].map(|step| of("fixed-step", step));
-    // Impacts on the taut braid and the parting of rows that begin on it are left out: their peaks fall between samples.
-    for (name, allowed) in
-        [("length_final_m", 2e-3), ("length_mean_m", 1e-3), ("pressure_max_pa", 2e-3), ("air_used_kg", 2e-2)]
-    {
-        let error = |lines: &[BTreeMap<String, String>]| {
-            let relative = |(line, exact)| (number(line, name) / number(exact, name) - 1.0).abs();
-            lines.iter().zip(&exact).map(relative).fold(0.0, f64::max)
-        };
-        let (coarse, fine) = (error(&coarse), error(&fine));
-        assert!(coarse < allowed, "{name} at 0.1 ms: {coarse:e}");
-        assert!(fine < allowed / 2.0, "{name} at 0.025 ms: {fine:e}");
+    let error = |lines: &[BTreeMap<String, String>], name: &str| {
+        let relative = |(line, exact)| (number(line, name) / number(exact, name) - 1.0).abs();
+        lines.iter().zip(&exact).map(relative).fold(0.0, f64::max)
+    };
+    // The method has order 2: a quarter of the step leaves a sixteenth of the error.
+    for (name, allowed) in [("length_final_m", 2e-2), ("length_mean_m", 1e-3)] {
+        let (coarse, fine) = (error(&coarse, name), error(&fine, name));
+        assert!(coarse < allowed && fine < coarse / 8.0, "{name}: {coarse:e} at 0.1 ms, {fine:e} at 0.025 ms");
+    }
+    // An extreme between two samples is not seen, and the gains of air between samples are net of what leaves.
+    for (name, allowed) in [("pressure_max_pa", 1e-4), ("air_used_kg", 2e-3)] {
+        assert!(error(&coarse, name) < allowed, "{name}: {:e}", error(&coarse, name));
     }
 }
 
@@ -201,7 +204,7 @@ fn threads_shards_and_formats_change_nothing() {
     assert_eq!(lines, parquet_lines(&parts(&folder.path("one"))));
     assert_eq!(lines, parquet_lines(&[folder.path("all.parquet")]));
     let masses: Vec<f64> = lines.iter().map(|line| number(line, "load_mass_kg")).collect();
-    assert_eq!((masses[0], masses[4], masses[11]), (3.0 * 0.453_592_37, 5.0 * 0.453_592_37, 15.0 * 0.453_592_37));
+    assert_eq!((masses[0], masses[4], masses[11]), (1.360_777_11, 2.267_961_85, 6.803_885_55));
 }
 
 #[test]
@@ -266,8 +269,9 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
         process.kill().expect("killed");
         let status = process.wait().expect("ended");
         kills += usize::from(!status.success());
-        for (name, content) in folder.path("killed").is_dir().then(|| bytes(&folder.path("killed"))).unwrap_or_default()
-        {
+        // Killed at once, it may not have made its folder.
+        std::fs::create_dir_all(folder.path("killed")).expect("made");
+        for (name, content) in bytes(&folder.path("killed")) {
             // What has its name is whole; what is hidden is under way.
             assert!(name.starts_with('.') || whole[&name] == content, "{name}");
         }
@@ -339,10 +343,6 @@ part_rows = 4
     let told = run(&folder, &["sweep", "muscle.toml", "-o", "out"]);
     assert!(told.contains("4 of 8 runs failed") && told.contains("run 1: "), "{told}");
     let lines = parquet_lines(&parts(&folder.path("out")));
-    run(
-        &folder,
-        &["sweep", "muscle.toml", "-o", "good.csv", "-s", r#"sweep.vary.actuator={thread_length=["4.3218 in"]}"#],
-    );
     for (row, line) in lines.iter().enumerate() {
         let failed = row % 2 == 1;
         assert_eq!(line["error"].is_empty(), !failed, "{line:?}");
@@ -366,6 +366,42 @@ part_rows = 4
     let message = fails(&folder, &["sweep", "bad.toml", "-o", "bad.csv"], 3);
     assert!(message.contains("every run failed"), "{message}");
     assert_eq!(csv_lines(&folder.path("bad.csv")).len(), 8);
+}
+
+#[test]
+fn the_tail_of_a_distribution_fails_and_is_not_repaired() {
+    let folder = Folder::new("sweep-tail");
+    let drawn = r#"
+[sweep]
+design = "random"
+rows = 60
+seed = 3
+reductions = ["length.final", "tension.peak"]
+[sweep.vary]
+"load.mass" = { normal = { mean = "2 kg", deviation = "2 kg" } }
+"command.duty" = { uniform = { from = 0.3, to = 0.6 } }
+"#;
+    folder.file("muscle.toml", &format!("{BASE}[initial]\ngauge_pressure = \"10 psi\"\n{drawn}"));
+    run(&folder, &["sweep", "muscle.toml", "-o", "all.csv"]);
+    let lines = csv_lines(&folder.path("all.csv"));
+    let negative = lines.iter().filter(|line| number(line, "load_mass_kg") <= 0.0).count();
+    // One in six lies below zero.
+    assert!((3..20).contains(&negative), "{negative}");
+    for line in &lines {
+        let failed = number(line, "load_mass_kg") <= 0.0;
+        assert_eq!(line["length_final_m"].is_empty() && line["tension_peak_n"].is_empty(), failed, "{line:?}");
+        assert_eq!(line["error"].contains("load.mass"), failed, "{line:?}");
+    }
+    // The others are what `simulate` says of their values.
+    let line = lines.iter().find(|line| line["error"].is_empty()).expect("a good row");
+    let set = [format!("load.mass={} kg", line["load_mass_kg"]), format!("command.duty={}", line["command_duty"])];
+    let engine = "run.engine=fixed-step";
+    run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", "-s", engine, "-s", &set[0], "-s", &set[1]]);
+    let samples = csv_lines(&folder.path("run.csv"));
+    assert_eq!(line["length_final_m"], samples[samples.len() - 1]["length_m"]);
+    // Another seed is another sweep.
+    run(&folder, &["sweep", "muscle.toml", "-o", "out"]);
+    fails(&folder, &["sweep", "muscle.toml", "-o", "out", "-s", "sweep.seed=4"], 2);
 }
 
 #[test]
@@ -434,7 +470,7 @@ fn figures_are_drawn() {
     folder.file("muscle.toml", &format!("{BASE}{GRID}"));
     run(&folder, &["sweep", "muscle.toml", "-p", "map.svg", "-q"]);
     let svg = std::fs::read_to_string(folder.path("map.svg")).expect("drawn");
-    for word in ["load mass (kg)", "supply gauge pressure (kPa)", "final length (mm)", "peak tension (N)"] {
+    for word in ["load mass (kg)", "supply gauge pressure (kPa)", "final length (mm)", "greatest absolute pressure"] {
         assert!(svg.contains(word), "{word}");
     }
     run(&folder, &["sweep", "muscle.toml", "-p", "map.png", "-q"]);

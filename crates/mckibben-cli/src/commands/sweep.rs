@@ -28,7 +28,7 @@ Examples:
   mckibben sweep muscle.toml --output results
   mckibben sweep muscle.toml --output results.csv --plot results.svg
   mckibben sweep muscle.toml --output results --shard $SLURM_ARRAY_TASK_ID/64 --jobs 16
-  mckibben sweep muscle.toml --output traces --record trajectories --set sweep.rows=100
+  mckibben sweep muscle.toml --output traces --record trajectories --set 'run.duration=1 s'
 
 The section [sweep] says what varies:
   [sweep]
@@ -186,6 +186,16 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     for setting in &arguments.set {
         setting.apply(&mut document)?;
     }
+    // What the file says about another record does not apply to this one.
+    let idle: &[&str] = match arguments.record.as_deref() {
+        None => &[],
+        Some("reductions") => &["sweep.sample_times"],
+        Some("samples") => &["sweep.reductions"],
+        Some(_) => &["sweep.reductions", "sweep.sample_times"],
+    };
+    for key in idle {
+        document.remove(key);
+    }
     let by_default = (!document.contains("run.engine")).then(|| Engine::FixedStep.name().to_owned());
     let engine = arguments.engine.clone().or(by_default);
     for (option, key, value) in
@@ -271,6 +281,7 @@ fn notes(document: &Document, set: &[String], sweep: &Sweep, columns: &[table::C
         ("mckibben.scenario", source.text().to_owned()),
         ("mckibben.set", serde_json::Value::from(set).to_string()),
         ("mckibben.sweep", sweep.fingerprint_text()),
+        ("mckibben.design", sweep.design().name().to_owned()),
         ("mckibben.seed", sweep.seed().to_string()),
     ];
     pairs.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
@@ -292,7 +303,7 @@ fn told(
     );
     let line = |name: &str, what: &str| format!("  {name:<8}  {what}\n");
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
-    text.push_str(&line("varied", &varied.join(", ")));
+    text.push_str(&line("varied", &format!("{} ({})", varied.join(", "), sweep.design().name())));
     if let Ok(first) = sweep.scenario(0) {
         text.push_str(&line("engine", &describe::engine(&first.run)));
     }
@@ -313,7 +324,11 @@ fn told(
     if let Some(path) = &arguments.output {
         let is_folder = matches!(Target::of(arguments), Ok(Target::Folder(_)));
         let parts = if written == 1 { "1 part".to_owned() } else { format!("{} parts", count(written)) };
-        files.push_str(&wrote(path, &if is_folder { format!(", {parts}") } else { String::new() }));
+        if !is_folder {
+            files.push_str(&wrote(path, ""));
+        } else if written > 0 {
+            files.push_str(&wrote(path, &format!(", {parts}")));
+        }
     }
     if let Some(path) = &arguments.plot {
         files.push_str(&wrote(path, ""));

@@ -145,6 +145,7 @@ impl Tally {
         let heading = format!("{} of {} runs failed", count(self.failed), count(self.runs));
         let mut text = format!("\n{}\n", styled(NOTABLE, heading));
         for (row, reason) in &self.reasons {
+            let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
             put(&mut text, format_args!("{}\n", wrap(&format!("run {row}: {reason}"), "  ", width())));
         }
         if self.reasons.len() as u64 != self.failed {

@@ -118,6 +118,11 @@ impl Sweep {
         self.part_rows
     }
 
+    /// How the rows are chosen.
+    pub fn design(&self) -> DesignKind {
+        self.design
+    }
+
     /// The seed of the random numbers.
     pub fn seed(&self) -> u64 {
         self.seed
