@@ -137,6 +137,60 @@ impl<S: Scalar> Over<S> for S {
     }
 }
 
+/// A scalar of one or more lanes that can be looked at one by one.
+pub trait Vector: Scalar {
+    /// What a lane holds, or the scalar itself when it has one value.
+    type Lane: Real;
+    /// A vector of as many lanes that is precise enough for points in time.
+    type Time: Vector<Lane = Self::Lane, Mask = Self::Mask>;
+    /// How many lanes there are.
+    const LANES: usize;
+
+    /// Lanes from a function of their index.
+    fn from_lanes(lane: impl FnMut(usize) -> Self::Lane) -> Self;
+    /// What a lane holds.
+    fn lane(&self, lane: usize) -> Self::Lane;
+    /// A mask from a function of the lane's index.
+    fn mask(lane: impl FnMut(usize) -> bool) -> Self::Mask;
+    /// Whether a mask holds in a lane.
+    fn holds(mask: Self::Mask, lane: usize) -> bool;
+    /// The nearest number to a point or a span of time.
+    fn of_time(time: Self::Time) -> Self;
+    /// A span as time.
+    fn to_time(self) -> Self::Time;
+}
+
+impl<R: Real> Vector for R {
+    type Lane = R;
+    type Time = R;
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn from_lanes(mut lane: impl FnMut(usize) -> R) -> Self {
+        lane(0)
+    }
+    #[inline(always)]
+    fn lane(&self, _lane: usize) -> R {
+        *self
+    }
+    #[inline(always)]
+    fn mask(mut lane: impl FnMut(usize) -> bool) -> bool {
+        lane(0)
+    }
+    #[inline(always)]
+    fn holds(mask: bool, _lane: usize) -> bool {
+        mask
+    }
+    #[inline(always)]
+    fn of_time(time: R) -> Self {
+        time
+    }
+    #[inline(always)]
+    fn to_time(self) -> R {
+        self
+    }
+}
+
 #[cfg(feature = "std")]
 macro_rules! mathematics {
     ($type:ident: $($method:ident => $libm:path),*) => {

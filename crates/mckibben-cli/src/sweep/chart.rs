@@ -20,7 +20,7 @@ use std::path::Path;
 /// Panels that a figure has at most, one above the other.
 const PANELS: usize = 8;
 /// Columns of a matrix at most.
-const COLUMNS: usize = 6;
+const COLUMNS: usize = 8;
 /// Points on a line at most that are shown one by one.
 const DOTS: usize = 60;
 
@@ -58,6 +58,13 @@ struct Values {
 }
 
 impl Values {
+    /// Whether two of the values differ by more than rounding.
+    fn changes(&self) -> bool {
+        let finite = || self.at.iter().copied().filter(|value| value.is_finite());
+        let (least, greatest) = finite().fold((f64::MAX, f64::MIN), |(l, g), value| (l.min(value), g.max(value)));
+        greatest - least > 1e-9 * least.abs().max(greatest.abs())
+    }
+
     fn distinct(&self) -> Vec<f64> {
         let mut distinct = self.at.clone();
         distinct.sort_by(f64::total_cmp);
@@ -87,8 +94,15 @@ fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
         .filter(|result| result.at.iter().any(|value| value.is_finite()))
         .collect();
     let mut notes = Vec::new();
+    // What is the same in all runs needs no picture, unless there is nothing else.
+    let changing: Vec<Values> = results.iter().filter(|result| result.changes()).cloned().collect();
+    let results = if changing.is_empty() { results } else { changing };
+    let without = reductions.len() - results.len();
+    if without > 0 {
+        notes.push(format!("{without} of {} reductions do not change and are left out.", reductions.len()));
+    }
     if results.len() > PANELS {
-        notes.push(format!("The first {PANELS} of {} reductions.", results.len()));
+        notes.push(format!("The first {PANELS} of {} reductions that change.", results.len()));
     }
     if stride > 1 {
         notes.push(format!("One of {} runs is drawn.", count(stride)));
@@ -236,7 +250,10 @@ fn scatter(keys: &[Values], results: &[Values]) -> Vec<Figure> {
                 (axis.label, axis.unit) = (String::new(), String::new());
             }
             let correlation = match rank_correlation(&key.at, &result.at) {
-                Some(correlation) => format!("ρ = {correlation:.2}").replace('-', "−"),
+                // Adding zero turns a rounded −0 into 0.
+                Some(correlation) => {
+                    format!("ρ = {:.2}", (100.0 * correlation).round() / 100.0 + 0.0).replace('-', "−")
+                }
                 None => "ρ: none".to_owned(),
             };
             let points = Series::dots(correlation, key.at.clone(), result.at.clone());

@@ -10,21 +10,23 @@
 use super::random::Stream;
 
 /// Rounds of the network; small domains need more than the four that suffice for large ones.
-const ROUNDS: u64 = 8;
+const ROUNDS: usize = 8;
 
 /// A permutation of the numbers below a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Permutation {
     length: u64,
     base: u64,
-    key: Stream,
+    rounds: [Stream; ROUNDS],
 }
 
 impl Permutation {
     /// A permutation of 0 .. `length`, which is at least 1.
     pub(super) fn new(length: u64, key: Stream) -> Self {
         let root = length.isqrt();
-        Self { length, base: root + u64::from(root * root < length), key }
+        let mut rounds = [key; ROUNDS];
+        rounds.iter_mut().zip(0..).for_each(|(round, number)| *round = key.split(number));
+        Self { length, base: root + u64::from(root * root < length), rounds }
     }
 
     /// Where `index`, which is below the length, goes.
@@ -38,9 +40,11 @@ impl Permutation {
 
     fn walked(&self, index: u64) -> u64 {
         let (mut left, mut right) = (index / self.base, index % self.base);
-        for round in 0..ROUNDS {
-            let added = self.key.split(round).bits(right) % self.base;
-            (left, right) = (right, (left + added) % self.base);
+        for round in self.rounds {
+            // The high half of the product is a digit, as a remainder would be, without a division.
+            let added = (u128::from(round.bits(right)) * u128::from(self.base)) >> 64;
+            let sum = left + added as u64;
+            (left, right) = (right, if sum < self.base { sum } else { sum - self.base });
         }
         left * self.base + right
     }

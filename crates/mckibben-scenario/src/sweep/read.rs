@@ -4,16 +4,17 @@
 //! only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values are numbers
 //! within the range that the key has, and need no text.
 
-use super::axis::{Axis, Values};
+use super::axis::Axis;
 use super::design::{MOST_ROWS, Sampler};
 use super::random::Stream;
 use super::reduction::DEFAULT;
 use super::vary::{self, Varied};
 use super::{Record, Sweep, sobol};
 use crate::choice::{DesignKind, RecordKind};
-use crate::diagnostic::{Class, Diagnostic, Diagnostics};
+use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
+use crate::quantity;
 use crate::reader::Reader;
 use crate::scenario::Scenario;
 use mckibben::parameter as p;
@@ -48,14 +49,6 @@ impl Document {
         let record = record(r);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
-        if design == DesignKind::Sobol && varied.len() > sobol::MOST {
-            let place = r.value_place("sweep.design");
-            note_beyond(
-                r,
-                place,
-                &format!("{} keys vary, and the sequence has {} dimensions", varied.len(), sobol::MOST),
-            );
-        }
         let words = varied.iter().filter_map(Varied::words).fold(1, u64::saturating_mul);
         if words > MOST_BASES {
             let place = r.key_place(VARY);
@@ -66,9 +59,9 @@ impl Document {
         let Some((record, first)) = record.zip(bases.first()) else { return Ok(None) };
         check_times(self, &record, first, &varied)?;
         let part_rows = part_rows.unwrap_or_else(|| part_of(&record, first)).min(rows);
-        let given = |row: &p::Parameter| self.contains(row.key) || varied.iter().any(|varied| varied.path == row.key);
         let varies = |row: &p::Parameter| varied.iter().any(|varied| varied.path == row.key);
-        let min_length_follows = varies(&p::THREAD_LENGTH) && !given(&p::MIN_LENGTH);
+        let min_length_given = self.contains(p::MIN_LENGTH.key) || varies(&p::MIN_LENGTH);
+        let min_length_follows = varies(&p::THREAD_LENGTH) && !min_length_given;
         let axes = axes(varied, design, rows, seed);
         Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases, min_length_follows }))
     }
@@ -92,7 +85,7 @@ fn combinations(r: &mut Reader<'_>, varied: &[Varied<'_>]) -> u64 {
     })
 }
 
-fn note_beyond(r: &mut Reader<'_>, place: Option<crate::diagnostic::Place>, what: &str) {
+fn note_beyond(r: &mut Reader<'_>, place: Option<Place>, what: &str) {
     if let Some(place) = place {
         r.note(
             Diagnostic::at(Class::OutOfRange, place, what, "too many")
@@ -133,16 +126,16 @@ fn check_times(
     varied: &[Varied<'_>],
 ) -> Result<(), Diagnostics> {
     let Record::Samples(times) = record else { return Ok(()) };
-    let beyond = times.iter().position(|time| *time > first.run.duration);
     if varied.iter().any(|varied| varied.path == p::DURATION.key) {
         return Ok(());
     }
+    let beyond = times.iter().position(|time| *time > first.run.duration);
     let reader = Reader::of_section(document, SWEEP);
     match beyond.and_then(|at| reader.item_place(keys::SAMPLE_TIMES.key, at)) {
         None => Ok(()),
         Some(place) => {
             let title = "this time is beyond the end of the run";
-            let label = format!("the run lasts {}", crate::quantity::format(first.run.duration, p::DURATION.unit));
+            let label = format!("the run lasts {}", quantity::format(first.run.duration, p::DURATION.unit));
             Err(Diagnostic::at(Class::Inconsistent, place, title, label)
                 .related(reader.value_place(p::DURATION.key), "the run's duration")
                 .help("leave it out, or make the run longer")
@@ -203,16 +196,14 @@ fn axes(varied: Vec<Varied<'_>>, design: DesignKind, rows: u64, seed: u64) -> Ve
             }
             DesignKind::LatinHypercube => Sampler::latin_hypercube(rows, stream),
             DesignKind::Sobol => {
-                // The reading refuses more axes than the sequence has dimensions.
+                // There are fewer keys than dimensions, which a test of the sequence sees to.
                 let dimension = sobol::Dimension::new(index, stream);
                 dimension.map_or(Sampler::Random(stream), |dimension| Sampler::Sobol(Box::new(dimension)))
             }
             DesignKind::Random => Sampler::Random(stream),
         };
         let (kind, target) = (varied.kind(), varied.target());
-        // Words are matched by position with the scenarios read for them, so a list keeps its order.
-        let values: Values = varied.values;
-        Axis { path: varied.path, kind, values, sampler, target }
+        Axis { path: varied.path, kind, values: varied.values, sampler, target }
     });
     sampled.collect()
 }

@@ -15,9 +15,6 @@
 use super::directions::JOE_KUO;
 use super::random::{BITS, Stream, unit};
 
-/// Most dimensions, one for each key that varies.
-pub(super) const MOST: usize = JOE_KUO.len() + 1;
-
 /// One dimension of the sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Dimension {
@@ -26,7 +23,7 @@ pub(super) struct Dimension {
 }
 
 impl Dimension {
-    /// A dimension counted from 0; `None` from [`MOST`] on.
+    /// A dimension counted from 0; `None` where the table of direction numbers ends.
     pub(super) fn new(dimension: usize, flips: Stream) -> Option<Self> {
         let mut vectors = [0; BITS as usize];
         let Some(before) = dimension.checked_sub(1) else {
@@ -76,6 +73,8 @@ impl Dimension {
 mod tests {
     use super::*;
 
+    const MOST: usize = JOE_KUO.len() + 1;
+
     fn dimension(of: usize) -> Dimension {
         Dimension::new(of, Stream::new(7, "")).expect("a dimension")
     }
@@ -100,6 +99,12 @@ mod tests {
                 assert_eq!(dimension(of).digits(*point), expected << (BITS - 30), "point {point}, dimension {of}");
             }
         }
+    }
+
+    #[test]
+    fn every_key_that_varies_has_a_dimension() {
+        assert!(crate::keys::KEYS.iter().filter(|key| key.varies()).count() <= MOST);
+        assert!(Dimension::new(MOST, Stream::new(7, "")).is_none());
     }
 
     /// Each of 2^m intervals holds one of each 2^m points that begin at a multiple of 2^m.

@@ -5,13 +5,15 @@
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
 
 mod arc;
+pub(crate) mod course;
 #[cfg(feature = "alloc")]
 mod energy;
 pub mod event;
 mod explicit;
-mod fixed_step;
+pub(crate) mod fixed_step;
 mod hybrid;
 mod integrator;
+pub(crate) mod kernel;
 mod mode;
 mod rig;
 mod rosenbrock;
@@ -24,9 +26,10 @@ mod zones;
 pub use arc::Arc;
 #[cfg(feature = "alloc")]
 pub use energy::EnergyAudit;
-pub use fixed_step::{FixedStepper, Held, Method};
+pub use fixed_step::FixedStepper;
 pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
+pub use kernel::{Held, Method};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes};

@@ -16,8 +16,9 @@
 
 use super::mode::Sliding;
 use crate::actuator::Actuator;
+use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
-use crate::load::Load;
+use crate::load::{Line, Load};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
@@ -160,15 +161,19 @@ impl Rig {
 }
 
 impl<S: Scalar> Rig<S> {
-    /// The same rig over another scalar; `convert` is told which parameter each number is.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
+    /// The same rig over another scalar; `function` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
+        self.convert(&mut Anew(function))
+    }
+
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
         Rig {
-            actuator: self.actuator.map(&mut convert),
+            actuator: self.actuator.convert(convert),
             actuation: self.actuation.as_ref().map(|actuation| Actuation {
-                solenoid: actuation.solenoid.map(&mut convert),
-                command: actuation.command.map(&mut convert),
+                solenoid: actuation.solenoid.convert(convert),
+                command: actuation.command.convert(convert),
             }),
-            load: self.load.map(&mut convert),
+            load: self.load.convert(convert),
         }
     }
 
@@ -216,6 +221,14 @@ impl<S: Real> Rig<S> {
         let now = time.value();
         let has_come = |corner: S| corner.value() <= now + SIMULTANEOUS * now.abs();
         (passed..).find(|&next| !self.corner(next).is_some_and(has_come)).unwrap_or(passed)
+    }
+
+    /// The straight line that a prescribed motion is on after so many corners.
+    pub(crate) fn line(&self, corners_passed: usize) -> Line<S> {
+        match &self.load {
+            Load::Prescribed(motion) => motion.line(corners_passed),
+            _ => Line::resting(S::zero()),
+        }
     }
 
     fn corner(&self, index: usize) -> Option<S> {

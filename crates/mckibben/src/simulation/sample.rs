@@ -1,6 +1,6 @@
 //! What is known at an instant, whichever engine computed it.
 
-use crate::air::Flow;
+use super::kernel::Observed;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
@@ -35,12 +35,10 @@ impl<R: Scalar> Sample<R> {
     pub(super) fn new(
         time: R,
         &[length, velocity, pressure, air_mass]: &[R; 4],
-        tension: R,
-        volume: R,
-        temperature: R,
-        flow: &Flow<R>,
+        observed: &Observed<R>,
         ports: Ports,
     ) -> Self {
+        let &Observed { tension, volume, temperature, flow } = observed;
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
         Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }

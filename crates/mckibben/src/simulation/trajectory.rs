@@ -2,6 +2,7 @@
 
 use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, Integrator, Piece};
+use super::kernel::Observed;
 use super::mode::{EventKind, Extent, Mode};
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
@@ -188,7 +189,9 @@ fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &P
     let chamber = actuator.chamber(state[0], state[1], state[2], state[3], slack);
     let temperature = actuator.air().temperature(&chamber);
     let flow = system.flow(&chamber, &phase.mode);
-    Sample::new(time, state, system.tension(state, &phase.mode), chamber.volume, temperature, &flow, phase.mode.ports)
+    let tension = system.tension(state, &phase.mode);
+    let observed = Observed { tension, volume: chamber.volume, temperature, flow };
+    Sample::new(time, state, &observed, phase.mode.ports)
 }
 
 /// Nodes and weights of Gauss–Legendre quadrature with five points on `[0, 1]`, exact to degree 9.

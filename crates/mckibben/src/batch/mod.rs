@@ -1,0 +1,2 @@
+//! Many actuators side by side.
+pub mod lanes;
