@@ -51,7 +51,7 @@ Exit codes:
   3  every run failed; the files say why
   4  a file could not be written; parts that were finished stay")]
 pub struct SweepArguments {
-    /// The scenario file with a section [sweep].
+    /// The scenario file, with a section `[sweep]`.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Write the runs: into a folder of Parquet parts, or one file .csv or .parquet.

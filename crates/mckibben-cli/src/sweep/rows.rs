@@ -1,6 +1,6 @@
 //! The runs of a unit of work.
 //!
-//! Rows of the fixed-step engine whose times are the same go through time together as one [`Batch`]; rows of the
+//! Rows of the fixed-step engine whose times are the same go through time together as one batch; rows of the
 //! event-located engine run one by one. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::batch::{Batch, Row};

@@ -1,6 +1,6 @@
 //! Units of work on threads, and their results in order.
 //!
-//! At most [`AHEAD`] units for each thread are under way or wait for an earlier one, so the memory does not grow with
+//! At most `AHEAD` units for each thread are under way or wait for an earlier one, so the memory does not grow with
 //! the number of units.
 
 use crate::failure::Failure;
