@@ -475,6 +475,17 @@ fn figures_are_drawn() {
     }
     run(&folder, &["sweep", "muscle.toml", "-p", "map.png", "-q"]);
     assert!(std::fs::read(folder.path("map.png")).expect("drawn").starts_with(b"\x89PNG"));
+    // Where every run of a value fails, its cells are there and crossed.
+    let gap = r#"[sweep]
+reductions = ["length.final"]
+[sweep.vary]
+"actuator.thread_length" = ["3 in", "4.3218 in", "4.4 in"]
+"load.mass" = ["3 lb", "5 lb"]
+"#;
+    folder.file("gap.toml", &format!("{BASE}{gap}"));
+    run(&folder, &["sweep", "gap.toml", "-p", "gap.svg"]);
+    let svg = std::fs::read_to_string(folder.path("gap.svg")).expect("drawn");
+    assert!(svg.contains("Crossed cells") && svg.matches(r#"stroke-width="0.3""#).count() >= 2, "{svg}");
     let more = r#""load.mass" = ["3 lb", "5 lb"]
 "air.process" = ["isentropic", "isothermal"]
 "command.duty" = [0.4, 0.6]
@@ -483,7 +494,7 @@ fn figures_are_drawn() {
     run(&folder, &["sweep", "more.toml", "-p", "matrix.svg"]);
     let svg = std::fs::read_to_string(folder.path("matrix.svg")).expect("drawn");
     assert!(svg.matches("ρ = ").count() == 3 && svg.contains("isothermal"), "{svg}");
-    assert_eq!(folder.names(), ["map.png", "map.svg", "matrix.svg", "more.toml", "muscle.toml"]);
+    assert_eq!(folder.names(), ["gap.svg", "gap.toml", "map.png", "map.svg", "matrix.svg", "more.toml", "muscle.toml"]);
 }
 
 #[test]

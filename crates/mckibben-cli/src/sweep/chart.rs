@@ -110,8 +110,8 @@ fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
     let results = &results[..results.len().min(PANELS)];
     match keys.as_slice() {
         [key] => Picture::One(lines(key, results).title(title).caption(notes.join(" "))),
-        [x, y] if is_grid(x, y, sweep, rows.len()) => {
-            if kept.len() < x.distinct().len() * y.distinct().len() || results.iter().any(has_gap) {
+        [x, y] if stride == 1 && is_grid(x, y, sweep.rows()) => {
+            if results.iter().any(has_gap) {
                 notes.push("Crossed cells: no value.".to_owned());
             }
             Picture::One(maps(x, y, results).title(title).caption(notes.join(" ")))
@@ -131,10 +131,9 @@ fn has_gap(values: &Values) -> bool {
     values.at.iter().any(|value| !value.is_finite())
 }
 
-/// Whether the runs fill a grid of two keys; those that failed may be missing.
-fn is_grid(x: &Values, y: &Values, sweep: &Sweep, runs: usize) -> bool {
-    let cells = x.distinct().len() * y.distinct().len();
-    cells as u64 == sweep.rows() && runs * 2 >= cells
+/// Whether the runs are the cells of a grid of two keys.
+fn is_grid(x: &Values, y: &Values, runs: u64) -> bool {
+    (x.distinct().len() * y.distinct().len()) as u64 == runs
 }
 
 /// A varied key in the rows that are drawn. Words stand at 0, 1, 2, … in the order in which they come.

@@ -58,6 +58,13 @@ impl Tally {
     /// Sees a run.
     pub fn see(&mut self, row: u64, outcome: &Outcome) {
         self.runs += 1;
+        if self.stride.is_some_and(|stride| row.is_multiple_of(stride)) {
+            let values = match outcome {
+                Outcome::Reduced(values) => values.iter().map(|value| value.unwrap_or(f64::NAN)).collect(),
+                Outcome::Failed(_) | Outcome::Sampled(_) => vec![f64::NAN; self.reductions.len()],
+            };
+            self.kept.insert(row, values);
+        }
         match outcome {
             Outcome::Failed(reason) => {
                 self.failed += 1;
@@ -74,9 +81,6 @@ impl Tally {
                         spread.sum += value;
                         spread.runs += 1;
                     }
-                }
-                if self.stride.is_some_and(|stride| row.is_multiple_of(stride)) {
-                    self.kept.insert(row, values.iter().map(|value| value.unwrap_or(f64::NAN)).collect());
                 }
             }
             Outcome::Sampled(_) => {}
@@ -104,7 +108,7 @@ impl Tally {
         self.reasons.values().next().map(String::as_str)
     }
 
-    /// The values kept for a figure by their rows, and every how many rows there is one.
+    /// The values kept for a figure by their rows, not a number where there is none, and every how many rows there is one.
     pub fn kept(&self) -> (&BTreeMap<u64, Vec<f64>>, u64) {
         (&self.kept, self.stride.unwrap_or(1))
     }
