@@ -63,6 +63,15 @@ pub struct Reducer {
 impl Reducer {
     /// Begins a run of `duration` s.
     pub fn new(reductions: &[Reduction], rig: &Rig, duration: f64) -> Self {
+        let period = match rig.actuation().map(|actuation| &actuation.command) {
+            Some(Command::Pwm { frequency, .. }) => 1.0 / frequency,
+            _ => LAST_PART * duration,
+        };
+        Self::with_window(reductions, duration - period - SIMULTANEOUS * duration)
+    }
+
+    /// Begins a run whose ripple is taken from a time in s on.
+    fn with_window(reductions: &[Reduction], window_start: f64) -> Self {
         let mut tracks: Vec<Track> = Vec::new();
         for reduction in reductions.iter().filter(|reduction| reduction.quantity != Quantity::Air) {
             let settles = reduction.statistic == Statistic::SettlingTime;
@@ -74,11 +83,6 @@ impl Reducer {
             }
         }
         let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
-        let period = match rig.actuation().map(|actuation| &actuation.command) {
-            Some(Command::Pwm { frequency, .. }) => 1.0 / frequency,
-            _ => LAST_PART * duration,
-        };
-        let window_start = duration - period - SIMULTANEOUS * duration;
         Self { tracks, times, window_start, before: None, air_used: 0.0 }
     }
 
@@ -188,5 +192,108 @@ fn of(quantity: Quantity, sample: &Sample) -> f64 {
         Quantity::Temperature => sample.temperature,
         Quantity::Tension => sample.tension,
         Quantity::MassFlow => sample.mass_flow,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mckibben::AbsolutePressure;
+    use mckibben::valve::Ports;
+    use std::f64::consts::PI;
+
+    /// The reductions of a length over `duration` s in samples of 1 ms, with the air's mass and the open ports beside it.
+    fn reduced(
+        names: &[(Quantity, Statistic)],
+        (duration, window): (f64, f64),
+        length: impl Fn(f64) -> f64,
+        air: impl Fn(f64) -> (f64, Ports),
+    ) -> Vec<Option<f64>> {
+        let reductions: Vec<Reduction> = names
+            .iter()
+            .map(|(quantity, statistic)| Reduction { quantity: *quantity, statistic: *statistic })
+            .collect();
+        let mut reducer = Reducer::with_window(&reductions, duration - window - SIMULTANEOUS * duration);
+        for index in 0..=(duration * 1e3).round() as u32 {
+            let time = f64::from(index) * 1e-3;
+            let (air_mass, ports) = air(time);
+            reducer.see(&Sample {
+                time,
+                length: length(time),
+                velocity: 0.0,
+                pressure: AbsolutePressure(1e5),
+                air_mass,
+                temperature: 293.15,
+                volume: 1e-6,
+                tension: 10.0,
+                mass_flow: 0.0,
+                ports,
+            });
+        }
+        reducer.finish(&reductions)
+    }
+
+    fn sealed(_: f64) -> (f64, Ports) {
+        (1e-5, Ports::CLOSED)
+    }
+
+    fn near(found: Option<f64>, expected: f64, within: f64) {
+        assert!(found.is_some_and(|found| (found - expected).abs() <= within), "{found:?} for {expected}");
+    }
+
+    #[test]
+    fn a_rise_to_a_level_settles_when_its_exponential_says() {
+        use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, SettlingTime};
+        let statistics = [Final, Mean, Min, Max, Peak, SettlingTime, Overshoot].map(|s| (Quantity::Length, s));
+        let values = reduced(&statistics, (1.0, 0.1), |t| 0.1 - 0.04 * (1.0 - (-t / 0.05).exp()), sealed);
+        near(values[0], 0.06, 1e-9);
+        near(values[1], 0.06 + 0.04 * 0.05, 1e-6);
+        near(values[2], 0.06, 1e-9);
+        near(values[3], 0.1, 0.0);
+        near(values[4], 0.1, 0.0);
+        // ln 50 time constants, to the next sample.
+        near(values[5], 0.05 * 50f64.ln() + 0.5e-3, 0.5e-3);
+        near(values[6], 0.0, 1e-9);
+    }
+
+    #[test]
+    fn the_overshoot_is_that_of_the_damping_and_the_ripple_that_of_the_period() {
+        let (damping, frequency) = (0.2_f64, 60.0);
+        let damped = (1.0 - damping * damping).sqrt();
+        let step = |t: f64| {
+            let phase = damped * frequency * t;
+            let decay = (-damping * frequency * t).exp();
+            0.08 + 0.01 * (1.0 - decay * (phase.cos() + damping / damped * phase.sin()))
+        };
+        let values = reduced(&[(Quantity::Length, Statistic::Overshoot)], (2.0, 0.1), step, sealed);
+        near(values[0], (-PI * damping / damped).exp(), 2e-4);
+        let ripple = [(Quantity::Length, Statistic::Ripple)];
+        let wave = |t: f64| if t < 0.5 { 0.2 } else { 0.08 + 0.003 * (2.0 * PI * 25.0 * t).sin() };
+        near(reduced(&ripple, (1.0, 0.04), wave, sealed)[0], 0.006, 1e-9);
+        // A period longer than the run, or than two samples can show, has no ripple.
+        assert_eq!(reduced(&ripple, (1.0, 1.5), wave, sealed), [None]);
+        assert_eq!(reduced(&ripple, (1.0, 0.5e-3), wave, sealed), [None]);
+    }
+
+    #[test]
+    fn what_ends_where_it_began_has_no_overshoot() {
+        let statistics = [Statistic::Overshoot, Statistic::SettlingTime].map(|s| (Quantity::Length, s));
+        assert_eq!(reduced(&statistics, (0.1, 0.01), |_| 0.09, sealed), [None, Some(0.0)]);
+    }
+
+    #[test]
+    fn air_counts_while_the_supply_is_open() {
+        // Ten periods of 40 ms: 20 ms of filling by 1 µg each ms, then 20 ms of emptying.
+        let pulse = |t: f64| {
+            let place = (t * 1e3).round() as u32 % 40;
+            let filling = place < 20;
+            let gain = if filling { place } else { 40 - place };
+            (1e-5 + 1e-9 * f64::from(gain), Ports { supply: filling, exhaust: !filling })
+        };
+        let used = [(Quantity::Air, Statistic::Used)];
+        near(reduced(&used, (0.4, 0.04), |_| 0.09, pulse)[0], 200e-9, 1e-15);
+        // Air that comes in from the surroundings is not drawn from the supply.
+        let drawn = |t: f64| (1e-5 + 1e-6 * t, Ports { supply: false, exhaust: true });
+        assert_eq!(reduced(&used, (0.4, 0.04), |_| 0.09, drawn), [Some(0.0)]);
     }
 }
