@@ -44,7 +44,7 @@ extern crate alloc;
 extern crate std;
 
 pub mod air;
-#[cfg(feature = "std")]
+#[cfg(feature = "batch")]
 pub mod batch;
 pub mod force;
 pub mod friction;

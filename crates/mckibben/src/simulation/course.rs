@@ -64,11 +64,11 @@ impl<S: Vector> Course<S> {
         let mut turns = 0;
         loop {
             let step = S::of_time((until - self.time).larger(S::Time::zero()));
-            let end = rig.take(method, S::of_time(self.time), &self.state, step, &self.held);
+            let end = instructions.run(Take { course: self, rig, method, step });
             if may_turn && turns < MAX_TURNS {
                 let turned = rig.keeps_sliding(&self.held, &end).lt(S::zero()) & S::zero().lt(step);
                 if turned.any() {
-                    instructions.run(Turn { course: self, rig, method, until, step, end, turned });
+                    instructions.run(Turn { instructions, course: self, rig, method, until, step, end, turned });
                     turns += 1;
                     continue;
                 }
@@ -91,8 +91,27 @@ impl<S: Vector> Course<S> {
     }
 }
 
+/// One step of the method from where the lanes are.
+struct Take<'a, S: Vector> {
+    course: &'a Course<S>,
+    rig: &'a Rig<S>,
+    method: Method,
+    step: S,
+}
+
+impl<S: Vector> Kernel for Take<'_, S> {
+    type Output = [S; 4];
+
+    #[inline(always)]
+    fn run(self) -> [S; 4] {
+        let Course { time, state, held } = self.course;
+        self.rig.take(self.method, S::of_time(*time), state, self.step, held)
+    }
+}
+
 /// The part of a step up to the turn in some lanes, and the whole step in the others.
-struct Turn<'a, S: Vector> {
+struct Turn<'a, S: Vector, I> {
+    instructions: I,
     course: &'a mut Course<S>,
     rig: &'a Rig<S>,
     method: Method,
@@ -102,7 +121,7 @@ struct Turn<'a, S: Vector> {
     turned: S::Mask,
 }
 
-impl<S: Vector> Kernel for Turn<'_, S> {
+impl<S: Vector, I: Instructions> Kernel for Turn<'_, S, I> {
     type Output = ();
 
     #[inline(always)]
@@ -130,16 +149,16 @@ impl<S: Vector> Kernel for Turn<'_, S> {
     }
 }
 
-impl<S: Vector> Turn<'_, S> {
+impl<S: Vector, I: Instructions> Turn<'_, S, I> {
     /// How much of the step is taken up to the turn, and the state there.
     ///
     /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
     /// that the bracket shrinks whatever the function.
     #[inline(always)]
     fn locate(&self) -> (S, [S; 4]) {
-        let Self { rig, method, step, end, turned, .. } = *self;
+        let Self { instructions, rig, method, step, end, turned, .. } = *self;
         let course = &*self.course;
-        let (time, tolerance) = (S::of_time(course.time), S::constant(TURN_TOLERANCE));
+        let tolerance = S::constant(TURN_TOLERANCE);
         let (mut low, mut high) = (S::zero(), S::one());
         let mut at_low = rig.keeps_sliding(&course.held, &course.state);
         let mut at_high = rig.keeps_sliding(&course.held, &end);
@@ -152,7 +171,7 @@ impl<S: Vector> Turn<'_, S> {
             let half = S::constant(0.5) * (low + high);
             let inside = if count % 4 == 3 { half } else { secant };
             let next = S::select(from_rest, S::constant(FROM_REST), inside);
-            let state = rig.take(method, time, &course.state, next * step, &course.held);
+            let state = instructions.run(Take { course, rig, method, step: next * step });
             let value = rig.keeps_sliding(&course.held, &state);
             let is_beyond = value.lt(S::zero());
             let change = (next - theta).magnitude();
@@ -219,8 +238,8 @@ impl<S: Scalar> Rig<S> {
         let [length, velocity, pressure, mass] = *state;
         let thread = self.actuator().law().law.braid.thread_length();
         let numbers = length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);
-        // A number that is not finite differs from itself by what is not a number.
-        let finite = ((length - length) + (velocity - velocity)) + ((pressure - pressure) + (mass - mass));
-        numbers & finite.le(S::zero())
+        // What is not a number is not less than anything either.
+        let infinity = S::constant(f64::INFINITY);
+        numbers & (-infinity).lt(length) & velocity.magnitude().lt(infinity) & pressure.lt(infinity) & mass.lt(infinity)
     }
 }

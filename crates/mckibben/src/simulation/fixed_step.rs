@@ -10,9 +10,11 @@ use super::course::{Course, Ordinary};
 use super::kernel::{Held, Method};
 use super::rig::{Rig, State};
 use super::sample::Sample;
+use super::timetable::Progress;
 use crate::error::Error;
+use crate::load::Line;
 use crate::scalar::Real;
-use crate::valve::{Ports, SeatClock};
+use crate::valve::Ports;
 
 /// Steps one rig through time at fixed steps; no allocation.
 #[derive(Clone, Debug)]
@@ -20,18 +22,17 @@ pub struct FixedStepper<'a, R: Real = f64> {
     rig: &'a Rig<R>,
     method: Method,
     course: Course<R>,
-    clock: SeatClock<R>,
+    progress: Progress<R>,
     ports: Ports,
-    corners_passed: usize,
 }
 
 impl<'a, R: Real> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let held = Held { supply: false, exhaust: false, sliding: R::zero(), stuck: false, line: rig.line(0) };
+        let held =
+            Held { supply: false, exhaust: false, sliding: R::zero(), stuck: false, line: Line::resting(R::zero()) };
         let course = Course { time: R::zero(), state: start.to_array(), held };
-        let mut stepper =
-            Self { rig, method, course, clock: SeatClock::released(), ports: Ports::CLOSED, corners_passed: 0 };
+        let mut stepper = Self { rig, method, course, progress: Progress::none(), ports: Ports::CLOSED };
         stepper.pass_instants();
         stepper
     }
@@ -63,7 +64,7 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
-            let instant = self.rig.next_instant(&self.clock, self.corners_passed, until);
+            let instant = self.rig.timetable().next(&self.progress, until);
             let before = self.course;
             self.course.advance(Ordinary, self.rig, self.method, instant.unwrap_or(until));
             if !self.rig.admissible(&self.course.state) {
@@ -80,13 +81,9 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     }
 
     fn pass_instants(&mut self) {
-        let time = self.course.time;
-        if let Some(drive) = self.rig.actuation() {
-            self.clock.advance(time, &drive.solenoid, &drive.command);
-            self.ports = self.clock.ports(&drive.solenoid);
-        }
-        self.corners_passed = self.rig.corners_passed(self.corners_passed, time);
-        self.course.held.line = self.rig.line(self.corners_passed);
+        let timetable = self.rig.timetable();
+        self.ports = timetable.pass(&mut self.progress, self.course.time);
+        self.course.held.line = timetable.line(&self.progress);
         (self.course.held.supply, self.course.held.exhaust) = (self.ports.supply, self.ports.exhaust);
         self.course.slide(self.rig, true);
     }

@@ -28,6 +28,9 @@ use crate::load::{Line, Load};
 use crate::scalar::{Over, Scalar};
 use crate::valve::Port;
 
+/// Weight of each stage of the classical Runge–Kutta method in sixths, and how far the next stage reaches along it.
+const RK4: [(f64, f64); 4] = [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)];
+
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -127,15 +130,13 @@ impl<S: Scalar> Rig<S> {
     /// One part of a step by the classical Runge–Kutta method.
     #[inline(always)]
     pub fn step_rk4(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let half = step * S::constant(0.5);
-        let k1 = self.rates(time, &state, held);
-        let k2 = self.rates(time + half, &ahead(&state, half, &k1), held);
-        let k3 = self.rates(time + half, &ahead(&state, half, &k2), held);
-        let k4 = self.rates(time + step, &ahead(&state, step, &k3), held);
-        let two = S::constant(2.0);
-        let mut sum = k1;
-        for n in 0..4 {
-            sum[n] = two.multiply_add(k2[n] + k3[n], k1[n] + k4[n]);
+        // One loop, so that the rates are compiled once.
+        let (mut at, mut sum) = (state, [S::zero(); 4]);
+        for (stage, (weight, reach)) in RK4.into_iter().enumerate() {
+            let here = if stage == 0 { S::zero() } else { step * S::constant(RK4[stage - 1].1) };
+            let slope = self.rates(time + here, &at, held);
+            sum = ahead(&sum, S::constant(weight), &slope);
+            at = ahead(&state, step * S::constant(reach), &slope);
         }
         ahead(&state, step * S::constant(1.0 / 6.0), &sum)
     }

@@ -15,10 +15,11 @@ mod hybrid;
 mod integrator;
 pub(crate) mod kernel;
 mod mode;
-mod rig;
+pub(crate) mod rig;
 mod rosenbrock;
-mod sample;
+pub(crate) mod sample;
 pub mod system;
+pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
 mod trajectory;
 mod zones;

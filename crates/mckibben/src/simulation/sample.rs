@@ -4,6 +4,8 @@ use super::kernel::Observed;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
+#[cfg(feature = "batch")]
+use crate::{air::Flow, scalar::Vector};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +44,27 @@ impl<R: Scalar> Sample<R> {
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
         Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }
+    }
+}
+
+impl Sample {
+    /// The sample of one lane.
+    #[cfg(feature = "batch")]
+    pub(crate) fn of_lane<S: Vector<Lane = f64>>(
+        time: f64,
+        state: &[S; 4],
+        observed: &Observed<S>,
+        lane: usize,
+        ports: Ports,
+    ) -> Self {
+        let flow = Flow { inward: observed.flow.inward.lane(lane), outward: observed.flow.outward.lane(lane) };
+        let observed = Observed {
+            tension: observed.tension.lane(lane),
+            volume: observed.volume.lane(lane),
+            temperature: observed.temperature.lane(lane),
+            flow,
+        };
+        Self::new(time, &state.map(|number| number.lane(lane)), &observed, ports)
     }
 }
 
