@@ -244,7 +244,7 @@ fn simulate(
     let total = parts.iter().map(rows_of).sum();
     let progress = Progress::counted("runs", total);
     let mut done = 0;
-    let units = plan.units(parts, unit(total, jobs));
+    let units = plan.units(parts, unit(total, jobs, sweep));
     let work = |unit: &crate::sweep::plan::Unit| rows::simulate_rows(sweep, unit.rows.clone());
     schedule::in_order(jobs, units, work, |unit, outcomes| {
         destination.write(&unit, &outcomes)?;
@@ -258,10 +258,11 @@ fn simulate(
     destination.finish()
 }
 
-/// Rows of a unit of work: enough for a batch to pay, and so few that the threads end together.
-fn unit(rows: u64, jobs: usize) -> u64 {
+/// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
+fn unit(rows: u64, jobs: usize, sweep: &Sweep) -> u64 {
     const SHARE: u64 = 8;
-    (rows / (SHARE * jobs as u64)).clamp(4, 128)
+    let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::SIDE_BY_SIDE as u64 };
+    (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
 }
 
 /// What is said about the sweep in each of its files.

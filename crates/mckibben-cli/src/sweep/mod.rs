@@ -23,7 +23,6 @@
 //! What a run comes to depends on its row alone: not on the unit, part, shard, thread or engine batch that it is in.
 //! Checked by `tests/sweep.rs`.
 
-mod batch;
 pub mod chart;
 pub mod destination;
 pub mod folder;

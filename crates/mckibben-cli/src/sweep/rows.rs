@@ -1,16 +1,20 @@
 //! The runs of a unit of work.
 //!
-//! Rows of the fixed-step engine whose times are the same go through time together as one batch; rows of the
-//! event-located engine run one by one. A row that cannot be built or cannot go on gives its reason and nothing else.
+//! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
+//! block, which stays on the unit's thread; rows of the event-located engine run one by one. A row that cannot be built or
+//! cannot go on gives its reason and nothing else.
 
-use super::batch::{Batch, Row};
 use super::reduce::Reducer;
 use crate::engine;
 use crate::observation::AirUse;
+use mckibben::batch::{Batch, Row};
 use mckibben::simulation::{Sample, SampleTimes, Trajectory, simulate};
 use mckibben_scenario::sweep::Quantity;
-use mckibben_scenario::{Engine, Experiment, Method, Record, Reduction, Run, Sweep};
+use mckibben_scenario::{AxisValue, Engine, Experiment, Method, Record, Reduction, Run, Sweep};
 use std::ops::Range;
+
+/// Rows that a thread steps side by side.
+pub const SIDE_BY_SIDE: usize = Batch::<f64>::LANES;
 
 /// What a run came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +31,7 @@ pub enum Outcome {
 pub fn simulate_rows(sweep: &Sweep, rows: Range<u64>) -> Vec<Outcome> {
     let first = rows.start;
     let mut outcomes: Vec<Outcome> = Vec::new();
-    let mut groups: Vec<(Timing, Vec<(usize, Experiment)>)> = Vec::new();
+    let mut groups: Vec<(Kin<'_>, Vec<(usize, Experiment)>)> = Vec::new();
     for row in rows {
         let index = (row - first) as usize;
         // What a batch will compute is put in its place afterwards.
@@ -38,17 +42,18 @@ pub fn simulate_rows(sweep: &Sweep, rows: Range<u64>) -> Vec<Outcome> {
                 outcome = locate(&experiment, sweep.record());
             }
             Ok(experiment) => {
-                let timing = Timing::of(&experiment.run);
-                match groups.iter_mut().find(|(known, _)| *known == timing) {
+                let kin = Kin::of(sweep, row, &experiment.run);
+                let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < SIDE_BY_SIDE);
+                match known {
                     Some((_, members)) => members.push((index, experiment)),
-                    None => groups.push((timing, vec![(index, experiment)])),
+                    None => groups.push((kin, vec![(index, experiment)])),
                 }
             }
         }
         outcomes.push(outcome);
     }
-    for (timing, members) in groups {
-        step(&timing, members, sweep.record(), &mut outcomes);
+    for (kin, members) in groups {
+        step(&kin, members, sweep.record(), &mut outcomes);
     }
     outcomes
 }
@@ -68,19 +73,26 @@ fn build(sweep: &Sweep, row: u64) -> Result<Experiment, String> {
     }
 }
 
-/// The times of a run by the fixed-step engine: rows with the same can go together.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Timing {
+/// What rows of the fixed-step engine share that go through time side by side: their times, and the words of the sweep,
+/// on which the form of their laws hangs.
+#[derive(Clone, Debug, PartialEq)]
+struct Kin<'a> {
     duration: f64,
     sample_interval: f64,
     step: f64,
     method: Method,
+    words: Vec<&'a str>,
 }
 
-impl Timing {
-    fn of(run: &Run) -> Self {
+impl<'a> Kin<'a> {
+    fn of(sweep: &'a Sweep, row: u64, run: &Run) -> Self {
         let Run { duration, sample_interval, step, method, .. } = *run;
-        Self { duration, sample_interval, step, method }
+        let word = |axis| match sweep.value(axis, row) {
+            AxisValue::Word(word) => Some(word),
+            AxisValue::Number(_) => None,
+        };
+        let words = (0..sweep.axes().len()).filter_map(word).collect();
+        Self { duration, sample_interval, step, method, words }
     }
 }
 
@@ -137,6 +149,10 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    fn has_stopped(&self) -> bool {
+        matches!(self, Self::Stopped(_))
+    }
+
     fn finish(self) -> Outcome {
         match self {
             Self::Reducing(reductions, reducer) => Outcome::Reduced(reducer.finish(reductions)),
@@ -146,27 +162,22 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Runs rows of the same timing by the fixed-step engine.
-fn step(timing: &Timing, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
+/// Runs rows by the fixed-step engine, side by side.
+fn step(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
     let mut recorders: Vec<(usize, Recorder<'_>)> =
         members.iter().map(|(index, experiment)| (*index, Recorder::new(record, experiment))).collect();
     let rows = members.into_iter().map(|(_, Experiment { rig, start, .. })| Row { rig, start }).collect();
-    let mut batch = Batch::new(rows, engine::method(timing.method));
-    for until in Stops::of(record, timing.duration, timing.sample_interval).times() {
-        let from = batch.time();
-        if until > from {
-            batch.advance(until, engine::steps_between(from, until, timing.step));
-        }
-        let mut alive = recorders.iter_mut().enumerate().filter(|(_, (_, r))| !matches!(r, Recorder::Stopped(_)));
-        let mut any = false;
-        for (row, (_, recorder)) in &mut alive {
-            any = true;
-            match batch.sample(row) {
+    let mut batch: Batch = Batch::new(rows, engine::method(kin.method));
+    for until in Stops::of(record, kin.duration, kin.sample_interval).times() {
+        batch.advance(until, engine::steps_between(batch.time(), until, kin.step));
+        for ((_, recorder), sample) in recorders.iter_mut().zip(batch.samples()) {
+            match sample {
                 Ok(sample) => recorder.see(&sample),
-                Err(error) => *recorder = Recorder::Stopped(error.to_string()),
+                Err(error) if !recorder.has_stopped() => *recorder = Recorder::Stopped(error.to_string()),
+                Err(_) => {}
             }
         }
-        if !any {
+        if recorders.iter().all(|(_, recorder)| recorder.has_stopped()) {
             break;
         }
     }

@@ -81,6 +81,9 @@ pub struct Batch<F: Float = f64> {
 }
 
 impl<F: Float> Batch<F> {
+    /// How many rows of the same form are stepped side by side, on one thread.
+    pub const LANES: usize = F::LANES;
+
     /// A batch at t = 0 with the widest instructions of this machine.
     pub fn new(rows: Vec<Row>, method: Method) -> Self {
         Self::with_width(rows, method, Width::widest())
