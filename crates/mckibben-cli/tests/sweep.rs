@@ -384,6 +384,62 @@ part_rows = 4
 }
 
 #[test]
+fn a_run_that_leaves_the_physics_stops_alone() {
+    let folder = Folder::new("sweep-stopped");
+    // Through 20 cm² the actuator fills within microseconds: an explicit method with steps of 0.1 ms passes the supply
+    // pressure a thousandfold, and empties the actuator below a vacuum in the next stage.
+    let wide = |last: &str| {
+        format!(
+            "{BASE}method = \"rk4\"\nstep = \"0.1 ms\"\n[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\
+             \"supply.gauge_pressure\" = [\"60 psi\", \"80 psi\"]\n\
+             \"valve.flow_area\" = [\"1.5 mm^2\", \"2 mm^2\"{last}]\n"
+        )
+    };
+    folder.file("wide.toml", &wide(", \"20 cm^2\""));
+    let told = run(&folder, &["sweep", "wide.toml", "-o", "wide.csv"]);
+    assert!(told.contains("2 of 6 runs failed") && told.contains("run 2: the simulation stopped at t = "), "{told}");
+    let lines = csv_lines(&folder.path("wide.csv"));
+    for line in &lines {
+        let failed = number(line, "valve_flow_area_m2") > 1e-4;
+        assert_eq!(line["error"].contains("left the physics"), failed, "{line:?}");
+        assert_eq!(line["length_final_m"].is_empty(), failed, "{line:?}");
+    }
+    // The others went through time beside them, and end as they do alone.
+    folder.file("mild.toml", &wide(""));
+    run(&folder, &["sweep", "mild.toml", "-o", "mild.csv"]);
+    let final_of = |line: &BTreeMap<String, String>| line["length_final_m"].clone();
+    let good: Vec<String> = lines.iter().filter(|line| line["error"].is_empty()).map(final_of).collect();
+    assert_eq!(good, csv_lines(&folder.path("mild.csv")).iter().map(final_of).collect::<Vec<_>>());
+}
+
+#[test]
+fn check_reads_the_sweep_too() {
+    let folder = Folder::new("sweep-check");
+    folder.file("muscle.toml", &format!("{BASE}{GRID}"));
+    let told = run(&folder, &["check", "muscle.toml"]);
+    assert!(told.contains("sweep of 12 runs over load.mass, supply.gauge_pressure (grid)"), "{told}");
+    // What the sweep gives need not stand outside it.
+    folder.file("muscle.toml", &format!("{}{GRID}", BASE.replace("mass = \"5 lb\"\n", "")));
+    let told = run(&folder, &["check", "muscle.toml"]);
+    assert!(told.contains("sweep of 12 runs"), "{told}");
+    // Mistakes within the section and outside it are told together, each once.
+    let wrong = GRID.replace("\"15 lb\"", "\"15 lbf\"").replace("length.ripple", "length.riple");
+    folder.file("muscle.toml", &format!("{}{wrong}", BASE.replace("\"100 psi\"", "\"100 N\"")));
+    let message = fails(&folder, &["check", "muscle.toml"], 2);
+    assert!(message.contains("15 lbf") && message.contains("length.riple") && message.contains("100 N"), "{message}");
+    assert!(message.contains("3 mistakes"), "{message}");
+    // One that the scenario has by itself and with the sweep's values is one.
+    folder.file("muscle.toml", &format!("{}{GRID}", BASE.replace("duty = 0.5", "duty = 1.5")));
+    let message = fails(&folder, &["check", "muscle.toml"], 2);
+    assert!(message.contains("duty") && message.contains("one mistake"), "{message}");
+    // So is what a word of the sweep contradicts, which no single scenario of the file shows.
+    let words = "[sweep]\n[sweep.vary]\n\"load.kind\" = [\"hanging-mass\", \"isometric\"]\n";
+    folder.file("muscle.toml", &format!("{BASE}{words}"));
+    let message = fails(&folder, &["check", "muscle.toml"], 2);
+    assert!(message.contains("so it is in the rows with `load.kind = \"isometric\"`"), "{message}");
+}
+
+#[test]
 fn the_tail_of_a_distribution_fails_and_is_not_repaired() {
     let folder = Folder::new("sweep-tail");
     let drawn = r#"
