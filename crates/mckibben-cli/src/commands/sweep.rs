@@ -37,12 +37,12 @@ The section [sweep] says what varies:
   \"load.mass\" = [\"3 lb\", \"5 lb\", \"15 lb\"]
   \"supply.gauge_pressure\" = { from = \"20 psi\", to = \"100 psi\", count = 9 }
 
-Reductions are taken over the samples at every run.sample_interval; what happens between two samples is not seen.
-A ripple is that of the last PWM period, or of the last tenth of a run without PWM. `air.used` sums the gains of air
+Reductions are taken over the samples at every run.sample_interval; what happens between two samples is not seen. \
+A ripple is that of the last PWM period, or of the last tenth of a run without PWM. `air.used` sums the gains of air \
 between samples while the supply is open; of an event-located run it is the integral of the flow.
 
-A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept.
-Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the folder with the others.
+A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept. \
+Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the folder with the others. \
 A run that fails has its reason in the column `error` and no numbers; it does not stop the others.
 
 Exit codes:
