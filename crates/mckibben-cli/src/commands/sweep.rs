@@ -302,9 +302,13 @@ fn told(
         styled(HEADING, arguments.file.display()),
         styled(FAINT, format!("{} runs", count(plan.rows)))
     );
+    /// Before what stands beside a name.
+    const INDENT: &str = "            ";
     let line = |name: &str, what: &str| format!("  {name:<8}  {what}\n");
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
-    text.push_str(&line("varied", &format!("{} ({})", varied.join(", "), sweep.design().name())));
+    let varied =
+        terminal::wrap(&format!("{} ({})", varied.join(", "), sweep.design().name()), INDENT, terminal::width());
+    text.push_str(&line("varied", varied.trim_start()));
     if let Ok(first) = sweep.scenario(0) {
         text.push_str(&line("engine", &describe::engine(&first.run)));
     }
