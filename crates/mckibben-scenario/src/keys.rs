@@ -379,6 +379,7 @@ pub static KEYS: &[Key] = &[
     quantity(&p::RELATIVE_TOLERANCE, "1e-8"),
     choice("run.method", Method::CHOICES, "Formula of the fixed-step engine.", "\"stable\"").or("stable"),
     quantity(&p::STEP, "\"0.1 ms\""),
+    quantity(&p::ACCURACY, "1e-3"),
     choice(DESIGN, DesignKind::CHOICES, "How the rows are chosen.", "\"latin-hypercube\"").or("grid"),
     whole(&SWEEP_ROWS, "4096").required().when(DESIGN, NO_GRID),
     whole(&SWEEP_SEED, "1").when(DESIGN, NO_GRID),

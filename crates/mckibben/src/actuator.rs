@@ -110,6 +110,7 @@ impl<S: Scalar> Actuator<S> {
     }
 
     /// The static force law with its effectiveness.
+    #[inline(always)]
     pub fn law(&self) -> &Effective<IdealBraid<S>, S> {
         &self.law
     }

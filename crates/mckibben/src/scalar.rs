@@ -75,7 +75,7 @@ pub trait Scalar:
     /// `yes` where the mask holds, `no` elsewhere. What is not chosen may be anything, NaN included.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// `self · factor + addend`; lanes may fuse it.
+    /// `self · factor + addend`, each rounded: the same number on any machine and in any lane.
     #[inline(always)]
     fn multiply_add(self, factor: Self, addend: Self) -> Self {
         self * factor + addend
@@ -120,8 +120,15 @@ pub trait Scalar:
 
 /// A scalar with one value to branch on: not lanes.
 pub trait Real: Scalar<Mask = bool> {
+    /// A number that is precise enough for points in time, whose differences are steps.
+    type Time: Real<Time = Self::Time>;
+
     /// The value without any derivative.
     fn value(self) -> f64;
+    /// The nearest number to a point or a span of time.
+    fn of_time(time: Self::Time) -> Self;
+    /// A span as time.
+    fn to_time(self) -> Self::Time;
 }
 
 /// A scalar that extends `S`: arguments of this type may meet parameters of type `S`.
@@ -134,60 +141,6 @@ impl<S: Scalar> Over<S> for S {
     #[inline(always)]
     fn of(parameter: S) -> S {
         parameter
-    }
-}
-
-/// A scalar of one or more lanes that can be looked at one by one.
-pub trait Vector: Scalar {
-    /// What a lane holds, or the scalar itself when it has one value.
-    type Lane: Real;
-    /// A vector of as many lanes that is precise enough for points in time.
-    type Time: Vector<Lane = Self::Lane, Mask = Self::Mask>;
-    /// How many lanes there are.
-    const LANES: usize;
-
-    /// Lanes from a function of their index.
-    fn from_lanes(lane: impl FnMut(usize) -> Self::Lane) -> Self;
-    /// What a lane holds.
-    fn lane(&self, lane: usize) -> Self::Lane;
-    /// A mask from a function of the lane's index.
-    fn mask(lane: impl FnMut(usize) -> bool) -> Self::Mask;
-    /// Whether a mask holds in a lane.
-    fn holds(mask: Self::Mask, lane: usize) -> bool;
-    /// The nearest number to a point or a span of time.
-    fn of_time(time: Self::Time) -> Self;
-    /// A span as time.
-    fn to_time(self) -> Self::Time;
-}
-
-impl<R: Real> Vector for R {
-    type Lane = R;
-    type Time = R;
-    const LANES: usize = 1;
-
-    #[inline(always)]
-    fn from_lanes(mut lane: impl FnMut(usize) -> R) -> Self {
-        lane(0)
-    }
-    #[inline(always)]
-    fn lane(&self, _lane: usize) -> R {
-        *self
-    }
-    #[inline(always)]
-    fn mask(mut lane: impl FnMut(usize) -> bool) -> bool {
-        lane(0)
-    }
-    #[inline(always)]
-    fn holds(mask: bool, _lane: usize) -> bool {
-        mask
-    }
-    #[inline(always)]
-    fn of_time(time: R) -> Self {
-        time
-    }
-    #[inline(always)]
-    fn to_time(self) -> R {
-        self
     }
 }
 
@@ -232,8 +185,17 @@ macro_rules! float {
         }
 
         impl Real for $type {
+            type Time = f64;
             #[inline(always)]
             fn value(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn of_time(time: f64) -> Self {
+                time as $type
+            }
+            #[inline(always)]
+            fn to_time(self) -> f64 {
                 self as f64
             }
         }

@@ -7,12 +7,13 @@ use crate::failure::Failure;
 use crate::output;
 use crate::portrait;
 use crate::progress::Progress;
-use crate::quantities::{count, digits, quantity};
+use crate::quantities::{count, digits, given, quantity};
 use crate::record;
 use crate::settings::Setting;
 use crate::sweep::destination::{Destination, Place};
 use crate::sweep::folder::{Folder, Manifest};
 use crate::sweep::plan::{Plan, Shard};
+use crate::sweep::step::Choice;
 use crate::sweep::tally::Tally;
 use crate::sweep::{chart, read, rows, schedule, table};
 use crate::terminal::{self, FAINT, GOOD, HEADING, styled};
@@ -116,8 +117,12 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     };
     let kept = tally.runs();
     let written = parts.len() as u64;
-    let notes = notes(&document, &set, &sweep, &columns);
-    simulate(&sweep, plan, parts, arguments.jobs, Destination::new(&sweep, plan, notes, place), &mut tally)?;
+    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let jobs = arguments.jobs.unwrap_or_else(cores).get();
+    let choice = if parts.is_empty() { None } else { Choice::of(&sweep, jobs)? };
+    let notes = notes(&document, &set, &sweep, choice.as_ref(), &columns);
+    let destination = Destination::new(&sweep, plan, notes, place);
+    simulate((&sweep, choice.as_ref()), plan, parts, jobs, destination, &mut tally)?;
     let elapsed = started.elapsed();
 
     if let Some((path, format)) = figure {
@@ -126,7 +131,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         output::write(path, &bytes)?;
     }
     if !arguments.quiet {
-        terminal::print(&told(arguments, &plan, &sweep, &tally, (kept, written, elapsed)))?;
+        terminal::print(&told(arguments, &plan, (&sweep, choice.as_ref()), &tally, (kept, written, elapsed)))?;
     }
     match tally.first_reason() {
         Some(reason) if tally.failed() == tally.runs() => {
@@ -231,21 +236,19 @@ fn keep(folder: &Folder, plan: &Plan, parts: &[u64], sweep: &Sweep, tally: &mut 
 
 /// Runs the rows of parts and writes them.
 fn simulate(
-    sweep: &Sweep,
+    (sweep, choice): (&Sweep, Option<&Choice>),
     plan: Plan,
     parts: Vec<u64>,
-    jobs: Option<NonZeroUsize>,
+    jobs: usize,
     mut destination: Destination<'_>,
     tally: &mut Tally,
 ) -> Result<(), Failure> {
-    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let jobs = jobs.unwrap_or_else(cores).get();
     let rows_of = |part: &u64| plan.rows_of(*part).end - plan.rows_of(*part).start;
     let total = parts.iter().map(rows_of).sum();
     let progress = Progress::counted("runs", total);
     let mut done = 0;
     let units = plan.units(parts, unit(total, jobs, sweep));
-    let work = |unit: &crate::sweep::plan::Unit| rows::simulate_rows(sweep, unit.rows.clone());
+    let work = |unit: &crate::sweep::plan::Unit| rows::simulate_rows(sweep, choice, unit.rows.clone());
     schedule::in_order(jobs, units, work, |unit, outcomes| {
         destination.write(&unit, &outcomes)?;
         for (row, outcome) in unit.rows.clone().zip(&outcomes) {
@@ -261,12 +264,18 @@ fn simulate(
 /// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
 fn unit(rows: u64, jobs: usize, sweep: &Sweep) -> u64 {
     const SHARE: u64 = 8;
-    let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::SIDE_BY_SIDE as u64 };
+    let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::side_by_side() as u64 };
     (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
 }
 
 /// What is said about the sweep in each of its files.
-fn notes(document: &Document, set: &[String], sweep: &Sweep, columns: &[table::Column]) -> Vec<(String, String)> {
+fn notes(
+    document: &Document,
+    set: &[String],
+    sweep: &Sweep,
+    choice: Option<&Choice>,
+    columns: &[table::Column],
+) -> Vec<(String, String)> {
     let units: serde_json::Map<String, serde_json::Value> = columns
         .iter()
         .filter(|column| column.kind == table::Kind::Number)
@@ -285,14 +294,20 @@ fn notes(document: &Document, set: &[String], sweep: &Sweep, columns: &[table::C
         ("mckibben.design", sweep.design().name().to_owned()),
         ("mckibben.seed", sweep.seed().to_string()),
     ];
-    pairs.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+    let step = choice.map(|Choice { step, accuracy, reached, unreached }| {
+        let json = serde_json::json!({
+            "longest_s": step, "accuracy": accuracy, "enough_for_runs": reached, "too_long_for_runs": unreached
+        });
+        ("mckibben.step", json.to_string())
+    });
+    pairs.into_iter().chain(step).map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// The summary.
 fn told(
     arguments: &SweepArguments,
     plan: &Plan,
-    sweep: &Sweep,
+    (sweep, choice): (&Sweep, Option<&Choice>),
     tally: &Tally,
     (kept, written, elapsed): (u64, u64, Duration),
 ) -> String {
@@ -311,6 +326,10 @@ fn told(
     text.push_str(&line("varied", varied.trim_start()));
     if let Ok(first) = sweep.scenario(0) {
         text.push_str(&line("engine", &describe::engine(&first.run)));
+    }
+    if let Some(choice) = choice {
+        let step = terminal::wrap(&step_of(choice), INDENT, terminal::width());
+        text.push_str(&line("step", step.trim_start()));
     }
     let new = tally.runs() - kept;
     if kept > 0 {
@@ -342,4 +361,20 @@ fn told(
         text.push('\n');
     }
     text + &files
+}
+
+/// The longest step, and on what ground it was taken.
+fn step_of(Choice { step, accuracy, reached, unreached }: &Choice) -> String {
+    let tried = match reached.len() {
+        1 => "1 run needs".to_owned(),
+        many => format!("{many} runs spread over the sweep need"),
+    };
+    let beside = match unreached.as_slice() {
+        [] => String::new(),
+        rows => {
+            let rows: Vec<String> = rows.iter().map(u64::to_string).collect();
+            format!("; not reached with any step in run {}", rows.join(", "))
+        }
+    };
+    format!("at most {}, the least that {tried} for an accuracy of {accuracy:e}{beside}", given(*step, "s"))
 }

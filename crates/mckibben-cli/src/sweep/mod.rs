@@ -9,6 +9,7 @@
 //! | module | its idea |
 //! |---|---|
 //! | [`plan`] | which rows make a part, which parts a shard, which rows a unit of work |
+//! | [`step`] | the step of the fixed-step engine, one for all rows |
 //! | [`rows`] | the runs of a unit, by either engine |
 //! | [`reduce`] | a run as a few numbers |
 //! | [`schedule`] | units on threads, results in order, a bounded number of them |
@@ -32,5 +33,6 @@ pub mod reduce;
 pub mod rows;
 pub mod schedule;
 pub mod sheet;
+pub mod step;
 pub mod table;
 pub mod tally;

@@ -1,20 +1,22 @@
 //! The runs of a unit of work.
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
-//! block, which stays on the unit's thread; rows of the event-located engine run one by one. A row that cannot be built or
-//! cannot go on gives its reason and nothing else.
+//! block, which stays on the unit's thread; rows of the event-located engine run one by one. Either way a row is, bit for
+//! bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::reduce::Reducer;
-use crate::engine;
+use super::step::{self, Choice};
 use crate::observation::AirUse;
-use mckibben::batch::{Batch, Row};
-use mckibben::simulation::{Sample, SampleTimes, Trajectory, simulate};
+use mckibben::batch::{Batch, Row, Width};
+use mckibben::simulation::{Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
 use mckibben_scenario::sweep::Quantity;
-use mckibben_scenario::{AxisValue, Engine, Experiment, Method, Record, Reduction, Run, Sweep};
+use mckibben_scenario::{AxisValue, Engine, Experiment, Record, Reduction, Sweep};
 use std::ops::Range;
 
 /// Rows that a thread steps side by side.
-pub const SIDE_BY_SIDE: usize = Batch::<f64>::LANES;
+pub fn side_by_side() -> usize {
+    Width::widest().rows()
+}
 
 /// What a run came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +29,9 @@ pub enum Outcome {
     Failed(String),
 }
 
-/// Simulates the rows.
-pub fn simulate_rows(sweep: &Sweep, rows: Range<u64>) -> Vec<Outcome> {
-    let first = rows.start;
+/// Simulates the rows, with a step for all of them where they have none by themselves.
+pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Vec<Outcome> {
+    let (first, side_by_side) = (rows.start, side_by_side());
     let mut outcomes: Vec<Outcome> = Vec::new();
     let mut groups: Vec<(Kin<'_>, Vec<(usize, Experiment)>)> = Vec::new();
     for row in rows {
@@ -41,19 +43,22 @@ pub fn simulate_rows(sweep: &Sweep, rows: Range<u64>) -> Vec<Outcome> {
             Ok(experiment) if experiment.run.engine == Engine::EventLocated => {
                 outcome = locate(&experiment, sweep.record());
             }
-            Ok(experiment) => {
-                let kin = Kin::of(sweep, row, &experiment.run);
-                let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < SIDE_BY_SIDE);
-                match known {
-                    Some((_, members)) => members.push((index, experiment)),
-                    None => groups.push((kin, vec![(index, experiment)])),
+            Ok(experiment) => match step::of_row(&experiment, choice) {
+                Err(error) => outcome = Outcome::Failed(error.to_string()),
+                Ok(step) => {
+                    let kin = Kin::of(sweep, row, &experiment, step);
+                    let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
+                    match known {
+                        Some((_, members)) => members.push((index, experiment)),
+                        None => groups.push((kin, vec![(index, experiment)])),
+                    }
                 }
-            }
+            },
         }
         outcomes.push(outcome);
     }
     for (kin, members) in groups {
-        step(&kin, members, sweep.record(), &mut outcomes);
+        advance(&kin, members, sweep.record(), &mut outcomes);
     }
     outcomes
 }
@@ -85,14 +90,14 @@ struct Kin<'a> {
 }
 
 impl<'a> Kin<'a> {
-    fn of(sweep: &'a Sweep, row: u64, run: &Run) -> Self {
-        let Run { duration, sample_interval, step, method, .. } = *run;
+    fn of(sweep: &'a Sweep, row: u64, experiment: &Experiment, step: f64) -> Self {
+        let (duration, sample_interval) = (experiment.run.duration, experiment.run.sample_interval);
         let word = |axis| match sweep.value(axis, row) {
             AxisValue::Word(word) => Some(word),
             AxisValue::Number(_) => None,
         };
         let words = (0..sweep.axes().len()).filter_map(word).collect();
-        Self { duration, sample_interval, step, method, words }
+        Self { duration, sample_interval, step, method: experiment.method(), words }
     }
 }
 
@@ -163,13 +168,13 @@ impl<'a> Recorder<'a> {
 }
 
 /// Runs rows by the fixed-step engine, side by side.
-fn step(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
+fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
     let mut recorders: Vec<(usize, Recorder<'_>)> =
         members.iter().map(|(index, experiment)| (*index, Recorder::new(record, experiment))).collect();
     let rows = members.into_iter().map(|(_, Experiment { rig, start, .. })| Row { rig, start }).collect();
-    let mut batch: Batch = Batch::new(rows, engine::method(kin.method));
+    let mut batch: Batch = Batch::new(rows, kin.method);
     for until in Stops::of(record, kin.duration, kin.sample_interval).times() {
-        batch.advance(until, engine::steps_between(batch.time(), until, kin.step));
+        batch.advance(until, steps_between(batch.time(), until, kin.step));
         for ((_, recorder), sample) in recorders.iter_mut().zip(batch.samples()) {
             match sample {
                 Ok(sample) => recorder.see(&sample),

@@ -103,7 +103,8 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::DURATION, |s| Some(&mut s.run.duration)),
     (&p::SAMPLE_INTERVAL, |s| Some(&mut s.run.sample_interval)),
     (&p::RELATIVE_TOLERANCE, |s| Some(&mut s.run.relative_tolerance)),
-    (&p::STEP, |s| Some(&mut s.run.step)),
+    (&p::STEP, |s| s.run.step.as_mut()),
+    (&p::ACCURACY, |s| Some(&mut s.run.accuracy)),
 ];
 
 /// The place of a quantity.

@@ -133,6 +133,11 @@ impl Sweep {
         self.bases.iter().any(|base| base.run.engine == engine)
     }
 
+    /// Whether every row gives the step of the fixed-step engine, so that none follows from an accuracy.
+    pub fn gives_step(&self) -> bool {
+        self.bases.iter().all(|base| base.run.step.is_some())
+    }
+
     /// The scenario of a row. Tables in it are copied; everything else is a few numbers.
     ///
     /// # Errors

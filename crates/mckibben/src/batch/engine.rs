@@ -1,12 +1,10 @@
-//! The blocks of a batch behind one face, whatever their number, width and rounding.
+//! The blocks of a batch behind one face, whatever their number and width.
 
-use super::Row;
-use super::block::{Advance, Block, Samples, Span};
-use super::lanes::{Lanes, Number};
-use super::width::Width;
+use super::block::{Advance, Block, Create, Samples, Span};
+use super::wide::{Doubles, Number, Singles, Wide, compiled};
+use super::{Row, Width};
 use crate::error::Error;
-use crate::scalar::Vector;
-use crate::simulation::{Method, Rig, Sample, State};
+use crate::simulation::{Method, Sample};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt::Debug;
@@ -14,71 +12,69 @@ use rayon::prelude::*;
 
 /// Blocks of rows.
 pub trait Engine: Debug + Send + Sync {
+    /// How many rows are in a block.
+    fn lanes(&self) -> usize;
     /// Takes every block from one time in s to another in equal steps, on all cores.
     fn advance(&mut self, from: f64, until: f64, steps: u64);
     /// What each row of each block shows.
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>>;
 }
 
+/// How rows are dealt to blocks: given the number of lanes, the rows of each block.
+pub(super) type Dealing<'a> = &'a mut dyn FnMut(usize) -> Vec<Vec<usize>>;
+
 /// A number that blocks are made of.
 pub trait Build: Number {
-    /// How many rows are in a block.
-    const LANES: usize;
-    /// Blocks with the given rows in each.
-    fn build(rows: &[Row], members: &[Vec<usize>], method: Method, width: Width) -> Box<dyn Engine>;
+    /// Blocks of the width that is given.
+    fn build(rows: &[Row], deal: Dealing<'_>, method: Method, width: Width) -> Box<dyn Engine>;
 }
 
 #[derive(Debug)]
-struct Blocks<S: Vector> {
-    blocks: Vec<Block<S>>,
-    width: Width,
-}
+struct Blocks<W: Wide>(Vec<Block<W>>);
 
-impl<S: Vector<Lane = f64> + Send + Sync> Blocks<S>
-where
-    S::Mask: Send + Sync,
-    S::Time: Send + Sync,
-{
-    fn new(rows: &[Row], members: &[Vec<usize>], method: Method, width: Width) -> Self {
+impl<W: Wide> Blocks<W> {
+    fn build(rows: &[Row], deal: Dealing<'_>, method: Method) -> Box<dyn Engine> {
+        let members = deal(W::LANES);
         let block = |members: &Vec<usize>| {
-            let rows: Vec<(&Rig, State)> = members.iter().map(|&row| (&rows[row].rig, rows[row].start)).collect();
-            Block::new(&rows, method)
+            let rows: Vec<&Row> = members.iter().map(|&row| &rows[row]).collect();
+            compiled(Create::<W>::new(&rows, method))
         };
-        Self { blocks: members.par_iter().map(block).collect(), width }
+        Box::new(Self(members.par_iter().map(block).collect()))
     }
 }
 
-impl<S: Vector<Lane = f64> + Send + Sync> Engine for Blocks<S>
-where
-    S::Mask: Send + Sync,
-    S::Time: Send + Sync,
-{
+impl<W: Wide> Engine for Blocks<W> {
+    fn lanes(&self) -> usize {
+        W::LANES
+    }
+
     fn advance(&mut self, from: f64, until: f64, steps: u64) {
-        let (width, span) = (self.width, Span { from, until, steps });
-        match self.blocks.as_mut_slice() {
-            [block] => width.run(Advance(block, span)),
-            blocks => blocks.par_iter_mut().for_each(|block| width.run(Advance(block, span))),
+        let span = Span { from, until, steps };
+        match self.0.as_mut_slice() {
+            [block] => compiled(Advance(block, span)),
+            blocks => blocks.par_iter_mut().for_each(|block| compiled(Advance(block, span))),
         }
     }
 
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>> {
-        self.blocks.iter().map(|block| self.width.run(Samples(block))).collect()
+        self.0.iter().map(|block| compiled(Samples(block))).collect()
     }
 }
 
 macro_rules! build {
-    ($number:ident, $lanes:literal) => {
+    ($number:ident, $wide:ident) => {
         impl Build for $number {
-            const LANES: usize = $lanes;
-
-            fn build(rows: &[Row], members: &[Vec<usize>], method: Method, width: Width) -> Box<dyn Engine> {
-                match width.is_fused() {
-                    true => Box::new(Blocks::<Lanes<$number, $lanes, true>>::new(rows, members, method, width)),
-                    false => Box::new(Blocks::<Lanes<$number, $lanes, false>>::new(rows, members, method, width)),
+            fn build(rows: &[Row], deal: Dealing<'_>, method: Method, width: Width) -> Box<dyn Engine> {
+                match width.or_widest() {
+                    Width::Baseline => Blocks::<$wide<pulp::Scalar>>::build(rows, deal, method),
+                    #[cfg(target_arch = "x86_64")]
+                    Width::Avx2 => Blocks::<$wide<pulp::x86::V3>>::build(rows, deal, method),
+                    #[cfg(target_arch = "x86_64")]
+                    Width::Avx512 => Blocks::<$wide<pulp::x86::V4>>::build(rows, deal, method),
                 }
             }
         }
     };
 }
-build!(f64, 8);
-build!(f32, 16);
+build!(f64, Doubles);
+build!(f32, Singles);

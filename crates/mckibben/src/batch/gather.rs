@@ -3,9 +3,10 @@
 //! Rigs whose laws are of the same kind hand out their numbers in the same order, so the numbers of each row are listed
 //! once and then dealt to the lanes. What drives the valve stays with each row: its instants differ.
 
+use super::wide::{Number, Wide};
 use crate::convert::Convert;
 use crate::parameter::Parameter;
-use crate::scalar::Vector;
+use crate::scalar::Scalar;
 use crate::simulation::Rig;
 use alloc::vec::Vec;
 
@@ -15,7 +16,7 @@ pub(super) fn form(rig: &Rig) -> Rig {
 }
 
 /// One rig over lanes from rows of the same form; the last row also fills the lanes that are left.
-pub(super) fn gather<S: Vector<Lane = f64>>(rows: &[&Rig]) -> Rig<S> {
+pub(super) fn gather<W: Wide>(rows: &[&Rig]) -> Rig<W> {
     let lists: Vec<Vec<f64>> = rows
         .iter()
         .map(|rig| {
@@ -26,6 +27,22 @@ pub(super) fn gather<S: Vector<Lane = f64>>(rows: &[&Rig]) -> Rig<S> {
         .collect();
     let last = lists.len() - 1;
     rows[0].undriven(&mut Deal { lists: &lists, last, next: 0 })
+}
+
+/// A rig in the numbers of a lane.
+pub(super) fn narrow<R: Number>(rig: &Rig) -> Rig<R> {
+    rig.undriven(&mut Narrow)
+}
+
+struct Narrow;
+
+impl<R: Number> Convert<f64, R> for Narrow {
+    fn parameter(&mut self, _: &'static Parameter, value: f64) -> R {
+        R::constant(value)
+    }
+    fn carry(&mut self) -> Option<impl FnMut(f64) -> R> {
+        Some(R::constant)
+    }
 }
 
 struct Blank;
@@ -61,18 +78,18 @@ struct Deal<'a> {
 }
 
 impl Deal<'_> {
-    fn deal<S: Vector<Lane = f64>>(&mut self) -> S {
+    fn deal<W: Wide>(&mut self) -> W {
         let number = self.next;
         self.next += 1;
-        S::from_lanes(|lane| self.lists[lane.min(self.last)][number])
+        W::from_lanes(|lane| W::Lane::constant(self.lists[lane.min(self.last)][number]))
     }
 }
 
-impl<S: Vector<Lane = f64>> Convert<f64, S> for Deal<'_> {
-    fn parameter(&mut self, _: &'static Parameter, _: f64) -> S {
+impl<W: Wide> Convert<f64, W> for Deal<'_> {
+    fn parameter(&mut self, _: &'static Parameter, _: f64) -> W {
         self.deal()
     }
-    fn carry(&mut self) -> Option<impl FnMut(f64) -> S> {
+    fn carry(&mut self) -> Option<impl FnMut(f64) -> W> {
         Some(|_| self.deal())
     }
 }

@@ -31,24 +31,23 @@
 //! # }
 //! ```
 //!
-//! It is the physics of every other engine, over a [vector of lanes](lanes) for its scalar, eight rows of `f64` or sixteen
-//! of `f32` in a block. Blocks share nothing, so they are stepped on all cores; a step allocates nothing. The
+//! It is the physics of every other engine, over a vector of rows for its scalar: as many rows in a block as a register
+//! of this machine has lanes. Blocks share nothing, so they are stepped on all cores; a step allocates nothing. The
 //! instructions are chosen when the program runs ([`Width`]).
 //!
 //! What holds for row i of any batch:
 //!
-//! - it has the same bits as the same row alone: whatever the number of rows, its place among them, and the number of
-//!   threads; and the same bits on AVX2 and AVX-512. Without fused multiply-add ([`Width::Baseline`]) it differs by
-//!   rounding: for `f64` less than 1e-9 of a state's range after a second of PWM.
-//! - when it leaves the physics it has an error of its own from then on, and touches no other row;
-//! - it is the fixed-step engine's run ([`FixedStepper`](crate::simulation::FixedStepper)) but for rounding.
+//! - it is the fixed-step engine's run ([`FixedStepper`](crate::simulation::FixedStepper)), bit for bit: whatever the
+//!   number of rows, its place among them, the number of threads, and the width of the instructions. In `f32` it is the
+//!   same method with states and parameters rounded to `f32`, and time to `f64`;
+//! - when it leaves the physics it has an error of its own from then on, and touches no other row.
 //!
 //! Checked by `tests/batch.rs`.
 
 mod block;
 mod engine;
 mod gather;
-pub mod lanes;
+pub(crate) mod wide;
 mod width;
 
 pub use width::Width;
@@ -81,9 +80,6 @@ pub struct Batch<F: Float = f64> {
 }
 
 impl<F: Float> Batch<F> {
-    /// How many rows of the same form are stepped side by side, on one thread.
-    pub const LANES: usize = F::LANES;
-
     /// A batch at t = 0 with the widest instructions of this machine.
     pub fn new(rows: Vec<Row>, method: Method) -> Self {
         Self::with_width(rows, method, Width::widest())
@@ -91,9 +87,14 @@ impl<F: Float> Batch<F> {
 
     /// A batch at t = 0 with given instructions; where the machine has not got them, others with the same results.
     pub fn with_width(rows: Vec<Row>, method: Method, width: Width) -> Self {
-        let (places, blocks) = arrange(&rows, F::LANES);
-        let blocks = F::build(&rows, &blocks, method, width);
-        Self { width, time: 0.0, blocks, places, number: PhantomData }
+        let mut places = Vec::new();
+        let mut deal = |lanes: usize| {
+            let (of_rows, members) = arrange(&rows, lanes);
+            places = of_rows;
+            members
+        };
+        let blocks = F::build(&rows, &mut deal, method, width);
+        Self { width: width.or_widest(), time: 0.0, blocks, places, number: PhantomData }
     }
 
     /// How many rows there are.
@@ -130,8 +131,8 @@ impl<F: Float> Batch<F> {
     /// # Errors
     /// Each row's own: [`Error::Stopped`] when a step has led it out of the physics.
     pub fn samples(&self) -> Vec<Result<Sample, Error>> {
-        let by_place = self.blocks.samples();
-        self.places.iter().map(|place| by_place[place / F::LANES][place % F::LANES].clone()).collect()
+        let (by_place, lanes) = (self.blocks.samples(), self.blocks.lanes());
+        self.places.iter().map(|place| by_place[place / lanes][place % lanes].clone()).collect()
     }
 }
 
@@ -158,7 +159,7 @@ fn arrange(rows: &[Row], lanes: usize) -> (Vec<usize>, Vec<Vec<usize>>) {
     (places, blocks)
 }
 
-/// A number that batches are made of: `f64`, eight rows in a block, or `f32`, sixteen.
+/// A number that batches are made of: `f64` or `f32`.
 pub trait Float: engine::Build {}
 
 impl Float for f64 {}

@@ -1,18 +1,18 @@
-//! Which instructions a batch is compiled for, chosen when the program runs.
+//! Which instructions a batch uses, chosen when the program runs.
 
-use crate::simulation::course::{Instructions, Kernel, Ordinary};
+use super::wide::Instructions;
 use alloc::vec::Vec;
 
-/// The width of the vector instructions that a batch uses.
+/// The vector instructions of a batch. Its results do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Width {
-    /// What every machine of this kind has; a product and a sum are rounded one after the other.
+    /// What every machine of this kind has: one row after the other.
     Baseline,
-    /// 256 bits with fused multiply-add.
+    /// 256 bits: four rows of `f64` or eight of `f32` at once.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// 512 bits with fused multiply-add.
+    /// 512 bits: eight rows of `f64` or sixteen of `f32` at once.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -23,8 +23,8 @@ impl Width {
         #[cfg(target_arch = "x86_64")]
         let found = [
             Some(Self::Baseline),
-            pulp::x86::V3::try_new().map(|_| Self::Avx2),
-            pulp::x86::V4::try_new().map(|_| Self::Avx512),
+            pulp::x86::V3::detect().map(|_| Self::Avx2),
+            pulp::x86::V4::detect().map(|_| Self::Avx512),
         ];
         #[cfg(not(target_arch = "x86_64"))]
         let found = [Some(Self::Baseline)];
@@ -36,66 +36,19 @@ impl Width {
         Self::available().pop().unwrap_or(Self::Baseline)
     }
 
-    /// Whether a product and a sum are one operation with one rounding.
-    pub fn is_fused(self) -> bool {
-        self != Self::Baseline
-    }
-
-    /// Runs work that is compiled anew for these instructions.
-    #[inline(always)]
-    pub(super) fn run<W: Work>(self, work: W) -> W::Output {
-        #[cfg(target_arch = "x86_64")]
+    /// How many rows of `f64` are stepped at once: a batch of no more is one block, which one thread steps.
+    pub fn rows(self) -> usize {
         match self {
-            Self::Baseline => {}
-            Self::Avx2 => {
-                if let Some(simd) = pulp::x86::V3::try_new() {
-                    return pulp::Simd::vectorize(simd, Compiled(work));
-                }
-            }
-            Self::Avx512 => {
-                if let Some(simd) = pulp::x86::V4::try_new() {
-                    return pulp::Simd::vectorize(simd, Compiled(work));
-                }
-            }
+            Self::Baseline => 1,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => 4,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => 8,
         }
-        work.run(Ordinary)
     }
-}
 
-/// Work that hands its instructions on to the kernels it runs.
-pub(super) trait Work {
-    /// What comes out of it.
-    type Output;
-    /// Does the work.
-    fn run(self, instructions: impl Instructions) -> Self::Output;
-}
-
-struct Compiled<W>(W);
-
-impl<W: Work> pulp::WithSimd for Compiled<W> {
-    type Output = W::Output;
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) -> W::Output {
-        self.0.run(Wide(simd))
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Wide<S>(S);
-
-impl<S: pulp::Simd> Instructions for Wide<S> {
-    #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        self.0.vectorize(Inner(kernel))
-    }
-}
-
-struct Inner<K>(K);
-
-impl<K: Kernel> pulp::WithSimd for Inner<K> {
-    type Output = K::Output;
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _simd: S) -> K::Output {
-        self.0.run()
+    /// This width, or the widest where the machine has not got it.
+    pub(super) fn or_widest(self) -> Self {
+        if Self::available().contains(&self) { self } else { Self::widest() }
     }
 }

@@ -102,6 +102,7 @@ impl<S: Scalar> LengthLimits<S> {
     }
 
     /// Stiffness of the taut braid `K_braid` in N/m.
+    #[inline(always)]
     pub fn stiffness(&self) -> S {
         self.stiffness
     }

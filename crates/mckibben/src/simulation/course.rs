@@ -1,9 +1,10 @@
-//! From one instant to the next, in any number of lanes: each slides, turns, sticks and breaks away by itself.
+//! From one instant to the next: a load slides, turns, sticks, breaks away, falls slack and comes taut.
 //!
-//! With Coulomb friction the direction of sliding is held over a step. Where the velocity has changed its sign by the end
-//! of the step, or friction can no longer hold a load at rest, the point within the step where that happens is found by
-//! bracketed secants on the method's own step; the load then turns, sticks or breaks away, and the rest of the step
-//! follows. Lanes in which nothing happens have arrived; lanes that turned go on.
+//! With Coulomb friction the direction of sliding is held over a step, and so is the extent: slack, taut, or free, which is
+//! between the limits of the length or beyond the longest without pull. Where the velocity has changed its sign by the end
+//! of the step, friction can no longer hold a load at rest, or the length or the force of the taut braid has left the
+//! extent, the point within the step where that first happens is found by bracketed secants on the method's own step; the
+//! load then turns, sticks or breaks away, or the extent changes, and the rest of the step follows.
 //!
 //! At rest the load sticks while its pull lies between the least and the largest tension that friction can hold,
 //! `F_s + F_limit ± Q k_sec`, (12).
@@ -12,206 +13,216 @@
 
 use super::kernel::{Held, Method};
 use super::rig::Rig;
-use crate::scalar::{Mask, Scalar, Vector};
+use crate::load::Load;
+use crate::scalar::{Mask, Real, Scalar};
 
-/// Parts of a step between two instants in which sliding may turn, stick or break away before the rest is taken as it is.
+/// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
 /// Part of a step to which a turn is located: the last secant before is closer than that, and each squares the error.
 const TURN_TOLERANCE: f64 = 1e-9;
-/// Part of a step that a load which starts from rest moves before a turn is looked for.
+/// Part of a step that a load which starts from rest, or on a limit, moves before a turn is looked for.
 const FROM_REST: f64 = 1e-3;
 /// Secants and bisections after which a turn is taken where the bracket is.
 const MAX_SECANTS: usize = 60;
 
-/// How work is compiled: a kernel that is run by one of these uses its instructions throughout.
-pub(crate) trait Instructions: Copy {
-    /// Runs a kernel.
-    fn run<K: Kernel>(self, kernel: K) -> K::Output;
-}
-
-/// Work that is worth a compilation of its own.
-pub(crate) trait Kernel {
-    /// What comes out of it.
-    type Output;
-    /// Does the work.
-    fn run(self) -> Self::Output;
-}
-
-/// The instructions that the whole program is compiled for.
+/// Where a rig is, and what it holds to until the next instant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ordinary;
-
-impl Instructions for Ordinary {
-    #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        kernel.run()
-    }
+pub(crate) struct Course<R: Real> {
+    pub(crate) time: R::Time,
+    pub(crate) state: [R; 4],
+    pub(crate) held: Held<R>,
 }
 
-/// Where each lane is, and what it holds to until the next instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Course<S: Vector> {
-    pub(crate) time: S::Time,
-    pub(crate) state: [S; 4],
-    pub(crate) held: Held<S>,
-}
-
-impl<S: Vector> Course<S> {
+impl<R: Real> Course<R> {
     /// Goes on to `until` with the same passages open.
-    #[inline(always)]
-    pub(crate) fn advance(&mut self, instructions: impl Instructions, rig: &Rig<S>, method: Method, until: S::Time) {
-        let may_turn = rig.load().inertia().is_some() && rig.actuator().friction().has_coulomb();
-        let mut turns = 0;
-        loop {
-            let step = S::of_time((until - self.time).larger(S::Time::zero()));
-            let end = instructions.run(Take { course: self, rig, method, step });
-            if may_turn && turns < MAX_TURNS {
-                let turned = rig.keeps_sliding(&self.held, &end).lt(S::zero()) & S::zero().lt(step);
-                if turned.any() {
-                    instructions.run(Turn { instructions, course: self, rig, method, until, step, end, turned });
-                    turns += 1;
-                    continue;
-                }
-            }
-            self.state = end;
-            self.time = self.time.larger(until);
-            break;
+    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time) {
+        for _ in 0..MAX_TURNS {
+            let Some(turn) = self.attempt(rig, method, until) else { return };
+            self.turn(rig, &turn);
         }
+        self.arrive(rig, until, self.take(rig, method, self.step_to(until)));
+        self.stretch(rig);
+    }
+
+    /// Takes the whole step, or says where in it something ceases to hold.
+    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time) -> Option<Turn<R>> {
+        let step = self.step_to(until);
+        let end = self.take(rig, method, step);
+        let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
+        if R::zero().lt(step) && (ceases[0] || ceases[1]) {
+            return Some(self.locate(rig, method, step, end, ceases));
+        }
+        self.arrive(rig, until, end);
+        None
+    }
+
+    fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: [R; 4]) {
+        self.state = end;
+        self.time = self.time.larger(until);
         if rig.load().inertia().is_none() {
-            self.slide(rig, S::Mask::splat(true));
+            self.slide(rig);
         }
     }
 
-    /// Decides anew how the lanes of `which` slide.
-    #[inline(always)]
-    pub(crate) fn slide(&mut self, rig: &Rig<S>, which: S::Mask) {
-        let (direction, stuck) = rig.slides(&self.state);
-        self.held.sliding = S::select(which, direction, self.held.sliding);
-        self.held.stuck = (which & stuck) | (!which & self.held.stuck);
+    fn step_to(&self, until: R::Time) -> R {
+        R::of_time((until - self.time).larger(R::Time::zero()))
     }
-}
 
-/// One step of the method from where the lanes are.
-struct Take<'a, S: Vector> {
-    course: &'a Course<S>,
-    rig: &'a Rig<S>,
-    method: Method,
-    step: S,
-}
-
-impl<S: Vector> Kernel for Take<'_, S> {
-    type Output = [S; 4];
-
-    #[inline(always)]
-    fn run(self) -> [S; 4] {
-        let Course { time, state, held } = self.course;
-        self.rig.take(self.method, S::of_time(*time), state, self.step, held)
+    fn take(&self, rig: &Rig<R>, method: Method, step: R) -> [R; 4] {
+        rig.take(method, R::of_time(self.time), &self.state, step, &self.held)
     }
-}
 
-/// The part of a step up to the turn in some lanes, and the whole step in the others.
-struct Turn<'a, S: Vector, I> {
-    instructions: I,
-    course: &'a mut Course<S>,
-    rig: &'a Rig<S>,
-    method: Method,
-    until: S::Time,
-    step: S,
-    end: [S; 4],
-    turned: S::Mask,
-}
+    /// Decides anew what follows an instant.
+    pub(crate) fn enter(&mut self, rig: &Rig<R>) {
+        self.slide(rig);
+        self.stretch(rig);
+    }
 
-impl<S: Vector, I: Instructions> Kernel for Turn<'_, S, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (part, at_turn) = self.locate();
-        let Self { course, rig, until, end, turned, .. } = self;
-        let was_stuck = course.held.stuck;
-        for n in 0..4 {
-            course.state[n] = S::select(turned, at_turn[n], end[n]);
+    /// Decides anew the extent where it does not hold.
+    fn stretch(&mut self, rig: &Rig<R>) {
+        if rig.keeps_extent(&self.held, &self.state).lt(R::zero()) {
+            let limits = rig.actuator().limits();
+            let [length, velocity, ..] = self.state;
+            self.held.slack = limits.is_slack(length);
+            self.held.taut = !self.held.slack && R::zero().lt(limits.force(length, velocity));
         }
-        course.state[1] = S::select(turned & !was_stuck, S::zero(), course.state[1]);
-        let reached = course.time + part.to_time();
-        course.time = S::Time::select(turned, reached, course.time.larger(until));
-        course.slide(rig, turned);
+    }
+
+    /// Decides anew how the load slides.
+    fn slide(&mut self, rig: &Rig<R>) {
+        (self.held.sliding, self.held.stuck) = rig.slides(&self.state);
+    }
+
+    /// Goes to a turn and through it.
+    fn turn(&mut self, rig: &Rig<R>, turn: &Turn<R>) {
+        self.state = turn.state;
+        self.time = self.time + turn.part.to_time();
+        if turn.at_limit {
+            let limits = rig.actuator().limits();
+            let middle = R::constant(0.5) * (limits.min_length() + limits.max_length());
+            let (was_free, short) = (!(self.held.slack || self.held.taut), self.state[0].lt(middle));
+            (self.held.slack, self.held.taut) = (was_free && short, was_free && !short);
+            return;
+        }
+        let was_stuck = self.held.stuck;
+        if !was_stuck {
+            self.state[1] = R::zero();
+        }
+        self.slide(rig);
         // A load that broke away does not stick in the same instant, whatever the last rounding of the margin.
-        let broke = turned & was_stuck & course.held.stuck;
-        if broke.any()
+        if was_stuck
+            && self.held.stuck
             && let Some(inertia) = rig.load().inertia()
         {
-            let (least, most) = rig.holdable(course.state[0], course.state[2]);
+            let (least, most) = rig.holdable(self.state[0], self.state[2]);
             let longer = (most - inertia.pull).lt(inertia.pull - least);
-            course.held.sliding = S::select(broke, S::select(longer, S::one(), -S::one()), course.held.sliding);
-            course.held.stuck = course.held.stuck & !broke;
+            self.held.sliding = R::select(longer, R::one(), -R::one());
+            self.held.stuck = false;
         }
     }
-}
 
-impl<S: Vector, I: Instructions> Turn<'_, S, I> {
-    /// How much of the step is taken up to the turn, and the state there.
+    /// The point within a step where sliding or extent first ceases to hold.
+    ///
+    /// What holds at the end of the step is taken to hold throughout. Of two that do not, the one that is nil at the turn
+    /// has ceased to hold first.
     ///
     /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
     /// that the bracket shrinks whatever the function.
-    #[inline(always)]
-    fn locate(&self) -> (S, [S; 4]) {
-        let Self { instructions, rig, method, step, end, turned, .. } = *self;
-        let course = &*self.course;
-        let tolerance = S::constant(TURN_TOLERANCE);
-        let (mut low, mut high) = (S::zero(), S::one());
-        let mut at_low = rig.keeps_sliding(&course.held, &course.state);
-        let mut at_high = rig.keeps_sliding(&course.held, &end);
-        let (mut theta, mut at_turn) = (S::one(), end);
-        let mut open = turned;
+    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: [R; 4], ceases: [bool; 2]) -> Turn<R> {
+        let endless = R::constant(f64::INFINITY);
+        let margin = |state: &[R; 4]| {
+            let [sliding, extent] = rig.keeps(&self.held, state);
+            let (sliding, extent) = (R::select(ceases[0], sliding, endless), R::select(ceases[1], extent, endless));
+            (sliding.smaller(extent), extent.lt(sliding))
+        };
+        let half = R::constant(0.5);
+        let (mut low, mut high) = (R::zero(), R::one());
+        let (mut at_low, _) = margin(&self.state);
+        let (mut at_high, at_limit) = margin(&end);
+        let mut theta = R::one();
+        let mut turn = Turn { part: step, state: end, at_limit };
         for count in 0..MAX_SECANTS {
-            // From rest the function starts at zero, or a rounding below: look away from the start.
-            let from_rest = at_low.le(S::zero());
-            let secant = (high - low).multiply_add(at_low / (at_low - at_high), low);
-            let half = S::constant(0.5) * (low + high);
-            let inside = if count % 4 == 3 { half } else { secant };
-            let next = S::select(from_rest, S::constant(FROM_REST), inside);
-            let state = instructions.run(Take { course, rig, method, step: next * step });
-            let value = rig.keeps_sliding(&course.held, &state);
-            let is_beyond = value.lt(S::zero());
+            // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
+            let from_rest = at_low.le(R::zero());
+            let next = if from_rest {
+                R::constant(FROM_REST)
+            } else if count % 4 == 3 {
+                half * (low + high)
+            } else {
+                (high - low).multiply_add(at_low / (at_low - at_high), low)
+            };
+            let state = self.take(rig, method, next * step);
+            let (value, at_limit) = margin(&state);
+            let is_beyond = value.lt(R::zero());
             let change = (next - theta).magnitude();
-            theta = S::select(open, next, theta);
-            for n in 0..4 {
-                at_turn[n] = S::select(open, state[n], at_turn[n]);
-            }
-            let found = change.le(tolerance) | (value.le(S::zero()) & S::zero().le(value)) | (from_rest & is_beyond);
-            open = open & !found;
-            if !open.any() {
+            theta = next;
+            turn = Turn { part: theta * step, state, at_limit };
+            let is_nil = value.le(R::zero()) && R::zero().le(value);
+            if change.le(R::constant(TURN_TOLERANCE)) || is_nil || (from_rest && is_beyond) {
                 break;
             }
-            let halved = S::constant(0.5);
-            (low, high) = (S::select(is_beyond, low, next), S::select(is_beyond, next, high));
-            (at_low, at_high) = (
-                S::select(is_beyond, S::select(from_rest, at_low, halved * at_low), value),
-                S::select(is_beyond, value, halved * at_high),
-            );
+            if is_beyond {
+                (high, at_high) = (next, value);
+                at_low = R::select(from_rest, at_low, half * at_low);
+            } else {
+                (low, at_low) = (next, value);
+                at_high = half * at_high;
+            }
         }
-        (theta * step, at_turn)
+        turn
     }
 }
 
+/// Where within a step something ceases to hold.
+struct Turn<R> {
+    /// How much of the step is taken up to there.
+    part: R,
+    state: [R; 4],
+    /// Whether it is the extent that ends.
+    at_limit: bool,
+}
+
 impl<S: Scalar> Rig<S> {
+    /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
+    #[inline(always)]
+    pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
+        match self.load() {
+            Load::Isometric => [S::constant(f64::INFINITY); 2],
+            _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
+        }
+    }
+
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
     #[inline(always)]
     fn keeps_sliding(&self, held: &Held<S>, state: &[S; 4]) -> S {
-        let along = held.sliding * state[1];
-        match self.load().inertia() {
-            Some(inertia) if held.stuck.any() => {
-                let (least, most) = self.holdable(state[0], state[2]);
-                S::select(held.stuck, (most - inertia.pull).smaller(inertia.pull - least), along)
-            }
-            _ => along,
+        let endless = S::constant(f64::INFINITY);
+        let Some(inertia) = self.load().inertia() else { return endless };
+        if !self.actuator().friction().has_coulomb() {
+            return endless;
         }
+        let along = held.sliding * state[1];
+        if !held.stuck.any() {
+            return along;
+        }
+        let (least, most) = self.holdable(state[0], state[2]);
+        S::select(held.stuck, (most - inertia.pull).smaller(inertia.pull - least), along)
+    }
+
+    /// The force in N by which a state is within its extent, negative beyond: a length counts by the force that the taut
+    /// braid would make of it.
+    #[inline(always)]
+    fn keeps_extent(&self, held: &Held<S>, state: &[S; 4]) -> S {
+        let limits = self.actuator().limits();
+        let [length, velocity, ..] = *state;
+        let above = limits.stiffness() * (length - limits.min_length());
+        let stretched = limits.stiffness() * (length - limits.max_length());
+        let taut = stretched.smaller(limits.taut_force(length, velocity));
+        S::select(held.slack, -above, S::select(held.taut, taut, above.smaller(-taut)))
     }
 
     /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
     #[inline(always)]
-    fn slides(&self, state: &[S; 4]) -> (S, S::Mask) {
+    pub(crate) fn slides(&self, state: &[S; 4]) -> (S, S::Mask) {
         let [length, velocity, pressure, _] = *state;
         let nowhere = S::Mask::splat(false);
         if !self.actuator().friction().has_coulomb() {

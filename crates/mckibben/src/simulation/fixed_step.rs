@@ -1,61 +1,59 @@
 //! The fixed-step engine: bounded cost, no allocation, valve edges honoured inside the step.
 //!
-//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, and, with Coulomb
-//! friction, where the velocity comes to zero: there the load sticks if friction can hold it. Each part is one step of a
-//! [`Method`]. A [batch](crate::batch) does the same in lanes.
+//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, where the tendon
+//! falls slack or tight, where the braid comes taut or ceases to pull, and, with Coulomb friction, where the velocity comes
+//! to zero: there the load sticks if friction can hold it. Each part is one step of a [`Method`]. A
+//! [batch](crate::batch) does the same in lanes.
+//!
+//! What error a step leaves is in `docs/accuracy.md`; a step for an accuracy is chosen by [`super::accuracy`].
 //!
 //! Checked by `tests/fixed_step.rs`.
 
-use super::course::{Course, Ordinary};
+use super::course::Course;
 use super::kernel::{Held, Method};
 use super::rig::{Rig, State};
 use super::sample::Sample;
-use super::timetable::Progress;
+use super::timetable::{Progress, Timetable};
 use crate::error::Error;
 use crate::load::Line;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::valve::Ports;
 
 /// Steps one rig through time at fixed steps; no allocation.
 #[derive(Clone, Debug)]
-pub struct FixedStepper<'a, R: Real = f64> {
+pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
     rig: &'a Rig<R>,
     method: Method,
-    course: Course<R>,
-    progress: Progress<R>,
-    ports: Ports,
+    walk: Walk<R>,
 }
 
-impl<'a, R: Real> FixedStepper<'a, R> {
+impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let held =
-            Held { supply: false, exhaust: false, sliding: R::zero(), stuck: false, line: Line::resting(R::zero()) };
-        let course = Course { time: R::zero(), state: start.to_array(), held };
-        let mut stepper = Self { rig, method, course, progress: Progress::none(), ports: Ports::CLOSED };
-        stepper.pass_instants();
-        stepper
+        let mut walk = Walk::new(start.to_array());
+        walk.pass(rig, &rig.timetable());
+        Self { rig, method, walk }
     }
 
     /// The time in s that has been reached.
     pub fn time(&self) -> R {
-        self.course.time
+        self.walk.course.time
     }
 
     /// The state at that time.
     pub fn state(&self) -> State<R> {
-        State::from_array(self.course.state)
+        State::from_array(self.walk.course.state)
     }
 
     /// Which passages are open at that time.
     pub fn ports(&self) -> Ports {
-        self.ports
+        self.walk.ports
     }
 
     /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        let Course { time, state, held } = &self.course;
-        Sample::new(*time, state, &self.rig.observe(state, held), self.ports)
+        let Course { time, state, held } = &self.walk.course;
+        Sample::new(*time, state, &self.rig.observe(state, held), self.walk.ports)
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -63,34 +61,63 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until)
+    }
+}
+
+/// A rig's way through time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Walk<R: Real> {
+    pub(crate) course: Course<R>,
+    pub(crate) progress: Progress<R::Time>,
+    pub(crate) ports: Ports,
+}
+
+impl<R: Real> Walk<R> {
+    /// At t = 0, before what is due then has been passed.
+    pub(crate) fn new(state: [R; 4]) -> Self {
+        let course = Course { time: R::Time::zero(), state, held: Held::nothing() };
+        Self { course, progress: Progress::none(), ports: Ports::CLOSED }
+    }
+
+    /// Goes on to `until`, through every instant up to then; where that leaves the physics, stays at the last good state.
+    pub(crate) fn advance_to(
+        &mut self,
+        rig: &Rig<R>,
+        timetable: &Timetable<'_, R::Time>,
+        method: Method,
+        until: R::Time,
+    ) -> Result<(), Error> {
         loop {
-            let instant = self.rig.timetable().next(&self.progress, until);
+            let instant = timetable.next(&self.progress, until);
             let before = self.course;
-            self.course.advance(Ordinary, self.rig, self.method, instant.unwrap_or(until));
-            if !self.rig.admissible(&self.course.state) {
+            self.course.advance(rig, method, instant.map_or(until, |instant| until.smaller(instant)));
+            if !rig.admissible(&self.course.state) {
                 let left = self.course;
                 self.course = before;
-                let thread = self.rig.actuator().law().law.braid.thread_length().value();
+                let thread = rig.actuator().law().law.braid.thread_length().value();
                 return Err(outside(thread, left.time.value(), left.state.map(Real::value)));
             }
             if instant.is_none() {
                 return Ok(());
             }
-            self.pass_instants();
+            self.pass(rig, timetable);
         }
     }
 
-    fn pass_instants(&mut self) {
-        let timetable = self.rig.timetable();
+    /// Passes what is due.
+    pub(crate) fn pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
         self.ports = timetable.pass(&mut self.progress, self.course.time);
-        self.course.held.line = timetable.line(&self.progress);
-        (self.course.held.supply, self.course.held.exhaust) = (self.ports.supply, self.ports.exhaust);
-        self.course.slide(self.rig, true);
+        let Line { time, length, slope } = timetable.line(&self.progress);
+        let held = &mut self.course.held;
+        held.line = Line { time: R::of_time(time), length: R::of_time(length), slope: R::of_time(slope) };
+        (held.supply, held.exhaust) = (self.ports.supply, self.ports.exhaust);
+        self.course.enter(rig);
     }
 }
 
 /// The error of a state beyond the laws of a braid of a given thread length in m.
-pub(crate) fn outside(thread: f64, time: f64, [length, velocity, pressure, air_mass]: [f64; 4]) -> Error {
+fn outside(thread: f64, time: f64, [length, velocity, pressure, air_mass]: [f64; 4]) -> Error {
     let numbers = [
         ("length", length, "m", length < thread),
         ("velocity", velocity, "m/s", true),

@@ -88,6 +88,12 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.band
     }
 
+    /// The usual size of each state: the longest length, a usual velocity, the atmosphere's pressure, the air at that.
+    #[cfg(feature = "alloc")]
+    pub(super) fn magnitudes(&self) -> [f64; 4] {
+        self.magnitudes
+    }
+
     /// The phase at t = 0 in a state.
     pub fn begin(&self, state: &[R; 4]) -> Phase<R> {
         let mut progress = Progress::none();

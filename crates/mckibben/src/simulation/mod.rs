@@ -3,7 +3,10 @@
 //! * [`simulate`]: adaptive steps of high order, every switching instant, stick, slip, slack and taut located; the
 //!   reference that everything is compared with. Its rules for events are in [`event`].
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
+//!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
 
+#[cfg(feature = "alloc")]
+pub mod accuracy;
 mod arc;
 pub(crate) mod course;
 #[cfg(feature = "alloc")]
@@ -33,6 +36,6 @@ pub use integrator::{Counts, Integrator, Piece, PieceOf};
 pub use kernel::{Held, Method};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
-pub use sample::{Sample, SampleTimes};
+pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{air::Flow, scalar::Vector};
+use crate::{air::Flow, batch::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,21 +50,20 @@ impl<R: Scalar> Sample<R> {
 impl Sample {
     /// The sample of one lane.
     #[cfg(feature = "batch")]
-    pub(crate) fn of_lane<S: Vector<Lane = f64>>(
+    pub(crate) fn of_lane<W: Wide>(
         time: f64,
-        state: &[S; 4],
-        observed: &Observed<S>,
+        state: &[W; 4],
+        observed: &Observed<W>,
         lane: usize,
         ports: Ports,
     ) -> Self {
-        let flow = Flow { inward: observed.flow.inward.lane(lane), outward: observed.flow.outward.lane(lane) };
-        let observed = Observed {
-            tension: observed.tension.lane(lane),
-            volume: observed.volume.lane(lane),
-            temperature: observed.temperature.lane(lane),
-            flow,
-        };
-        Self::new(time, &state.map(|number| number.lane(lane)), &observed, ports)
+        let number = |wide: &W| wide.lane(lane).value();
+        let Observed { tension, volume, temperature, flow } = observed;
+        let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
+        let observed =
+            Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
+        let [length, velocity, pressure, mass] = state;
+        Self::new(time, &[number(length), number(velocity), number(pressure), number(mass)], &observed, ports)
     }
 }
 
@@ -95,4 +94,23 @@ impl SampleTimes {
     pub fn time(&self, index: u64) -> f64 {
         if index >= self.last { self.duration } else { index as f64 * self.interval }
     }
+
+    /// The ends in s of the steps that divide every interval into the least number of equal parts not longer than `step`
+    /// s (above zero), and whether each is the time of a sample.
+    pub fn steps(self, step: f64) -> impl Iterator<Item = (f64, bool)> {
+        (1..=self.last).flat_map(move |index| {
+            let (from, until) = (self.time(index - 1), self.time(index));
+            let parts = steps_between(from, until, step);
+            let end =
+                move |part| if part == parts { until } else { from + (until - from) * (part as f64 / parts as f64) };
+            (1..=parts).map(move |part| (end(part), part == parts))
+        })
+    }
+}
+
+/// The least number of equal steps not longer than `step` (above zero) from one time to a later one, all in s.
+pub fn steps_between(from: f64, until: f64, step: f64) -> u64 {
+    // The quotient of two decimal numbers may lie a rounding above a whole one.
+    let quotient = (until - from) / step * (1.0 - 1e-12);
+    (quotient as u64).saturating_add(1)
 }

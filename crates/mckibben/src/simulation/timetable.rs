@@ -4,7 +4,7 @@
 use super::rig::Actuation;
 use crate::load::{Line, Load};
 use crate::scalar::Real;
-use crate::valve::{Ports, SIMULTANEOUS, SeatClock};
+use crate::valve::{Ports, SeatClock, is_due};
 
 /// Where the instants of a rig come from: what drives its valve, and the corners of a prescribed motion.
 #[derive(Clone, Copy, Debug)]
@@ -31,14 +31,13 @@ impl<S: Real> Timetable<'_, S> {
     /// The next instant in s, up to and with `until`, at which a seat moves or a prescribed motion turns a corner.
     pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
         let seat = self.actuation.and_then(|drive| progress.clock.next_motion(&drive.solenoid, &drive.command, until));
-        let corner = self.corner(progress.corners_passed).filter(|corner| corner.value() <= until.value());
+        let corner = self.corner(progress.corners_passed).filter(|corner| is_due(*corner, until));
         [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Passes everything up to and with `time` (s); which passages are open then.
     pub(crate) fn pass(&self, progress: &mut Progress<S>, time: S) -> Ports {
-        let now = time.value();
-        while self.corner(progress.corners_passed).is_some_and(|c| c.value() <= now + SIMULTANEOUS * now.abs()) {
+        while self.corner(progress.corners_passed).is_some_and(|corner| is_due(corner, time)) {
             progress.corners_passed += 1;
         }
         self.pass_seats(progress, time)

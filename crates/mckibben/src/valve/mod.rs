@@ -11,8 +11,8 @@ mod solenoid;
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
 pub use flow::{FlowLaw, FlowStandard, FlowZone, REFERENCE_DENSITY};
-pub(crate) use solenoid::SIMULTANEOUS;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
+pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 
 use crate::air::{Air, Chamber, Flow};
 use crate::convert::Convert;

@@ -191,7 +191,7 @@ impl<S: Real> SeatClock<S> {
 }
 
 /// Whether an instant has come. Two instants that differ by the rounding of their own computation are one.
-fn is_due<S: Real>(instant: S, time: S) -> bool {
+pub(crate) fn is_due<S: Real>(instant: S, time: S) -> bool {
     let (instant, time) = (instant.value(), time.value());
     instant <= time + SIMULTANEOUS * time.abs()
 }
