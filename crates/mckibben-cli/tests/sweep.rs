@@ -25,6 +25,7 @@ kind = "hanging-mass"
 mass = "5 lb"
 [run]
 duration = "0.12 s"
+step = "0.1 ms"
 "#;
 
 const GRID: &str = r#"
@@ -63,17 +64,6 @@ fn csv_lines(path: &Path) -> Vec<BTreeMap<String, String>> {
 
 fn number(line: &BTreeMap<String, String>, column: &str) -> f64 {
     line[column].parse().unwrap_or_else(|_| panic!("{column} is `{}`", line[column]))
-}
-
-/// What the batch of a sweep and the single run of `simulate` may differ by when both are of the fixed-step engine: the
-/// same steps, rounded elsewhere, here after up to a few thousand of them.
-const ROUNDING: f64 = 1e-9;
-
-/// Whether two numbers agree, relative to the greater of them or to `scale`: to the last bit by the event-located engine,
-/// which sweeps run as `simulate` does, or else but for rounding.
-fn agree(engine: &str, a: f64, b: f64, scale: f64) -> bool {
-    let allowed = if engine == "event-located" { 0.0 } else { ROUNDING };
-    (a - b).abs() <= allowed * a.abs().max(b.abs()).max(scale)
 }
 
 /// The lines of Parquet files by column, as the CSV writes them.
@@ -143,7 +133,7 @@ fn reductions_are_those_of_the_samples_that_simulate_writes() {
                 ("tension_peak_n", peak("tension_n")),
                 ("velocity_peak_m_s", peak("velocity_m_s")),
             ] {
-                assert!(agree(engine, number(line, name), value, 0.0), "{name} of row {row} by {engine}");
+                assert_eq!(number(line, name), value, "{name} of row {row} by {engine}");
             }
             let mut integral = 0.0;
             for i in 1..time.len() {
@@ -153,10 +143,7 @@ fn reductions_are_those_of_the_samples_that_simulate_writes() {
             // The last period of 25 Hz is that from 0.08 s on, in samples of 1 ms.
             let period = &length[80..];
             let ripple = greatest(period) - least(period);
-            assert!(
-                agree(engine, number(line, "length_ripple_m"), ripple, length[0]),
-                "ripple of row {row} by {engine}"
-            );
+            assert_eq!(number(line, "length_ripple_m"), ripple, "ripple of row {row} by {engine}");
             let change = last - first;
             let settled =
                 (0..time.len()).find(|from| length[*from..].iter().all(|l| (l - last).abs() <= 0.02 * change.abs()));
@@ -390,7 +377,7 @@ fn a_run_that_leaves_the_physics_stops_alone() {
     // pressure a thousandfold, and empties the actuator below a vacuum in the next stage.
     let wide = |last: &str| {
         format!(
-            "{BASE}method = \"rk4\"\nstep = \"0.1 ms\"\n[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\
+            "{BASE}method = \"rk4\"\n[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\
              \"supply.gauge_pressure\" = [\"60 psi\", \"80 psi\"]\n\
              \"valve.flow_area\" = [\"1.5 mm^2\", \"2 mm^2\"{last}]\n"
         )
@@ -469,8 +456,7 @@ reductions = ["length.final", "tension.peak"]
     let engine = "run.engine=fixed-step";
     run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", "-s", engine, "-s", &set[0], "-s", &set[1]]);
     let samples = csv_lines(&folder.path("run.csv"));
-    let [swept, single] = [number(line, "length_final_m"), number(&samples[samples.len() - 1], "length_m")];
-    assert!(agree("fixed-step", swept, single, 0.0), "{swept} and {single}");
+    assert_eq!(line["length_final_m"], samples[samples.len() - 1]["length_m"]);
     // Another seed is another sweep.
     run(&folder, &["sweep", "muscle.toml", "-o", "out"]);
     fails(&folder, &["sweep", "muscle.toml", "-o", "out", "-s", "sweep.seed=4"], 2);
@@ -489,15 +475,10 @@ fn samples_and_trajectories_are_those_of_simulate() {
         run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", "-s", set[0], "-s", set[1], "-s", &engine_set]);
         let of_row: Vec<_> = lines.iter().filter(|line| line["run"] == "6").collect();
         let samples = csv_lines(&folder.path("run.csv"));
-        for name in samples[0].keys().filter(|name| *name != "valve") {
-            let scale = samples.iter().map(|sample| number(sample, name).abs()).fold(0.0, f64::max);
+        for name in samples[0].keys() {
             for (line, sample) in of_row.iter().zip(&samples) {
-                let (a, b) = (number(line, name), number(sample, name));
-                assert!(agree(engine, a, b, scale), "{name} by {engine}: {a} and {b}");
+                assert_eq!(line[name], sample[name], "{name} by {engine}");
             }
-        }
-        for (line, sample) in of_row.iter().zip(&samples) {
-            assert_eq!((&line["time_s"], &line["valve"]), (&sample["time_s"], &sample["valve"]));
         }
         let times = ["-s", r#"sweep.sample_times=["0 s", "50 ms", "0.12 s"]"#];
         let set = ["sweep", "muscle.toml", "-o", "some", "--record", "samples", times[0], times[1], "-s", &engine_set];
@@ -540,9 +521,137 @@ reductions = ["length.final"]
         let engine = ["simulate", "muscle.toml", "-o", "run.csv", "--set", "run.engine=fixed-step"];
         run(&folder, &[&engine[..], &set].concat());
         let samples = csv_lines(&folder.path("run.csv"));
-        let [swept, single] = [number(line, "length_final_m"), number(&samples[samples.len() - 1], "length_m")];
-        assert!(agree("fixed-step", swept, single, 0.0), "{swept} and {single}");
+        assert_eq!(line["length_final_m"], samples[samples.len() - 1]["length_m"]);
     }
+}
+
+/// The scenario without a step, which an accuracy then chooses.
+fn without_step() -> String {
+    BASE.replace("step = \"0.1 ms\"\n", "")
+}
+
+/// What the parts of a folder say of the step, as one.
+fn step_of(folder: &Path) -> serde_json::Value {
+    let of_part = |path: &std::path::PathBuf| {
+        let reader = SerializedFileReader::new(std::fs::File::open(path).expect("there")).expect("a Parquet file");
+        let pairs = reader.metadata().file_metadata().key_value_metadata().expect("metadata").clone();
+        pairs.into_iter().find(|pair| pair.key == "mckibben.step").and_then(|pair| pair.value)
+    };
+    let mut steps: Vec<_> = parts(folder).iter().map(of_part).collect();
+    steps.dedup();
+    assert_eq!(steps.len(), 1, "{steps:?}");
+    steps[0].as_ref().map_or(serde_json::Value::Null, |step| serde_json::from_str(step).expect("JSON"))
+}
+
+#[test]
+fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
+    let folder = Folder::new("sweep-step");
+    folder.file("muscle.toml", &format!("{}{GRID}", without_step()));
+    let set = ["-s", "run.accuracy=1e-3"];
+    let told = run(&folder, &[&["sweep", "muscle.toml", "-o", "out", "--record", "trajectories"], &set[..]].concat());
+    assert!(told.contains("the least that 8 runs spread over the sweep need for an accuracy of 1e-3"), "{told}");
+    let lines = parquet_lines(&parts(&folder.path("out")));
+    let chosen = step_of(&folder.path("out"));
+    // Eight of twelve rows, as evenly as whole numbers allow.
+    let tried = [0, 1, 3, 4, 6, 7, 9, 11];
+    assert_eq!(chosen["enough_for_runs"], serde_json::json!(tried));
+    assert_eq!((&chosen["accuracy"], &chosen["too_long_for_runs"]), (&1e-3.into(), &serde_json::json!([])));
+    let (masses, pressures) = (["3 lb", "5 lb", "15 lb"], [20, 60, 80, 100]);
+    let mut least = f64::INFINITY;
+    for row in tried {
+        let set = [
+            format!("load.mass={}", masses[row / 4]),
+            format!("supply.gauge_pressure={} psi", pressures[row % 4]),
+            format!("run.step={} s", chosen["longest_s"]),
+        ];
+        let simulate = ["simulate", "muscle.toml", "-o", "run.csv", "-s", &set[0], "-s", &set[1], "-s"];
+        // `simulate` tells the step that each needs.
+        let told = run(&folder, &[&simulate[..], &["run.engine=fixed-step"]].concat());
+        let step = told.split("at most ").nth(1).and_then(|rest| rest.split(" µs").next()).expect("a step in µs");
+        least = least.min(step.parse::<f64>().expect("a number") * 1e-6);
+        // With the step of the sweep its run is that of the sweep.
+        run(&folder, &[&simulate[..], &["run.engine=fixed-step", "-s", &set[2]]].concat());
+        let alone = csv_lines(&folder.path("run.csv"));
+        let swept: Vec<_> = lines.iter().filter(|line| line["run"] == row.to_string()).collect();
+        assert_eq!(swept.len(), alone.len());
+        run(&folder, &[&simulate[..], &["run.relative_tolerance=1e-10"]].concat());
+        let exact = csv_lines(&folder.path("run.csv"));
+        for name in ["length_m", "velocity_m_s", "pressure_pa", "air_mass_kg"] {
+            assert!(swept.iter().zip(&alone).all(|(swept, alone)| swept[name] == alone[name]), "{name} of row {row}");
+            // And it is as accurate as was asked.
+            let values = || exact.iter().map(|line| number(line, name));
+            let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
+            let error = swept.iter().zip(values()).map(|(line, value)| (number(line, name) - value).abs());
+            let error = error.fold(0.0, f64::max) / range;
+            assert!(error < 1.05e-3, "{name} of row {row}: {error:e}");
+        }
+    }
+    let step = chosen["longest_s"].as_f64().expect("a number");
+    assert!((step / least - 1.0).abs() < 1e-9, "{step} and {least}");
+}
+
+#[test]
+fn every_shard_and_whoever_goes_on_takes_the_same_step() {
+    let folder = Folder::new("sweep-step-shards");
+    folder.file("muscle.toml", &format!("{}{GRID}", without_step()));
+    let sweep = |arguments: &[&str]| run(&folder, &[&["sweep", "muscle.toml"], arguments].concat());
+    sweep(&["-o", "whole", "--jobs", "1"]);
+    let whole = bytes(&folder.path("whole"));
+    for shard in ["3/3", "1/3", "2/3"] {
+        sweep(&["-o", "shards", "--shard", shard]);
+    }
+    assert_eq!(bytes(&folder.path("shards")), whole);
+    std::fs::remove_file(folder.path("shards/part-00001.parquet")).expect("there");
+    sweep(&["-o", "shards"]);
+    assert_eq!(bytes(&folder.path("shards")), whole);
+    let message = fails(&folder, &["sweep", "muscle.toml", "-o", "whole", "-s", "run.accuracy=1e-2"], 2);
+    assert!(message.contains("another sweep") && message.contains("accuracy"), "{message}");
+    // One that is given is nobody's choice.
+    sweep(&["-o", "given", "-s", "run.step=0.2 ms"]);
+    assert_eq!(step_of(&folder.path("given")), serde_json::Value::Null);
+}
+
+#[test]
+fn an_accuracy_that_varies_gives_each_row_the_step_it_needs() {
+    let folder = Folder::new("sweep-accuracy");
+    let varied = "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"run.accuracy\" = [1e-2, 1e-3, 1e-4]\n\
+                  \"load.mass\" = [\"5 lb\", \"15 lb\"]\n";
+    folder.file("muscle.toml", &format!("{}{varied}", without_step()));
+    run(&folder, &["sweep", "muscle.toml", "-o", "all.csv"]);
+    let lines = csv_lines(&folder.path("all.csv"));
+    assert_eq!(lines.len(), 6);
+    for line in &lines {
+        let set = [format!("run.accuracy={}", line["run_accuracy"]), format!("load.mass={} kg", line["load_mass_kg"])];
+        let engine = "run.engine=fixed-step";
+        run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", "-s", engine, "-s", &set[0], "-s", &set[1]]);
+        let samples = csv_lines(&folder.path("run.csv"));
+        assert_eq!(line["length_final_m"], samples[samples.len() - 1]["length_m"]);
+    }
+}
+
+#[test]
+fn rows_that_cannot_be_run_have_no_say_in_the_step() {
+    let folder = Folder::new("sweep-step-failed");
+    // The thread is shorter than the muscle in the second and the last row.
+    let threads = "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\
+                   \"actuator.thread_length\" = [\"4.3218 in\", \"3 in\", \"4.4 in\", \"2 in\"]\n";
+    folder.file("muscle.toml", &format!("{}{threads}", without_step()));
+    let told = run(&folder, &["sweep", "muscle.toml", "-o", "some"]);
+    assert!(told.contains("the least that 2 runs") && told.contains("2 of 4 runs failed"), "{told}");
+    assert_eq!(step_of(&folder.path("some"))["enough_for_runs"], serde_json::json!([0, 2]));
+    // Where none can be run, or none reaches the accuracy, each has the reason that it has by itself.
+    folder.file("none.toml", &format!("{}{}", without_step(), threads.replace("4.3218", "2.5").replace("4.4", "2.6")));
+    let reasons = |arguments: &[&str]| {
+        fails(&folder, &[&["sweep"], arguments].concat(), 3);
+        csv_lines(&folder.path("none.csv")).into_iter().map(|line| line["error"].clone()).collect::<Vec<_>>()
+    };
+    let short = reasons(&["none.toml", "-o", "none.csv"]);
+    assert!(short.len() == 4 && short.iter().all(|reason| reason.contains("thread_length")), "{short:?}");
+    folder
+        .file("strict.toml", &format!("{}{}", without_step(), GRID.replace(r#""3 lb", "5 lb", "15 lb""#, r#""5 lb""#)));
+    let strict = ["strict.toml", "-o", "none.csv", "-s", "run.accuracy=1e-9", "-s", "run.duration=42 ms"];
+    let strict = reasons(&strict);
+    assert!(strict.len() == 4 && strict.iter().all(|reason| reason.contains("loosen run.accuracy")), "{strict:?}");
 }
 
 #[test]

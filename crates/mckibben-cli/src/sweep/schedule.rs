@@ -12,8 +12,6 @@ use std::sync::mpsc;
 
 /// Units under way for each thread, so that none waits for work while a long one holds up the order.
 const AHEAD: usize = 4;
-/// Bytes of stack for each thread: what many rows side by side need where the compiler does not optimise.
-const STACK: usize = 16 << 20;
 
 /// Does `work` on each unit on `jobs` threads, and hands the results to `each` on this thread, in the order of the units.
 ///
@@ -25,7 +23,7 @@ pub fn in_order<U: Send, T: Send>(
     work: impl Fn(&U) -> T + Sync,
     mut each: impl FnMut(U, T) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let pool = ThreadPoolBuilder::new().num_threads(jobs).stack_size(STACK).build().map_err(|error| {
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|error| {
         Failure::input(format!("{jobs} threads cannot be started: {error}"), "ask for fewer with --jobs")
     })?;
     let (work, cancelled) = (&work, &AtomicBool::new(false));
