@@ -42,6 +42,10 @@ Reductions are taken over the samples at every run.sample_interval; what happens
 A ripple is that of the last PWM period, or of the last tenth of a run without PWM. `air.used` sums the gains of air \
 between samples while the supply is open; of an event-located run it is the integral of the flow.
 
+The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
+for run.accuracy. A run that reaches the accuracy with no step, as one that bounces without end, is named in the summary; \
+the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs.
+
 A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept. \
 Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the folder with the others. \
 A run that fails has its reason in the column `error` and no numbers; it does not stop the others.
