@@ -43,7 +43,7 @@ A ripple is that of the last PWM period, or of the last tenth of a run without P
 between samples while the supply is open; of an event-located run it is the integral of the flow.
 
 The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
-for run.accuracy. A run that reaches the accuracy with no step, as one that bounces without end, is named in the summary; \
+for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \
 the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs.
 
 A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept. \
