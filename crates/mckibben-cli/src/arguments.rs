@@ -10,6 +10,7 @@ use crate::commands::presets::PresetsArguments;
 use crate::commands::reproduce::ReproduceArguments;
 use crate::commands::schema::SchemaArguments;
 use crate::commands::simulate::SimulateArguments;
+use crate::commands::sweep::SweepArguments;
 use crate::terminal::HELP;
 use clap::{Parser, Subcommand};
 
@@ -42,6 +43,8 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scenario: print what it came to, write the run, draw it
     Simulate(SimulateArguments),
+    /// Run a scenario many times with varied values, on all cores, into Parquet or CSV
+    Sweep(SweepArguments),
     /// Check scenario files and show every mistake where it is
     Check(CheckArguments),
     /// Write a commented scenario file to start from

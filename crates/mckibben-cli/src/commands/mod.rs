@@ -8,6 +8,7 @@ pub mod presets;
 pub mod reproduce;
 pub mod schema;
 pub mod simulate;
+pub mod sweep;
 
 use crate::arguments::Command;
 use crate::failure::Failure;
@@ -19,6 +20,7 @@ use crate::failure::Failure;
 pub fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Sweep(arguments) => sweep::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Init(arguments) => init::run(arguments),
         Command::Presets(arguments) => presets::run(arguments),
