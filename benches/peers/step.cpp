@@ -1,0 +1,246 @@
+// The batch in C++: a structure of arrays, blocks of rows that stay in the first cache for the whole run, and the step
+// of all rows of a block as one loop that the compiler turns into vectors.
+//
+//     step textbook|polynomial THREADS REPEATS CHECKED < work
+//
+// `textbook` writes the orifice with one power, u = r^((γ−1)/γ), and every quotient as the equations have it; the power
+// is libmvec's. `polynomial` writes it as √(1−r) g(r) with g fitted at the start, and merges the divisions.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+constexpr int LANES = 32;
+constexpr int TERMS = 13;  // g to 1e-12
+
+enum class Flow { textbook, polynomial };
+
+struct Part {
+    double time, step;
+    int filling;
+};
+
+// What all rows share, with what follows from it.
+struct Muscle {
+    double square_thread, per_turns, effectiveness, min_length, max_length, external_volume;
+    double viscous, coulomb_width, stiffness, damping;
+    double gamma, gas_constant, atmosphere, temperature, gravity;
+    double critical_ratio, laminar_ratio, laminar_slope, conductance, ratio_power, ratio_factor, scale, offset;
+    std::array<double, TERMS> g;
+};
+
+struct alignas(64) Block {
+    double length[LANES], velocity[LANES], pressure[LANES], air[LANES];
+    double mass[LANES], supply[LANES];
+};
+
+struct Rates {
+    double length, velocity, pressure, air;
+};
+
+struct Work {
+    Muscle muscle;
+    std::vector<Part> parts;
+    std::vector<Block> blocks;
+    size_t rows;
+};
+
+// Coefficients in rising powers of t in [-1, 1] of the polynomial through `f` at the Chebyshev points.
+template <class F>
+std::array<double, TERMS> fit(F f) {
+    std::array<double, TERMS> value, series{}, power{}, last{}, now{};
+    for (int n = 0; n < TERMS; n++) value[n] = f(std::cos(M_PI * (n + 0.5) / TERMS));
+    for (int k = 0; k < TERMS; k++) {
+        for (int n = 0; n < TERMS; n++) series[k] += value[n] * std::cos(M_PI * k * (n + 0.5) / TERMS);
+        series[k] *= (k == 0 ? 1.0 : 2.0) / TERMS;
+    }
+    now[0] = 1.0;
+    for (int k = 0; k < TERMS; k++) {
+        for (int n = 0; n < TERMS; n++) power[n] += series[k] * now[n];
+        std::array<double, TERMS> next{};
+        for (int n = 0; n + 1 < TERMS; n++) next[n + 1] = (k == 0 ? 1.0 : 2.0) * now[n];
+        for (int n = 0; n < TERMS; n++) next[n] -= last[n];
+        last = now, now = next;
+    }
+    return power;
+}
+
+Muscle prepare(std::map<std::string, double> number) {
+    Muscle m{};
+    const double b = number["thread_length"], n = number["turns"], gamma = number["gamma"], R = number["gas_constant"];
+    m.square_thread = b * b, m.per_turns = 1 / (4 * M_PI * n * n), m.effectiveness = number["effectiveness"];
+    m.min_length = number["min_length"], m.max_length = number["max_length"];
+    m.external_volume = number["external_volume"];
+    m.viscous = number["viscous"], m.coulomb_width = number["coulomb_width"];
+    m.stiffness = number["stiffness"], m.damping = number["damping"];
+    m.gamma = gamma, m.gas_constant = R, m.atmosphere = number["atmosphere"];
+    m.temperature = number["temperature"], m.gravity = number["gravity"];
+    const double base = 2 / (gamma + 1), choked = std::pow(base, (gamma + 1) / (gamma - 1));
+    m.critical_ratio = std::pow(base, gamma / (gamma - 1)), m.laminar_ratio = number["laminar_ratio"];
+    m.conductance = number["area"] * std::sqrt(gamma / R * choked);
+    m.ratio_power = (gamma - 1) / gamma, m.ratio_factor = 2 / ((gamma - 1) * choked);
+    const auto psi = [&](double r) {
+        return std::sqrt(m.ratio_factor * std::pow(r, 2 / gamma) * -std::expm1(m.ratio_power * std::log(r)));
+    };
+    m.laminar_slope = psi(m.laminar_ratio) / (1 - m.laminar_ratio);
+    const double middle = (m.laminar_ratio + m.critical_ratio) / 2, half = (m.laminar_ratio - m.critical_ratio) / 2;
+    m.scale = 1 / half, m.offset = -middle / half;
+    m.g = fit([&](double t) {
+        const double r = middle + half * t;
+        return psi(r) / std::sqrt(1 - r);
+    });
+    return m;
+}
+
+// ψ of the pressure ratio: 1 when choked, the orifice, and the straight line.
+template <Flow FLOW>
+inline __attribute__((always_inline)) double psi(const Muscle& m, double r) {
+    const double kept = std::min(std::max(r, m.critical_ratio), m.laminar_ratio);
+    double orifice;
+    if constexpr (FLOW == Flow::textbook) {
+        const double u = std::pow(kept, m.ratio_power);  // r^(2/γ) = u^(2/(γ−1)), which is u⁵ for γ = 1.4
+        const double powers = m.gamma == 1.4 ? u * u * u * u * u : std::pow(kept, 2 / m.gamma);
+        orifice = std::sqrt(m.ratio_factor * powers * (1 - u));
+    } else {
+        const double t = m.scale * kept + m.offset, t2 = t * t, t4 = t2 * t2;
+        const auto& g = m.g;
+        const double low = (g[0] + g[1] * t) + t2 * (g[2] + g[3] * t);
+        const double middle = (g[4] + g[5] * t) + t2 * (g[6] + g[7] * t);
+        const double high = (g[8] + g[9] * t) + t2 * (g[10] + g[11] * t) + t4 * g[12];
+        orifice = std::sqrt(1 - kept) * (low + t4 * (middle + t4 * high));
+    }
+    return r > m.laminar_ratio ? m.laminar_slope * (1 - r) : orifice;
+}
+
+template <Flow FLOW, bool FILLING>
+inline __attribute__((always_inline)) Rates rates(const Muscle& m, double per_mass, double supply, double L, double v,
+                                                  double P, double air) {
+    const double length = std::max(L, m.min_length);
+    const double gauge = P - m.atmosphere, square = length * length;
+    const double slope = (m.square_thread - 3 * square) * m.per_turns;
+    const double volume = length * (m.square_thread - square) * m.per_turns + m.external_volume;
+    const double secant = 3 * gauge * (length + m.min_length) * m.per_turns * m.effectiveness;
+    const double taut = L > m.max_length ? std::max(m.stiffness * (L - m.max_length) + m.damping * v, 0.0) : 0.0;
+    const double friction = m.coulomb_width * std::max(secant, 0.0);
+    const double coulomb = v > 0 ? friction : v < 0 ? -friction : 0.0;
+    const double force = std::max(taut + m.viscous * v + coulomb - m.effectiveness * gauge * slope, 0.0);
+    const bool slack = L < m.min_length;
+    const double tension = slack ? 0.0 : force, volume_rate = slack ? 0.0 : slope * v;
+
+    const double beyond = FILLING ? supply : m.atmosphere;
+    const double high = std::max(P, beyond), low = std::min(P, beyond);
+    double drive, flow, rate;
+    if constexpr (FLOW == Flow::textbook) {
+        const double temperature = P < beyond ? m.temperature : P * volume / (air * m.gas_constant);
+        drive = high / std::sqrt(temperature);
+        flow = m.conductance * drive * psi<FLOW>(m, low / high);
+        flow = P < beyond ? flow : -flow;
+        rate = m.gamma * P * (flow / air - volume_rate / volume);
+    } else {
+        const double per_content = 1 / (air * volume);
+        const double outward = P * m.gas_constant * air * air * per_content;
+        const double inward = high * high * (1 / m.temperature);
+        drive = std::sqrt(P < beyond ? inward : outward);
+        flow = m.conductance * drive * psi<FLOW>(m, low / high);
+        flow = P < beyond ? flow : -flow;
+        rate = m.gamma * P * (flow * volume - volume_rate * air) * per_content;
+    }
+    return {v, m.gravity - tension * per_mass, rate, flow};
+}
+
+template <Flow FLOW, bool FILLING>
+void step(const Muscle& muscle, Block& block, double h) {
+    const Muscle m = muscle;
+    const double half = 0.5 * h, sixth = h / 6;
+#pragma omp simd simdlen(8)
+    for (int i = 0; i < LANES; i++) {
+        const double L = block.length[i], v = block.velocity[i], P = block.pressure[i], air = block.air[i];
+        const double per_mass = block.mass[i], supply = block.supply[i];
+        const auto at = [&](const Rates& k, double by) __attribute__((always_inline)) {
+            return rates<FLOW, FILLING>(m, per_mass, supply, L + by * k.length, v + by * k.velocity,
+                                        P + by * k.pressure, air + by * k.air);
+        };
+        const Rates a = rates<FLOW, FILLING>(m, per_mass, supply, L, v, P, air);
+        const Rates b = at(a, half), c = at(b, half), d = at(c, h);
+        block.length[i] = L + sixth * (a.length + 2 * (b.length + c.length) + d.length);
+        block.velocity[i] = v + sixth * (a.velocity + 2 * (b.velocity + c.velocity) + d.velocity);
+        block.pressure[i] = P + sixth * (a.pressure + 2 * (b.pressure + c.pressure) + d.pressure);
+        block.air[i] = air + sixth * (a.air + 2 * (b.air + c.air) + d.air);
+    }
+}
+
+template <Flow FLOW>
+void run(const Muscle& muscle, const std::vector<Part>& parts, std::vector<Block>& blocks, int threads) {
+#pragma omp parallel for num_threads(threads) schedule(static)
+    for (size_t n = 0; n < blocks.size(); n++) {
+        Block block = blocks[n];
+        for (const Part& part : parts) {
+            if (part.filling) {
+                step<FLOW, true>(muscle, block, part.step);
+            } else {
+                step<FLOW, false>(muscle, block, part.step);
+            }
+        }
+        blocks[n] = block;
+    }
+}
+
+Work read() {
+    Work work;
+    std::map<std::string, double> number;
+    std::string name;
+    size_t count = 0;
+    while (std::cin >> name && name != "parts") std::cin >> number[name];
+    std::cin >> count;
+    work.parts.resize(count);
+    for (Part& part : work.parts) std::cin >> part.time >> part.step >> part.filling;
+    std::cin >> name >> work.rows;
+    // The last block is filled up with copies of its last row.
+    work.blocks.resize((work.rows + LANES - 1) / LANES);
+    double mass, supply, length, velocity, pressure, air;
+    for (size_t n = 0; n < work.blocks.size() * LANES; n++) {
+        if (n < work.rows) std::cin >> mass >> supply >> length >> velocity >> pressure >> air;
+        Block& block = work.blocks[n / LANES];
+        const size_t i = n % LANES;
+        block.mass[i] = 1 / mass, block.supply[i] = supply, block.length[i] = length;
+        block.velocity[i] = velocity, block.pressure[i] = pressure, block.air[i] = air;
+    }
+    work.muscle = prepare(number);
+    return work;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 5) return std::fputs("step textbook|polynomial THREADS REPEATS CHECKED < work\n", stderr), 2;
+    const bool textbook = std::string_view(argv[1]) == "textbook";
+    const int threads = std::atoi(argv[2]), repeats = std::atoi(argv[3]);
+    const Work work = read();
+    std::vector<Block> blocks;
+    double best = std::numeric_limits<double>::infinity();
+    for (int repeat = 0; repeat < repeats; repeat++) {
+        blocks = work.blocks;
+        const auto start = std::chrono::steady_clock::now();
+        (textbook ? run<Flow::textbook> : run<Flow::polynomial>)(work.muscle, work.parts, blocks, threads);
+        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    std::printf("{\"seconds\": %.9g, \"states\": [", best);
+    const size_t checked = std::min(work.rows, static_cast<size_t>(std::atoi(argv[4])));
+    for (size_t n = 0; n < checked; n++) {
+        const Block& block = blocks[n / LANES];
+        const size_t i = n % LANES;
+        std::printf("%s[%.17g, %.17g, %.17g, %.17g]", n ? ", " : "", block.length[i], block.velocity[i],
+                    block.pressure[i], block.air[i]);
+    }
+    std::puts("]}");
+}
