@@ -1,10 +1,12 @@
 // The batch in C++: a structure of arrays, blocks of rows that stay in the first cache for the whole run, and the step
 // of all rows of a block as one loop that the compiler turns into vectors.
 //
-//     step textbook|polynomial THREADS REPEATS CHECKED < work
+//     step textbook|polynomial|turns THREADS REPEATS CHECKED < work
 //
 // `textbook` writes the orifice with one power, u = r^((γ−1)/γ), and every quotient as the equations have it; the power
-// is libmvec's. `polynomial` writes it as √(1−r) g(r) with g fitted at the start, and merges the divisions.
+// is libmvec's. `polynomial` writes it as √(1−r) g(r) with g fitted at the start, and merges the divisions. Both take
+// sgn(v) where the rates are evaluated. `turns` is `polynomial` with the direction of sliding held, and the few rows in
+// which it ends inside a step taken again one by one: to the turn, stuck or not from there, and on.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -23,7 +25,7 @@ namespace {
 constexpr int LANES = 32;
 constexpr int TERMS = 13;  // g to 1e-12
 
-enum class Flow { textbook, polynomial };
+enum class Form { textbook, polynomial, turns };
 
 struct Part {
     double time, step;
@@ -41,11 +43,17 @@ struct Muscle {
 
 struct alignas(64) Block {
     double length[LANES], velocity[LANES], pressure[LANES], air[LANES];
-    double mass[LANES], supply[LANES];
+    double per_mass[LANES], supply[LANES];
+    double sliding[LANES];  // -1, 0 (stuck) or 1
 };
 
-struct Rates {
+struct State {
     double length, velocity, pressure, air;
+};
+
+// Least and largest tension that friction can hold at rest.
+struct Hold {
+    double least, most;
 };
 
 struct Work {
@@ -103,11 +111,11 @@ Muscle prepare(std::map<std::string, double> number) {
 }
 
 // ψ of the pressure ratio: 1 when choked, the orifice, and the straight line.
-template <Flow FLOW>
+template <Form FORM>
 inline __attribute__((always_inline)) double psi(const Muscle& m, double r) {
     const double kept = std::min(std::max(r, m.critical_ratio), m.laminar_ratio);
     double orifice;
-    if constexpr (FLOW == Flow::textbook) {
+    if constexpr (FORM == Form::textbook) {
         const double u = std::pow(kept, m.ratio_power);  // r^(2/γ) = u^(2/(γ−1)), which is u⁵ for γ = 1.4
         const double powers = m.gamma == 1.4 ? u * u * u * u * u : std::pow(kept, 2 / m.gamma);
         orifice = std::sqrt(m.ratio_factor * powers * (1 - u));
@@ -122,9 +130,12 @@ inline __attribute__((always_inline)) double psi(const Muscle& m, double r) {
     return r > m.laminar_ratio ? m.laminar_slope * (1 - r) : orifice;
 }
 
-template <Flow FLOW, bool FILLING>
-inline __attribute__((always_inline)) Rates rates(const Muscle& m, double per_mass, double supply, double L, double v,
-                                                  double P, double air) {
+template <Form FORM, bool FILLING>
+inline __attribute__((always_inline)) State rates(const Muscle& m, double per_mass, double supply, double sliding,
+                                                  const State& y) {
+    const double L = y.length, P = y.pressure, air = y.air;
+    const bool stuck = FORM == Form::turns && sliding == 0;
+    const double v = stuck ? 0.0 : y.velocity;
     const double length = std::max(L, m.min_length);
     const double gauge = P - m.atmosphere, square = length * length;
     const double slope = (m.square_thread - 3 * square) * m.per_turns;
@@ -132,7 +143,7 @@ inline __attribute__((always_inline)) Rates rates(const Muscle& m, double per_ma
     const double secant = 3 * gauge * (length + m.min_length) * m.per_turns * m.effectiveness;
     const double taut = L > m.max_length ? std::max(m.stiffness * (L - m.max_length) + m.damping * v, 0.0) : 0.0;
     const double friction = m.coulomb_width * std::max(secant, 0.0);
-    const double coulomb = v > 0 ? friction : v < 0 ? -friction : 0.0;
+    const double coulomb = FORM == Form::turns ? sliding * friction : v > 0 ? friction : v < 0 ? -friction : 0.0;
     const double force = std::max(taut + m.viscous * v + coulomb - m.effectiveness * gauge * slope, 0.0);
     const bool slack = L < m.min_length;
     const double tension = slack ? 0.0 : force, volume_rate = slack ? 0.0 : slope * v;
@@ -140,10 +151,10 @@ inline __attribute__((always_inline)) Rates rates(const Muscle& m, double per_ma
     const double beyond = FILLING ? supply : m.atmosphere;
     const double high = std::max(P, beyond), low = std::min(P, beyond);
     double drive, flow, rate;
-    if constexpr (FLOW == Flow::textbook) {
+    if constexpr (FORM == Form::textbook) {
         const double temperature = P < beyond ? m.temperature : P * volume / (air * m.gas_constant);
         drive = high / std::sqrt(temperature);
-        flow = m.conductance * drive * psi<FLOW>(m, low / high);
+        flow = m.conductance * drive * psi<FORM>(m, low / high);
         flow = P < beyond ? flow : -flow;
         rate = m.gamma * P * (flow / air - volume_rate / volume);
     } else {
@@ -151,44 +162,123 @@ inline __attribute__((always_inline)) Rates rates(const Muscle& m, double per_ma
         const double outward = P * m.gas_constant * air * air * per_content;
         const double inward = high * high * (1 / m.temperature);
         drive = std::sqrt(P < beyond ? inward : outward);
-        flow = m.conductance * drive * psi<FLOW>(m, low / high);
+        flow = m.conductance * drive * psi<FORM>(m, low / high);
         flow = P < beyond ? flow : -flow;
         rate = m.gamma * P * (flow * volume - volume_rate * air) * per_content;
     }
-    return {v, m.gravity - tension * per_mass, rate, flow};
+    return {v, stuck ? 0.0 : m.gravity - tension * per_mass, rate, flow};
 }
 
-template <Flow FLOW, bool FILLING>
+// One step of the classical Runge-Kutta method.
+template <Form FORM, bool FILLING>
+inline __attribute__((always_inline)) State step(const Muscle& m, double per_mass, double supply, double sliding,
+                                                 const State& y, double h) {
+    const auto slope = [&](const State& at) __attribute__((always_inline)) {
+        return rates<FORM, FILLING>(m, per_mass, supply, sliding, at);
+    };
+    const auto ahead = [&](const State& k, double by) __attribute__((always_inline)) {
+        return State{y.length + by * k.length, y.velocity + by * k.velocity, y.pressure + by * k.pressure,
+                     y.air + by * k.air};
+    };
+    const State a = slope(y), b = slope(ahead(a, 0.5 * h)), c = slope(ahead(b, 0.5 * h)), d = slope(ahead(c, h));
+    return ahead({a.length + 2 * (b.length + c.length) + d.length,
+                  a.velocity + 2 * (b.velocity + c.velocity) + d.velocity,
+                  a.pressure + 2 * (b.pressure + c.pressure) + d.pressure, a.air + 2 * (b.air + c.air) + d.air},
+                 h / 6);
+}
+
+inline __attribute__((always_inline)) Hold hold(const Muscle& m, double L, double P) {
+    const double length = std::max(L, m.min_length), gauge = P - m.atmosphere;
+    const double force = m.effectiveness * gauge * (3 * length * length - m.square_thread) * m.per_turns;
+    const double middle = force + m.stiffness * std::max(L - m.max_length, 0.0);
+    const double secant = 3 * gauge * (length + m.min_length) * m.per_turns * m.effectiveness;
+    const double bound = m.coulomb_width * std::max(secant, 0.0);
+    return {L <= m.min_length ? 0.0 : std::max(middle - bound, 0.0), std::max(middle + bound, 0.0)};
+}
+
+// Positive while the direction of sliding lasts.
+inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, double sliding, const State& y) {
+    const double pull = m.gravity / per_mass;
+    const Hold can = hold(m, y.length, y.pressure);
+    return sliding == 0 ? std::min(can.most - pull, pull - can.least) : sliding * y.velocity;
+}
+
+double from_rest(const Muscle& m, double per_mass, const State& y) {
+    const double pull = m.gravity / per_mass;
+    const Hold can = hold(m, y.length, y.pressure);
+    return pull > can.most ? 1 : pull < can.least ? -1 : 0;
+}
+
+// A step of one row in which its sliding ends: to that instant by two secants, and on from there.
+template <bool FILLING>
+State turn(const Muscle& m, double per_mass, double supply, double& sliding, const State& y, double h) {
+    const auto to = [&](double part) {
+        return step<Form::turns, FILLING>(m, per_mass, supply, sliding, y, part * h);
+    };
+    const auto value = [&](const State& at) { return lasts(m, per_mass, sliding, at); };
+    double low = 0, high = 1, at_low = value(y), at_high = value(to(1)), part = 0;
+    if (at_low > 0) {
+        for (int n = 0; n < 2; n++) {
+            part = low + (high - low) * at_low / (at_low - at_high);
+            const double here = value(to(part));
+            (here > 0 ? low : high) = part;
+            (here > 0 ? at_low : at_high) = here;
+        }
+        part = low + (high - low) * at_low / (at_low - at_high);
+    }
+    State there = to(part);
+    if (sliding != 0) {
+        there.velocity = 0;
+        sliding = from_rest(m, per_mass, there);
+    } else {
+        const Hold can = hold(m, there.length, there.pressure);
+        const double pull = m.gravity / per_mass;
+        sliding = can.most - pull < pull - can.least ? 1 : -1;
+    }
+    return step<Form::turns, FILLING>(m, per_mass, supply, sliding, there, (1 - part) * h);
+}
+
+template <Form FORM, bool FILLING>
 void step(const Muscle& muscle, Block& block, double h) {
     const Muscle m = muscle;
-    const double half = 0.5 * h, sixth = h / 6;
-#pragma omp simd simdlen(8)
+    Block next;
+    double least = 1;
+#pragma omp simd simdlen(8) reduction(min : least)
     for (int i = 0; i < LANES; i++) {
-        const double L = block.length[i], v = block.velocity[i], P = block.pressure[i], air = block.air[i];
-        const double per_mass = block.mass[i], supply = block.supply[i];
-        const auto at = [&](const Rates& k, double by) __attribute__((always_inline)) {
-            return rates<FLOW, FILLING>(m, per_mass, supply, L + by * k.length, v + by * k.velocity,
-                                        P + by * k.pressure, air + by * k.air);
-        };
-        const Rates a = rates<FLOW, FILLING>(m, per_mass, supply, L, v, P, air);
-        const Rates b = at(a, half), c = at(b, half), d = at(c, h);
-        block.length[i] = L + sixth * (a.length + 2 * (b.length + c.length) + d.length);
-        block.velocity[i] = v + sixth * (a.velocity + 2 * (b.velocity + c.velocity) + d.velocity);
-        block.pressure[i] = P + sixth * (a.pressure + 2 * (b.pressure + c.pressure) + d.pressure);
-        block.air[i] = air + sixth * (a.air + 2 * (b.air + c.air) + d.air);
+        const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
+        const double per_mass = block.per_mass[i], sliding = block.sliding[i];
+        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], sliding, y, h);
+        if constexpr (FORM == Form::turns) least = std::min(least, lasts(m, per_mass, sliding, end));
+        next.length[i] = end.length, next.velocity[i] = end.velocity;
+        next.pressure[i] = end.pressure, next.air[i] = end.air;
     }
+    if (FORM == Form::turns && least < 0) {
+        for (int i = 0; i < LANES; i++) {
+            const double per_mass = block.per_mass[i];
+            State end{next.length[i], next.velocity[i], next.pressure[i], next.air[i]};
+            if (lasts(m, per_mass, block.sliding[i], end) >= 0) continue;
+            const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
+            end = turn<FILLING>(m, per_mass, block.supply[i], block.sliding[i], y, h);
+            next.length[i] = end.length, next.velocity[i] = end.velocity;
+            next.pressure[i] = end.pressure, next.air[i] = end.air;
+        }
+    }
+    std::copy_n(next.length, LANES, block.length);
+    std::copy_n(next.velocity, LANES, block.velocity);
+    std::copy_n(next.pressure, LANES, block.pressure);
+    std::copy_n(next.air, LANES, block.air);
 }
 
-template <Flow FLOW>
+template <Form FORM>
 void run(const Muscle& muscle, const std::vector<Part>& parts, std::vector<Block>& blocks, int threads) {
 #pragma omp parallel for num_threads(threads) schedule(static)
     for (size_t n = 0; n < blocks.size(); n++) {
         Block block = blocks[n];
         for (const Part& part : parts) {
             if (part.filling) {
-                step<FLOW, true>(muscle, block, part.step);
+                step<FORM, true>(muscle, block, part.step);
             } else {
-                step<FLOW, false>(muscle, block, part.step);
+                step<FORM, false>(muscle, block, part.step);
             }
         }
         blocks[n] = block;
@@ -205,6 +295,7 @@ Work read() {
     work.parts.resize(count);
     for (Part& part : work.parts) std::cin >> part.time >> part.step >> part.filling;
     std::cin >> name >> work.rows;
+    work.muscle = prepare(number);
     // The last block is filled up with copies of its last row.
     work.blocks.resize((work.rows + LANES - 1) / LANES);
     double mass, supply, length, velocity, pressure, air;
@@ -212,18 +303,20 @@ Work read() {
         if (n < work.rows) std::cin >> mass >> supply >> length >> velocity >> pressure >> air;
         Block& block = work.blocks[n / LANES];
         const size_t i = n % LANES;
-        block.mass[i] = 1 / mass, block.supply[i] = supply, block.length[i] = length;
+        block.per_mass[i] = 1 / mass, block.supply[i] = supply, block.length[i] = length;
         block.velocity[i] = velocity, block.pressure[i] = pressure, block.air[i] = air;
+        const bool moves = velocity != 0;
+        block.sliding[i] = moves ? std::copysign(1, velocity)
+                                 : from_rest(work.muscle, 1 / mass, {length, velocity, pressure, air});
     }
-    work.muscle = prepare(number);
     return work;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 5) return std::fputs("step textbook|polynomial THREADS REPEATS CHECKED < work\n", stderr), 2;
-    const bool textbook = std::string_view(argv[1]) == "textbook";
+    if (argc != 5) return std::fputs("step textbook|polynomial|turns THREADS REPEATS CHECKED < work\n", stderr), 2;
+    const std::string_view form(argv[1]);
     const int threads = std::atoi(argv[2]), repeats = std::atoi(argv[3]);
     const Work work = read();
     std::vector<Block> blocks;
@@ -231,7 +324,7 @@ int main(int argc, char** argv) {
     for (int repeat = 0; repeat < repeats; repeat++) {
         blocks = work.blocks;
         const auto start = std::chrono::steady_clock::now();
-        (textbook ? run<Flow::textbook> : run<Flow::polynomial>)(work.muscle, work.parts, blocks, threads);
+        (form == "textbook" ? run<Form::textbook> : form == "turns" ? run<Form::turns> : run<Form::polynomial>)(work.muscle, work.parts, blocks, threads);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     std::printf("{\"seconds\": %.9g, \"states\": [", best);

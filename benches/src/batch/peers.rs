@@ -105,8 +105,10 @@ fn peers(sources: &Path) -> (Vec<Peer>, Vec<String>) {
     match program::build(&sources.join("step.cpp")) {
         Ok(program) => {
             println!("C++ built with {}", program::FLAGS.join(" "));
-            for (name, law) in [("C++, one power", "textbook"), ("C++, by hand", "polynomial")] {
-                peers.push(Peer { name, command: vec![program.clone(), law.into()], repeats: 40 });
+            let forms =
+                [("C++, one power", "textbook"), ("C++, by hand", "polynomial"), ("C++, turns located", "turns")];
+            for (name, form) in forms {
+                peers.push(Peer { name, command: vec![program.clone(), form.into()], repeats: 40 });
             }
         }
         Err(message) => missing.push(message),
