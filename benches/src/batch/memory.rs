@@ -60,7 +60,11 @@ pub fn print(workspace: &Path) -> Result<(), String> {
     Ok(())
 }
 
+/// The program that `MCKIBBEN` names, or one built from the sources.
 fn build(workspace: &Path) -> Result<PathBuf, String> {
+    if let Some(program) = std::env::var_os("MCKIBBEN") {
+        return Ok(program.into());
+    }
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let target = program.parent().ok_or("this program lies in no folder")?.join("program");
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
