@@ -10,14 +10,17 @@ use std::process::ExitCode;
 
 const HELP: &str = "\
 usage: cargo xtask test [STEP...]
+       cargo xtask accuracy
 
-Runs every check, or only the named ones: format, lint, docs, no-std, reference, test.
+test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test.
+accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
 ";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.split_first() {
         Some((command, chosen)) if command == "test" => steps::run(chosen),
+        Some((command, [])) if command == "accuracy" => steps::accuracy(),
         _ => {
             eprint!("{HELP}");
             ExitCode::from(2)

@@ -148,6 +148,29 @@ fn test(root: &Path) -> Result<Tally, String> {
     Ok(Some((passed, failed)))
 }
 
+/// Writes the page on the accuracy of the fixed-step engine: the test that holds it to what is measured does so when asked.
+pub(crate) fn accuracy() -> ExitCode {
+    let mut command = cargo(&root());
+    command.args([
+        "test",
+        "--package",
+        "mckibben-cli",
+        "--test",
+        "accuracy",
+        "--locked",
+        "--",
+        "--nocapture",
+        "the_page",
+    ]);
+    match succeed(command.env("MCKIBBEN_WRITE", "1")) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
 /// The number that stands before a word: 12 for ` passed` in `ok. 12 passed; 0 failed`.
 fn count_before(line: &str, word: &str) -> u64 {
     line.split_once(word)

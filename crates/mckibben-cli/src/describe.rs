@@ -68,7 +68,7 @@ pub fn engine(run: &Run) -> String {
                 Method::Stable => "stable method",
                 Method::Rk4 => "Runge-Kutta 4",
             };
-            format!("fixed-step, {name}, steps of at most {}", given(run.step, "s"))
+            format!("fixed-step, {name}")
         }
     }
 }

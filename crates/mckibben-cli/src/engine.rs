@@ -6,12 +6,13 @@
 //! | fixed-step | nothing: the run is repeated when it is read, to the same bits | none | air, by the net change of each step |
 //!
 //! The fixed-step engine divides each sample interval into the least number of equal steps that are not longer than
-//! `run.step`. Checked by `tests/simulate.rs`.
+//! `run.step`, or than the step that `run.accuracy` needs. Checked by `tests/simulate.rs`.
 
 use crate::progress::Progress;
 use mckibben::Error;
+use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{FixedStepper, Sample, SampleTimes, Trajectory, simulate_watched};
-use mckibben_scenario::{Engine, Experiment, Method};
+use mckibben_scenario::{Engine, Experiment};
 
 /// A finished run.
 #[derive(Clone, Debug)]
@@ -22,6 +23,10 @@ pub enum Outcome<'e> {
     Stepped {
         /// What is repeated to read it.
         experiment: &'e Experiment,
+        /// The longest step in s.
+        step: f64,
+        /// The error of that step, when it was chosen for the accuracy.
+        chosen: Option<StepError>,
         /// How many steps that takes.
         steps: u64,
     },
@@ -45,10 +50,14 @@ pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Re
             Ok(Outcome::Located(Box::new(trajectory)))
         }
         Engine::FixedStep => {
+            let (step, chosen) = {
+                let _progress = Progress::begin("choosing the step", None);
+                experiment.step()?
+            };
             let progress = Progress::begin("simulating", Some(rows(experiment)));
             let mut steps = 0;
             let mut row = 0;
-            step_through(experiment, &mut |sample, recorded| {
+            step_through(experiment, step, &mut |sample, recorded| {
                 watch(sample);
                 steps += 1;
                 row += u64::from(recorded);
@@ -57,7 +66,7 @@ pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Re
                 }
                 Ok(())
             })?;
-            Ok(Outcome::Stepped { experiment, steps: steps - 1 })
+            Ok(Outcome::Stepped { experiment, step, chosen, steps: steps - 1 })
         }
     }
 }
@@ -74,8 +83,8 @@ impl Outcome<'_> {
     ) -> Result<(), F> {
         match self {
             Self::Located(trajectory) => trajectory.samples(interval).try_for_each(|sample| each(&sample)),
-            Self::Stepped { experiment, .. } => {
-                step_through(experiment, &mut |sample, recorded| if recorded { each(sample) } else { Ok(()) })
+            Self::Stepped { experiment, step, .. } => {
+                step_through(experiment, *step, &mut |sample, recorded| if recorded { each(sample) } else { Ok(()) })
             }
         }
     }
@@ -89,25 +98,15 @@ pub fn rows(experiment: &Experiment) -> u64 {
 /// Runs the fixed-step engine and shows every step, and whether it is a recorded sample.
 fn step_through<F: From<Error>>(
     experiment: &Experiment,
+    step: f64,
     each: &mut dyn FnMut(&Sample, bool) -> Result<(), F>,
 ) -> Result<(), F> {
     let run = &experiment.run;
-    let method = match run.method {
-        Method::Stable => mckibben::simulation::Method::Stable,
-        Method::Rk4 => mckibben::simulation::Method::Rk4,
-    };
-    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, method);
+    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
     each(&stepper.sample(), true)?;
-    let times = SampleTimes::new(run.duration, run.sample_interval);
-    for row in 1..=times.last() {
-        let (from, until) = (times.time(row - 1), times.time(row));
-        // The quotient of two decimal numbers may lie a rounding above a whole one.
-        let parts = ((until - from) / run.step * (1.0 - 1e-12)).ceil().max(1.0) as u64;
-        for part in 1..=parts {
-            let to = if part == parts { until } else { from + (until - from) * (part as f64 / parts as f64) };
-            stepper.advance_to(to)?;
-            each(&stepper.sample(), part == parts)?;
-        }
+    for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
+        stepper.advance_to(time)?;
+        each(&stepper.sample(), recorded)?;
     }
     Ok(())
 }

@@ -259,8 +259,7 @@ fn experiment_without_samples(outcome: &Outcome<'_>) -> Sample {
     match outcome {
         Outcome::Located(trajectory) => trajectory.at(0.0),
         Outcome::Stepped { experiment, .. } => {
-            let method = mckibben::simulation::Method::Stable;
-            mckibben::simulation::FixedStepper::new(&experiment.rig, experiment.start, method).sample()
+            mckibben::simulation::FixedStepper::new(&experiment.rig, experiment.start, experiment.method()).sample()
         }
     }
 }

@@ -7,8 +7,9 @@ use crate::observation::{Observation, Range, Ripple};
 use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::simulation::EnergyAudit;
+use mckibben::simulation::accuracy::StepError;
 use mckibben::valve::REFERENCE_DENSITY;
-use mckibben_scenario::{Assumed, Experiment, Load, Scenario};
+use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -61,6 +62,9 @@ impl Summary<'_> {
         page.line("drive", &describe::drive(self.scenario));
         page.line("air", &describe::air(&self.scenario.air.process));
         page.line("engine", &describe::engine(run));
+        if let Outcome::Stepped { step, chosen, .. } = self.outcome {
+            page.line("step", &step_of(*step, chosen.as_ref(), run));
+        }
         let steps = match self.outcome {
             Outcome::Located(trajectory) => {
                 let counts = trajectory.counts();
@@ -141,6 +145,22 @@ impl Summary<'_> {
             }
         }
     }
+}
+
+/// The longest step, and on what ground it was taken.
+fn step_of(step: f64, chosen: Option<&StepError>, run: &Run) -> String {
+    let Some(error) = chosen else { return format!("at most {}, as given", given(step, "s")) };
+    let over = if error.compared < run.duration {
+        format!(" over the first {}", given(error.compared, "s"))
+    } else {
+        String::new()
+    };
+    format!(
+        "at most {}, chosen for an accuracy of {:e}: measured error {:.1e} of the range{over}",
+        given(step, "s"),
+        run.accuracy,
+        error.greatest()
+    )
 }
 
 /// The length under PWM in words.

@@ -160,6 +160,48 @@ fn the_fixed_step_engine_comes_close_to_the_reference_and_closer_with_shorter_st
 }
 
 #[test]
+fn without_a_step_the_accuracy_chooses_it_and_the_summary_says_so() {
+    let folder = Folder::new("accuracy");
+    folder.file("muscle.toml", PWM);
+    run(&folder, &["simulate", "muscle.toml", "-o", "reference.csv", "--set", "run.relative_tolerance=1e-11"]);
+    let reference = rows(&folder.path("reference.csv"));
+    let range = |column: usize| {
+        let values = reference.iter().map(|row| row.0[column]);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    let fixed = ["simulate", "muscle.toml", "-o", "fixed.csv", "--set", "run.engine=fixed-step"];
+    for (accuracy, step) in [("1e-2", "200 µs"), ("1e-3", "50 µs")] {
+        let setting = format!("run.accuracy={accuracy}");
+        let text = run(&folder, &[&fixed[..], &["--set", &setting]].concat());
+        assert!(text.contains(&format!("at most {step}, chosen for an accuracy of {accuracy}")), "{text}");
+        // Length, velocity, pressure and air mass of the file that was written are as accurate as was asked.
+        let written = rows(&folder.path("fixed.csv"));
+        for column in 1..=4 {
+            let gaps = written.iter().zip(&reference).map(|(a, b)| (a.0[column] - b.0[column]).abs());
+            let error = gaps.fold(0.0, f64::max) / range(column);
+            assert!(
+                error <= 1.05 * accuracy.parse::<f64>().expect("a number"),
+                "{accuracy}, column {column}: {error:e}"
+            );
+        }
+    }
+    let given = run(&folder, &[&fixed[..], &["--set", "run.step=0.5 ms", "--set", "run.accuracy=1e-6"]].concat());
+    assert!(given.contains("at most 500 µs, as given"), "{given}");
+}
+
+#[test]
+fn an_accuracy_that_no_step_reaches_is_refused_with_the_one_that_can_be() {
+    let folder = Folder::new("unreachable");
+    folder.file("muscle.toml", &PWM.replace("0.3 s", "0.05 s"));
+    let set = ["--set", "run.engine=fixed-step", "--set", "run.accuracy=1e-9"];
+    let output = folder.mckibben().args(["simulate", "muscle.toml", "-o", "run.csv"]).args(set).output().expect("runs");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("run.accuracy") && message.contains("loosen run.accuracy"), "{message}");
+    assert_eq!(folder.names(), ["muscle.toml"]);
+}
+
+#[test]
 fn a_step_too_long_for_runge_kutta_is_told() {
     let folder = Folder::new("blow-up");
     folder.file("muscle.toml", PWM);

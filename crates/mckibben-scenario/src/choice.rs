@@ -91,4 +91,22 @@ words! {
         Stable = "stable", "Pressure is stepped so that any step a robot simulator uses is stable.";
         Rk4 = "rk4", "The classical Runge-Kutta formula of order 4, as in the paper.";
     }
+    /// How the rows of a sweep are chosen.
+    DesignKind {
+        Grid = "grid", "Every combination, the last key changing first.";
+        Random = "random", "Independent draws.";
+        LatinHypercube = "latin-hypercube", "One draw in each of as many equal strata of every key as there are rows.";
+        Sobol = "sobol", "The Sobol' sequence with Owen's scrambling: even in many dimensions at once.";
+    }
+    /// What a sweep records of each row.
+    RecordKind {
+        Reductions = "reductions", "A few numbers, those of `sweep.reductions`.";
+        Samples = "samples", "What holds at `sweep.sample_times`.";
+        Trajectories = "trajectories", "What holds at every `run.sample_interval`.";
+    }
+    /// How the values of a range are spaced.
+    Spacing {
+        Linear = "linear", "Evenly.";
+        Logarithmic = "logarithmic", "Evenly in the logarithm.";
+    }
 }

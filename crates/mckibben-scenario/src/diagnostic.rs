@@ -270,6 +270,11 @@ impl Diagnostics {
         if found.is_empty() { Ok(()) } else { Err(Self(found)) }
     }
 
+    /// Adds a line of help to each.
+    pub(crate) fn help(self, help: &str) -> Self {
+        Self(self.0.into_iter().map(|diagnostic| diagnostic.help(help)).collect())
+    }
+
     /// The mistakes in the order of the file.
     pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
         self.0.iter()

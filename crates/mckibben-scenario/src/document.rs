@@ -167,6 +167,29 @@ impl Document {
         self.entry(path).map(|entry| &entry.key)
     }
 
+    /// Puts a value of this document, or of another, at a path, with its own place. Where the way is barred by something
+    /// that is no section nothing is put; a reading finds that mistake.
+    pub(crate) fn put(&mut self, path: &str, key: &Place, node: &Node) {
+        let (sections, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let mut table = &mut self.root;
+        for section in sections.split('.').filter(|section| !section.is_empty()) {
+            let at = table.0.iter().position(|entry| entry.name == section).unwrap_or(table.0.len());
+            if at == table.0.len() {
+                let node = Node { place: key.clone(), value: Value::Table(Table::default()) };
+                table.0.push(Entry { name: section.to_owned(), key: key.clone(), node });
+            }
+            match &mut table.0[at].node.value {
+                Value::Table(inner) => table = inner,
+                _ => return,
+            }
+        }
+        let entry = Entry { name: name.to_owned(), key: key.clone(), node: node.clone() };
+        match table.0.iter_mut().find(|entry| entry.name == name) {
+            Some(known) => *known = entry,
+            None => table.0.push(entry),
+        }
+    }
+
     pub(crate) fn root(&self) -> &Table {
         &self.root
     }

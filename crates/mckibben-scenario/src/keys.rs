@@ -8,9 +8,11 @@
 //! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
 
 use crate::choice::{
-    Choice, CommandKind, CommandState, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind, ValveKind,
+    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind,
+    RecordKind, ValveKind,
 };
 use crate::presets;
+use crate::sweep::{MOST_ROWS, Reduction};
 use mckibben::parameter::{self as p, Parameter, Range};
 
 /// What a key holds.
@@ -22,6 +24,8 @@ pub enum Kind {
     QuantityOr(&'static Parameter, Choice),
     /// A list of quantities.
     Quantities(&'static Parameter),
+    /// A whole number.
+    Whole(&'static Parameter),
     /// A unit of the same dimension as this one.
     Unit(&'static str),
     /// One of these words.
@@ -72,9 +76,15 @@ impl Key {
     /// The row of the parameter table, when the key is a quantity or a list of them.
     pub fn parameter(&self) -> Option<&'static Parameter> {
         match self.kind {
-            Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) => Some(row),
+            Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) | Kind::Whole(row) => Some(row),
             Kind::Unit(_) | Kind::Choice(_) | Kind::Choices(_) => None,
         }
+    }
+
+    /// Whether a sweep can vary it: it holds one value and describes the scenario, not the sweep.
+    pub fn varies(&self) -> bool {
+        let single = matches!(self.kind, Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::Unit(_) | Kind::Choice(_));
+        single && self.section() != SWEEP
     }
 
     const fn required(self) -> Self {
@@ -146,6 +156,61 @@ pub static EFFECTIVENESS_VALUE: Parameter = row(
     ["Effectiveness at each gauge pressure.", "give ratios such as 0.9"],
 );
 
+/// Whole numbers from 1 to the most rows of a sweep.
+const COUNTS: Range = Range { low: 1.0, low_included: true, high: MOST_ROWS as f64, high_included: true };
+
+/// Rows of a sweep.
+pub static SWEEP_ROWS: Parameter = row(
+    "sweep.rows",
+    "n",
+    "",
+    COUNTS,
+    ["Number of rows, with every design but a grid.", "give a whole number such as 4096"],
+);
+/// Seed of a sweep.
+pub static SWEEP_SEED: Parameter = Parameter {
+    default: Some(0.0),
+    ..row(
+        "sweep.seed",
+        "seed",
+        "",
+        Range { low: 0.0, low_included: true, high: 9_007_199_254_740_992.0, high_included: true },
+        ["Seed of the random numbers; of a Sobol' sequence, of its scrambling.", "give a whole number of zero or more"],
+    )
+};
+/// Times of a sweep's samples.
+pub static SAMPLE_TIMES: Parameter = row(
+    "sweep.sample_times",
+    "t",
+    "s",
+    Range::NON_NEGATIVE,
+    ["Times at which each row is recorded, increasing.", "give times from zero to the run's duration"],
+);
+/// Rows in a part of a sweep's result.
+pub static PART_ROWS: Parameter = row(
+    "sweep.part_rows",
+    "n_part",
+    "",
+    COUNTS,
+    ["Rows in a part of the result; chosen from what is recorded when absent.", "give a whole number such as 4096"],
+);
+/// Steps of a range that varies.
+pub static COUNT: Parameter =
+    row("count", "n", "", COUNTS, ["Number of evenly spaced values.", "give a whole number of 1 or more"]);
+/// Geometric standard deviation of a log-normal distribution.
+pub static FACTOR: Parameter = row(
+    "factor",
+    "exp(sigma)",
+    "",
+    Range { low: 1.0, ..Range::POSITIVE },
+    ["Geometric standard deviation.", "give a factor above 1, such as 1.5"],
+);
+
+/// The section that describes a sweep.
+pub const SWEEP: &str = "sweep";
+/// The section whose entries are the paths of other keys.
+pub const VARY: &str = "sweep.vary";
+
 /// Every section in the order of the file.
 pub static SECTIONS: &[Section] = &[
     section("actuator", "The braided actuator.", false),
@@ -159,6 +224,8 @@ pub static SECTIONS: &[Section] = &[
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
     section("run", "How long to simulate and what to record.", true),
+    section(SWEEP, "Many runs: how their rows are chosen and what is recorded of each.", false),
+    section(VARY, "What varies: for the path of each key a list, a range or a distribution.", false),
 ];
 
 const fn section(path: &'static str, meaning: &'static str, required: bool) -> Section {
@@ -177,10 +244,17 @@ const fn list(row: &'static Parameter, example: &'static str) -> Key {
     key(row.key, Kind::Quantities(row), row.meaning, example)
 }
 
+const fn whole(row: &'static Parameter, example: &'static str) -> Key {
+    key(row.key, Kind::Whole(row), row.meaning, example)
+}
+
 const fn choice(path: &'static str, choices: &'static [Choice], meaning: &'static str, example: &'static str) -> Key {
     key(path, Kind::Choice(choices), meaning, example)
 }
 
+const DESIGN: &str = "sweep.design";
+const RECORD: &str = "sweep.record";
+const NO_GRID: &[&str] = &[DesignKind::Random.name(), DesignKind::LatinHypercube.name(), DesignKind::Sobol.name()];
 const PROCESS: &str = "air.process";
 const COMMAND: &str = "command.kind";
 const LOAD: &str = "load.kind";
@@ -305,6 +379,20 @@ pub static KEYS: &[Key] = &[
     quantity(&p::RELATIVE_TOLERANCE, "1e-8"),
     choice("run.method", Method::CHOICES, "Formula of the fixed-step engine.", "\"stable\"").or("stable"),
     quantity(&p::STEP, "\"0.1 ms\""),
+    quantity(&p::ACCURACY, "1e-3"),
+    choice(DESIGN, DesignKind::CHOICES, "How the rows are chosen.", "\"latin-hypercube\"").or("grid"),
+    whole(&SWEEP_ROWS, "4096").required().when(DESIGN, NO_GRID),
+    whole(&SWEEP_SEED, "1").when(DESIGN, NO_GRID),
+    choice(RECORD, RecordKind::CHOICES, "What is recorded of each row.", "\"reductions\"").or("reductions"),
+    key(
+        "sweep.reductions",
+        Kind::Choices(Reduction::CHOICES),
+        "The numbers that each run is reduced to.",
+        "[\"length.final\", \"length.ripple\", \"air.used\"]",
+    )
+    .when(RECORD, &[RecordKind::Reductions.name()]),
+    list(&SAMPLE_TIMES, "[\"0.5 s\", \"1 s\"]").required().when(RECORD, &[RecordKind::Samples.name()]),
+    whole(&PART_ROWS, "4096"),
 ];
 
 /// The row of a key.

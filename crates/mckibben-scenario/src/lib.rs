@@ -32,6 +32,7 @@
 //! | [`Document`] | a file as parsed, with values set from outside, and the core's errors shown in it |
 //! | [`Assumed`] | the numbers in force that no source states |
 //! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |
+//! | [`sweep`] | many scenarios from one file: what varies, by which design, and what is recorded |
 //! | [`schema`], [`starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
 
 #![forbid(unsafe_code)]
@@ -52,12 +53,14 @@ mod reader;
 mod scenario;
 mod schema;
 mod starter;
+pub mod sweep;
 mod unit;
 mod write;
 
 pub use assumed::Assumed;
 pub use choice::{
-    Choice, CommandKind, CommandState, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind, ValveKind,
+    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind,
+    RecordKind, Spacing, ValveKind,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
@@ -69,3 +72,4 @@ pub use scenario::{
 };
 pub use schema::schema;
 pub use starter::starter;
+pub use sweep::{Axis, AxisKind, AxisValue, Record, Reduction, RowError, Sweep};

@@ -1,12 +1,13 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{CommandState, ExhaustTemperature, ValveKind};
+use crate::choice::{CommandState, ExhaustTemperature, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
     Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Run, Scenario, Supply, Valve,
 };
 use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
+use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{self, Actuation, Initial, Rig, State};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
 
@@ -19,6 +20,31 @@ pub struct Experiment {
     pub start: State,
     /// How long to simulate and what to record.
     pub run: Run,
+}
+
+impl Experiment {
+    /// The formula of the fixed-step engine, as the core names it.
+    pub fn method(&self) -> simulation::Method {
+        match self.run.method {
+            Method::Stable => simulation::Method::Stable,
+            Method::Rk4 => simulation::Method::Rk4,
+        }
+    }
+
+    /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
+    /// needs, with its error.
+    ///
+    /// # Errors
+    /// As [`step_for_accuracy`], when no step is given.
+    pub fn step(&self) -> Result<(f64, Option<StepError>), Error> {
+        let run = &self.run;
+        if let Some(step) = run.step {
+            return Ok((step, None));
+        }
+        let times = (run.duration, run.sample_interval);
+        let chosen = step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
+        Ok((chosen.step, Some(chosen)))
+    }
 }
 
 impl Document {

@@ -92,6 +92,22 @@ pub fn parse_unit(text: &str) -> Result<(Dimension, f64), QuantityError> {
     Ok((product.dimension, finite(text, one.scaled(&product.scale, None), false)?))
 }
 
+/// The refusal of a quantity in `degC` or `degF` where a difference is due, such as a standard deviation.
+pub(crate) fn with_own_zero(text: &str) -> Option<QuantityError> {
+    let mut parser = Parser { text, at: 0 };
+    parser.spaces();
+    parser.number().ok()?;
+    parser.spaces();
+    let unit = parser.at..text.trim_end().len();
+    parser.unit_to_the_end().ok()?.zero?;
+    let linear = if text.contains(['F', '℉']) { "degR" } else { "K" };
+    Some(QuantityError {
+        message: format!("`{}` has a zero of its own, but a difference is due", &text[unit.clone()]),
+        help: Some(format!("write `{linear}`, which is the same difference of temperature")),
+        span: unit,
+    })
+}
+
 /// Writes a value with its unit so that [`parse`] reads back the same bits, in the shortest digits that do.
 ///
 /// `unit` must be coherent SI (`"Pa"`, `"N*s/m"`); with an empty unit the number stands alone.

@@ -31,7 +31,17 @@ impl<'d> Reader<'d> {
     pub(crate) fn new(document: &'d Document) -> Self {
         let mut reader = Self { document, found: Vec::new(), meant: Vec::new() };
         reader.known(document.root(), "");
-        reader.applies();
+        reader.applies(|_| true);
+        reader
+    }
+
+    /// Starts a reading of one section: checks its keys and no others.
+    pub(crate) fn of_section(document: &'d Document, section: &str) -> Self {
+        let mut reader = Self { document, found: Vec::new(), meant: Vec::new() };
+        if let Some(Value::Table(table)) = reader.entry(section).map(|entry| &entry.node.value) {
+            reader.known(table, section);
+        }
+        reader.applies(|key| key.section() == section);
         reader
     }
 
@@ -45,7 +55,7 @@ impl<'d> Reader<'d> {
         self.found.push(diagnostic);
     }
 
-    fn entry(&self, path: &str) -> Option<&'d Entry> {
+    pub(crate) fn entry(&self, path: &str) -> Option<&'d Entry> {
         self.document.entry(path)
     }
 
@@ -79,6 +89,8 @@ impl<'d> Reader<'d> {
                 continue;
             }
             match (keys::section_at(&child), &entry.node.value) {
+                // What varies is named by paths; the reading of a sweep looks at them.
+                (Some(_), Value::Table(_)) if child == keys::VARY => {}
                 (Some(_), Value::Table(inner)) => self.known(inner, &child),
                 (Some(section), other) => {
                     let title = format!("`{child}` is a section, not {}", other.noun());
@@ -119,8 +131,8 @@ impl<'d> Reader<'d> {
     }
 
     /// Refuses keys that have no meaning under the choice that was made.
-    fn applies(&mut self) {
-        for key in KEYS {
+    fn applies(&mut self, asked: impl Fn(&Key) -> bool) {
+        for key in KEYS.iter().filter(|key| asked(key)) {
             let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
             let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
                 Some(Value::String(word)) => Some(word.as_str()),
@@ -242,10 +254,15 @@ impl<'d> Reader<'d> {
 
     /// A list, which must have at least one entry.
     fn items(&mut self, entry: &'d Entry) -> Option<&'d [Node]> {
-        let place = entry.node.place.clone();
-        match &entry.node.value {
+        self.items_of(&entry.node, &entry.name)
+    }
+
+    /// The entries of a value that is a list; `name` is its key's.
+    pub(crate) fn items_of(&mut self, node: &'d Node, name: &str) -> Option<&'d [Node]> {
+        let place = node.place.clone();
+        match &node.value {
             Value::List(items) if items.is_empty() => {
-                let title = format!("the list `{}` is empty", entry.name);
+                let title = format!("the list `{name}` is empty");
                 self.note(
                     Diagnostic::at(Class::BadList, place, title, "at least one entry is expected")
                         .help("give one entry or more, or remove the key"),
@@ -254,7 +271,7 @@ impl<'d> Reader<'d> {
             }
             Value::List(items) => Some(items),
             other => {
-                let title = format!("`{}` is a list, not {}", entry.name, other.noun());
+                let title = format!("`{name}` is a list, not {}", other.noun());
                 let help = "write the entries between `[` and `]` with commas between";
                 self.note(Diagnostic::at(Class::WrongType, place, title, "a list is expected").help(help));
                 None
@@ -282,7 +299,7 @@ impl<'d> Reader<'d> {
         self.one_of(&entry.node, path, choices)
     }
 
-    fn one_of(&mut self, node: &Node, path: &str, choices: &[Choice]) -> Option<&'static str> {
+    pub(crate) fn one_of(&mut self, node: &Node, path: &str, choices: &[Choice]) -> Option<&'static str> {
         let names = || choices.iter().map(|choice| choice.name);
         let valid = format!("valid: {}", list_of(names()));
         match &node.value {
@@ -312,12 +329,17 @@ impl<'d> Reader<'d> {
 
     /// The size in SI of the unit named at a path.
     pub(crate) fn unit(&mut self, path: &str, like: &str) -> Option<f64> {
-        let entry = self.entry(path)?;
+        self.unit_of(&self.entry(path)?.node, path, like)
+    }
+
+    /// The size in SI of the unit that a value names.
+    pub(crate) fn unit_of(&mut self, node: &Node, path: &str, like: &str) -> Option<f64> {
+        let name = path.rsplit('.').next().unwrap_or(path);
         let expected = dimension_of(like);
-        let Value::String(text) = &entry.node.value else {
-            let title = format!("`{path}` is a unit, not {}", entry.node.value.noun());
-            let place = entry.node.place.clone();
-            let help = format!("write it as in `{} = \"{like}\"`", entry.name);
+        let Value::String(text) = &node.value else {
+            let title = format!("`{path}` is a unit, not {}", node.value.noun());
+            let place = node.place.clone();
+            let help = format!("write it as in `{name} = \"{like}\"`");
             self.note(Diagnostic::at(Class::WrongType, place, title, "a string is expected").help(help));
             return None;
         };
@@ -326,11 +348,11 @@ impl<'d> Reader<'d> {
             Ok((dimension, _)) => {
                 let title =
                     format!("\"{text}\" is a unit of {}, but `{path}` is one of {}", dimension.noun(), expected.noun());
-                let place = entry.node.place.clone();
-                let help = format!("write it as in `{} = \"{like}\"`", entry.name);
+                let place = node.place.clone();
+                let help = format!("write it as in `{name} = \"{like}\"`");
                 self.note(Diagnostic::at(Class::WrongDimension, place, title, "wrong dimension").help(help));
             }
-            Err(error) => self.bad(&entry.node, text, error),
+            Err(error) => self.bad(node, text, error),
         }
         None
     }
@@ -341,8 +363,35 @@ impl<'d> Reader<'d> {
         self.note(error.help.into_iter().fold(diagnostic, Diagnostic::help));
     }
 
+    /// A whole number, or `None` when it is absent or its mistake has been noted.
+    pub(crate) fn whole(&mut self, row: &'static Parameter) -> Option<u64> {
+        let entry = self.entry(row.key)?;
+        self.whole_of(&entry.node, row)
+    }
+
+    /// A value that is a whole number.
+    pub(crate) fn whole_of(&mut self, node: &Node, row: &Parameter) -> Option<u64> {
+        let value = self.quantity(node, row)?;
+        if value.fract() != 0.0 {
+            self.note(out_of_range(node.place.clone(), row, value, "a whole number"));
+            return None;
+        }
+        Some(value as u64)
+    }
+
+    /// A difference of quantities, in which `degC` and `degF` have no meaning.
+    pub(crate) fn difference(&mut self, node: &Node, row: &Parameter) -> Option<f64> {
+        if let Value::String(text) = &node.value
+            && let Some(error) = quantity::with_own_zero(text)
+        {
+            self.bad(node, text, error);
+            return None;
+        }
+        self.quantity(node, row)
+    }
+
     /// A quantity in the parameter's unit and range.
-    fn quantity(&mut self, node: &Node, row: &'static Parameter) -> Option<f64> {
+    pub(crate) fn quantity(&mut self, node: &Node, row: &Parameter) -> Option<f64> {
         let expected = dimension_of(row.unit);
         let place = || node.place.clone();
         let pure = expected == Dimension::NONE;
@@ -381,13 +430,11 @@ impl<'d> Reader<'d> {
                 return None;
             }
         };
-        match row.check(value) {
-            Ok(value) => Some(value),
-            Err(_) => {
-                self.note(out_of_range(place(), row, value, &format!("{} {}", row.range, row.unit)));
-                None
-            }
+        if row.range.contains(value) {
+            return Some(value);
         }
+        self.note(out_of_range(place(), row, value, &format!("{} {}", row.range, row.unit)));
+        None
     }
 }
 

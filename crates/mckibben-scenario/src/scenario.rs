@@ -270,8 +270,10 @@ pub struct Run {
     pub relative_tolerance: f64,
     /// Formula of the fixed-step engine.
     pub method: Method,
-    /// Step of the fixed-step engine in s.
-    pub step: f64,
+    /// Step of the fixed-step engine in s; when absent it follows from the accuracy.
+    pub step: Option<f64>,
+    /// Largest error of the fixed-step engine as a share of each state's range; without effect when a step is given.
+    pub accuracy: f64,
 }
 
 impl Scenario {

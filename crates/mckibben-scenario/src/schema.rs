@@ -4,10 +4,10 @@
 //! range, default and source. It accepts every valid file; it cannot judge what takes units or other keys' values (a
 //! length below the thread length), which the reading does.
 
-use crate::choice::Choice;
-use crate::keys::{KEYS, Key, Kind, SECTIONS, Section};
+use crate::choice::{Choice, Spacing};
+use crate::keys::{COUNT, FACTOR, KEYS, Key, Kind, SECTIONS, SWEEP, Section, VARY};
 use crate::starter::{default_of, preset_may_give};
-use mckibben::parameter::Parameter;
+use mckibben::parameter::{Parameter, Range};
 use serde_json::{Map, Value, json};
 
 /// A number with a unit behind it, such as `60 psi` or `85 %`; the grammar itself is in [`crate::quantity`].
@@ -20,6 +20,8 @@ const UNIT: &str = r"^\s*(1/)?[^\s0-9.,+\-]";
 pub fn schema() -> Value {
     let mut properties = Map::new();
     let mut required = Vec::new();
+    let varying = KEYS.iter().filter(|key| key.varies()).map(|key| (key.path.to_owned(), of_axis(key)));
+    let definitions: Map<String, Value> = varying.collect();
     for section in SECTIONS.iter().filter(|section| !section.path.contains('.')) {
         properties.insert(section.path.to_owned(), of_section(section));
         if section.required {
@@ -35,10 +37,60 @@ pub fn schema() -> Value {
         "required": required,
         "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"] },
         "additionalProperties": false,
+        "$defs": definitions,
     })
 }
 
+/// What a key takes in `[sweep.vary]`: a list, and if it is a quantity a range or a distribution.
+fn of_axis(key: &Key) -> Value {
+    let mut ways = vec![json!({ "type": "array", "minItems": 1, "items": of_key(key) })];
+    if let Kind::Quantity(row) | Kind::QuantityOr(row, _) = key.kind {
+        let quantity = of_quantity(row);
+        let spacing = of_words(Spacing::CHOICES);
+        let table = |names: Value, required: &[&str]| json!({ "type": "object", "properties": names, "required": required, "additionalProperties": false });
+        let ends = json!({ "from": quantity, "to": quantity, "spacing": spacing });
+        let mut range = ends.clone();
+        range["count"] = of_whole(&COUNT);
+        let uniform = table(ends, &["from", "to"]);
+        let deviation = of_quantity(&Parameter { range: Range::POSITIVE, ..*row });
+        let normal = table(json!({ "mean": quantity, "deviation": deviation }), &["mean", "deviation"]);
+        let log_normal = table(json!({ "median": quantity, "factor": of_quantity(&FACTOR) }), &["median", "factor"]);
+        ways.push(table(range, &["from", "to"]));
+        ways.push(table(json!({ "uniform": uniform }), &["uniform"]));
+        ways.push(table(json!({ "normal": normal }), &["normal"]));
+        ways.push(table(json!({ "log-normal": log_normal }), &["log-normal"]));
+    }
+    json!({ "description": describe(key), "anyOf": ways })
+}
+
+/// The section whose entries are paths of keys: each as one quoted name, or as sections in sections.
+fn of_vary(section: &str) -> Map<String, Value> {
+    let mut properties = Map::new();
+    let refer = |key: &Key| json!({ "$ref": format!("#/$defs/{}", key.path) });
+    for key in KEYS.iter().filter(|key| key.varies() && (section.is_empty() || key.section() == section)) {
+        let name = if section.is_empty() { key.path } else { key.name() };
+        properties.insert(name.to_owned(), refer(key));
+    }
+    for inner in SECTIONS.iter().filter(|inner| !inner.path.starts_with(SWEEP)) {
+        let (above, name) = inner.path.rsplit_once('.').unwrap_or(("", inner.path));
+        if above == section {
+            let inside = json!({ "type": "object", "properties": of_vary(inner.path), "additionalProperties": false });
+            properties.insert(name.to_owned(), inside);
+        }
+    }
+    properties
+}
+
 fn of_section(section: &Section) -> Value {
+    if section.path == VARY {
+        return json!({
+            "description": section.meaning,
+            "type": "object",
+            "properties": of_vary(""),
+            "minProperties": 1,
+            "additionalProperties": false,
+        });
+    }
     let mut properties = Map::new();
     let keys: Vec<&Key> = KEYS.iter().filter(|key| key.section() == section.path).collect();
     for key in &keys {
@@ -102,6 +154,7 @@ fn of_key(key: &Key) -> Value {
             json!({ "anyOf": [of_quantity(row), { "const": word.name, "description": word.meaning }] })
         }
         Kind::Quantities(row) => json!({ "type": "array", "minItems": 1, "items": of_quantity(row) }),
+        Kind::Whole(row) => of_whole(row),
         Kind::Unit(_) => json!({ "type": "string", "pattern": UNIT }),
         Kind::Choice(choices) => of_words(choices),
         Kind::Choices(choices) => json!({ "type": "array", "minItems": 1, "items": of_words(choices) }),
@@ -117,6 +170,11 @@ fn of_key(key: &Key) -> Value {
         schema["examples"] = json!([example.get("value")]);
     }
     schema
+}
+
+/// A whole number in its range.
+fn of_whole(row: &Parameter) -> Value {
+    json!({ "type": "integer", "minimum": row.range.low, "maximum": row.range.high })
 }
 
 /// A string with a unit, or a number in its range.

@@ -4,7 +4,7 @@
 //! psi is switched at 25 Hz. Keys that this experiment does not need stand as comments, with a value that would be
 //! valid.
 
-use crate::keys::{KEYS, Key, Kind, SECTIONS};
+use crate::keys::{KEYS, Key, Kind, SECTIONS, VARY};
 use crate::presets::{ACTUATORS, VALVES};
 use std::fmt::Write;
 
@@ -32,6 +32,15 @@ const SET: &[&str] = &[
     "run.sample_interval",
 ];
 
+/// What may stand in the section of keys that vary.
+const VARIED: &str = "\
+# \"load.mass\" = [\"3 lb\", \"5 lb\", \"15 lb\"]
+# \"supply.gauge_pressure\" = { from = \"20 psi\", to = \"100 psi\", count = 9 }
+# \"valve.opening_delay\" = { normal = { mean = \"4 ms\", deviation = \"0.5 ms\" } }
+# \"valve.efficiency\" = { uniform = { from = 0.8, to = 0.9 } }
+# \"actuator.friction.viscous\" = { log-normal = { median = \"0.02 lbf*s/in\", factor = 1.5 } }
+";
+
 /// A complete scenario file to start from.
 pub fn starter() -> String {
     let mut text = String::from(
@@ -51,6 +60,9 @@ pub fn starter() -> String {
             let line = format!("{mark}{} = {}", key.name(), key.example);
             let _ = writeln!(text, "{line:<44}# {}", remark(key));
         }
+        if section.path == VARY {
+            text.push_str(VARIED);
+        }
     }
     text
 }
@@ -62,7 +74,9 @@ fn remark(key: &Key) -> String {
     let mut notes = Vec::new();
     match key.kind {
         Kind::Choice(choices) | Kind::Choices(choices) => notes.push(words(choices)),
-        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) => notes.push(row.symbol.to_owned()),
+        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) | Kind::Whole(row) => {
+            notes.push(row.symbol.to_owned())
+        }
         Kind::Unit(_) => {}
     }
     if let Some(when) = key.when {

@@ -207,5 +207,8 @@ fn initial_and_run(w: &mut Writer, scenario: &Scenario) {
     w.word("run.engine", run.engine.name());
     w.number(&p::RELATIVE_TOLERANCE, run.relative_tolerance);
     w.word("run.method", run.method.name());
-    w.number(&p::STEP, run.step);
+    if let Some(step) = run.step {
+        w.number(&p::STEP, step);
+    }
+    w.number(&p::ACCURACY, run.accuracy);
 }

@@ -232,6 +232,29 @@ fn values_set_and_removed_by_path() {
     assert!(document.set_text("load.mass", "1 kg").is_err());
 }
 
+/// A step that is given holds whatever the accuracy, and the file says both again; one that is not follows from it.
+#[test]
+fn the_step_is_given_or_follows_from_the_accuracy() {
+    let with = |run: &str| read(&format!("{EXAMPLE}\n{run}"));
+    let default = with("");
+    assert_eq!((default.run.step, default.run.accuracy), (None, 1e-3));
+    let given = with("step = \"3 ms\"\naccuracy = 1e-9");
+    assert_eq!((given.run.step, given.run.accuracy), (Some(3e-3), 1e-9));
+    round_trip(&given);
+    let step = |scenario: &Scenario| scenario.experiment().and_then(|experiment| experiment.step()).expect("a step");
+    assert_eq!(step(&given), (3e-3, None));
+    let [coarse, fine] = ["accuracy = 1e-2", "accuracy = 1e-4"].map(|run| step(&with(run)));
+    assert!(fine.0 < coarse.0, "{fine:?} and {coarse:?}");
+    for ((step, error), accuracy) in [(coarse, 1e-2), (fine, 1e-4)] {
+        let error = error.expect("it was chosen");
+        assert!(error.step == step && error.greatest() <= accuracy, "{error:?}");
+    }
+    for accuracy in ["0.0", "1.0", "1e-10"] {
+        let text = format!("{EXAMPLE}\naccuracy = {accuracy}");
+        assert!(Scenario::from_str(&text, "test.toml").is_err(), "{accuracy}");
+    }
+}
+
 proptest! {
     /// No text makes the reading panic, and what it accepts it writes back.
     #[test]

@@ -67,6 +67,9 @@ fn surroundings(path: &str) -> &'static str {
             "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n\
              [valve]\nkind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5"
         }
+        "sweep.rows" | "sweep.seed" => "[sweep]\ndesign = \"random\"\nrows = 2",
+        "sweep.design" => "[sweep]\nrows = 2",
+        "sweep.sample_times" => "[sweep]\nrecord = \"samples\"",
         _ if path.starts_with("valve") || path.starts_with("command") => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
              [command]\nkind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5"
@@ -142,6 +145,15 @@ fn the_schema_refuses_what_is_plainly_wrong() {
         json!({ "air": { "polytropic_index": 1.2 } }),
         json!({ "air": { "heat_capacity_ratio": 3 } }),
         json!({ "valve": { "kind": "three-way" } }),
+        json!({ "sweep": { "design": "random" } }),
+        json!({ "sweep": { "rows": 12 } }),
+        json!({ "sweep": { "vary": {} } }),
+        json!({ "sweep": { "vary": { "load.mas": ["5 lb"] } } }),
+        json!({ "sweep": { "vary": { "load.mass": "5 lb" } } }),
+        json!({ "sweep": { "vary": { "load.mass": { "from": "5 lb" } } } }),
+        json!({ "sweep": { "vary": { "load.mass": { "normal": { "mean": "5 lb", "deviation": 1 } } } } }),
+        json!({ "sweep": { "vary": { "sweep.rows": [1] } } }),
+        json!({ "sweep": { "vary": { "air.process": ["adiabatic"] } } }),
     ];
     for change in bad {
         let mut changed = good.clone();
@@ -151,6 +163,29 @@ fn the_schema_refuses_what_is_plainly_wrong() {
         }
         assert!(valid(&changed).is_err(), "{changed}");
     }
+}
+
+#[test]
+fn the_schema_accepts_every_way_to_vary() {
+    let valid = boon_validator();
+    let text = r#"
+        load = { kind = "hanging-mass", mass = "5 lb" }
+        run = { duration = "1 s" }
+        sweep.design = "sobol"
+        sweep.rows = 8
+        [sweep.vary]
+        "load.mass" = ["3 lb", "5 lb"]
+        load.gravity = { from = "1 m/s^2", to = "10 m/s^2", spacing = "logarithmic" }
+        "air.process" = ["isentropic", "isothermal"]
+        "actuator.turns" = { from = 2, to = 3, count = 3 }
+        "initial.length" = ["equilibrium", "3.5 in"]
+        "valve.opening_delay" = { normal = { mean = "4 ms", deviation = "0.5 ms" } }
+        "valve.efficiency" = { uniform = { from = 0.8, to = 0.9 } }
+        [sweep.vary.actuator.friction]
+        viscous = { log-normal = { median = "0.02 lbf*s/in", factor = 1.5 } }
+    "#;
+    let table: toml::Table = text.parse().expect("TOML");
+    valid(&serde_json::to_value(table).expect("no dates")).unwrap_or_else(|error| panic!("{error}"));
 }
 
 #[test]

@@ -16,6 +16,7 @@
 //! Checked by `tests/actuator.rs`: transcription of (12), derivatives against finite differences, both stiffnesses.
 
 use crate::air::{Air, Chamber, Flow};
+use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
@@ -23,7 +24,7 @@ use crate::friction::Friction;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::{Port, Ports, Valve};
+use crate::valve::{Beyond, Port, Ports, Valve};
 
 /// One braided pneumatic actuator with its air and, if it has one, its valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,22 +90,27 @@ impl Actuator {
 }
 
 impl<S: Scalar> Actuator<S> {
-    /// The same actuator over another scalar; `convert` is told which parameter each number is.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Actuator<T> {
+    /// The same actuator over another scalar; `function` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Actuator<T> {
+        self.convert(&mut Anew(function))
+    }
+
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuator<T> {
         Actuator {
             law: Effective {
-                law: IdealBraid { braid: self.law.law.braid.map(&mut convert) },
-                effectiveness: self.law.effectiveness.map(&mut convert),
+                law: IdealBraid { braid: self.law.law.braid.convert(convert) },
+                effectiveness: self.law.effectiveness.convert(convert),
             },
-            limits: self.limits.map(&mut convert),
-            friction: self.friction.map(&mut convert),
-            external_volume: convert(&parameter::EXTERNAL_VOLUME, self.external_volume),
-            air: self.air.map(&mut convert),
-            valve: self.valve.as_ref().map(|valve| valve.map(&mut convert)),
+            limits: self.limits.convert(convert),
+            friction: self.friction.convert(convert),
+            external_volume: convert.parameter(&parameter::EXTERNAL_VOLUME, self.external_volume),
+            air: self.air.convert(convert),
+            valve: self.valve.as_ref().map(|valve| valve.convert(convert)),
         }
     }
 
     /// The static force law with its effectiveness.
+    #[inline(always)]
     pub fn law(&self) -> &Effective<IdealBraid<S>, S> {
         &self.law
     }
@@ -216,14 +222,11 @@ impl<S: Scalar> Actuator<S> {
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
         let Some(valve) = &self.valve else { return Flow::none() };
-        let through = |port, open: S::Mask| {
-            if !open.any() {
-                return Flow::none();
-            }
-            let flow = valve.flow(port, chamber);
-            Flow { inward: T::select(open, flow.inward, T::zero()), outward: T::select(open, flow.outward, T::zero()) }
-        };
-        through(Port::Supply, supply).and(through(Port::Exhaust, exhaust))
+        // One evaluation serves whichever passage is open; a second one only while two seats overlap.
+        let one = Beyond::select(supply, valve.beyond(Port::Supply), valve.beyond(Port::Exhaust));
+        let flow = valve.flow_from(one, chamber).where_open(supply | exhaust);
+        let both = supply & exhaust;
+        if both.any() { flow.and(valve.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
     }
 
     /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at

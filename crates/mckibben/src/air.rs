@@ -25,8 +25,9 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), (17) to (19); energy balance of an open system of ideal gas.
 //! Checked by `tests/air.rs`: blow-down and filling in closed form, the invariant, the two end temperatures above.
 
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::{Over, Scalar};
 
@@ -73,15 +74,21 @@ pub struct Chamber<T = f64> {
     pub volume: T,
     /// Rate of the volume in m³/s.
     pub volume_rate: T,
-    /// `1/(m V)`: the one division from which temperature, density and rates follow.
+    /// `1/(m V)`, from which temperature, density and rates follow.
     pub per_content: T,
+    /// `1/P`.
+    pub per_pressure: T,
 }
 
 impl<T: Scalar> Chamber<T> {
     /// The contents of `volume` (m³, changing at `volume_rate` in m³/s): `mass` (kg) at `pressure` (Pa, absolute).
     #[inline(always)]
     pub fn new(pressure: T, mass: T, volume: T, volume_rate: T) -> Self {
-        Self { pressure, mass, volume, volume_rate, per_content: T::one() / (mass * volume) }
+        // One division for both: it takes longer than the rest of a rate's arithmetic.
+        let content = mass * volume;
+        let reciprocal = T::one() / (content * pressure);
+        let (per_content, per_pressure) = (pressure * reciprocal, content * reciprocal);
+        Self { pressure, mass, volume, volume_rate, per_content, per_pressure }
     }
 
     /// Density `m/V` in kg/m³.
@@ -111,6 +118,12 @@ impl<T: Scalar> Flow<T> {
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self { inward: self.inward + other.inward, outward: self.outward + other.outward }
+    }
+
+    /// The flow where a passage is open, none where it is shut.
+    #[inline(always)]
+    pub fn where_open(self, open: T::Mask) -> Self {
+        Self { inward: T::select(open, self.inward, T::zero()), outward: T::select(open, self.outward, T::zero()) }
     }
 
     /// Net flow into the actuator in kg/s.
@@ -160,22 +173,26 @@ impl Air {
 
 impl<S: Scalar> Air<S> {
     /// The same gas over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Air<T> {
-        let gas_constant = convert(&parameter::GAS_CONSTANT, self.gas_constant);
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Air<T> {
+        let gas_constant = convert.parameter(&parameter::GAS_CONSTANT, self.gas_constant);
+        let per_gas_constant = match convert.carry() {
+            Some(mut carry) => carry(self.per_gas_constant),
+            None => T::one() / gas_constant,
+        };
         Air {
             gas_constant,
-            per_gas_constant: T::one() / gas_constant,
-            heat_capacity_ratio: convert(&parameter::HEAT_CAPACITY_RATIO, self.heat_capacity_ratio),
-            atmospheric_pressure: convert(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure),
+            per_gas_constant,
+            heat_capacity_ratio: convert.parameter(&parameter::HEAT_CAPACITY_RATIO, self.heat_capacity_ratio),
+            atmospheric_pressure: convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure),
             process: match self.process {
                 Process::Isentropic => Process::Isentropic,
                 Process::Isothermal => Process::Isothermal,
                 Process::Polytropic { index } => {
-                    Process::Polytropic { index: convert(&parameter::POLYTROPIC_INDEX, index) }
+                    Process::Polytropic { index: convert.parameter(&parameter::POLYTROPIC_INDEX, index) }
                 }
                 Process::EnergyBalance { heat_transfer, wall_temperature } => Process::EnergyBalance {
-                    heat_transfer: convert(&parameter::HEAT_TRANSFER, heat_transfer),
-                    wall_temperature: convert(&parameter::WALL_TEMPERATURE, wall_temperature),
+                    heat_transfer: convert.parameter(&parameter::HEAT_TRANSFER, heat_transfer),
+                    wall_temperature: convert.parameter(&parameter::WALL_TEMPERATURE, wall_temperature),
                 },
             },
         }
@@ -225,7 +242,7 @@ impl<S: Scalar> Air<S> {
     /// `dP/dt` in Pa/s, with inflow at `inflow_temperature` in K.
     #[inline(always)]
     pub fn pressure_rate<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, inflow_temperature: T) -> T {
-        let Chamber { pressure, mass, volume, volume_rate, per_content } = *chamber;
+        let Chamber { pressure, mass, volume, volume_rate, per_content, .. } = *chamber;
         match self.process {
             Process::EnergyBalance { heat_transfer, wall_temperature } => {
                 let gamma = T::of(self.heat_capacity_ratio);

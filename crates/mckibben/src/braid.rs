@@ -23,8 +23,9 @@
 //! Source: Colbrunn, Nelson & Quinn (2001) after Chou & Hannaford (1996).
 //! Checked by `tests/braid.rs`: closed forms, dV/dL against the dual derivative of V, the cylinder's own volume.
 
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::scalar::{Over, Scalar};
 use core::f64::consts::PI;
 
@@ -54,8 +55,13 @@ impl<S: Scalar> Braid<S> {
     }
 
     /// The same braid over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Braid<T> {
-        Braid::assemble(convert(&parameter::THREAD_LENGTH, self.thread_length), convert(&parameter::TURNS, self.turns))
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Braid<T> {
+        let thread_length = convert.parameter(&parameter::THREAD_LENGTH, self.thread_length);
+        let turns = convert.parameter(&parameter::TURNS, self.turns);
+        match convert.carry() {
+            Some(mut carry) => Braid { thread_length, turns, per_turns: carry(self.per_turns) },
+            None => Braid::assemble(thread_length, turns),
+        }
     }
 
     /// Thread length `b` in m.

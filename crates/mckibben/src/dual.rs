@@ -39,12 +39,17 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
     /// A function of one argument by its value and its derivative there.
     #[inline(always)]
     fn chain(self, value: S, derivative: S) -> Self {
-        Self { value, slope: self.slope.map(|slope| slope * derivative) }
+        self.zip(self, value, |slope, _| slope * derivative)
     }
 
     #[inline(always)]
     fn zip(self, other: Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
-        Self { value, slope: core::array::from_fn(|i| combine(self.slope[i], other.slope[i])) }
+        // A loop, so that it is compiled as a part of whatever kernel it stands in.
+        let mut slope = self.slope;
+        for i in 0..K {
+            slope[i] = combine(self.slope[i], other.slope[i]);
+        }
+        Self { value, slope }
     }
 }
 
@@ -87,7 +92,7 @@ impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, slope: self.slope.map(|slope| -slope) }
+        self.zip(self, -self.value, |slope, _| -slope)
     }
 }
 
@@ -139,9 +144,18 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
 }
 
 impl<S: Real, const K: usize> Real for Dual<S, K> {
+    type Time = Dual<S::Time, K>;
     #[inline(always)]
     fn value(self) -> f64 {
         self.value.value()
+    }
+    #[inline(always)]
+    fn of_time(time: Self::Time) -> Self {
+        Self { value: S::of_time(time.value), slope: time.slope.map(S::of_time) }
+    }
+    #[inline(always)]
+    fn to_time(self) -> Self::Time {
+        Dual { value: self.value.to_time(), slope: self.slope.map(S::to_time) }
     }
 }
 

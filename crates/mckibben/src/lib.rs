@@ -44,6 +44,8 @@ extern crate alloc;
 extern crate std;
 
 pub mod air;
+#[cfg(feature = "batch")]
+pub mod batch;
 pub mod force;
 pub mod friction;
 pub mod load;
@@ -55,6 +57,7 @@ pub mod valve;
 
 mod actuator;
 mod braid;
+mod convert;
 mod dual;
 mod error;
 mod pressure;

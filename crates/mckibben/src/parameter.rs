@@ -230,9 +230,12 @@ parameters! {
     RELATIVE_TOLERANCE = "run.relative_tolerance", "rtol", "", Range { low: 1e-13, low_included: true, high: 1e-2, high_included: true }, Some(1e-8),
         "Relative error that the event-located integrator allows a step.",
         "choice of the experiment", "give a number such as 1e-8";
-    STEP = "run.step", "h", "s", Range::POSITIVE, Some(1e-4),
-        "Step of the fixed-step engine.",
-        "choice of the experiment", "give a time such as 0.1 ms";
+    STEP = "run.step", "h", "s", Range::POSITIVE, None,
+        "Step of the fixed-step engine; when absent it follows from the accuracy.",
+        "choice of the experiment", "give a time such as 0.1 ms, or leave it out and give run.accuracy";
+    ACCURACY = "run.accuracy", "eps", "", Range { low: 1e-9, low_included: true, high: 1e-1, high_included: true }, Some(1e-3),
+        "Largest error of the fixed-step engine as a share of each state's range, from which the step follows when none is given.",
+        "choice of the experiment", "give a number such as 1e-3";
     MOTION_PHASE = "load.phase", "phi", "rad", Range::FINITE, Some(0.0),
         "Phase of a sinusoidal prescribed motion at the start.",
         "choice of the experiment", "give an angle";

@@ -75,7 +75,7 @@ pub trait Scalar:
     /// `yes` where the mask holds, `no` elsewhere. What is not chosen may be anything, NaN included.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// `self · factor + addend`; lanes may fuse it.
+    /// `self · factor + addend`, each rounded: the same number on any machine and in any lane.
     #[inline(always)]
     fn multiply_add(self, factor: Self, addend: Self) -> Self {
         self * factor + addend
@@ -120,8 +120,15 @@ pub trait Scalar:
 
 /// A scalar with one value to branch on: not lanes.
 pub trait Real: Scalar<Mask = bool> {
+    /// A number that is precise enough for points in time, whose differences are steps.
+    type Time: Real<Time = Self::Time>;
+
     /// The value without any derivative.
     fn value(self) -> f64;
+    /// The nearest number to a point or a span of time.
+    fn of_time(time: Self::Time) -> Self;
+    /// A span as time.
+    fn to_time(self) -> Self::Time;
 }
 
 /// A scalar that extends `S`: arguments of this type may meet parameters of type `S`.
@@ -178,8 +185,17 @@ macro_rules! float {
         }
 
         impl Real for $type {
+            type Time = f64;
             #[inline(always)]
             fn value(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn of_time(time: f64) -> Self {
+                time as $type
+            }
+            #[inline(always)]
+            fn to_time(self) -> f64 {
                 self as f64
             }
         }

@@ -1,11 +1,14 @@
-//! The fixed-step engine: its orders with edges and reversals inside steps, its stability, true sticking, and its
-//! agreement with the event-located engine.
+//! The fixed-step engine: its orders with edges, reversals, limits of the length and the port's pressure inside steps, its
+//! stability, true sticking, and its agreement with the event-located engine.
 
 mod common;
 
 use common::{PSI, Paper};
 use mckibben::air::Process;
-use mckibben::simulation::{FixedStepper, Method, Rig, State, simulate};
+use mckibben::load::{Load, Motion};
+use mckibben::simulation::accuracy::Reference;
+use mckibben::simulation::{FixedStepper, InitialLength, Method, Rig, State, simulate};
+use mckibben::valve::{Command, Request};
 
 /// A rig whose flow is choked throughout, so that the rates are smooth between edges: a big volume between a strong
 /// supply and the surroundings, moving between its limits.
@@ -79,6 +82,55 @@ fn rk4_keeps_its_order_through_reversals_with_coulomb_friction() {
     // Where the velocity turns is found on the method's own step: plain RK4 would fall to order 1 at the jump of friction.
     let order = order(&smooth(1.1e-4), Method::Rk4, &[4e-3, 2e-3, 1e-3, 0.5e-3], 0.3);
     assert!((order - 4.0).abs() < 0.1, "fitted order {order}");
+}
+
+/// The order of the largest error of the four states between a step and half of it.
+fn order_at(paper: &Paper, method: Method, step: f64, duration: f64) -> f64 {
+    let reference = Reference::new(&paper.rig(), paper.start(), duration, 1e-12).expect("a run");
+    let [coarse, fine] = [step, 0.5 * step].map(|step| reference.error(method, step).expect("steps").greatest());
+    (coarse / fine).log2()
+}
+
+#[test]
+fn both_methods_keep_their_order_where_the_braid_comes_taut_and_the_tendon_tight() {
+    // The taut braid's damping, and viscous friction where the tendon falls tight, begin with a jump: a step across it
+    // would be of order 1.
+    let heavy = Paper::sealed().mass(4.5).gauge(1e5).from(0.085, 0.0);
+    let light = Paper::sealed().mass(0.5).gauge(1e4).friction(3.5, 0.0).from(0.060, 0.5);
+    for (paper, name) in [(heavy, "a fall onto the taut braid"), (light, "a tendon that falls tight and then taut")] {
+        let orders = [order_at(&paper, Method::Rk4, 2e-4, 0.3), order_at(&paper, Method::Stable, 2e-5, 0.3)];
+        assert!(orders[0] > 3.5 && orders[1] > 1.8, "{name}: orders {orders:?}");
+    }
+}
+
+#[test]
+fn the_stable_method_keeps_its_order_where_the_volume_carries_the_pressure_across_the_supplys() {
+    // The muscle is filled to the supply's pressure and moved to and fro with the supply open. Only the flow settles at the
+    // port: a secant of the whole rate would be endless where the gap is nil and the rate is not.
+    let paper = Paper::driven(Command::Constant(Request::Fill)).gauge(99.0 * PSI).with(|rig| {
+        let motion = Motion::sinusoid(0.08, 5e-3, 10.0, 0.0, rig.thread_length).expect("a motion");
+        (rig.load, rig.length) = (Load::Prescribed(motion), InitialLength::Equilibrium);
+        rig.laminar_ratio = 0.95;
+        rig.delays = (0.0, 0.0);
+    });
+    let order = order_at(&paper, Method::Stable, 2e-4, 0.2);
+    assert!(order > 1.8, "order {order}");
+}
+
+#[test]
+fn the_stable_method_bears_heat_at_the_ports_pressure() {
+    // From the port's own pressure heat moves the air off at once: a gap of nil, and a rate that is not.
+    for (heat_transfer, wall_temperature) in [(0.1, 293.15), (0.1, 320.0), (10.0, 280.0), (0.0, 293.15)] {
+        for length in [0.07, 0.08, 0.085, 0.0897, 0.095] {
+            let process = Process::EnergyBalance { heat_transfer, wall_temperature };
+            let paper = Paper::pwm(25.0, 0.5).isometric(length).process(process);
+            let (rig, start) = (paper.rig(), paper.start());
+            let mut stepper = FixedStepper::new(&rig, start, Method::Stable);
+            for index in 1..=100 {
+                stepper.advance_to(1e-3 * f64::from(index)).unwrap_or_else(|error| panic!("{length}: {error}"));
+            }
+        }
+    }
 }
 
 #[test]

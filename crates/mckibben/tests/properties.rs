@@ -3,139 +3,21 @@
 //! The rigs are the same in every run. `MCKIBBEN_SEED` (a number) draws others and `MCKIBBEN_CASES` sets how many; `MCKIBBEN_CASES=20000 cargo test --release --test properties` is a long run.
 
 mod common;
+#[path = "common/random.rs"]
+mod random;
 
-use common::{ATMOSPHERE, GRAVITY, Paper};
+use common::ATMOSPHERE;
 use mckibben::Error;
 use mckibben::air::Process;
-use mckibben::load::{Load, Motion};
-use mckibben::simulation::{InitialLength, Trajectory, simulate};
-use mckibben::valve::{Command, ExhaustTemperature, FlowStandard, Request, ValveKind};
+use mckibben::load::Load;
+use mckibben::simulation::{Trajectory, simulate};
 use proptest::prelude::*;
-use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use proptest::test_runner::TestCaseError;
+use random::{Case, cases, runner};
 use std::cell::RefCell;
 
 /// Rigs that are tried when `MCKIBBEN_CASES` is not set: ten to twenty seconds in the test profile.
 const CASES: u32 = 30_000;
-
-/// One rig and how it is run.
-#[derive(Clone, Debug)]
-struct Case {
-    paper: Paper,
-    duration: f64,
-    tolerance: f64,
-}
-
-fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
-    (low.log10()..high.log10()).prop_map(|power| 10.0_f64.powf(power))
-}
-
-/// Geometry: thread, turns, stretched share, shortest share, stiffness and damping of the taut braid, external volume.
-fn geometry() -> impl Strategy<Value = Paper> {
-    (
-        decades(0.01, 0.6),
-        0.8..6.0_f64,
-        0.7..0.97_f64,
-        prop::option::of(0.3..0.68_f64),
-        decades(1e4, 1e7),
-        0.0..300.0_f64,
-        decades(1e-8, 1e-3),
-    )
-        .prop_map(|(b, turns, longest, shortest, stiffness, damping, external)| {
-            Paper::sealed().with(|rig| {
-                (rig.thread_length, rig.turns, rig.max_length) = (b, turns, longest * b);
-                rig.min_length = shortest.map(|share| share * b);
-                (rig.limit_stiffness, rig.limit_damping) = (stiffness, damping);
-                rig.external_volume = external;
-            })
-        })
-}
-
-fn process() -> impl Strategy<Value = Process> {
-    let balance = (prop::option::of(decades(1e-3, 10.0)), 250.0..350.0_f64).prop_map(|(transfer, wall)| {
-        Process::EnergyBalance { heat_transfer: transfer.unwrap_or(0.0), wall_temperature: wall }
-    });
-    prop_oneof![
-        2 => Just(Process::Isentropic),
-        1 => Just(Process::Isothermal),
-        1 => (0.8..1.6_f64).prop_map(|index| Process::Polytropic { index }),
-        2 => balance,
-    ]
-}
-
-fn command() -> impl Strategy<Value = (ValveKind, Option<Command>)> {
-    let request = || prop::sample::select(vec![Request::Fill, Request::Exhaust]);
-    let any = || prop::sample::select(vec![Request::Fill, Request::Hold, Request::Exhaust]);
-    let pwm = |(f, d, pulse, rest)| Command::pwm(f, d, pulse, rest).expect("a command");
-    prop_oneof![
-        1 => Just((ValveKind::ThreeWay, None)),
-        2 => request().prop_map(|one| (ValveKind::ThreeWay, Some(Command::Constant(one)))),
-        4 => (1.0..200.0_f64, 0.0..1.0_f64, request(), request())
-            .prop_map(move |all| (ValveKind::ThreeWay, Some(pwm(all)))),
-        3 => (1.0..100.0_f64, 0.0..1.0_f64, any(), any())
-            .prop_map(move |all| (ValveKind::FillHoldExhaust, Some(pwm(all)))),
-    ]
-}
-
-/// Supply, passage and delays.
-fn valve(paper: Paper) -> impl Strategy<Value = Paper> {
-    let standard = prop_oneof![
-        decades(1e-8, 2e-5).prop_map(|flow_area| FlowStandard::Orifice { flow_area }),
-        (decades(1e-10, 1e-7), 0.0..0.6_f64).prop_map(|(sonic_conductance, critical_ratio)| FlowStandard::Iso6358 {
-            sonic_conductance,
-            critical_ratio
-        }),
-    ];
-    let gauge = prop_oneof![4 => 0.0..1e6_f64, 1 => -0.95 * ATMOSPHERE..0.0, 1 => Just(0.0)];
-    let outflow = prop::sample::select(vec![ExhaustTemperature::Actuator, ExhaustTemperature::Ambient]);
-    (command(), standard, gauge, 250.0..350.0_f64, outflow, 0.0..5e-3_f64, 0.0..5e-3_f64).prop_map(
-        move |((kind, command), standard, gauge, kelvin, outflow, open, close)| {
-            paper.clone().with(|rig| {
-                (rig.kind, rig.command, rig.standard, rig.exhaust_temperature) = (kind, command, standard, outflow);
-                (rig.supply_gauge, rig.supply_temperature, rig.delays) = (gauge, kelvin, (open, close));
-            })
-        },
-    )
-}
-
-/// Load and start.
-fn load(paper: Paper) -> impl Strategy<Value = Paper> {
-    let kind = prop_oneof![
-        5 => decades(1e-3, 50.0).prop_map(|mass| Load::HangingMass { mass, gravity: GRAVITY }),
-        1 => (decades(1e-3, 50.0), -20.0..100.0_f64).prop_map(|(mass, force)| Load::ConstantForce { mass, force }),
-        3 => Just(Load::Isometric),
-        1 => (0.3..0.7_f64, 0.0..0.25_f64, 0.5..20.0_f64).prop_map({
-            let b = paper.thread_length;
-            move |(mean, swing, f)| Load::Prescribed(Motion::sinusoid(mean * b, swing * b, f, 0.3, b).expect("a motion"))
-        }),
-    ];
-    let start = prop_oneof![1 => Just(None), 2 => (0.3..1.02_f64).prop_map(Some)];
-    let gauge = prop_oneof![3 => 0.0..7e5_f64, 1 => -0.9 * ATMOSPHERE..0.0, 1 => Just(0.0)];
-    let friction = (prop_oneof![Just(0.0), decades(0.01, 30.0)], prop_oneof![Just(0.0), decades(1e-7, 3e-3)]);
-    (kind, start, gauge, -1.0..1.0_f64, friction, process()).prop_map(
-        move |(load, start, gauge, velocity, (viscous, width), process)| {
-            paper.clone().with(|rig| {
-                rig.length = match (&load, start) {
-                    (Load::HangingMass { .. } | Load::ConstantForce { .. }, None) => InitialLength::Equilibrium,
-                    (_, share) => InitialLength::At(share.unwrap_or(0.9) * rig.max_length),
-                };
-                // A braid stiff enough to carry the load with room to spare.
-                let weight = match load {
-                    Load::HangingMass { mass, gravity } => mass * gravity,
-                    Load::ConstantForce { force, .. } => force.abs(),
-                    _ => 0.0,
-                };
-                rig.limit_stiffness = rig.limit_stiffness.max(20.0 * weight / (rig.thread_length - rig.max_length));
-                (rig.load, rig.gauge, rig.velocity, rig.process) = (load, gauge, velocity, process);
-                (rig.viscous, rig.coulomb_width) = (viscous, width);
-            })
-        },
-    )
-}
-
-fn cases() -> impl Strategy<Value = Case> {
-    (geometry().prop_flat_map(valve).prop_flat_map(load), 0.02..0.2_f64, decades(1e-9, 1e-4))
-        .prop_map(|(paper, duration, tolerance)| Case { paper, duration, tolerance })
-}
 
 fn check_samples(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
     let paper = &case.paper;
@@ -178,15 +60,9 @@ fn check_samples(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
 
 #[test]
 fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
-    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u32>().ok());
-    let cases_wanted = number("MCKIBBEN_CASES").unwrap_or(CASES);
-    let mut seed = [7; 32];
-    seed[..4].copy_from_slice(&number("MCKIBBEN_SEED").unwrap_or(0).to_le_bytes());
-    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
-    let config = Config { cases: cases_wanted, max_shrink_iters: 300, failure_persistence: None, ..Config::default() };
     let worst: RefCell<Vec<(u64, String)>> = RefCell::new(Vec::new());
     let tally = RefCell::new([0_u32; 3]);
-    let result = TestRunner::new_with_rng(config, rng).run(&cases(), |case| {
+    let result = runner(CASES).run(&cases(), |case| {
         let rig = case.paper.rig();
         let start = match rig.start(&case.paper.initial()) {
             Ok(start) => start,

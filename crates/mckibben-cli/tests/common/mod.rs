@@ -8,6 +8,7 @@ pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     /// An empty folder.
+    #[allow(dead_code)]
     pub(crate) fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("mckibben-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
@@ -38,6 +39,7 @@ impl Folder {
     }
 
     /// The program, to be run in it.
+    #[allow(dead_code)]
     pub(crate) fn mckibben(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_mckibben"));
         command.current_dir(&self.0).env("NO_COLOR", "1");

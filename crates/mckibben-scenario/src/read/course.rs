@@ -131,6 +131,7 @@ pub(super) fn run(r: &mut Reader<'_>) -> Run {
         engine: r.word("run.engine").unwrap_or(Engine::EventLocated),
         relative_tolerance: r.value(&p::RELATIVE_TOLERANCE, None),
         method: r.word("run.method").unwrap_or(Method::Stable),
-        step: r.value(&p::STEP, None),
+        step: r.number(&p::STEP),
+        accuracy: r.value(&p::ACCURACY, None),
     }
 }

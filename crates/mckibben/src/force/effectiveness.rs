@@ -18,8 +18,9 @@
 //! Checked by `tests/force.rs`: against SciPy's interpolant, no overshoot, slopes against finite differences.
 
 use super::StaticForce;
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Scalar};
 
@@ -151,14 +152,23 @@ impl<S: Scalar> Effectiveness<S> {
     }
 
     /// The same law over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Effectiveness<T> {
-        let mut number = |value| convert(&parameter::EFFECTIVENESS, value);
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Effectiveness<T> {
+        let mut number = |value| convert.parameter(&parameter::EFFECTIVENESS, value);
         match self {
             Self::Constant(ratio) => Effectiveness::Constant(number(*ratio)),
             Self::Polynomial(coefficients) => Effectiveness::Polynomial(coefficients.map(number)),
             Self::Table(table) => {
                 let pressures = table.gauge_pressure.map(&mut number);
-                Effectiveness::Table(Table::assemble(table.rows, pressures, table.value.map(number)))
+                let values = table.value.map(number);
+                Effectiveness::Table(match convert.carry() {
+                    Some(carry) => Table {
+                        rows: table.rows,
+                        gauge_pressure: pressures,
+                        value: values,
+                        slope: table.slope.map(carry),
+                    },
+                    None => Table::assemble(table.rows, pressures, values),
+                })
             }
         }
     }

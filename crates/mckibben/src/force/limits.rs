@@ -19,6 +19,7 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 2.1 and (14). Checked by `tests/force.rs` and `tests/limits.rs`.
 
 use crate::braid::Braid;
+use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Over, Scalar};
@@ -79,12 +80,12 @@ fn less_than(other: &'static Parameter, value: f64) -> Requirement {
 
 impl<S: Scalar> LengthLimits<S> {
     /// The same limits over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> LengthLimits<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> LengthLimits<T> {
         LengthLimits {
-            min_length: convert(&parameter::MIN_LENGTH, self.min_length),
-            max_length: convert(&parameter::MAX_LENGTH, self.max_length),
-            stiffness: convert(&parameter::LIMIT_STIFFNESS, self.stiffness),
-            damping: convert(&parameter::LIMIT_DAMPING, self.damping),
+            min_length: convert.parameter(&parameter::MIN_LENGTH, self.min_length),
+            max_length: convert.parameter(&parameter::MAX_LENGTH, self.max_length),
+            stiffness: convert.parameter(&parameter::LIMIT_STIFFNESS, self.stiffness),
+            damping: convert.parameter(&parameter::LIMIT_DAMPING, self.damping),
         }
     }
 
@@ -101,6 +102,7 @@ impl<S: Scalar> LengthLimits<S> {
     }
 
     /// Stiffness of the taut braid `K_braid` in N/m.
+    #[inline(always)]
     pub fn stiffness(&self) -> S {
         self.stiffness
     }

@@ -19,8 +19,9 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3; Q and c are averages of its ring-down tests.
 //! Checked by `tests/friction.rs`: decrement 4Q per cycle, exponential decay, never negative dissipation.
 
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::scalar::{Over, Scalar};
 
 /// Viscous and Coulomb friction of bladder and braid.
@@ -50,10 +51,10 @@ impl Friction {
 
 impl<S: Scalar> Friction<S> {
     /// The same friction over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Friction<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Friction<T> {
         Friction {
-            viscous: convert(&parameter::VISCOUS, self.viscous),
-            coulomb_width: convert(&parameter::COULOMB_WIDTH, self.coulomb_width),
+            viscous: convert.parameter(&parameter::VISCOUS, self.viscous),
+            coulomb_width: convert.parameter(&parameter::COULOMB_WIDTH, self.coulomb_width),
             has_coulomb: self.has_coulomb,
         }
     }

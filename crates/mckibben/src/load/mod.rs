@@ -18,11 +18,12 @@
 
 mod motion;
 
-pub use motion::Motion;
+pub use motion::{Line, Motion};
 
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
-use crate::scalar::Scalar;
+use crate::parameter;
+use crate::scalar::{Over, Scalar};
 
 /// What the actuator pulls on.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +57,14 @@ pub struct Inertia<S = f64> {
     pub pull: S,
 }
 
+impl<S: Scalar> Inertia<S> {
+    /// Acceleration of lengthening in m/s² against a tension in N, (16).
+    #[inline(always)]
+    pub fn acceleration<T: Over<S>>(&self, tension: T) -> T {
+        (T::of(self.pull) - tension) * T::of(S::one() / self.mass)
+    }
+}
+
 impl Load {
     /// A hanging `mass` (kg, above zero) under `gravity` (m/s²).
     ///
@@ -76,18 +85,18 @@ impl Load {
 
 impl<S: Scalar> Load<S> {
     /// The same load over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Load<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Load<T> {
         match self {
             Self::HangingMass { mass, gravity } => Load::HangingMass {
-                mass: convert(&parameter::MASS, *mass),
-                gravity: convert(&parameter::GRAVITY, *gravity),
+                mass: convert.parameter(&parameter::MASS, *mass),
+                gravity: convert.parameter(&parameter::GRAVITY, *gravity),
             },
             Self::ConstantForce { mass, force } => Load::ConstantForce {
-                mass: convert(&parameter::MASS, *mass),
-                force: convert(&parameter::LOAD_FORCE, *force),
+                mass: convert.parameter(&parameter::MASS, *mass),
+                force: convert.parameter(&parameter::LOAD_FORCE, *force),
             },
             Self::Isometric => Load::Isometric,
-            Self::Prescribed(motion) => Load::Prescribed(motion.map(convert)),
+            Self::Prescribed(motion) => Load::Prescribed(motion.convert(convert)),
         }
     }
 

@@ -7,8 +7,9 @@
 //!
 //! The corners of a table are exact instants, at which the velocity jumps.
 
+use crate::convert::Convert;
 use crate::error::{Error, Requirement};
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::scalar::{Over, Scalar};
 use core::f64::consts::TAU;
 
@@ -34,6 +35,24 @@ pub enum Motion<S = f64> {
         /// Lengths in m.
         length: alloc::vec::Vec<S>,
     },
+}
+
+/// A straight line of a table: `length + slope · (t − time)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line<S = f64> {
+    /// Where it starts, in s.
+    pub time: S,
+    /// Length there in m.
+    pub length: S,
+    /// Velocity in m/s.
+    pub slope: S,
+}
+
+impl<S: Scalar> Line<S> {
+    /// At rest at a length in m.
+    pub fn resting(length: S) -> Self {
+        Self { time: S::zero(), length, slope: S::zero() }
+    }
 }
 
 impl Motion {
@@ -94,18 +113,18 @@ impl Motion {
 
 impl<S: Scalar> Motion<S> {
     /// The same motion over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Motion<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Motion<T> {
         match self {
             Self::Sinusoid { length, amplitude, frequency, phase } => Motion::Sinusoid {
-                length: convert(&parameter::MOTION_LENGTH, *length),
-                amplitude: convert(&parameter::MOTION_AMPLITUDE, *amplitude),
-                frequency: convert(&parameter::MOTION_FREQUENCY, *frequency),
-                phase: convert(&parameter::MOTION_PHASE, *phase),
+                length: convert.parameter(&parameter::MOTION_LENGTH, *length),
+                amplitude: convert.parameter(&parameter::MOTION_AMPLITUDE, *amplitude),
+                frequency: convert.parameter(&parameter::MOTION_FREQUENCY, *frequency),
+                phase: convert.parameter(&parameter::MOTION_PHASE, *phase),
             },
             #[cfg(feature = "alloc")]
             Self::Table { time, length } => Motion::Table {
-                time: time.iter().map(|&t| convert(&parameter::MOTION_TIME, t)).collect(),
-                length: length.iter().map(|&x| convert(&parameter::MOTION_TABLE_LENGTH, x)).collect(),
+                time: time.iter().map(|&t| convert.parameter(&parameter::MOTION_TIME, t)).collect(),
+                length: length.iter().map(|&x| convert.parameter(&parameter::MOTION_TABLE_LENGTH, x)).collect(),
             },
         }
     }
@@ -130,11 +149,33 @@ impl<S: Scalar> Motion<S> {
         }
     }
 
-    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on the straight line after `passed` corners.
-    #[inline]
-    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
+    /// The straight line after `passed` corners of a table; before the first and after the last the motion rests.
+    pub fn line(&self, passed: usize) -> Line<S> {
         #[cfg(not(feature = "alloc"))]
         let _ = passed;
+        match self {
+            Self::Sinusoid { .. } => Line::resting(S::zero()),
+            #[cfg(feature = "alloc")]
+            Self::Table { time, length } => {
+                let next = passed.min(length.len());
+                if next == 0 || next == length.len() {
+                    return Line::resting(length[next.max(1) - 1]);
+                }
+                let (start, end) = (time[next - 1], time[next]);
+                let slope = (length[next] - length[next - 1]) / (end - start);
+                Line { time: start, length: length[next - 1], slope }
+            }
+        }
+    }
+
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on the straight line after `passed` corners.
+    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
+        self.on_line(time, &self.line(passed))
+    }
+
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on a straight line of the table.
+    #[inline(always)]
+    pub fn on_line<T: Over<S>>(&self, time: T, line: &Line<S>) -> [T; 3] {
         match self {
             Self::Sinusoid { length, amplitude, frequency, phase } => {
                 let rate = T::constant(TAU) * T::of(*frequency);
@@ -143,18 +184,9 @@ impl<S: Scalar> Motion<S> {
                 [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing]
             }
             #[cfg(feature = "alloc")]
-            Self::Table { time: times, length } => {
-                let next = passed.min(length.len());
-                let still = |row: usize| [T::of(length[row]), T::zero(), T::zero()];
-                if next == 0 {
-                    return still(0);
-                }
-                if next == length.len() {
-                    return still(next - 1);
-                }
-                let (start, end) = (T::of(times[next - 1]), T::of(times[next]));
-                let slope = (T::of(length[next]) - T::of(length[next - 1])) / (end - start);
-                [T::of(length[next - 1]) + slope * (time - start), slope, T::zero()]
+            Self::Table { .. } => {
+                let slope = T::of(line.slope);
+                [T::of(line.length) + slope * (time - T::of(line.time)), slope, T::zero()]
             }
         }
     }

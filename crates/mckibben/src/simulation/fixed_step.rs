@@ -1,232 +1,59 @@
 //! The fixed-step engine: bounded cost, no allocation, valve edges honoured inside the step.
 //!
-//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, and, with Coulomb
-//! friction, where the velocity comes to zero: there the load sticks if friction can hold it. Each part is one step of
+//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, where the tendon
+//! falls slack or tight, where the braid comes taut or ceases to pull, and, with Coulomb friction, where the velocity comes
+//! to zero: there the load sticks if friction can hold it. Each part is one step of a [`Method`]. A
+//! [batch](crate::batch) does the same in lanes.
 //!
-//! | method | order | for |
-//! |---|---|---|
-//! | [`Method::Rk4`] | 4 | the paper's Runge–Kutta; needs `h` below the time constant of the air near equal pressure |
-//! | [`Method::Stable`] | 2 | any `h` that a robot simulator uses |
+//! What error a step leaves is in `docs/accuracy.md`; a step for an accuracy is chosen by [`super::accuracy`].
 //!
-//! The stable method is Verwer's two-stage Rosenbrock scheme, of order 2 for whatever matrix `A` stands in for the
-//! Jacobian:
-//!
-//! ```text
-//! (I − γhA) k₁ = f(y)        (I − γhA) k₂ = f(y + h k₁) − 2 k₁        y⁺ = y + h (3k₁ + k₂)/2        γ = 1 + 1/√2
-//! ```
-//!
-//! That freedom is used: `A` holds the exact derivatives of the mechanics (the taut braid may be stiff) and, for the
-//! pressure, the steeper of the tangent and the secant to the port's pressure, so that no step overshoots the port. With
-//! this γ the first stage goes at most 0.59 of the way.
-//!
-//! The kernels take masks and selects instead of branches, so that they also run on lanes.
-//! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
+//! Checked by `tests/fixed_step.rs`.
 
-use super::mode::Sliding;
+use super::course::Course;
+use super::kernel::{Held, Method};
 use super::rig::{Rig, State};
 use super::sample::Sample;
-use crate::dual::Dual;
+use super::timetable::{Progress, Timetable};
 use crate::error::Error;
-use crate::load::Load;
-use crate::scalar::{Mask, Over, Real, Scalar};
-use crate::valve::{Port, Ports, SeatClock};
-
-/// How a step is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// The classical Runge–Kutta method of order 4, as in the paper.
-    Rk4,
-    /// A linearly implicit method of order 2 that is stable at any step.
-    Stable,
-}
-
-/// What stays the same during a part of a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Held<S: Scalar> {
-    /// Where the passage to the supply is open.
-    pub supply: S::Mask,
-    /// Where the passage to the surroundings is open.
-    pub exhaust: S::Mask,
-    /// Direction of sliding: −1, 0 or +1.
-    pub sliding: S,
-    /// Where friction holds the load at rest.
-    pub stuck: S::Mask,
-    /// Corners of a prescribed motion that have been passed.
-    pub corners_passed: usize,
-}
-
-impl<S: Scalar> Rig<S> {
-    /// Time derivatives of the four states, by selects: whatever the mode.
-    #[inline(always)]
-    pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {
-        let actuator = self.actuator();
-        let [mut length, mut velocity, pressure, mass] = *state;
-        let mut acceleration = T::zero();
-        match self.load() {
-            Load::Prescribed(motion) => [length, velocity, acceleration] = motion.at(time, held.corners_passed),
-            Load::Isometric => velocity = T::zero(),
-            Load::HangingMass { .. } | Load::ConstantForce { .. } => {
-                if let Some(inertia) = self.load().inertia() {
-                    let tension = actuator.tension_sliding(length, velocity, pressure, T::of(held.sliding));
-                    let free = (T::of(inertia.pull) - tension) / T::of(inertia.mass);
-                    acceleration = T::select(held.stuck, T::zero(), free);
-                    velocity = T::select(held.stuck, T::zero(), velocity);
-                }
-            }
-        }
-        let slack = actuator.limits().is_slack(length);
-        let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
-        let flow = actuator.flow(&chamber, held.supply, held.exhaust);
-        [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
-    }
-
-    /// One part of a step by the classical Runge–Kutta method.
-    #[inline(always)]
-    pub fn step_rk4(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let half = step * S::constant(0.5);
-        let ahead = |slope: &[S; 4], by: S| core::array::from_fn(|n| slope[n].multiply_add(by, state[n]));
-        let k1 = self.rates(time, &state, held);
-        let k2 = self.rates(time + half, &ahead(&k1, half), held);
-        let k3 = self.rates(time + half, &ahead(&k2, half), held);
-        let k4 = self.rates(time + step, &ahead(&k3, step), held);
-        let (sixth, two) = (step * S::constant(1.0 / 6.0), S::constant(2.0));
-        core::array::from_fn(|n| state[n] + sixth * (k1[n] + two * (k2[n] + k3[n]) + k4[n]))
-    }
-
-    /// One part of a step by the stable method.
-    #[inline(always)]
-    pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let seeded: [Dual<S, 3>; 4] = core::array::from_fn(|n| Dual::variable(state[n], n));
-        let rates = self.rates(Dual::of(time), &seeded, held);
-        let first: [S; 4] = rates.map(|rate| rate.value);
-        let matrix = Matrix::new(&rates, self.settling_rate(&state, &first, held), step);
-        let k1 = matrix.solve(first);
-        let predicted: [S; 4] = core::array::from_fn(|n| k1[n].multiply_add(step, state[n]));
-        let second = self.rates(time + step, &predicted, held);
-        let k2 = matrix.solve(core::array::from_fn(|n| second[n] - S::constant(2.0) * k1[n]));
-        let half = step * S::constant(0.5);
-        core::array::from_fn(|n| state[n] + half * (S::constant(3.0) * k1[n] + k2[n]))
-    }
-
-    /// Rate in 1/s of the secant from the pressure to that of an open port: how fast it would settle at its present rate.
-    #[inline(always)]
-    fn settling_rate(&self, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> S {
-        let Some(valve) = self.actuator().valve() else { return S::zero() };
-        let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
-        let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
-        let gap = port - state[2];
-        let secant = rates[2] / gap;
-        S::select(one_open & S::zero().lt(secant), secant, S::zero())
-    }
-}
-
-/// `I − γhA` in the blocks that it has: length and velocity, pressure, air mass.
-struct Matrix<S> {
-    reach: S,
-    velocity_by_length: S,
-    velocity_pivot: S,
-    pressure_pivot: S,
-    mass_by_pressure: S,
-}
-
-impl<S: Scalar> Matrix<S> {
-    #[inline(always)]
-    fn new(rates: &[Dual<S, 3>; 4], settling: S, step: S) -> Self {
-        let reach = step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
-        let velocity_by_length = reach * rates[1].slope[0];
-        let velocity_by_velocity = reach * rates[1].slope[1];
-        let tangent = rates[2].slope[2].smaller(S::zero());
-        let steeper = tangent.smaller(-settling);
-        let by_pressure = rates[3].slope[2];
-        // The air mass answers to the pressure along the same line, tangent or secant.
-        let secant_mass = -settling * rates[3].value / rates[2].value;
-        let takes_secant = (-settling).lt(tangent);
-        Self {
-            reach,
-            velocity_by_length,
-            velocity_pivot: S::one() / (S::one() - velocity_by_velocity - reach * velocity_by_length),
-            pressure_pivot: S::one() / (S::one() - reach * steeper),
-            mass_by_pressure: reach * S::select(takes_secant, secant_mass, by_pressure),
-        }
-    }
-
-    #[inline(always)]
-    fn solve(&self, right: [S; 4]) -> [S; 4] {
-        let velocity = (right[1] + self.velocity_by_length * right[0]) * self.velocity_pivot;
-        let pressure = right[2] * self.pressure_pivot;
-        [right[0] + self.reach * velocity, velocity, pressure, right[3] + self.mass_by_pressure * pressure]
-    }
-}
+use crate::load::Line;
+use crate::scalar::{Real, Scalar};
+use crate::valve::Ports;
 
 /// Steps one rig through time at fixed steps; no allocation.
 #[derive(Clone, Debug)]
-pub struct FixedStepper<'a, R: Real = f64> {
+pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
     rig: &'a Rig<R>,
     method: Method,
-    time: R,
-    state: [R; 4],
-    clock: SeatClock<R>,
-    ports: Ports,
-    corners_passed: usize,
-    sliding: Sliding,
+    walk: Walk<R>,
 }
 
-/// Parts of a step between two instants in which sliding may turn, stick or break away before the rest is taken as it is.
-const MAX_TURNS: usize = 4;
-/// Part of a step to which a turn is located.
-const TURN_TOLERANCE: f64 = 1e-12;
-/// Part of a step that a load which starts from rest moves before a turn is looked for.
-const FROM_REST: f64 = 1e-3;
-
-impl<'a, R: Real> FixedStepper<'a, R> {
+impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let mut stepper = Self {
-            rig,
-            method,
-            time: R::zero(),
-            state: start.to_array(),
-            clock: SeatClock::released(),
-            ports: Ports::CLOSED,
-            corners_passed: 0,
-            sliding: Sliding::Held,
-        };
-        stepper.pass_instants();
-        stepper.sliding = stepper.sliding_from_rest_or_velocity();
-        stepper
+        let mut walk = Walk::new(start.to_array());
+        walk.pass(rig, &rig.timetable());
+        Self { rig, method, walk }
     }
 
     /// The time in s that has been reached.
     pub fn time(&self) -> R {
-        self.time
+        self.walk.course.time
     }
 
     /// The state at that time.
     pub fn state(&self) -> State<R> {
-        State::from_array(self.state)
+        State::from_array(self.walk.course.state)
     }
 
     /// Which passages are open at that time.
     pub fn ports(&self) -> Ports {
-        self.ports
+        self.walk.ports
     }
 
     /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        let actuator = self.rig.actuator();
-        let [length, velocity, pressure, mass] = self.state;
-        let slack = actuator.limits().is_slack(length);
-        let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
-        let flow = actuator.flow(&chamber, self.ports.supply, self.ports.exhaust);
-        let tension = match (self.sliding, self.rig.load().inertia()) {
-            (Sliding::Stuck, Some(inertia)) => inertia.pull,
-            _ => {
-                let direction = R::constant(self.sliding.direction());
-                actuator.tension_sliding(length, velocity, pressure, direction)
-            }
-        };
-        let temperature = actuator.air().temperature(&chamber);
-        Sample::new(self.time, &self.state, tension, chamber.volume, temperature, &flow, self.ports)
+        let Course { time, state, held } = &self.walk.course;
+        Sample::new(*time, state, &self.rig.observe(state, held), self.walk.ports)
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -234,151 +61,77 @@ impl<'a, R: Real> FixedStepper<'a, R> {
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until)
+    }
+}
+
+/// A rig's way through time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Walk<R: Real> {
+    pub(crate) course: Course<R>,
+    pub(crate) progress: Progress<R::Time>,
+    pub(crate) ports: Ports,
+}
+
+impl<R: Real> Walk<R> {
+    /// At t = 0, before what is due then has been passed.
+    pub(crate) fn new(state: [R; 4]) -> Self {
+        let course = Course { time: R::Time::zero(), state, held: Held::nothing() };
+        Self { course, progress: Progress::none(), ports: Ports::CLOSED }
+    }
+
+    /// Goes on to `until`, through every instant up to then; where that leaves the physics, stays at the last good state.
+    pub(crate) fn advance_to(
+        &mut self,
+        rig: &Rig<R>,
+        timetable: &Timetable<'_, R::Time>,
+        method: Method,
+        until: R::Time,
+    ) -> Result<(), Error> {
         loop {
-            let instant = self.rig.next_instant(&self.clock, self.corners_passed, until);
-            let part_end = instant.unwrap_or(until);
-            let before = (self.time, self.state, self.sliding);
-            self.advance_smoothly(part_end);
-            if let Err(error) = self.check() {
-                (self.time, self.state, self.sliding) = before;
-                return Err(error);
+            let instant = timetable.next(&self.progress, until);
+            let before = self.course;
+            self.course.advance(rig, method, instant.map_or(until, |instant| until.smaller(instant)));
+            if !rig.admissible(&self.course.state) {
+                let left = self.course;
+                self.course = before;
+                let thread = rig.actuator().law().law.braid.thread_length().value();
+                return Err(outside(thread, left.time.value(), left.state.map(Real::value)));
             }
             if instant.is_none() {
                 return Ok(());
             }
-            self.pass_instants();
-            self.sliding = self.sliding_from_rest_or_velocity();
+            self.pass(rig, timetable);
         }
     }
 
-    /// Whether the state is one that the laws hold for.
-    fn check(&self) -> Result<(), Error> {
-        let [length, velocity, pressure, air_mass] = self.state.map(Real::value);
-        let thread = self.rig.actuator().law().law.braid.thread_length().value();
-        let numbers = [
-            ("length", length, "m", length < thread),
-            ("velocity", velocity, "m/s", true),
-            ("absolute pressure", pressure, "Pa", pressure > 0.0),
-            ("air mass", air_mass, "kg", air_mass > 0.0),
-        ];
-        match numbers.into_iter().find(|(_, value, _, admissible)| !(value.is_finite() && *admissible)) {
-            None => Ok(()),
-            Some((quantity, value, unit, _)) => Err(Error::Stopped {
-                time: self.time.value(),
-                reason: "a step of the fixed-step engine left the physics",
-                quantity,
-                value,
-                unit,
-                remedy: "shorten run.step, or set run.method = \"stable\" or run.engine = \"event-located\"",
-            }),
-        }
+    /// Passes what is due.
+    pub(crate) fn pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
+        self.ports = timetable.pass(&mut self.progress, self.course.time);
+        let Line { time, length, slope } = timetable.line(&self.progress);
+        let held = &mut self.course.held;
+        held.line = Line { time: R::of_time(time), length: R::of_time(length), slope: R::of_time(slope) };
+        (held.supply, held.exhaust) = (self.ports.supply, self.ports.exhaust);
+        self.course.enter(rig);
     }
+}
 
-    fn pass_instants(&mut self) {
-        if let Some(drive) = self.rig.actuation() {
-            self.clock.advance(self.time, &drive.solenoid, &drive.command);
-            self.ports = self.clock.ports(&drive.solenoid);
-        }
-        self.corners_passed = self.rig.corners_passed(self.corners_passed, self.time);
-    }
-
-    fn held(&self) -> Held<R> {
-        Held {
-            supply: self.ports.supply,
-            exhaust: self.ports.exhaust,
-            sliding: R::constant(self.sliding.direction()),
-            stuck: self.sliding == Sliding::Stuck,
-            corners_passed: self.corners_passed,
-        }
-    }
-
-    fn take(&self, step: R) -> [R; 4] {
-        let held = self.held();
-        let mut state = match self.method {
-            Method::Rk4 => self.rig.step_rk4(self.time, self.state, step, &held),
-            Method::Stable => self.rig.step_stable(self.time, self.state, step, &held),
-        };
-        if let Load::Prescribed(motion) = self.rig.load() {
-            let [length, velocity, _] = motion.at(self.time + step, self.corners_passed);
-            (state[0], state[1]) = (length, velocity);
-        }
-        state
-    }
-
-    /// Goes on to `until` with the same passages open, in parts that end where the load turns, sticks or breaks away.
-    fn advance_smoothly(&mut self, until: R) {
-        for _ in 0..MAX_TURNS {
-            let step = until - self.time;
-            if step.value() <= 0.0 {
-                break;
-            }
-            let end = self.take(step);
-            if self.keeps_sliding(&end) >= 0.0 {
-                self.state = end;
-                self.time = until;
-                break;
-            }
-            let keeps = |theta: f64| self.keeps_sliding(&self.take(R::constant(theta) * step));
-            // From rest the function starts at zero, or a rounding below: look away from the start.
-            let from = if keeps(0.0) > 0.0 { 0.0 } else { FROM_REST };
-            let part = R::constant(crate::root::bracketed(from, 1.0, TURN_TOLERANCE, keeps)) * step;
-            self.state = self.take(part);
-            if self.sliding != Sliding::Stuck {
-                self.state[1] = R::zero();
-            }
-            self.time = self.time + part;
-            self.sliding = self.sliding_after(self.sliding);
-        }
-        if self.time.value() < until.value() {
-            self.state = self.take(until - self.time);
-            self.time = until;
-        }
-        if self.rig.load().inertia().is_none() {
-            self.sliding = self.sliding_from_rest_or_velocity();
-        }
-    }
-
-    /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
-    fn keeps_sliding(&self, state: &[R; 4]) -> f64 {
-        let Some(inertia) = self.rig.load().inertia() else { return 1.0 };
-        match self.sliding {
-            Sliding::Stuck => {
-                let (least, most) = self.rig.holdable(state[0], state[2]);
-                (most - inertia.pull).smaller(inertia.pull - least).value()
-            }
-            sliding => sliding.direction() * state[1].value(),
-        }
-    }
-
-    /// The direction after the present one has ceased to hold; a load that broke away does not stick in the same instant.
-    fn sliding_after(&self, before: Sliding) -> Sliding {
-        let after = self.sliding_from_rest_or_velocity();
-        if before != Sliding::Stuck || after != Sliding::Stuck {
-            return after;
-        }
-        let (least, most) = self.rig.holdable(self.state[0], self.state[2]);
-        let pull = self.rig.load().inertia().map_or(R::zero(), |inertia| inertia.pull);
-        if (most - pull).value() < (pull - least).value() { Sliding::Lengthening } else { Sliding::Shortening }
-    }
-
-    /// The direction of sliding at the present state, or sticking at rest.
-    fn sliding_from_rest_or_velocity(&self) -> Sliding {
-        let velocity = self.state[1].value();
-        let Some(inertia) = self.rig.load().inertia() else {
-            return if velocity == 0.0 { Sliding::Held } else { self.rig.sliding(velocity) };
-        };
-        if velocity != 0.0 || !self.rig.actuator().friction().has_coulomb() {
-            return self.rig.sliding(velocity);
-        }
-        let (least, most) = self.rig.holdable(self.state[0], self.state[2]);
-        if most.value() < inertia.pull.value() {
-            Sliding::Lengthening
-        } else if inertia.pull.value() < least.value() {
-            Sliding::Shortening
-        } else if self.rig.actuator().limits().is_slack(self.state[0]).any() {
-            self.rig.sliding(inertia.pull.value())
-        } else {
-            Sliding::Stuck
-        }
+/// The error of a state beyond the laws of a braid of a given thread length in m.
+fn outside(thread: f64, time: f64, [length, velocity, pressure, air_mass]: [f64; 4]) -> Error {
+    let numbers = [
+        ("length", length, "m", length < thread),
+        ("velocity", velocity, "m/s", true),
+        ("absolute pressure", pressure, "Pa", pressure > 0.0),
+        ("air mass", air_mass, "kg", air_mass > 0.0),
+    ];
+    let culprit = numbers.into_iter().find(|(_, value, _, admissible)| !(value.is_finite() && *admissible));
+    let (quantity, value, unit, _) = culprit.unwrap_or(numbers[0]);
+    Error::Stopped {
+        time,
+        reason: "a step of the fixed-step engine left the physics",
+        quantity,
+        value,
+        unit,
+        remedy: "shorten run.step, or set run.method = \"stable\" or run.engine = \"event-located\"",
     }
 }

@@ -16,11 +16,12 @@ use super::event::band;
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::rig::Rig;
 use super::system::{GuardForm, Guards, HybridSystem};
+use super::timetable::Progress;
 use crate::air::Process;
 use crate::error::Error;
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
-use crate::valve::{FlowZone, Port, Ports, SeatClock};
+use crate::valve::{FlowZone, Port};
 
 const LENGTH: usize = 0;
 const VELOCITY: usize = 1;
@@ -31,8 +32,7 @@ pub(super) const PRESSURE: usize = 2;
 pub struct Phase<R = f64> {
     /// Which formulas hold.
     pub mode: Mode,
-    clock: SeatClock<R>,
-    corners_passed: usize,
+    progress: Progress<R>,
     /// `P V/m` of an isothermal process, which nothing changes.
     isothermal: Option<R>,
 }
@@ -88,14 +88,16 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.band
     }
 
+    /// The usual size of each state: the longest length, a usual velocity, the atmosphere's pressure, the air at that.
+    #[cfg(feature = "alloc")]
+    pub(super) fn magnitudes(&self) -> [f64; 4] {
+        self.magnitudes
+    }
+
     /// The phase at t = 0 in a state.
     pub fn begin(&self, state: &[R; 4]) -> Phase<R> {
-        let mut clock = SeatClock::released();
-        let mut ports = Ports::CLOSED;
-        if let Some(actuation) = self.rig.actuation() {
-            clock.advance(R::zero(), &actuation.solenoid, &actuation.command);
-            ports = clock.ports(&actuation.solenoid);
-        }
+        let mut progress = Progress::none();
+        let ports = self.rig.timetable().pass(&mut progress, R::zero());
         let mode = Mode {
             ports,
             supply_zone: None,
@@ -105,8 +107,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             sliding: Sliding::Held,
             clamped: false,
         };
-        let corners_passed = self.rig.corners_passed(0, R::zero());
-        let mut phase = Phase { mode, clock, corners_passed, isothermal: self.isothermal_content(state) };
+        let mut phase = Phase { mode, progress, isothermal: self.isothermal_content(state) };
         self.enter_ports(state, &mut phase.mode);
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(R::zero(), state, &mut phase);
@@ -159,7 +160,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
         phase.mode.sliding = match (self.rig.load(), self.inertia) {
             (Load::Isometric, _) => Sliding::Held,
             (Load::Prescribed(motion), _) => {
-                let [_, velocity, acceleration] = motion.at::<R>(time, phase.corners_passed).map(Real::value);
+                let [_, velocity, acceleration] = motion.at::<R>(time, phase.progress.corners_passed).map(Real::value);
                 let heading = if velocity == 0.0 { acceleration } else { velocity };
                 if heading == 0.0 { Sliding::Held } else { self.rig.sliding(heading) }
             }
@@ -227,7 +228,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         let actuator = self.rig.actuator();
         let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
         match self.rig.load() {
-            Load::Prescribed(motion) => ends = motion.at(time, phase.corners_passed),
+            Load::Prescribed(motion) => ends = motion.at(time, phase.progress.corners_passed),
             Load::Isometric => ends[1] = T::zero(),
             _ if mode.sliding == Sliding::Stuck => ends[1] = T::zero(),
             _ => {
@@ -259,20 +260,17 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     }
 
     fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
-        self.rig.next_instant(&phase.clock, phase.corners_passed, until)
+        self.rig.timetable().next(&phase.progress, until)
     }
 
     fn pass_instant(&self, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
-        if let Some(drive) = self.rig.actuation() {
-            phase.clock.advance(time, &drive.solenoid, &drive.command);
-            let ports = phase.clock.ports(&drive.solenoid);
-            if ports != phase.mode.ports {
-                phase.mode.ports = ports;
-                self.enter_ports(state, &mut phase.mode);
-                return Ok(EventKind::Valve);
-            }
+        let ports = self.rig.timetable().pass_seats(&mut phase.progress, time);
+        if ports != phase.mode.ports {
+            phase.mode.ports = ports;
+            self.enter_ports(state, &mut phase.mode);
+            return Ok(EventKind::Valve);
         }
-        phase.corners_passed += 1;
+        phase.progress.corners_passed += 1;
         self.project(time, state, phase);
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(time, state, phase);
@@ -435,7 +433,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 
     fn project(&self, time: R, state: &mut [R; 4], phase: &Phase<R>) {
         if let Load::Prescribed(motion) = self.rig.load() {
-            let [length, velocity, _] = motion.at(time, phase.corners_passed);
+            let [length, velocity, _] = motion.at(time, phase.progress.corners_passed);
             (state[LENGTH], state[VELOCITY]) = (length, velocity);
         }
         if let Some(content) = phase.isothermal {

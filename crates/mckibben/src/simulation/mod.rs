@@ -3,20 +3,26 @@
 //! * [`simulate`]: adaptive steps of high order, every switching instant, stick, slip, slack and taut located; the
 //!   reference that everything is compared with. Its rules for events are in [`event`].
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
+//!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
 
+#[cfg(feature = "alloc")]
+pub mod accuracy;
 mod arc;
+pub(crate) mod course;
 #[cfg(feature = "alloc")]
 mod energy;
 pub mod event;
 mod explicit;
-mod fixed_step;
+pub(crate) mod fixed_step;
 mod hybrid;
 mod integrator;
+pub(crate) mod kernel;
 mod mode;
-mod rig;
+pub(crate) mod rig;
 mod rosenbrock;
-mod sample;
+pub(crate) mod sample;
 pub mod system;
+pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
 mod trajectory;
 mod zones;
@@ -24,9 +30,10 @@ mod zones;
 pub use arc::Arc;
 #[cfg(feature = "alloc")]
 pub use energy::EnergyAudit;
-pub use fixed_step::{FixedStepper, Held, Method};
+pub use fixed_step::FixedStepper;
 pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
+pub use kernel::{Held, Method};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes};

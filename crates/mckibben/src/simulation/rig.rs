@@ -15,14 +15,16 @@
 //! | m | `air_mass` | kg |
 
 use super::mode::Sliding;
+use super::timetable::Timetable;
 use crate::actuator::Actuator;
+use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
 use crate::load::Load;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
-use crate::valve::{Command, SIMULTANEOUS, SeatClock, Solenoid};
+use crate::valve::{Command, Solenoid};
 
 /// What drives the valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,16 +162,23 @@ impl Rig {
 }
 
 impl<S: Scalar> Rig<S> {
-    /// The same rig over another scalar; `convert` is told which parameter each number is.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
-        Rig {
-            actuator: self.actuator.map(&mut convert),
-            actuation: self.actuation.as_ref().map(|actuation| Actuation {
-                solenoid: actuation.solenoid.map(&mut convert),
-                command: actuation.command.map(&mut convert),
-            }),
-            load: self.load.map(&mut convert),
-        }
+    /// The same rig over another scalar; `function` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
+        self.convert(&mut Anew(function))
+    }
+
+    fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
+        let mut rig = self.undriven(convert);
+        rig.actuation = self.actuation.as_ref().map(|actuation| Actuation {
+            solenoid: actuation.solenoid.convert(convert),
+            command: actuation.command.convert(convert),
+        });
+        rig
+    }
+
+    /// The actuator and its load over another scalar, without what drives the valve.
+    pub(crate) fn undriven<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
+        Rig { actuator: self.actuator.convert(convert), actuation: None, load: self.load.convert(convert) }
     }
 
     /// The actuator.
@@ -203,26 +212,9 @@ impl<S: Scalar> Rig<S> {
 }
 
 impl<S: Real> Rig<S> {
-    /// The next instant in s, up to and with `until`, at which a seat moves or a prescribed motion turns a corner.
-    pub(super) fn next_instant(&self, clock: &SeatClock<S>, corners_passed: usize, until: S) -> Option<S> {
-        let motion = |drive: &Actuation<S>| clock.next_motion(&drive.solenoid, &drive.command, until);
-        let seat = self.actuation.as_ref().and_then(motion);
-        let corner = self.corner(corners_passed).filter(|corner| corner.value() <= until.value());
-        [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
-    }
-
-    /// How many corners of a prescribed motion have been passed at `time` (s), when `passed` were before.
-    pub(super) fn corners_passed(&self, passed: usize, time: S) -> usize {
-        let now = time.value();
-        let has_come = |corner: S| corner.value() <= now + SIMULTANEOUS * now.abs();
-        (passed..).find(|&next| !self.corner(next).is_some_and(has_come)).unwrap_or(passed)
-    }
-
-    fn corner(&self, index: usize) -> Option<S> {
-        match &self.load {
-            Load::Prescribed(motion) => motion.corner(index),
-            _ => None,
-        }
+    /// Where instants come from.
+    pub(crate) fn timetable(&self) -> Timetable<'_, S> {
+        Timetable { actuation: self.actuation.as_ref(), load: &self.load }
     }
 
     /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.

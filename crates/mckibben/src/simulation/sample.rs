@@ -1,9 +1,11 @@
 //! What is known at an instant, whichever engine computed it.
 
-use crate::air::Flow;
+use super::kernel::Observed;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
+#[cfg(feature = "batch")]
+use crate::{air::Flow, batch::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,15 +37,33 @@ impl<R: Scalar> Sample<R> {
     pub(super) fn new(
         time: R,
         &[length, velocity, pressure, air_mass]: &[R; 4],
-        tension: R,
-        volume: R,
-        temperature: R,
-        flow: &Flow<R>,
+        observed: &Observed<R>,
         ports: Ports,
     ) -> Self {
+        let &Observed { tension, volume, temperature, flow } = observed;
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
         Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }
+    }
+}
+
+impl Sample {
+    /// The sample of one lane.
+    #[cfg(feature = "batch")]
+    pub(crate) fn of_lane<W: Wide>(
+        time: f64,
+        state: &[W; 4],
+        observed: &Observed<W>,
+        lane: usize,
+        ports: Ports,
+    ) -> Self {
+        let number = |wide: &W| wide.lane(lane).value();
+        let Observed { tension, volume, temperature, flow } = observed;
+        let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
+        let observed =
+            Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
+        let [length, velocity, pressure, mass] = state;
+        Self::new(time, &[number(length), number(velocity), number(pressure), number(mass)], &observed, ports)
     }
 }
 
@@ -73,5 +93,19 @@ impl SampleTimes {
     /// Time in s of the sample of index `index`, from 0.
     pub fn time(&self, index: u64) -> f64 {
         if index >= self.last { self.duration } else { index as f64 * self.interval }
+    }
+
+    /// The ends in s of the steps that divide every interval into the least number of equal parts not longer than `step`
+    /// s (above zero), and whether each is the time of a sample.
+    pub fn steps(self, step: f64) -> impl Iterator<Item = (f64, bool)> {
+        (1..=self.last).flat_map(move |index| {
+            let (from, until) = (self.time(index - 1), self.time(index));
+            // The quotient of two decimal numbers may lie a rounding above a whole one.
+            let quotient = (until - from) / step * (1.0 - 1e-12);
+            let parts = (quotient as u64).saturating_add(1).max(1);
+            let end =
+                move |part| if part == parts { until } else { from + (until - from) * (part as f64 / parts as f64) };
+            (1..=parts).map(move |part| (end(part), part == parts))
+        })
     }
 }

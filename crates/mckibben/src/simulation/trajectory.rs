@@ -2,6 +2,7 @@
 
 use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, Integrator, Piece};
+use super::kernel::Observed;
 use super::mode::{EventKind, Extent, Mode};
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
@@ -141,20 +142,51 @@ impl<R: Real> Trajectory<R> {
         })
     }
 
+    /// Reads the four states at times in s that do not fall from one call to the next.
+    pub(super) fn states(&self) -> impl FnMut(f64) -> [R; 4] + '_ {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let mut place = 0;
+        move |time| {
+            place += self.pieces[place..].iter().take_while(|piece| begins_by(piece, time)).count();
+            self.state_with(&system, place, R::constant(time)).1
+        }
+    }
+
+    /// The least and the greatest value of each state, at five points of each step.
+    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
+        const POINTS: usize = 5;
+        let mut ranges = self.last.1.map(|value| (value.value(), value.value()));
+        for piece in &self.pieces {
+            let end = piece.arc.theta(piece.end);
+            for point in 0..POINTS {
+                let state = piece.arc.at(end * R::constant(point as f64 / (POINTS - 1) as f64));
+                for (range, value) in ranges.iter_mut().zip(state) {
+                    *range = (range.0.min(value.value()), range.1.max(value.value()));
+                }
+            }
+        }
+        ranges
+    }
+
     fn sample_with(&self, system: &RigSystem<'_, R>, begun: usize, time: R) -> Sample<R> {
-        let (end, state, phase) = &self.last;
+        let (time, state, phase) = self.state_with(system, begun, time);
+        sample(system, time, &state, &phase)
+    }
+
+    /// The states and the phase at a time by which so many pieces have begun; the time itself, or the end of the run.
+    fn state_with(&self, system: &RigSystem<'_, R>, begun: usize, time: R) -> (R, [R; 4], Phase<R>) {
+        let (end, _, _) = &self.last;
         if time.value() >= end.value() * (1.0 - SIMULTANEOUS) {
-            return sample(system, *end, state, phase);
+            return self.last;
         }
         match begun.checked_sub(1).and_then(|index| self.pieces.get(index)).or(self.pieces.first()) {
             Some(piece) => {
-                let kept = time.value().clamp(piece.arc.start.value(), piece.end.value());
-                let at = R::constant(kept);
+                let at = R::constant(time.value().clamp(piece.arc.start.value(), piece.end.value()));
                 let mut state = piece.arc.at(piece.arc.theta(at));
                 system.project(at, &mut state, &piece.mode);
-                sample(system, time, &state, &piece.mode)
+                (time, state, piece.mode)
             }
-            None => sample(system, *end, state, phase),
+            None => self.last,
         }
     }
 
@@ -188,7 +220,9 @@ fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &P
     let chamber = actuator.chamber(state[0], state[1], state[2], state[3], slack);
     let temperature = actuator.air().temperature(&chamber);
     let flow = system.flow(&chamber, &phase.mode);
-    Sample::new(time, state, system.tension(state, &phase.mode), chamber.volume, temperature, &flow, phase.mode.ports)
+    let tension = system.tension(state, &phase.mode);
+    let observed = Observed { tension, volume: chamber.volume, temperature, flow };
+    Sample::new(time, state, &observed, phase.mode.ports)
 }
 
 /// Nodes and weights of Gauss–Legendre quadrature with five points on `[0, 1]`, exact to degree 9.

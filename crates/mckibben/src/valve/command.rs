@@ -3,8 +3,9 @@
 //! A command is a sequence of changes `(time, request)`. Times are computed from the index of the change, never summed,
 //! so the millionth pulse of a PWM starts exactly at its period.
 
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::scalar::{Mask, Scalar};
 
 /// What the valve is asked to do.
@@ -90,18 +91,18 @@ pub(crate) fn check_times(name: &'static str, time: &[f64]) -> Result<(), Error>
 
 impl<S: Scalar> Command<S> {
     /// The same command over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Command<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Command<T> {
         match self {
             Self::Constant(request) => Command::Constant(*request),
             Self::Pwm { frequency, duty, pulse, rest } => Command::Pwm {
-                frequency: convert(&parameter::PWM_FREQUENCY, *frequency),
-                duty: convert(&parameter::DUTY, *duty),
+                frequency: convert.parameter(&parameter::PWM_FREQUENCY, *frequency),
+                duty: convert.parameter(&parameter::DUTY, *duty),
                 pulse: *pulse,
                 rest: *rest,
             },
             #[cfg(feature = "alloc")]
             Self::Table { time, request } => Command::Table {
-                time: time.iter().map(|&time| convert(&parameter::COMMAND_TIME, time)).collect(),
+                time: time.iter().map(|&time| convert.parameter(&parameter::COMMAND_TIME, time)).collect(),
                 request: request.clone(),
             },
         }

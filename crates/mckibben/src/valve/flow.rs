@@ -23,7 +23,12 @@
 //!
 //! Both forms of ψ are `√(1−r)·g(r)` with g analytic on `[r_c, 1]`, so g is a polynomial fitted when the law is made:
 //! no power is left in the loop, and the difference of two nearly equal powers near r = 1 is gone with it. The largest
-//! error against the textbook form in extended precision is a few units in the last place.
+//! error against the textbook form in extended precision is a few units in the last place. With the gap x = 1 − r kept
+//! between those of r_lam and r_c the three pieces are one, and `P_up/√T_up` goes under the same root:
+//!
+//! ```text
+//! ψ = √x′·g·min(1, x/x_lam)        x = 1 − r = (P_up − P_down)/P_up        x′ = max(x_lam, min(x, x_c))
+//! ```
 //!
 //! The slope of either law is infinite at r = 1; the straight line above `r_lam` is the usual cure.
 //! `r_c` is used as it is (0.52828 for air), not rounded to 0.528, so that the law is continuous.
@@ -31,8 +36,9 @@
 //! Checked by `tests/valve.rs`: transcription of (23), both limits, continuity and slope, reverse flow.
 
 use crate::air::Air;
+use crate::convert::Convert;
 use crate::error::{Error, Requirement};
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
 use core::f64::consts::PI;
 
@@ -97,13 +103,24 @@ pub struct FlowLaw<S = f64> {
     heat_capacity_ratio: S,
     gas_constant: S,
     laminar_ratio: S,
+    shape: Shape<S>,
+}
+
+/// What follows from the parameters of a flow law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Shape<S> {
     critical_ratio: S,
     conductance: S,
-    /// Slope of the straight line, `ψ(r_lam)/(1 − r_lam)`.
+    /// `x_c = 1 − r_c`.
+    critical_gap: S,
+    /// `x_lam = 1 − r_lam`.
+    laminar_gap: S,
+    /// `1/x_lam`.
+    per_laminar_gap: S,
+    /// Slope of the straight line, `ψ(r_lam)/x_lam`.
     laminar_slope: S,
-    /// `t = scale·r + offset` maps `[r_c, 1]` to `[−1, 1]`.
+    /// `t = 1 − scale·x` maps `[0, x_c]` to `[1, −1]`.
     scale: S,
-    offset: S,
     /// Coefficients of g in rising powers of t.
     polynomial: [S; TERMS],
 }
@@ -129,14 +146,14 @@ impl FlowLaw {
             air.gas_constant(),
             parameter::LAMINAR_RATIO.check(laminar_ratio)?,
         );
-        if laminar_ratio <= law.critical_ratio {
+        if laminar_ratio <= law.critical_ratio() {
             return Err(Error::Inconsistent {
                 parameter: &parameter::LAMINAR_RATIO,
                 value: laminar_ratio,
                 requirement: Requirement {
                     relation: "must be greater than",
                     other: "the critical ratio",
-                    value: law.critical_ratio,
+                    value: law.critical_ratio(),
                     unit: "",
                 },
                 remedy: "give a ratio just below 1, such as 0.999",
@@ -176,48 +193,53 @@ impl<S: Scalar> FlowLaw<S> {
             FlowStandard::Iso6358 { critical_ratio: b, .. } => (one + r - two * b).sqrt() / (one - b),
         };
         let half = (one - critical_ratio) / two;
-        let middle = (one + critical_ratio) / two;
-        let mut law = Self {
-            standard,
-            efficiency,
-            heat_capacity_ratio,
-            gas_constant,
-            laminar_ratio,
+        let laminar_gap = one - laminar_ratio;
+        let mut shape = Shape {
             critical_ratio,
             conductance: efficiency * conductance,
+            critical_gap: one - critical_ratio,
+            laminar_gap,
+            per_laminar_gap: one / laminar_gap,
             laminar_slope: S::zero(),
             scale: one / half,
-            offset: -middle / half,
-            polynomial: chebyshev_fit(|t| g(middle + half * S::constant(t))),
+            polynomial: chebyshev_fit(|t| g(one - half * S::constant(1.0 - t))),
         };
-        law.laminar_slope = law.subsonic(laminar_ratio) / (one - laminar_ratio);
-        law
+        shape.laminar_slope = shape.subsonic(laminar_gap) * shape.per_laminar_gap;
+        Self { standard, efficiency, heat_capacity_ratio, gas_constant, laminar_ratio, shape }
     }
 
     /// The same law over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> FlowLaw<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> FlowLaw<T> {
         let standard = match self.standard {
             FlowStandard::Orifice { flow_area } => {
-                FlowStandard::Orifice { flow_area: convert(&parameter::FLOW_AREA, flow_area) }
+                FlowStandard::Orifice { flow_area: convert.parameter(&parameter::FLOW_AREA, flow_area) }
             }
             FlowStandard::Iso6358 { sonic_conductance, critical_ratio } => FlowStandard::Iso6358 {
-                sonic_conductance: convert(&parameter::SONIC_CONDUCTANCE, sonic_conductance),
-                critical_ratio: convert(&parameter::CRITICAL_RATIO, critical_ratio),
+                sonic_conductance: convert.parameter(&parameter::SONIC_CONDUCTANCE, sonic_conductance),
+                critical_ratio: convert.parameter(&parameter::CRITICAL_RATIO, critical_ratio),
             },
         };
-        FlowLaw::assemble(
-            standard,
-            convert(&parameter::EFFICIENCY, self.efficiency),
-            convert(&parameter::HEAT_CAPACITY_RATIO, self.heat_capacity_ratio),
-            convert(&parameter::GAS_CONSTANT, self.gas_constant),
-            convert(&parameter::LAMINAR_RATIO, self.laminar_ratio),
-        )
+        let efficiency = convert.parameter(&parameter::EFFICIENCY, self.efficiency);
+        let heat_capacity_ratio = convert.parameter(&parameter::HEAT_CAPACITY_RATIO, self.heat_capacity_ratio);
+        let gas_constant = convert.parameter(&parameter::GAS_CONSTANT, self.gas_constant);
+        let laminar_ratio = convert.parameter(&parameter::LAMINAR_RATIO, self.laminar_ratio);
+        match convert.carry() {
+            Some(carry) => FlowLaw {
+                standard,
+                efficiency,
+                heat_capacity_ratio,
+                gas_constant,
+                laminar_ratio,
+                shape: self.shape.map(carry),
+            },
+            None => FlowLaw::assemble(standard, efficiency, heat_capacity_ratio, gas_constant, laminar_ratio),
+        }
     }
 
     /// `G` in kg·√K/(s·Pa), the efficiency included.
     #[inline(always)]
     pub fn conductance(&self) -> S {
-        self.conductance
+        self.shape.conductance
     }
 
     /// Specific gas constant R in J/(kg·K).
@@ -228,7 +250,7 @@ impl<S: Scalar> FlowLaw<S> {
 
     /// Pressure ratio `r_c` below which the flow is choked.
     pub fn critical_ratio(&self) -> S {
-        self.critical_ratio
+        self.shape.critical_ratio
     }
 
     /// Pressure ratio `r_lam` above which the law is a straight line.
@@ -236,34 +258,62 @@ impl<S: Scalar> FlowLaw<S> {
         self.laminar_ratio
     }
 
-    /// ψ between the critical ratio and the straight line.
-    #[inline(always)]
-    fn subsonic<T: Over<S>>(&self, ratio: T) -> T {
-        let t = ratio.multiply_add(T::of(self.scale), T::of(self.offset));
-        (T::one() - ratio).sqrt() * polynomial(&self.polynomial, t)
-    }
-
-    /// ψ on the straight line.
-    #[inline(always)]
-    fn laminar<T: Over<S>>(&self, ratio: T) -> T {
-        T::of(self.laminar_slope) * (T::one() - ratio)
-    }
-
     /// ψ at a pressure ratio from 0 to 1.
     #[inline(always)]
     pub fn ratio_function<T: Over<S>>(&self, ratio: T) -> T {
-        let kept = ratio.larger(T::of(self.critical_ratio)).smaller(T::of(self.laminar_ratio));
-        T::select(T::of(self.laminar_ratio).lt(ratio), self.laminar(ratio), self.subsonic(kept))
+        self.driven(T::one(), T::one() - ratio)
     }
 
-    /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow asks for no ratio.
+    /// Mass flow in kg/s from the upstream `P²/T` in Pa²/K and the gap `(P_up − P_down)/P_up`, zero to one.
     #[inline(always)]
-    pub fn in_zone<T: Over<S>>(&self, zone: FlowZone, ratio: impl FnOnce() -> T) -> T {
+    pub fn mass_flow<T: Over<S>>(&self, squared_drive: T, gap: T) -> T {
+        T::of(self.shape.conductance) * self.driven(squared_drive, gap)
+    }
+
+    /// `√(squared drive)·ψ` whatever the zone, with one root.
+    #[inline(always)]
+    fn driven<T: Over<S>>(&self, squared_drive: T, gap: T) -> T {
+        let shape = &self.shape;
+        let kept = gap.smaller(T::of(shape.critical_gap)).larger(T::of(shape.laminar_gap));
+        let line = (gap * T::of(shape.per_laminar_gap)).smaller(T::one());
+        (squared_drive * kept).sqrt() * shape.analytic_factor(kept) * line
+    }
+
+    /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow asks for no gap.
+    #[inline(always)]
+    pub fn in_zone<T: Over<S>>(&self, zone: FlowZone, gap: impl FnOnce() -> T) -> T {
         match zone {
             FlowZone::ChokedIn | FlowZone::ChokedOut => T::one(),
-            FlowZone::SubsonicIn | FlowZone::SubsonicOut => self.subsonic(ratio()),
-            FlowZone::LaminarIn | FlowZone::LaminarOut => self.laminar(ratio()),
+            FlowZone::SubsonicIn | FlowZone::SubsonicOut => self.shape.subsonic(gap()),
+            FlowZone::LaminarIn | FlowZone::LaminarOut => T::of(self.shape.laminar_slope) * gap(),
         }
+    }
+}
+
+impl<S: Scalar> Shape<S> {
+    fn map<T>(&self, mut number: impl FnMut(S) -> T) -> Shape<T> {
+        Shape {
+            critical_ratio: number(self.critical_ratio),
+            conductance: number(self.conductance),
+            critical_gap: number(self.critical_gap),
+            laminar_gap: number(self.laminar_gap),
+            per_laminar_gap: number(self.per_laminar_gap),
+            laminar_slope: number(self.laminar_slope),
+            scale: number(self.scale),
+            polynomial: self.polynomial.map(number),
+        }
+    }
+
+    /// `g` at a gap `1 − r`.
+    #[inline(always)]
+    fn analytic_factor<T: Over<S>>(&self, gap: T) -> T {
+        polynomial(&self.polynomial, (-gap).multiply_add(T::of(self.scale), T::one()))
+    }
+
+    /// ψ between the critical ratio and the straight line, at a gap `1 − r`.
+    #[inline(always)]
+    fn subsonic<T: Over<S>>(&self, gap: T) -> T {
+        gap.sqrt() * self.analytic_factor(gap)
     }
 }
 
@@ -272,10 +322,10 @@ impl<S: Real> FlowLaw<S> {
     /// where a zone has no end.
     pub fn bounds(&self, zone: FlowZone, beyond: S) -> (Option<S>, Option<S>) {
         // A critical ratio of zero never chokes.
-        let choked = (self.critical_ratio.value() > 0.0).then_some(self.critical_ratio * beyond);
+        let choked = (self.critical_ratio().value() > 0.0).then_some(self.critical_ratio() * beyond);
         let (choked_in, laminar_in) = (choked, Some(self.laminar_ratio * beyond));
         let (choked_out, laminar_out) =
-            (choked.map(|_| beyond / self.critical_ratio), Some(beyond / self.laminar_ratio));
+            (choked.map(|_| beyond / self.critical_ratio()), Some(beyond / self.laminar_ratio));
         match zone {
             FlowZone::ChokedIn => (None, choked_in),
             FlowZone::SubsonicIn => (choked_in, laminar_in),
@@ -290,23 +340,27 @@ impl<S: Real> FlowLaw<S> {
 /// Coefficients in rising powers of t of the polynomial through `function` at the Chebyshev points of `[−1, 1]`.
 fn chebyshev_fit<S: Scalar>(function: impl Fn(f64) -> S) -> [S; TERMS] {
     let count = TERMS as f64;
-    let angle = |node: usize| PI * (node as f64 + 0.5) / count;
-    let values: [S; TERMS] = core::array::from_fn(|node| function(Scalar::cos(angle(node))));
+    let nodes: [f64; TERMS] = core::array::from_fn(|node| Scalar::cos(PI * (node as f64 + 0.5) / count));
+    let values = nodes.map(function);
     let mut polynomial = [S::zero(); TERMS];
-    // T_k and T_{k+1} in powers of t; their coefficients are whole numbers.
+    // T_k and T_{k+1} at the nodes, and in powers of t, where their coefficients are whole numbers.
+    let (mut now_at, mut next_at) = ([1.0; TERMS], nodes);
     let (mut now, mut next) = ([0.0; TERMS], [0.0; TERMS]);
     now[0] = 1.0;
     next[1] = 1.0;
     for k in 0..TERMS {
         let share = if k == 0 { 1.0 } else { 2.0 } / count;
-        let coefficient = (0..TERMS)
-            .fold(S::zero(), |sum, node| sum + values[node] * S::constant(share * Scalar::cos(k as f64 * angle(node))));
+        let mut coefficient = S::zero();
+        for node in 0..TERMS {
+            coefficient = coefficient + values[node] * S::constant(share * now_at[node]);
+        }
         for (term, whole) in polynomial.iter_mut().zip(now) {
             *term = *term + coefficient * S::constant(whole);
         }
+        let after_at = core::array::from_fn(|node| 2.0 * nodes[node] * next_at[node] - now_at[node]);
         let after = core::array::from_fn(|i| if i == 0 { 0.0 } else { 2.0 * next[i - 1] } - now[i]);
-        now = next;
-        next = after;
+        (now_at, next_at) = (next_at, after_at);
+        (now, next) = (next, after);
     }
     polynomial
 }
@@ -316,9 +370,10 @@ fn chebyshev_fit<S: Scalar>(function: impl Fn(f64) -> S) -> [S; TERMS] {
 fn polynomial<S: Scalar, T: Over<S>>(coefficients: &[S; TERMS], t: T) -> T {
     let (t2, mut sum) = (t * t, T::zero());
     let t4 = t2 * t2;
-    for group in coefficients.chunks_exact(4).rev() {
-        let low = t.multiply_add(T::of(group[1]), T::of(group[0]));
-        let high = t.multiply_add(T::of(group[3]), T::of(group[2]));
+    for group in 0..TERMS / 4 {
+        let first = TERMS - 4 * (group + 1);
+        let low = t.multiply_add(T::of(coefficients[first + 1]), T::of(coefficients[first]));
+        let high = t.multiply_add(T::of(coefficients[first + 3]), T::of(coefficients[first + 2]));
         sum = sum.multiply_add(t4, t2.multiply_add(high, low));
     }
     sum

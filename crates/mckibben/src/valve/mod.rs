@@ -11,10 +11,11 @@ mod solenoid;
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
 pub use flow::{FlowLaw, FlowStandard, FlowZone, REFERENCE_DENSITY};
-pub(crate) use solenoid::SIMULTANEOUS;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
+pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 
 use crate::air::{Air, Chamber, Flow};
+use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -28,6 +29,8 @@ pub struct Supply<S = f64> {
     temperature: S,
     /// `1/√T`, which every inflow has.
     per_root_temperature: S,
+    /// `1/T`.
+    per_temperature: S,
 }
 
 impl Supply {
@@ -64,16 +67,25 @@ pub(crate) fn below_vacuum(parameter: &'static Parameter, gauge: GaugePressure, 
 impl<S: Scalar> Supply<S> {
     fn assemble(gauge_pressure: S, atmospheric_pressure: S, temperature: S) -> Self {
         let per_root_temperature = S::one() / temperature.sqrt();
-        Self { gauge_pressure, atmospheric_pressure, temperature, per_root_temperature }
+        let per_temperature = S::one() / temperature;
+        Self { gauge_pressure, atmospheric_pressure, temperature, per_root_temperature, per_temperature }
     }
 
     /// The same supply over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Supply<T> {
-        Supply::assemble(
-            convert(&parameter::SUPPLY_GAUGE_PRESSURE, self.gauge_pressure),
-            convert(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure),
-            convert(&parameter::SUPPLY_TEMPERATURE, self.temperature),
-        )
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Supply<T> {
+        let gauge_pressure = convert.parameter(&parameter::SUPPLY_GAUGE_PRESSURE, self.gauge_pressure);
+        let atmospheric_pressure = convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure);
+        let temperature = convert.parameter(&parameter::SUPPLY_TEMPERATURE, self.temperature);
+        match convert.carry() {
+            Some(mut carry) => Supply {
+                gauge_pressure,
+                atmospheric_pressure,
+                temperature,
+                per_root_temperature: carry(self.per_root_temperature),
+                per_temperature: carry(self.per_temperature),
+            },
+            None => Supply::assemble(gauge_pressure, atmospheric_pressure, temperature),
+        }
     }
 
     /// Absolute pressure of the supply.
@@ -116,32 +128,59 @@ pub struct Valve<S = f64> {
     pub supply: Supply<S>,
     /// The temperature that the flow law takes for outflow.
     pub exhaust_temperature: ExhaustTemperature,
-    atmospheric_pressure: S,
+    beyond_supply: Beyond<S>,
+    beyond_exhaust: Beyond<S>,
+}
+
+/// Air at rest beyond a passage, by what a flow from it needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beyond<S = f64> {
+    /// Absolute pressure in Pa.
+    pressure: S,
+    /// `1/P`.
+    per_pressure: S,
+    /// `P²/T` in Pa²/K.
+    squared_drive: S,
 }
 
 impl<S: Scalar> Valve<S> {
     /// A valve with a flow law, fed by `supply`, that exhausts to the surroundings of `air`.
     pub fn new(law: FlowLaw<S>, supply: Supply<S>, exhaust_temperature: ExhaustTemperature, air: &Air<S>) -> Self {
-        Self { law, supply, exhaust_temperature, atmospheric_pressure: air.atmosphere().0 }
+        Self::assemble(law, supply, exhaust_temperature, air.atmosphere().0)
+    }
+
+    fn assemble(
+        law: FlowLaw<S>,
+        supply: Supply<S>,
+        exhaust_temperature: ExhaustTemperature,
+        atmospheric_pressure: S,
+    ) -> Self {
+        let beyond_supply = Beyond::new(supply.pressure().0, &supply);
+        let beyond_exhaust = Beyond::new(atmospheric_pressure, &supply);
+        Self { law, supply, exhaust_temperature, beyond_supply, beyond_exhaust }
     }
 
     /// The same valve over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Valve<T> {
-        Valve {
-            law: self.law.map(&mut convert),
-            supply: self.supply.map(&mut convert),
-            exhaust_temperature: self.exhaust_temperature,
-            atmospheric_pressure: convert(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure),
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Valve<T> {
+        let (law, supply) = (self.law.convert(convert), self.supply.convert(convert));
+        let atmospheric_pressure = convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.beyond_exhaust.pressure);
+        let exhaust_temperature = self.exhaust_temperature;
+        match convert.carry() {
+            Some(mut carry) => Valve {
+                law,
+                supply,
+                exhaust_temperature,
+                beyond_supply: self.beyond_supply.map(&mut carry),
+                beyond_exhaust: self.beyond_exhaust.map(&mut carry),
+            },
+            None => Valve::assemble(law, supply, exhaust_temperature, atmospheric_pressure),
         }
     }
 
     /// Absolute pressure in Pa beyond a port.
     #[inline(always)]
     pub fn port_pressure(&self, port: Port) -> S {
-        match port {
-            Port::Supply => self.supply.pressure().0,
-            Port::Exhaust => self.atmospheric_pressure,
-        }
+        self.beyond(port).pressure
     }
 
     /// `P/√T` of air that leaves the actuator; with the actuator's own temperature that is `√(R P ρ)`.
@@ -162,26 +201,67 @@ impl<S: Scalar> Valve<S> {
         let conductance = T::of(self.law.conductance());
         if zone.is_inward() {
             let drive = beyond * T::of(self.supply.per_root_temperature);
-            let ratio = || chamber.pressure / beyond;
-            Flow { inward: conductance * drive * self.law.in_zone(zone, ratio), outward: T::zero() }
+            let gap = || (beyond - chamber.pressure) * T::of(self.beyond(port).per_pressure);
+            Flow { inward: conductance * drive * self.law.in_zone(zone, gap), outward: T::zero() }
         } else {
-            let ratio = || beyond / chamber.pressure;
-            let outward = conductance * self.outward_drive(chamber) * self.law.in_zone(zone, ratio);
+            let gap = || (chamber.pressure - beyond) * chamber.per_pressure;
+            let outward = conductance * self.outward_drive(chamber) * self.law.in_zone(zone, gap);
             Flow { inward: T::zero(), outward }
         }
     }
 
-    /// Flow through one open port, whatever the zone: selects instead of branches.
+    /// What lies beyond a port.
+    #[inline(always)]
+    pub fn beyond(&self, port: Port) -> Beyond<S> {
+        match port {
+            Port::Supply => self.beyond_supply,
+            Port::Exhaust => self.beyond_exhaust,
+        }
+    }
+
+    /// Flow through one open port, whatever the zone.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, port: Port, chamber: &Chamber<T>) -> Flow<T> {
-        let beyond = T::of(self.port_pressure(port));
+        self.flow_from(self.beyond(port), chamber)
+    }
+
+    /// Flow through an open passage to what lies beyond it, whatever the zone: selects instead of branches.
+    #[inline(always)]
+    pub fn flow_from<T: Over<S>>(&self, beyond: Beyond<S>, chamber: &Chamber<T>) -> Flow<T> {
         let pressure = chamber.pressure;
-        let inwards = pressure.lt(beyond);
-        let inward_drive = beyond * T::of(self.supply.per_root_temperature);
-        let drive = T::select(inwards, inward_drive, self.outward_drive(chamber));
-        let high = T::select(inwards, beyond, pressure);
-        let low = T::select(inwards, pressure, beyond);
-        let size = T::of(self.law.conductance()) * drive * self.law.ratio_function(low / high);
+        let inwards = pressure.lt(T::of(beyond.pressure));
+        let outward_drive = match self.exhaust_temperature {
+            ExhaustTemperature::Ambient => pressure * pressure * T::of(self.supply.per_temperature),
+            ExhaustTemperature::Actuator => T::of(self.law.gas_constant()) * pressure * chamber.density(),
+        };
+        let squared_drive = T::select(inwards, T::of(beyond.squared_drive), outward_drive);
+        let per_upstream = T::select(inwards, T::of(beyond.per_pressure), chamber.per_pressure);
+        let size = self.law.mass_flow(squared_drive, (pressure - T::of(beyond.pressure)).magnitude() * per_upstream);
         Flow { inward: T::select(inwards, size, T::zero()), outward: T::select(inwards, T::zero(), size) }
+    }
+}
+
+impl<S: Scalar> Beyond<S> {
+    fn new(pressure: S, supply: &Supply<S>) -> Self {
+        let squared_drive = pressure * pressure * supply.per_temperature;
+        Self { pressure, per_pressure: S::one() / pressure, squared_drive }
+    }
+
+    fn map<T>(&self, mut number: impl FnMut(S) -> T) -> Beyond<T> {
+        Beyond {
+            pressure: number(self.pressure),
+            per_pressure: number(self.per_pressure),
+            squared_drive: number(self.squared_drive),
+        }
+    }
+
+    /// One or the other, lane by lane.
+    #[inline(always)]
+    pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            pressure: S::select(mask, yes.pressure, no.pressure),
+            per_pressure: S::select(mask, yes.per_pressure, no.per_pressure),
+            squared_drive: S::select(mask, yes.squared_drive, no.squared_drive),
+        }
     }
 }

@@ -18,8 +18,9 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
 
 use super::command::{Command, Request};
+use crate::convert::Convert;
 use crate::error::Error;
-use crate::parameter::{self, Parameter};
+use crate::parameter;
 use crate::scalar::{Real, Scalar};
 
 /// How the passages are arranged.
@@ -94,11 +95,11 @@ impl Solenoid {
 
 impl<S: Scalar> Solenoid<S> {
     /// The same solenoid over another scalar.
-    pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Solenoid<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Solenoid<T> {
         Solenoid {
             kind: self.kind,
-            opening_delay: convert(&parameter::OPENING_DELAY, self.opening_delay),
-            closing_delay: convert(&parameter::CLOSING_DELAY, self.closing_delay),
+            opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
+            closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
         }
     }
 
@@ -190,7 +191,7 @@ impl<S: Real> SeatClock<S> {
 }
 
 /// Whether an instant has come. Two instants that differ by the rounding of their own computation are one.
-fn is_due<S: Real>(instant: S, time: S) -> bool {
+pub(crate) fn is_due<S: Real>(instant: S, time: S) -> bool {
     let (instant, time) = (instant.value(), time.value());
     instant <= time + SIMULTANEOUS * time.abs()
 }

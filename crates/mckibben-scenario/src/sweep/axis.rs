@@ -1,0 +1,150 @@
+//! One key that varies: what values it takes, and which one in each row.
+
+use super::design::{Draw, Sampler};
+use super::distribution::Distribution;
+use super::field::Field;
+use super::spacing::Ends;
+use crate::quantity;
+use mckibben::parameter::Parameter;
+use std::fmt::Write;
+
+/// A key that varies.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Path of the key, such as `load.mass`.
+    pub path: String,
+    /// What its values are.
+    pub kind: AxisKind,
+    pub(super) values: Values,
+    pub(super) sampler: Sampler,
+    pub(super) target: Option<Target>,
+}
+
+/// What the values of an axis are.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum AxisKind {
+    /// Numbers.
+    Quantity {
+        /// SI unit; empty for a pure number.
+        unit: &'static str,
+        /// Name of the column in a table, such as `load_mass_kg`.
+        column: String,
+    },
+    /// Words, such as those of `air.process`.
+    Word,
+}
+
+/// The value of an axis in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AxisValue<'a> {
+    /// A number in the axis' SI unit.
+    Number(f64),
+    /// A word as the file has it.
+    Word(&'a str),
+}
+
+/// The number of the scenario that an axis sets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    pub(super) parameter: &'static Parameter,
+    pub(super) field: Field,
+}
+
+/// What there is to take from, numbers in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Values {
+    /// Numbers one by one.
+    Numbers(Vec<f64>),
+    /// Words one by one.
+    Words(Vec<String>),
+    /// Evenly spaced numbers.
+    Steps(Ends, u64),
+    /// All numbers, some likelier than others.
+    Continuous(Distribution),
+}
+
+impl Values {
+    /// How many there are; `None` for a continuum.
+    pub(super) fn count(&self) -> Option<u64> {
+        match self {
+            Self::Numbers(list) => Some(list.len() as u64),
+            Self::Words(list) => Some(list.len() as u64),
+            Self::Steps(_, count) => Some(*count),
+            Self::Continuous(_) => None,
+        }
+    }
+
+    /// The step that a draw takes; steps have equal odds.
+    fn step(&self, draw: Draw) -> u64 {
+        let count = self.count().unwrap_or(1);
+        match draw {
+            Draw::Step(step) => step % count,
+            // Below 1 times a count is below the count, but for a rounding.
+            Draw::Unit(share) => ((share * count as f64) as u64).min(count - 1),
+        }
+    }
+
+    fn at(&self, draw: Draw) -> AxisValue<'_> {
+        let step = self.step(draw);
+        match (self, draw) {
+            (Self::Numbers(list), _) => AxisValue::Number(list[step as usize]),
+            (Self::Words(list), _) => AxisValue::Word(&list[step as usize]),
+            (Self::Steps(ends, count), _) => AxisValue::Number(ends.step(step, *count)),
+            (Self::Continuous(distribution), Draw::Unit(share)) => AxisValue::Number(distribution.quantile(share)),
+            // A grid has no continuous axes, which the reading sees to; its middle is as good as any.
+            (Self::Continuous(distribution), Draw::Step(_)) => AxisValue::Number(distribution.quantile(0.5)),
+        }
+    }
+}
+
+impl Axis {
+    /// Name of the column in a table, such as `load_mass_kg` or `air_process`.
+    pub fn column(&self) -> String {
+        match &self.kind {
+            AxisKind::Quantity { column, .. } => column.clone(),
+            AxisKind::Word => column_of(&self.path, ""),
+        }
+    }
+
+    /// The value in a row.
+    pub(super) fn value(&self, row: u64) -> AxisValue<'_> {
+        self.values.at(self.sampler.draw(row))
+    }
+
+    /// Which word a row takes, counted from 0, when the axis is one of several words.
+    pub(super) fn word(&self, row: u64) -> Option<u64> {
+        matches!(self.values, Values::Words(_)).then(|| self.values.step(self.sampler.draw(row)))
+    }
+
+    /// The axis as a line of text that tells it from every other.
+    pub(super) fn fingerprint(&self, text: &mut String) {
+        let unit = match &self.kind {
+            AxisKind::Quantity { unit, .. } => *unit,
+            AxisKind::Word => "",
+        };
+        let number = |value: f64| quantity::format(value, unit);
+        let between =
+            |ends: &Ends| format!("from {} to {} {}", number(ends.from), number(ends.to), ends.spacing.name());
+        let values = match &self.values {
+            Values::Numbers(list) => list.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", "),
+            Values::Words(list) => format!("{list:?}"),
+            Values::Steps(ends, count) => format!("{count} {}", between(ends)),
+            Values::Continuous(Distribution::Uniform(ends)) => format!("uniform {}", between(ends)),
+            Values::Continuous(Distribution::Normal { mean, deviation }) => {
+                format!("normal mean {} deviation {}", number(*mean), number(*deviation))
+            }
+            Values::Continuous(Distribution::LogNormal { median, factor }) => {
+                format!("log-normal median {} factor {factor}", number(*median))
+            }
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "vary {}: {values}", self.path);
+    }
+}
+
+/// A column's name: the path and the unit in lower case, joined by `_`.
+pub(super) fn column_of(path: &str, unit: &str) -> String {
+    let unit = unit.to_lowercase().replace(['(', ')', '^'], "").replace(['*', '/'], "_");
+    let path = path.replace(['.', '-'], "_");
+    if unit.is_empty() { path } else { format!("{path}_{unit}") }
+}

@@ -1,0 +1,194 @@
+//! Sweeps: many rows, each the scenario of the file with some keys set anew.
+//!
+//! `[sweep]` says how many rows there are and what is recorded of each, `[sweep.vary]` what varies: lists, ranges and
+//! distributions, combined by a design. A row is a function of its number alone, so rows can be computed in any order, on
+//! any number of machines, and again after a stop.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `read`, `vary` | the sections `[sweep]` and `[sweep.vary]` with their mistakes |
+//! | `axis` | one key that varies, and its value in a row |
+//! | `design` | which part of an axis a row takes: grid, random, Latin hypercube, Sobol' |
+//! | `random`, `permutation`, `sobol`, `directions` | numbers for these at any position |
+//! | `distribution`, `spacing` | from the unit interval to values |
+//! | `field` | where a quantity stands in the scenario |
+//! | `reduction` | the numbers that a run is reduced to |
+//!
+//! A file is read once for each combination of words; the numbers of a row are then set in the plain scenario, without
+//! text. Checked by `tests/sweep.rs`: both ways agree for every key.
+
+mod axis;
+mod design;
+mod directions;
+mod distribution;
+mod field;
+mod permutation;
+mod random;
+mod read;
+pub(crate) mod reduction;
+mod sobol;
+mod spacing;
+mod vary;
+
+pub use axis::{Axis, AxisKind, AxisValue};
+pub use reduction::{Quantity, Reduction, Statistic};
+
+use crate::choice::DesignKind;
+use crate::quantity;
+use crate::scenario::{Load, Scenario};
+use mckibben::parameter as p;
+use mckibben::{Error, Requirement};
+use std::fmt::{self, Write};
+
+pub(crate) use design::MOST_ROWS;
+
+/// What a file's `[sweep]` says: which rows there are, and what is recorded of each.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    axes: Vec<Axis>,
+    design: DesignKind,
+    rows: u64,
+    seed: u64,
+    record: Record,
+    part_rows: u64,
+    /// A scenario for each combination of words, the last axis of words changing first.
+    bases: Vec<Scenario>,
+    /// Whether the least length follows from a thread length that varies.
+    min_length_follows: bool,
+}
+
+/// What is recorded of each row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Record {
+    /// These numbers.
+    Reductions(Vec<Reduction>),
+    /// What holds at these times in s, which increase.
+    Samples(Vec<f64>),
+    /// What holds at every `run.sample_interval`.
+    Trajectories,
+}
+
+/// Why a row has no scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RowError {
+    /// The row, counted from 0.
+    pub row: u64,
+    /// What is wrong with its values.
+    pub error: Error,
+}
+
+impl fmt::Display for RowError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "row {}: {}", self.row, self.error)
+    }
+}
+
+impl std::error::Error for RowError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+impl Sweep {
+    /// Number of rows, at least 1.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// The keys that vary, in the order of the file.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// The value of an axis in a row, at a cost that depends on neither. From [`Sweep::rows`] on the rows begin anew.
+    ///
+    /// # Panics
+    /// When there is no such axis, as a slice does.
+    pub fn value(&self, axis: usize, row: u64) -> AxisValue<'_> {
+        self.axes[axis].value(row % self.rows)
+    }
+
+    /// What is recorded of each row.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Number of rows in a part of the result, at least 1.
+    pub fn part_rows(&self) -> u64 {
+        self.part_rows
+    }
+
+    /// The seed of the random numbers.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The scenario of a row. Tables in it are copied; everything else is a few numbers.
+    ///
+    /// # Errors
+    /// When a value lies outside its parameter's range, which the tails of a distribution may do, or contradicts another.
+    /// What takes the model to judge is judged by [`Scenario::experiment`], as for a file.
+    pub fn scenario(&self, row: u64) -> Result<Scenario, RowError> {
+        let row = row % self.rows;
+        self.valid(row).map_err(|error| RowError { row, error })
+    }
+
+    fn valid(&self, row: u64) -> Result<Scenario, Error> {
+        let words = self.axes.iter().filter_map(|axis| Some((axis.word(row)?, axis.values.count()?)));
+        let base = words.fold(0, |base, (word, count)| base * count + word);
+        let mut scenario = self.bases[base as usize].clone();
+        for axis in &self.axes {
+            let (Some(target), AxisValue::Number(value)) = (axis.target, axis.value(row)) else { continue };
+            // A number without a place is not reached: the reading of the bases has refused it.
+            if let Some(place) = (target.field)(&mut scenario) {
+                *place = target.parameter.check(value)?;
+            }
+        }
+        if self.min_length_follows {
+            scenario.actuator.min_length = scenario.actuator.thread_length / 3_f64.sqrt();
+        }
+        consistent(scenario)
+    }
+
+    /// Text of the base scenario and the sweep: two sweeps with equal text give equal results.
+    pub fn fingerprint_text(&self) -> String {
+        let mut text = String::new();
+        let record = match &self.record {
+            Record::Reductions(list) => list.iter().map(|reduction| reduction.name()).collect::<Vec<_>>().join(", "),
+            Record::Samples(times) => {
+                times.iter().map(|time| quantity::format(*time, "s")).collect::<Vec<_>>().join(", ")
+            }
+            Record::Trajectories => "trajectories".to_owned(),
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "design {}\nrows {}\nseed {}", self.design.name(), self.rows, self.seed);
+        let _ = writeln!(text, "record {record}\npart_rows {}", self.part_rows);
+        self.axes.iter().for_each(|axis| axis.fingerprint(&mut text));
+        let _ = writeln!(text, "min_length {}", if self.min_length_follows { "follows" } else { "given" });
+        for base in &self.bases {
+            let _ = writeln!(text, "\n{}", base.to_toml());
+        }
+        text
+    }
+}
+
+/// Refuses what the reading of a file refuses as contradictory and the model does not look at.
+fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
+    let (run, velocity) = (scenario.run, scenario.initial.velocity);
+    if run.sample_interval > run.duration {
+        let unit = p::DURATION.unit;
+        return Err(Error::Inconsistent {
+            parameter: &p::SAMPLE_INTERVAL,
+            value: run.sample_interval,
+            requirement: Requirement { relation: "must be at most", other: p::DURATION.key, value: run.duration, unit },
+            remedy: p::SAMPLE_INTERVAL.remedy,
+        });
+    }
+    if scenario.load == Load::Isometric && velocity != 0.0 {
+        return Err(Error::Unsupported {
+            what: "an isometric load does not move, so `initial.velocity` must be zero",
+            remedy: "do not vary the key",
+        });
+    }
+    Ok(scenario)
+}

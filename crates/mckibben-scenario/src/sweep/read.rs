@@ -1,0 +1,209 @@
+//! Reads `[sweep]`: how the rows are chosen, what is recorded, and the scenarios that the rows start from.
+//!
+//! The scenario is read with the first value of every key in place, once for each combination of words, so that a key which
+//! only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values are numbers
+//! within the range that the key has, and need no text.
+
+use super::axis::Axis;
+use super::design::{MOST_ROWS, Sampler};
+use super::random::Stream;
+use super::reduction::DEFAULT;
+use super::vary::{self, Varied};
+use super::{Record, Sweep, sobol};
+use crate::choice::{DesignKind, RecordKind};
+use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
+use crate::document::Document;
+use crate::keys::{self, SWEEP, VARY};
+use crate::quantity;
+use crate::reader::Reader;
+use crate::scenario::Scenario;
+use mckibben::parameter as p;
+
+/// Most combinations of words, each of which is a scenario in memory.
+const MOST_BASES: u64 = 4096;
+
+/// Numbers in a part of the result when the file does not say how long one is: about 8 MB.
+const NUMBERS_IN_PART: f64 = 1_048_576.0;
+
+/// Columns of a recorded sample.
+const COLUMNS: f64 = 10.0;
+
+/// Rows in a part at most, so that little is lost when a long sweep is stopped.
+const ROWS_IN_PART: f64 = 4096.0;
+
+impl Document {
+    /// Reads the section `[sweep]`, and the scenarios that it asks for; `None` when there is none.
+    ///
+    /// # Errors
+    /// Every mistake in the section; then, if there is none, every mistake in the scenario with the first value of each
+    /// key that varies.
+    pub fn sweep(&self) -> Result<Option<Sweep>, Diagnostics> {
+        if !self.contains(SWEEP) {
+            return Ok(None);
+        }
+        let mut reader = Reader::of_section(self, SWEEP);
+        let r = &mut reader;
+        let design = r.word("sweep.design").unwrap_or(DesignKind::Grid);
+        let seed = r.whole(&keys::SWEEP_SEED).unwrap_or(0);
+        let part_rows = r.whole(&keys::PART_ROWS);
+        let record = record(r);
+        let varied = vary::read(r, design);
+        let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
+        let words = varied.iter().filter_map(Varied::words).fold(1, u64::saturating_mul);
+        if words > MOST_BASES {
+            let place = r.key_place(VARY);
+            note_beyond(r, place, &format!("the words combine to {words} scenarios, more than {MOST_BASES}"));
+        }
+        reader.finish()?;
+        let bases = bases(self, &varied, words)?;
+        let Some((record, first)) = record.zip(bases.first()) else { return Ok(None) };
+        check_times(self, &record, first, &varied)?;
+        let part_rows = part_rows.unwrap_or_else(|| part_of(&record, first)).min(rows);
+        let varies = |row: &p::Parameter| varied.iter().any(|varied| varied.path == row.key);
+        let min_length_given = self.contains(p::MIN_LENGTH.key) || varies(&p::MIN_LENGTH);
+        let min_length_follows = varies(&p::THREAD_LENGTH) && !min_length_given;
+        let axes = axes(varied, design, rows, seed);
+        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases, min_length_follows }))
+    }
+}
+
+/// How many rows a design other than a grid has.
+fn rows(r: &mut Reader<'_>) -> u64 {
+    if !r.has(keys::SWEEP_ROWS.key) {
+        r.missing(keys::SWEEP_ROWS.key, ", which every design but a grid needs");
+    }
+    r.whole(&keys::SWEEP_ROWS).unwrap_or(1)
+}
+
+/// How many rows a grid has.
+fn combinations(r: &mut Reader<'_>, varied: &[Varied<'_>]) -> u64 {
+    let product = varied.iter().filter_map(|varied| varied.values.count()).try_fold(1, u64::checked_mul);
+    product.filter(|rows| *rows <= MOST_ROWS).unwrap_or_else(|| {
+        let place = r.key_place(VARY);
+        note_beyond(r, place, &format!("the grid has more than {MOST_ROWS} rows"));
+        1
+    })
+}
+
+fn note_beyond(r: &mut Reader<'_>, place: Option<Place>, what: &str) {
+    if let Some(place) = place {
+        r.note(
+            Diagnostic::at(Class::OutOfRange, place, what, "too many")
+                .help("vary fewer keys, or give fewer values of each, or choose another design"),
+        );
+    }
+}
+
+/// What is recorded; `None` when its mistake has been noted.
+fn record(r: &mut Reader<'_>) -> Option<Record> {
+    Some(match r.word("sweep.record") {
+        None | Some(RecordKind::Reductions) => {
+            let path = "sweep.reductions";
+            Record::Reductions(if r.has(path) { r.words(path)? } else { DEFAULT.to_vec() })
+        }
+        Some(RecordKind::Trajectories) => Record::Trajectories,
+        Some(RecordKind::Samples) => {
+            if !r.has(keys::SAMPLE_TIMES.key) {
+                r.missing(keys::SAMPLE_TIMES.key, ", which `record = \"samples\"` needs");
+            }
+            let times = r.list(&keys::SAMPLE_TIMES)?;
+            let falls = times.windows(2).position(|pair| pair[1] <= pair[0]);
+            if let Some(place) = falls.and_then(|at| r.item_place(keys::SAMPLE_TIMES.key, at + 1)) {
+                let title = format!("`{}` must increase from entry to entry", keys::SAMPLE_TIMES.key);
+                let label = "not above the entry before";
+                r.note(Diagnostic::at(Class::BadList, place, title, label).help("sort the times, each once"));
+            }
+            Record::Samples(times)
+        }
+    })
+}
+
+/// Refuses times beyond the end of the run, unless the run's duration varies.
+fn check_times(
+    document: &Document,
+    record: &Record,
+    first: &Scenario,
+    varied: &[Varied<'_>],
+) -> Result<(), Diagnostics> {
+    let Record::Samples(times) = record else { return Ok(()) };
+    if varied.iter().any(|varied| varied.path == p::DURATION.key) {
+        return Ok(());
+    }
+    let beyond = times.iter().position(|time| *time > first.run.duration);
+    let reader = Reader::of_section(document, SWEEP);
+    match beyond.and_then(|at| reader.item_place(keys::SAMPLE_TIMES.key, at)) {
+        None => Ok(()),
+        Some(place) => {
+            let title = "this time is beyond the end of the run";
+            let label = format!("the run lasts {}", quantity::format(first.run.duration, p::DURATION.unit));
+            Err(Diagnostic::at(Class::Inconsistent, place, title, label)
+                .related(reader.value_place(p::DURATION.key), "the run's duration")
+                .help("leave it out, or make the run longer")
+                .into())
+        }
+    }
+}
+
+/// The scenario for each combination of words, with the first value of every other key.
+fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Result<Vec<Scenario>, Diagnostics> {
+    let mut document = document.clone();
+    document.remove(SWEEP);
+    for varied in varied {
+        document.put(&varied.path, &varied.key, varied.first());
+    }
+    let mut bases = Vec::new();
+    for combination in 0..combinations {
+        let mut rest = combination;
+        let mut chosen = Vec::new();
+        for varied in varied.iter().rev() {
+            if let Some(count) = varied.words() {
+                let word = varied.word(rest % count);
+                document.put(&varied.path, &varied.key, word);
+                chosen.push(format!("`{} = {}`", varied.path, word.place.text()));
+                rest /= count;
+            }
+        }
+        let base = document.scenario();
+        bases.push(match chosen.is_empty() {
+            true => base?,
+            false => base.map_err(|found| {
+                chosen.reverse();
+                found.help(&format!("so it is in the rows with {} of [sweep.vary]", chosen.join(" and ")))
+            })?,
+        });
+    }
+    Ok(bases)
+}
+
+/// Rows in a part of the result: as many as hold a manageable amount.
+fn part_of(record: &Record, first: &Scenario) -> u64 {
+    let numbers = match record {
+        Record::Reductions(list) => list.len() as f64,
+        Record::Samples(times) => times.len() as f64 * COLUMNS,
+        Record::Trajectories => (first.run.duration / first.run.sample_interval + 1.0) * COLUMNS,
+    };
+    (NUMBERS_IN_PART / numbers).clamp(1.0, ROWS_IN_PART) as u64
+}
+
+fn axes(varied: Vec<Varied<'_>>, design: DesignKind, rows: u64, seed: u64) -> Vec<Axis> {
+    let mut stride = rows;
+    let sampled = varied.into_iter().enumerate().map(|(index, varied)| {
+        let stream = Stream::new(seed, &varied.path);
+        let sampler = match design {
+            DesignKind::Grid => {
+                stride /= varied.values.count().unwrap_or(1);
+                Sampler::Grid { stride }
+            }
+            DesignKind::LatinHypercube => Sampler::latin_hypercube(rows, stream),
+            DesignKind::Sobol => {
+                // There are fewer keys than dimensions, which a test of the sequence sees to.
+                let dimension = sobol::Dimension::new(index, stream);
+                dimension.map_or(Sampler::Random(stream), |dimension| Sampler::Sobol(Box::new(dimension)))
+            }
+            DesignKind::Random => Sampler::Random(stream),
+        };
+        let (kind, target) = (varied.kind(), varied.target());
+        Axis { path: varied.path, kind, values: varied.values, sampler, target }
+    });
+    sampled.collect()
+}

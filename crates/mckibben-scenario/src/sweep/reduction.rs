@@ -1,0 +1,247 @@
+//! The numbers that a run is reduced to: names, meanings, units and columns. The runner computes them.
+//!
+//! A reduction is a statistic of a quantity over the whole run, named `length.final`. Not every pair has a meaning: a
+//! velocity that starts and ends at zero has no total change for an overshoot to be a share of.
+
+use super::axis::column_of;
+use crate::choice::{Choice, Word};
+
+/// What is reduced.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Quantity {
+    /// Distance between the attachments in m.
+    Length,
+    /// Velocity of lengthening in m/s.
+    Velocity,
+    /// Absolute pressure in the actuator in Pa.
+    Pressure,
+    /// Mass of the actuator's air in kg.
+    AirMass,
+    /// Temperature of the actuator's air in K.
+    Temperature,
+    /// Tension in N.
+    Tension,
+    /// Mass flow into the actuator in kg/s.
+    MassFlow,
+    /// Air of the supply in kg.
+    Air,
+}
+
+/// How it is reduced.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Statistic {
+    /// Value at the end of the run.
+    Final,
+    /// Mean over time.
+    Mean,
+    /// Least value.
+    Min,
+    /// Greatest value.
+    Max,
+    /// Greatest less least value over the last whole period of the pulse-width modulation; over the last tenth of the run
+    /// without one.
+    Ripple,
+    /// First time in s after which the value stays within 2 % of its total change of its final value.
+    SettlingTime,
+    /// Share of the total change by which the value passes its final value.
+    Overshoot,
+    /// Greatest magnitude.
+    Peak,
+    /// Amount drawn from the supply.
+    Used,
+}
+
+/// A statistic of a quantity.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub struct Reduction {
+    /// What is reduced.
+    pub quantity: Quantity,
+    /// How.
+    pub statistic: Statistic,
+}
+
+macro_rules! name {
+    (Final) => {
+        "final"
+    };
+    (Mean) => {
+        "mean"
+    };
+    (Min) => {
+        "min"
+    };
+    (Max) => {
+        "max"
+    };
+    (Ripple) => {
+        "ripple"
+    };
+    (SettlingTime) => {
+        "settling_time"
+    };
+    (Overshoot) => {
+        "overshoot"
+    };
+    (Peak) => {
+        "peak"
+    };
+    (Used) => {
+        "used"
+    };
+}
+
+macro_rules! meaning {
+    (Final, $of:literal) => {
+        concat!("Final ", $of, ".")
+    };
+    (Mean, $of:literal) => {
+        concat!("Mean over time of the ", $of, ".")
+    };
+    (Min, $of:literal) => {
+        concat!("Least ", $of, ".")
+    };
+    (Max, $of:literal) => {
+        concat!("Greatest ", $of, ".")
+    };
+    (Ripple, $of:literal) => {
+        concat!(
+            "Greatest less least ",
+            $of,
+            " over the last whole PWM period, or the last tenth of the run without PWM."
+        )
+    };
+    (SettlingTime, $of:literal) => {
+        concat!("First time after which the ", $of, " stays within 2 % of its total change of its final value.")
+    };
+    (Overshoot, $of:literal) => {
+        concat!("Share of its total change by which the ", $of, " passes its final value.")
+    };
+    (Peak, $of:literal) => {
+        concat!("Greatest magnitude of the ", $of, ".")
+    };
+    (Used, $of:literal) => {
+        concat!("Mass of the ", $of, " drawn from the supply.")
+    };
+}
+
+macro_rules! reductions {
+    ($($quantity:ident $name:literal, $of:literal: $($statistic:ident)+;)+) => {
+        impl Reduction {
+            /// Every reduction that has a meaning.
+            pub const ALL: &'static [Self] =
+                &[$($(Self { quantity: Quantity::$quantity, statistic: Statistic::$statistic }),+),+];
+
+            /// As it is written in a scenario file, such as `length.final`.
+            pub const fn name(self) -> &'static str {
+                match (self.quantity, self.statistic) {
+                    $($((Quantity::$quantity, Statistic::$statistic) => concat!($name, ".", name!($statistic)),)+)+
+                    _ => "",
+                }
+            }
+        }
+
+        impl Word for Reduction {
+            const CHOICES: &'static [Choice] = &[$($(Choice {
+                name: concat!($name, ".", name!($statistic)),
+                meaning: meaning!($statistic, $of),
+            }),+),+];
+
+            fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|reduction| reduction.name() == name)
+            }
+        }
+    };
+}
+
+reductions! {
+    Length "length", "length": Final Mean Min Max Ripple SettlingTime Overshoot;
+    Velocity "velocity", "velocity": Final Mean Min Max Ripple Peak;
+    Pressure "pressure", "absolute pressure": Final Mean Min Max Ripple SettlingTime Overshoot;
+    AirMass "air_mass", "mass of the actuator's air": Final Mean Min Max Ripple SettlingTime Overshoot;
+    Temperature "temperature", "temperature of the actuator's air": Final Mean Min Max Ripple SettlingTime Overshoot;
+    Tension "tension", "tension": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
+    MassFlow "mass_flow", "mass flow into the actuator": Final Mean Min Max Ripple Peak;
+    Air "air", "air": Used;
+}
+
+impl Reduction {
+    /// The words that a scenario file may name.
+    pub const CHOICES: &'static [Choice] = <Self as Word>::CHOICES;
+
+    /// SI unit; empty for a pure number.
+    pub const fn unit(self) -> &'static str {
+        match (self.quantity, self.statistic) {
+            (_, Statistic::SettlingTime) => "s",
+            (_, Statistic::Overshoot) => "",
+            (Quantity::Length, _) => "m",
+            (Quantity::Velocity, _) => "m/s",
+            (Quantity::Pressure, _) => "Pa",
+            (Quantity::AirMass | Quantity::Air, _) => "kg",
+            (Quantity::Temperature, _) => "K",
+            (Quantity::Tension, _) => "N",
+            (Quantity::MassFlow, _) => "kg/s",
+        }
+    }
+
+    /// Name of the column in a table, such as `length_final_m`.
+    pub fn column(self) -> String {
+        column_of(self.name(), self.unit())
+    }
+}
+
+/// What is recorded of each run when the file does not say.
+pub(super) const DEFAULT: &[Reduction] = {
+    use Quantity::{Air, Length, Pressure, Tension, Velocity};
+    use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, Ripple, SettlingTime, Used};
+    const fn of(quantity: Quantity, statistic: Statistic) -> Reduction {
+        Reduction { quantity, statistic }
+    }
+    &[
+        of(Length, Final),
+        of(Length, Mean),
+        of(Length, Min),
+        of(Length, Max),
+        of(Length, Ripple),
+        of(Length, SettlingTime),
+        of(Length, Overshoot),
+        of(Velocity, Peak),
+        of(Pressure, Final),
+        of(Pressure, Max),
+        of(Tension, Final),
+        of(Tension, Peak),
+        of(Air, Used),
+    ]
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_columns() {
+        let column = |name: &str| Reduction::from_name(name).map(Reduction::column);
+        for (name, expected) in [
+            ("length.final", "length_final_m"),
+            ("length.settling_time", "length_settling_time_s"),
+            ("length.overshoot", "length_overshoot"),
+            ("tension.peak", "tension_peak_n"),
+            ("velocity.peak", "velocity_peak_m_s"),
+            ("mass_flow.max", "mass_flow_max_kg_s"),
+            ("pressure.ripple", "pressure_ripple_pa"),
+            ("temperature.min", "temperature_min_k"),
+            ("air.used", "air_used_kg"),
+        ] {
+            assert_eq!(column(name).as_deref(), Some(expected));
+        }
+        assert_eq!(column("velocity.overshoot"), None);
+    }
+
+    #[test]
+    fn every_default_is_a_reduction_and_names_are_unique() {
+        assert!(DEFAULT.iter().all(|reduction| Reduction::ALL.contains(reduction)));
+        for (index, reduction) in Reduction::ALL.iter().enumerate() {
+            assert!(Reduction::ALL[..index].iter().all(|other| other.name() != reduction.name()));
+            assert_eq!(Reduction::CHOICES[index].name, reduction.name());
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! Reads `[sweep.vary]`: for the path of each key a list, a range or a distribution, with every mistake in them.
+//!
+//! A path may be quoted (`"load.mass" = ...`), dotted (`load.mass = ...`) or a section (`[sweep.vary.load]`).
+
+use super::axis::{AxisKind, Target, Values, column_of};
+use super::distribution::Distribution;
+use super::field::field_of;
+use super::spacing::Ends;
+use crate::choice::{DesignKind, Spacing, Word};
+use crate::diagnostic::{Class, Diagnostic, Place};
+use crate::document::{Entry, Node, Table, Value};
+use crate::keys::{self, COUNT, FACTOR, KEYS, Key, Kind, SWEEP, VARY};
+use crate::nearest::nearest;
+use crate::reader::{Reader, list_of};
+use mckibben::parameter::{Parameter, Range};
+
+/// A key that varies, as the file has it.
+pub(super) struct Varied<'d> {
+    pub(super) path: String,
+    pub(super) key: Place,
+    pub(super) values: Values,
+    row: &'static Key,
+    /// The values one by one, or the one that stands for all of them in a first reading of the scenario.
+    nodes: Vec<&'d Node>,
+}
+
+impl<'d> Varied<'d> {
+    /// The value with which the scenario is first read.
+    pub(super) fn first(&self) -> &'d Node {
+        self.nodes[0]
+    }
+
+    /// How many words there are, when they are words.
+    pub(super) fn words(&self) -> Option<u64> {
+        matches!(self.values, Values::Words(_)).then_some(self.nodes.len() as u64)
+    }
+
+    /// A word where it stands.
+    pub(super) fn word(&self, index: u64) -> &'d Node {
+        self.nodes[index as usize]
+    }
+
+    pub(super) fn kind(&self) -> AxisKind {
+        match (&self.values, self.row.parameter()) {
+            (Values::Words(_), _) | (_, None) => AxisKind::Word,
+            (_, Some(row)) => AxisKind::Quantity { unit: row.unit, column: column_of(&self.path, row.unit) },
+        }
+    }
+
+    pub(super) fn target(&self) -> Option<Target> {
+        let parameter = self.row.parameter().filter(|_| self.words().is_none())?;
+        field_of(parameter).map(|field| Target { parameter, field })
+    }
+}
+
+/// Reads the keys that vary, in the order of the file.
+pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>> {
+    let Some(entry) = r.entry(VARY) else {
+        if let Some(place) = r.key_place(SWEEP) {
+            r.note(
+                Diagnostic::at(Class::Missing, place, "the sweep does not say what varies", "needs [sweep.vary]")
+                    .help("add `[sweep.vary]` with for instance `\"load.mass\" = [\"3 lb\", \"5 lb\"]`"),
+            );
+        }
+        return Vec::new();
+    };
+    // What is no section has been refused.
+    let Value::Table(table) = &entry.node.value else { return Vec::new() };
+    if table.0.is_empty() {
+        let place = entry.key.clone();
+        r.note(
+            Diagnostic::at(Class::Missing, place, "[sweep.vary] is empty", "at least one key is expected")
+                .help("add for instance `\"load.mass\" = [\"3 lb\", \"5 lb\"]`"),
+        );
+    }
+    let mut found: Vec<(&'static Key, &'d Entry)> = Vec::new();
+    paths(r, table, "", &mut found);
+    // Dotted keys of one section stand together in the parsed file, wherever they were written.
+    found.sort_by_key(|(_, entry)| entry.key.span().start);
+    let mut varied: Vec<Varied<'d>> = Vec::new();
+    for (row, entry) in found {
+        if let Some(before) = varied.iter().find(|varied| varied.path == row.path) {
+            let title = format!("`{}` varies twice", row.path);
+            r.note(
+                Diagnostic::at(Class::Conflict, entry.key.clone(), title, "second time")
+                    .related(Some(before.key.clone()), "first time")
+                    .help("keep one of them"),
+            );
+            continue;
+        }
+        if let Some((values, nodes)) = values(r, row, &entry.node, design).filter(|(_, nodes)| !nodes.is_empty()) {
+            varied.push(Varied { path: row.path.to_owned(), key: entry.key.clone(), values, row, nodes });
+        }
+    }
+    varied
+}
+
+/// Finds the entries that are keys, through the sections above them.
+fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<(&'static Key, &'d Entry)>) {
+    for entry in &table.0 {
+        let path = if above.is_empty() { entry.name.clone() } else { format!("{above}.{}", entry.name) };
+        match (keys::key_at(&path), &entry.node.value) {
+            (Some(key), _) if key.varies() => found.push((key, entry)),
+            (Some(key), _) => fixed(r, key, entry),
+            (None, Value::Table(inner)) if keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP)) => {
+                paths(r, inner, &path, found);
+            }
+            (None, _) => unknown(r, &path, entry),
+        }
+    }
+}
+
+/// Notes a key that does not vary.
+fn fixed(r: &mut Reader<'_>, key: &Key, entry: &Entry) {
+    let (title, help) = if key.section() == SWEEP {
+        (format!("`{}` describes the sweep itself", key.path), "remove it")
+    } else {
+        (
+            format!("`{}` is a list, which does not vary", key.path),
+            "vary keys that hold one value; run one sweep for each list",
+        )
+    };
+    r.note(Diagnostic::at(Class::NotApplicable, entry.key.clone(), title, "cannot vary").help(help));
+}
+
+/// Notes a path that names no key.
+fn unknown(r: &mut Reader<'_>, path: &str, entry: &Entry) {
+    let known = || KEYS.iter().filter(|key| key.varies());
+    let named = || known().find(|key| key.name() == path).map(|key| key.path);
+    let meant = nearest(path, known().map(|key| key.path)).or_else(named);
+    let title = match keys::section_at(path) {
+        Some(section) => format!("`{}` is a section, not a key", section.path),
+        None => format!("`{path}` is no path to a key"),
+    };
+    let diagnostic = Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "unknown key");
+    r.note(match meant {
+        Some(meant) => diagnostic.help(format!("did you mean `\"{meant}\"`?")),
+        None => diagnostic.help("write the path of a key, as in `\"load.mass\" = [\"3 lb\", \"5 lb\"]`"),
+    });
+}
+
+type Read<'d> = (Values, Vec<&'d Node>);
+
+fn values<'d>(r: &mut Reader<'d>, key: &'static Key, node: &'d Node, design: DesignKind) -> Option<Read<'d>> {
+    match (&node.value, key.kind) {
+        (Value::List(_), _) => {
+            let items = r.items_of(node, key.path)?;
+            let values = match key.kind {
+                Kind::Choice(choices) => words(items, |item| r.one_of(item, key.path, choices).is_some())?,
+                Kind::Unit(like) => words(items, |item| r.unit_of(item, key.path, like).is_some())?,
+                Kind::QuantityOr(row, word) if items.iter().any(|item| is(item, word.name)) => {
+                    words(items, |item| is(item, word.name) || r.quantity(item, row).is_some())?
+                }
+                _ => numbers(r, items, key.parameter()?)?,
+            };
+            Some((values, items.iter().collect()))
+        }
+        (Value::Table(table), Kind::Quantity(row) | Kind::QuantityOr(row, _)) => spread(r, table, node, row, design),
+        (other, _) => {
+            let (what, example) = match key.parameter() {
+                Some(_) => ("a list, a range or a distribution", key.example.to_owned()),
+                None => ("a list of words", key.example.to_owned()),
+            };
+            let title = format!("what `{}` takes is {what}, not {}", key.path, other.noun());
+            let help = format!("write it as in `\"{}\" = [{example}]`", key.path);
+            r.note(Diagnostic::at(Class::WrongType, node.place.clone(), title, "cannot be varied so").help(help));
+            None
+        }
+    }
+}
+
+fn is(node: &Node, word: &str) -> bool {
+    matches!(&node.value, Value::String(said) if said == word)
+}
+
+fn numbers(r: &mut Reader<'_>, items: &[Node], row: &Parameter) -> Option<Values> {
+    let read: Vec<Option<f64>> = items.iter().map(|item| r.quantity(item, row)).collect();
+    read.into_iter().collect::<Option<_>>().map(Values::Numbers)
+}
+
+/// The items as words, when each of them is good.
+fn words(items: &[Node], mut good: impl FnMut(&Node) -> bool) -> Option<Values> {
+    let all: Vec<bool> = items.iter().map(&mut good).collect();
+    let word = |item: &Node| match &item.value {
+        Value::String(word) => word.clone(),
+        _ => item.place.text().to_owned(),
+    };
+    all.iter().all(|good| *good).then(|| Values::Words(items.iter().map(word).collect()))
+}
+
+/// A range or a distribution.
+fn spread<'d>(
+    r: &mut Reader<'d>,
+    table: &'d Table,
+    node: &'d Node,
+    row: &'static Parameter,
+    design: DesignKind,
+) -> Option<Read<'d>> {
+    const KINDS: [&str; 3] = ["uniform", "normal", "log-normal"];
+    let Some(kind) = table.0.iter().find(|entry| KINDS.contains(&entry.name.as_str())) else {
+        // No part of a range is a table, so this is a distribution whose name is misspelt.
+        let Some(entry) = table.0.iter().find(|entry| matches!(entry.node.value, Value::Table(_))) else {
+            return range(r, table, node, row, design);
+        };
+        let title = format!("`{}` is no distribution", entry.name);
+        let diagnostic = Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "unknown");
+        let meant = nearest(&entry.name, KINDS).map(|name| format!("did you mean `{name}`?"));
+        let known = format!("known here: {}", list_of(KINDS.into_iter()));
+        r.note(diagnostic.help(meant.unwrap_or(known)));
+        return None;
+    };
+    let others = table.0.iter().filter(|entry| entry.name != kind.name);
+    let others: Vec<Diagnostic> = others
+        .map(|entry| {
+            let title = format!("`{}` cannot stand beside `{}`", entry.name, kind.name);
+            Diagnostic::at(Class::Conflict, entry.key.clone(), title, "one too many")
+                .related(Some(kind.key.clone()), "the distribution")
+                .help("keep one distribution, or the range alone")
+        })
+        .collect();
+    let alone = others.is_empty();
+    others.into_iter().for_each(|diagnostic| r.note(diagnostic));
+    if design == DesignKind::Grid {
+        let title = format!("a grid has no use for the distribution of `{}`", row.key);
+        r.note(
+            Diagnostic::at(
+                Class::NotApplicable,
+                kind.key.clone(),
+                title,
+                "a grid takes every value of a list or range",
+            )
+            .related(r.value_place("sweep.design"), "chosen here")
+            .help(
+                "give a list or a range with `count`, or choose another design, such as `design = \"latin-hypercube\"`",
+            ),
+        );
+    }
+    let Value::Table(inner) = &kind.node.value else {
+        let title = format!("`{}` is a table, not {}", kind.name, kind.node.value.noun());
+        let place = kind.node.place.clone();
+        r.note(Diagnostic::at(Class::WrongType, place, title, "a table is expected").help(example(&kind.name)));
+        return None;
+    };
+    let read = match kind.name.as_str() {
+        "uniform" => {
+            let (ends, from) = ends(r, inner, &kind.node, row, &["from", "to", "spacing"])?;
+            (Distribution::Uniform(ends), from)
+        }
+        "normal" => {
+            let [mean, deviation] = parts(r, inner, &kind.node, ["mean", "deviation"], &[])?;
+            let row_of_deviation = Parameter {
+                key: "deviation",
+                range: Range::POSITIVE,
+                remedy: "give a standard deviation above zero",
+                ..*row
+            };
+            let (value, deviation) = (r.quantity(mean, row), r.difference(deviation, &row_of_deviation));
+            (Distribution::Normal { mean: value?, deviation: deviation? }, mean)
+        }
+        _ => {
+            let [median, factor] = parts(r, inner, &kind.node, ["median", "factor"], &[])?;
+            let (value, factor) = (r.quantity(median, row), r.quantity(factor, &FACTOR));
+            (
+                Distribution::LogNormal {
+                    median: above_zero(r, median, value?, "the median of a log-normal distribution")?,
+                    factor: factor?,
+                },
+                median,
+            )
+        }
+    };
+    alone.then(|| (Values::Continuous(read.0), vec![read.1]))
+}
+
+/// `{ from, to, count, spacing }`: steps, or without a count a uniform distribution.
+fn range<'d>(
+    r: &mut Reader<'d>,
+    table: &'d Table,
+    node: &'d Node,
+    row: &'static Parameter,
+    design: DesignKind,
+) -> Option<Read<'d>> {
+    const KNOWN: [&str; 4] = ["from", "to", "count", "spacing"];
+    let read = ends(r, table, node, row, &KNOWN);
+    let count = match table.get("count") {
+        Some(entry) => Some(r.whole_of(&entry.node, &COUNT)?),
+        None => None,
+    };
+    let (ends, from) = read?;
+    match count {
+        Some(count) => Some((Values::Steps(ends, count), vec![from])),
+        // A misspelt part may be the count.
+        None if table.0.iter().any(|entry| !KNOWN.contains(&entry.name.as_str())) => None,
+        None if design == DesignKind::Grid => {
+            let title = format!("the range of `{}` has no `count`, which a grid needs", row.key);
+            r.note(
+                Diagnostic::at(Class::Missing, node.place.clone(), title, "`count` is expected here")
+                    .related(r.value_place("sweep.design"), "chosen here")
+                    .help("add for instance `count = 9`, or choose another design, such as `design = \"latin-hypercube\"`"),
+            );
+            None
+        }
+        None => Some((Values::Continuous(Distribution::Uniform(ends)), vec![from])),
+    }
+}
+
+/// The ends of a range and how it is spaced; also where its first value stands.
+fn ends<'d>(
+    r: &mut Reader<'d>,
+    table: &'d Table,
+    node: &'d Node,
+    row: &'static Parameter,
+    known: &[&str],
+) -> Option<(Ends, &'d Node)> {
+    let [from, to] = parts(r, table, node, ["from", "to"], known)?;
+    let read = (r.quantity(from, row), r.quantity(to, row));
+    let spacing = match table.get("spacing") {
+        Some(entry) => Spacing::from_name(r.one_of(&entry.node, "spacing", Spacing::CHOICES)?)?,
+        None => Spacing::Linear,
+    };
+    let (mut first, mut last) = (read.0?, read.1?);
+    if spacing == Spacing::Logarithmic {
+        let (a, b) =
+            (above_zero(r, from, first, "a logarithmic range"), above_zero(r, to, last, "a logarithmic range"));
+        (first, last) = (a?, b?);
+    }
+    Some((Ends { from: first, to: last, spacing }, from))
+}
+
+/// Notes a value whose logarithm is wanted and does not exist.
+fn above_zero(r: &mut Reader<'_>, node: &Node, value: f64, what: &str) -> Option<f64> {
+    if value > 0.0 {
+        return Some(value);
+    }
+    let title = format!("{what} needs values above zero");
+    r.note(
+        Diagnostic::at(Class::OutOfRange, node.place.clone(), title, "has no logarithm")
+            .help("give a value above zero, or choose linear spacing or another distribution"),
+    );
+    None
+}
+
+/// Two parts that a range or distribution must have, and no part that is not known.
+fn parts<'d>(
+    r: &mut Reader<'d>,
+    table: &'d Table,
+    node: &'d Node,
+    asked: [&str; 2],
+    known: &[&str],
+) -> Option<[&'d Node; 2]> {
+    let known = if known.is_empty() { &asked[..] } else { known };
+    let mut meant = None;
+    for entry in table.0.iter().filter(|entry| !known.contains(&entry.name.as_str())) {
+        let title = format!("`{}` is no part of this", entry.name);
+        let diagnostic = Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "unknown");
+        let near = nearest(&entry.name, known.iter().copied());
+        meant = meant.or(near);
+        r.note(match near {
+            Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
+            None => diagnostic.help(format!("known here: {}", list_of(known.iter().copied()))),
+        });
+    }
+    let found = asked.map(|name| table.get(name).map(|entry| &entry.node));
+    for (name, _) in asked.iter().zip(found).filter(|(name, part)| part.is_none() && meant != Some(**name)) {
+        let title = format!("`{name}` is missing");
+        let diagnostic =
+            Diagnostic::at(Class::Missing, node.place.clone(), title, format!("`{name}` is expected here"));
+        r.note(diagnostic.help(example(asked[0])));
+    }
+    let [first, second] = found;
+    Some([first?, second?])
+}
+
+/// How a range or distribution is written.
+fn example(part: &str) -> &'static str {
+    match part {
+        "normal" | "mean" => "write it as in `{ normal = { mean = \"4 ms\", deviation = \"0.5 ms\" } }`",
+        "log-normal" | "median" => "write it as in `{ log-normal = { median = \"4 ms\", factor = 1.5 } }`",
+        "uniform" => "write it as in `{ uniform = { from = \"3 ms\", to = \"5 ms\" } }`",
+        _ => "write it as in `{ from = \"3 ms\", to = \"5 ms\", count = 5 }`",
+    }
+}

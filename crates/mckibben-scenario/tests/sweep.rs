@@ -1,0 +1,471 @@
+//! Sweeps: the order of grids, the fast way to a row against the text, independence of order, and every mistake.
+
+use mckibben_scenario::diagnostic::{Class, Diagnostic};
+use mckibben_scenario::keys::{KEYS, Kind};
+use mckibben_scenario::{AxisKind, AxisValue, Document, Record, Sweep, quantity};
+use std::path::Path;
+
+const BASE: &str = r#"[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[run]
+duration = "2 s"
+"#;
+
+/// The line of [`BASE`] on which the sweep begins.
+const FIRST: usize = 14;
+
+fn document(sweep: &str) -> Document {
+    Document::parse(&format!("{BASE}{sweep}"), "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn sweep(text: &str) -> Sweep {
+    document(text).sweep().unwrap_or_else(|error| panic!("{error}")).expect("a sweep")
+}
+
+fn number(sweep: &Sweep, axis: usize, row: u64) -> f64 {
+    match sweep.value(axis, row) {
+        AxisValue::Number(number) => number,
+        AxisValue::Word(word) => panic!("{word}"),
+    }
+}
+
+#[test]
+fn a_file_without_the_section_has_no_sweep() {
+    assert!(document("").sweep().expect("good").is_none());
+}
+
+#[test]
+fn a_grid_has_every_combination_the_last_key_fastest() {
+    let sweep = sweep(
+        "[sweep.vary]\n\"load.mass\" = [\"1 kg\", \"2 kg\"]\n\"air.process\" = [\"isentropic\", \"isothermal\"]\n\
+         \"valve.efficiency\" = { from = 0.25, to = 1, count = 3, spacing = \"logarithmic\" }\n",
+    );
+    assert_eq!((sweep.rows(), sweep.seed()), (12, 0));
+    let rows = (0..12).map(|row| (sweep.value(0, row), sweep.value(1, row), sweep.value(2, row)));
+    let mut expected = Vec::new();
+    for mass in [1.0, 2.0] {
+        for process in ["isentropic", "isothermal"] {
+            for efficiency in [0.25, 0.5, 1.0] {
+                let number = AxisValue::Number;
+                expected.push((number(mass), AxisValue::Word(process), number(efficiency)));
+            }
+        }
+    }
+    assert_eq!(rows.collect::<Vec<_>>(), expected);
+    let columns: Vec<String> = sweep.axes().iter().map(mckibben_scenario::Axis::column).collect();
+    assert_eq!(columns, ["load_mass_kg", "air_process", "valve_efficiency"]);
+    let kind = AxisKind::Quantity { unit: "kg", column: "load_mass_kg".to_owned() };
+    assert_eq!((&sweep.axes()[0].kind, &sweep.axes()[1].kind), (&kind, &AxisKind::Word));
+}
+
+/// Dotted keys, quoted keys and sections mean the same, in the order in which they are written.
+#[test]
+fn paths_are_written_in_three_ways() {
+    let one = "[sweep.vary]\nload.mass = [\"1 kg\"]\n\"valve.efficiency\" = [0.8, 0.9]\nload.gravity = [\"1 m/s^2\"]\n";
+    let paths: Vec<String> = sweep(one).axes().iter().map(|axis| axis.path.clone()).collect();
+    assert_eq!(paths, ["load.mass", "valve.efficiency", "load.gravity"]);
+    let two = "[sweep.vary.load]\nmass = [\"1 kg\"]\n[sweep.vary.valve]\nefficiency = [0.8, 0.9]\n";
+    assert_eq!(sweep(two).rows(), 2);
+}
+
+const EVERY_DESIGN: [&str; 3] = ["random", "latin-hypercube", "sobol"];
+
+fn drawn(design: &str, rows: u64, seed: u64) -> Sweep {
+    sweep(&format!(
+        "[sweep]\ndesign = \"{design}\"\nrows = {rows}\nseed = {seed}\n[sweep.vary]\n\
+         \"load.mass\" = {{ from = \"1 kg\", to = \"3 kg\" }}\n\"air.process\" = [\"isentropic\", \"isothermal\"]\n\
+         \"valve.opening_delay\" = {{ normal = {{ mean = \"4 ms\", deviation = \"0.5 ms\" }} }}\n\
+         \"actuator.friction.viscous\" = {{ log-normal = {{ median = \"3 N*s/m\", factor = 1.5 }} }}\n\
+         \"command.frequency\" = {{ from = \"1 Hz\", to = \"100 Hz\", spacing = \"logarithmic\" }}\n"
+    ))
+}
+
+#[test]
+fn rows_do_not_depend_on_the_order_in_which_they_are_asked_for() {
+    for design in EVERY_DESIGN {
+        let (forth, back) = (drawn(design, 257, 3), drawn(design, 257, 3));
+        let all = |sweep: &Sweep, row: u64| -> String {
+            (0..5).map(|axis| format!("{:?} ", sweep.value(axis, row))).collect()
+        };
+        let first: Vec<String> = (0..257).map(|row| all(&forth, row)).collect();
+        let mut second: Vec<String> = (0..257).rev().map(|row| all(&back, row)).collect();
+        second.reverse();
+        assert_eq!(first, second, "{design}");
+        assert_eq!(forth.fingerprint_text(), back.fingerprint_text());
+        let other = drawn(design, 257, 4);
+        assert!(
+            (0..257).all(|row| number(&other, 0, row) != number(&forth, 0, row)),
+            "{design}: the seed does nothing"
+        );
+        assert_ne!(other.fingerprint_text(), forth.fingerprint_text());
+    }
+}
+
+/// The share of rows below each of several quantiles, against the share by definition; words have equal odds. A Latin
+/// hypercube and a Sobol' sequence of 4096 points leave no more than a stratum; a random design five standard errors.
+#[test]
+fn draws_follow_their_distributions() {
+    let rows = 4096;
+    for design in EVERY_DESIGN {
+        let sweep = drawn(design, rows, 1);
+        let allowed = if design == "random" { 5.0 * (0.25 / rows as f64).sqrt() } else { 1.5 / rows as f64 };
+        let share = |axis: usize, bound: f64| {
+            (0..rows).filter(|row| number(&sweep, axis, *row) < bound).count() as f64 / rows as f64
+        };
+        for (axis, bound, expected) in [
+            (0, 1.5, 0.25),
+            (0, 3.0, 1.0),
+            (2, 4e-3, 0.5),
+            (2, 4.5e-3, 0.841_344_746_068_542_9),
+            (3, 3.0, 0.5),
+            (3, 2.0, 0.158_655_253_931_457_05),
+            (4, 10.0, 0.5),
+        ] {
+            let found = share(axis, bound);
+            assert!(
+                (found - expected).abs() <= allowed,
+                "{design}, axis {axis}: {found} below {bound}, not {expected}"
+            );
+        }
+        let words = (0..rows).filter(|row| sweep.value(1, *row) == AxisValue::Word("isothermal")).count();
+        assert!((words as f64 / rows as f64 - 0.5).abs() <= allowed, "{design}: {words}");
+    }
+}
+
+/// A file in which a quantity applies.
+fn surroundings(path: &str) -> String {
+    let process = match path {
+        "air.polytropic_index" => "[air]\nprocess = \"polytropic\"\npolytropic_index = 1.2\n",
+        "air.heat_transfer" | "air.wall_temperature" => "[air]\nprocess = \"energy-balance\"\n",
+        "actuator.thread_length" | "actuator.turns" | "actuator.max_length" => {
+            "[actuator]\npreset = \"colbrunn-2001\"\n"
+        }
+        _ => "",
+    };
+    let mut base = BASE.to_owned();
+    if path.starts_with("valve.sonic") || path.starts_with("valve.critical") {
+        let iso = "kind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5";
+        base = base.replace("preset = \"matrix-eight-channel\"", iso);
+    }
+    let mass = "kind = \"hanging-mass\"\nmass = \"5 lb\"";
+    if path == "load.force" {
+        base = base.replace(mass, "kind = \"constant-force\"\nmass = \"1 kg\"\nforce = \"1 N\"");
+    }
+    if ["load.length", "load.amplitude", "load.frequency", "load.phase"].contains(&path) {
+        let wave = "kind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"";
+        base = base.replace(mass, wave);
+    }
+    format!("{process}{base}")
+}
+
+/// For every key that is a quantity: the row's scenario is what reading the row's value from text gives, bit for bit.
+#[test]
+fn a_row_is_what_its_text_says() {
+    let mut tried = 0;
+    for key in KEYS.iter().filter(|key| key.varies()) {
+        let (Kind::Quantity(row) | Kind::QuantityOr(row, _)) = key.kind else { continue };
+        let example = if key.path == "initial.length" { "\"3.5 in\"" } else { key.example };
+        let at_example = quantity::parse(example.trim_matches('"')).expect("a quantity").value;
+        // Other values near the example that are in range; a list, so that text and list hold the same bits.
+        let values = [0.9, 0.95, 1.0].map(|factor| at_example * factor);
+        let literal = |value: f64| match row.unit {
+            "" => format!("{value:?}"),
+            unit => format!("\"{}\"", quantity::format(value, unit)),
+        };
+        let list = values.map(literal).join(", ");
+        let text = format!("{}[sweep.vary]\n\"{}\" = [{list}]\n", surroundings(key.path), key.path);
+        let document = Document::parse(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+        let sweep = document.sweep().unwrap_or_else(|error| panic!("{}\n{error}", key.path)).expect("a sweep");
+        for (index, value) in values.into_iter().enumerate() {
+            let mut document = document.clone();
+            document.remove("sweep");
+            document.set_text(key.path, &literal(value)).expect("a path");
+            let expected = document.scenario().unwrap_or_else(|error| panic!("{}\n{error}", key.path));
+            let found = sweep.scenario(index as u64).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(found, expected, "{}", key.path);
+        }
+        let scenarios = [0, 2].map(|row| sweep.scenario(row).expect("a row"));
+        assert!(values[0] == values[2] || scenarios[0] != scenarios[1], "{} changes nothing", key.path);
+        tried += 1;
+    }
+    assert!(tried > 35, "only {tried} quantities");
+}
+
+/// A given least length stays; one that is not given follows the thread, as in a file.
+#[test]
+fn the_least_length_follows_the_thread_unless_given() {
+    let vary = "[sweep.vary]\n\"actuator.thread_length\" = [\"11 cm\", \"12 cm\"]\n";
+    let free = sweep(&format!("[actuator]\npreset = \"colbrunn-2001\"\n{vary}"));
+    let given = sweep(&format!("[actuator]\npreset = \"colbrunn-2001\"\nmin_length = \"6 cm\"\n{vary}"));
+    let least = |sweep: &Sweep| sweep.scenario(1).expect("a row").actuator.min_length;
+    assert_eq!((least(&free), least(&given)), (0.12 / 3_f64.sqrt(), 0.06));
+}
+
+/// Words change which keys there are; each combination is read from the file, wherever the rows ask for it.
+#[test]
+fn words_are_read_with_their_numbers() {
+    let sweep = sweep(
+        "[air]\nheat_transfer = \"0.1 W/K\"\nprocess = \"energy-balance\"\n[sweep.vary]\n\
+         \"valve.exhaust_temperature\" = [\"actuator\", \"ambient\"]\n\"load.mass\" = [\"1 kg\", \"2 kg\"]\n\
+         \"run.method\" = [\"rk4\", \"stable\"]\n\"initial.length\" = [\"equilibrium\", \"3.5 in\"]\n",
+    );
+    for row in 0..16 {
+        let scenario = sweep.scenario(row).unwrap_or_else(|error| panic!("{error}"));
+        let word = |axis| match sweep.value(axis, row) {
+            AxisValue::Word(word) => word,
+            AxisValue::Number(number) => panic!("{number}"),
+        };
+        let valve = scenario.valve.expect("a valve");
+        assert_eq!((valve.exhaust_temperature.name(), scenario.run.method.name()), (word(0), word(2)), "row {row}");
+        let text = scenario.to_toml();
+        assert!(text.contains(&format!("mass = \"{} kg\"", number(&sweep, 1, row))), "{text}");
+        assert_eq!(text.contains("length = \"equilibrium\""), word(3) == "equilibrium");
+    }
+}
+
+/// A key that only the sweep gives is not missing, and a value in a tail is the error of its own row.
+#[test]
+fn a_row_out_of_range_says_so_and_others_go_on() {
+    let text = "[sweep]\ndesign = \"random\"\nrows = 64\n[sweep.vary]\n\
+                \"valve.closing_delay\" = { normal = { mean = \"1 ms\", deviation = \"1 ms\" } }\n\
+                \"load.mass\" = { from = \"1 kg\", to = \"2 kg\" }\n";
+    let document = Document::parse(&format!("{}{text}", BASE.replace("mass = \"5 lb\"\n", "")), "muscle.toml");
+    let sweep = document.and_then(|document| document.sweep()).unwrap_or_else(|error| panic!("{error}")).expect("one");
+    let mut refused = 0;
+    for row in 0..64 {
+        let delay = number(&sweep, 0, row);
+        match sweep.scenario(row) {
+            Ok(scenario) => assert_eq!(scenario.valve.map(|valve| valve.closing_delay), Some(delay)),
+            Err(error) => {
+                assert!(delay < 0.0, "{error}");
+                assert_eq!(error.row, row);
+                assert!(error.to_string().contains("valve.closing_delay = -"), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    // A share of Φ(-1) = 0.159 is below zero.
+    assert!((1..30).contains(&refused), "{refused}");
+    let longer = "[sweep.vary]\n\"run.sample_interval\" = [\"1 ms\", \"3 s\"]\n";
+    let error = self::sweep(longer).scenario(1).expect_err("longer than the run").to_string();
+    assert!(error.contains("run.sample_interval") && error.contains("run.duration"), "{error}");
+}
+
+#[test]
+fn what_is_recorded() {
+    let vary = "[sweep.vary]\n\"load.mass\" = [\"1 kg\", \"2 kg\"]\n";
+    let record = |text: &str| sweep(&format!("[sweep]\n{text}\n{vary}"));
+    let Record::Reductions(all) = record("").record().clone() else { panic!("reductions") };
+    assert!(all.iter().any(|reduction| reduction.name() == "length.final"));
+    let two = record("reductions = [\"air.used\", \"length.overshoot\"]");
+    let Record::Reductions(list) = two.record() else { panic!("reductions") };
+    assert_eq!(
+        list.iter().map(|reduction| reduction.column()).collect::<Vec<_>>(),
+        ["air_used_kg", "length_overshoot"]
+    );
+    let samples = record("record = \"samples\"\nsample_times = [\"0.5 s\", \"1000 ms\"]\npart_rows = 7");
+    assert_eq!(samples.record(), &Record::Samples(vec![0.5, 1.0]));
+    assert_eq!(record("record = \"trajectories\"").record(), &Record::Trajectories);
+    assert_eq!(samples.part_rows(), 2, "no more than there are");
+}
+
+#[test]
+fn examples_are_good() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    for (name, rows, axes) in [("sweep-mass-pressure.toml", 63, 2), ("sweep-tolerances.toml", 512, 8)] {
+        let document = Document::load(folder.join(name)).unwrap_or_else(|error| panic!("{error}"));
+        document.experiment().unwrap_or_else(|error| panic!("{error}"));
+        let sweep = document.sweep().unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+        assert_eq!((sweep.rows(), sweep.axes().len()), (rows, axes));
+        for row in 0..rows {
+            let scenario = sweep.scenario(row).unwrap_or_else(|error| panic!("{name}: {error}"));
+            scenario.experiment().unwrap_or_else(|error| panic!("{name}, row {row}: {error}"));
+        }
+    }
+}
+
+/// The one mistake of a sweep: its class, line (counted from the sweep's first), column and words.
+fn check(text: &str, class: Class, at: (usize, usize), words: &[&str]) {
+    let found = document(text).sweep().expect_err(text);
+    assert_eq!(found.count(), 1, "{found}");
+    let only: &Diagnostic = found.iter().next().expect("one");
+    let shown = only.to_string();
+    assert_eq!(only.class(), class, "{shown}");
+    assert_eq!((only.line(), only.column()), (Some(FIRST + at.0 - 1), Some(at.1)), "{shown}");
+    assert!(!only.remedies().is_empty(), "{shown}");
+    for word in words {
+        assert!(shown.contains(word), "`{word}` is not in\n{shown}");
+    }
+}
+
+fn in_grid(line: &str, class: Class, column: usize, words: &[&str]) {
+    check(&format!("[sweep.vary]\n{line}\n"), class, (2, column), words);
+}
+
+fn in_draw(line: &str, class: Class, column: usize, words: &[&str]) {
+    check(&format!("[sweep]\ndesign = \"sobol\"\nrows = 8\n[sweep.vary]\n{line}\n"), class, (5, column), words);
+}
+
+#[test]
+fn mistakes_of_the_design() {
+    let vary = "[sweep.vary]\nload.mass = [\"1 kg\"]\n";
+    let design = |line: &str, class, at, words: &[&str]| check(&format!("[sweep]\n{line}\n{vary}"), class, at, words);
+    design("design = \"sobel\"", Class::InvalidChoice, (2, 10), &["did you mean \"sobol\"?"]);
+    design("design = \"random\"", Class::Missing, (1, 2), &["`sweep.rows`", "rows = 4096"]);
+    design("design = \"random\"\nrows = 0", Class::OutOfRange, (3, 8), &["at least 1"]);
+    design("design = \"random\"\nrows = 2.5", Class::OutOfRange, (3, 8), &["a whole number"]);
+    design("rows = 12", Class::NotApplicable, (2, 1), &["`sweep.design` = \"grid\"", "latin-hypercube"]);
+    design("desing = \"grid\"", Class::UnknownKey, (2, 1), &["did you mean `design`?"]);
+    design("reductions = [\"length.finale\"]", Class::InvalidChoice, (2, 15), &["did you mean \"length.final\"?"]);
+    design("record = \"samples\"", Class::Missing, (1, 2), &["sample_times"]);
+    design("sample_times = [\"1 s\"]", Class::NotApplicable, (2, 1), &["`samples`"]);
+    design("record = \"samples\"\nsample_times = [\"1 s\", \"1 s\"]", Class::BadList, (3, 24), &["increase"]);
+    design(
+        "record = \"samples\"\nsample_times = [\"1 s\", \"3 s\"]",
+        Class::Inconsistent,
+        (3, 24),
+        &["the run lasts 2 s"],
+    );
+    design("part_rows = 0", Class::OutOfRange, (2, 13), &["at least 1"]);
+    check("[sweep]\n", Class::Missing, (1, 2), &["[sweep.vary]"]);
+    check("[sweep.vary]\n", Class::Missing, (1, 8), &["is empty"]);
+    check("[sweep]\nvary = 3\n", Class::WrongType, (2, 8), &["is a section"]);
+}
+
+#[test]
+fn mistakes_of_the_keys() {
+    in_grid("\"load.mas\" = [\"1 kg\"]", Class::UnknownKey, 1, &["did you mean `\"load.mass\"`?"]);
+    in_grid("mass = [\"1 kg\"]", Class::UnknownKey, 1, &["did you mean `\"load.mass\"`?"]);
+    in_grid("load = [\"1 kg\"]", Class::UnknownKey, 1, &["is a section"]);
+    let twice = "[sweep.vary]\nload.mass = [\"1 kg\"]\n\"load.mass\" = [\"2 kg\"]\n";
+    check(twice, Class::Conflict, (3, 1), &["varies twice", "first time"]);
+    in_grid("\"sweep.rows\" = [1, 2]", Class::NotApplicable, 1, &["describes the sweep itself"]);
+    in_grid("\"command.time\" = [\"1 s\"]", Class::NotApplicable, 1, &["is a list"]);
+    in_grid("\"load.force\" = [\"1 N\"]", Class::NotApplicable, 1, &["has no meaning", "hanging-mass"]);
+}
+
+#[test]
+fn mistakes_of_lists() {
+    in_grid("load.mass = []", Class::BadList, 13, &["empty"]);
+    in_grid("load.mass = [\"1 kg\", \"2 N\"]", Class::WrongDimension, 22, &["a force", "a mass"]);
+    in_grid("load.mass = [\"1 kg\", 2]", Class::MissingUnit, 22, &["needs a unit"]);
+    in_grid("load.mass = [\"1 kg\", \"-1 kg\"]", Class::OutOfRange, 22, &["greater than 0 kg"]);
+    in_grid("load.mass = \"1 kg\"", Class::WrongType, 13, &["a list, a range or a distribution", "= [\"5 lb\"]"]);
+    in_grid("\"air.process\" = [\"isentropic\", \"adiabatic\"]", Class::InvalidChoice, 32, &["`isothermal`"]);
+    in_grid("\"air.process\" = { from = 1, to = 2 }", Class::WrongType, 17, &["a list of words"]);
+    in_grid("\"actuator.preset\" = [\"colbrunn-2002\"]", Class::InvalidChoice, 22, &["colbrunn-2001"]);
+    assert_eq!(sweep("[sweep.vary]\n\"actuator.preset\" = [\"colbrunn-2001\"]\n").rows(), 1);
+    // A word under which the file lacks a key; line 9 of the file is the header of [load].
+    let found = document("[sweep.vary]\n\"load.kind\" = [\"hanging-mass\", \"constant-force\"]\n").sweep();
+    let found = found.expect_err("no force").to_string();
+    assert!(
+        found.contains("muscle.toml:9:2") && found.contains("`load.kind = \"constant-force\"` of [sweep.vary]"),
+        "{found}"
+    );
+}
+
+#[test]
+fn mistakes_of_ranges() {
+    in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\" }", Class::Missing, 13, &["`count`", "count = 9"]);
+    in_grid("load.mass = { from = \"1 kg\", count = 3 }", Class::Missing, 13, &["`to` is missing"]);
+    in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\", count = 0 }", Class::OutOfRange, 51, &["at least 1"]);
+    in_grid(
+        "load.mass = { from = \"1 kg\", to = \"2 kg\", cuont = 3 }",
+        Class::UnknownKey,
+        43,
+        &["did you mean `count`?"],
+    );
+    in_grid("load.mass = { from = \"1 kg\", to = \"2 N\", count = 3 }", Class::WrongDimension, 35, &["a force"]);
+    in_draw(
+        "load.gravity = { from = \"0 m/s^2\", to = \"2 m/s^2\", spacing = \"logarithmic\" }",
+        Class::OutOfRange,
+        25,
+        &["above zero"],
+    );
+    in_draw(
+        "load.gravity = { from = \"5 m/s^2\", to = \"-2 m/s^2\", spacing = \"logarithmic\" }",
+        Class::OutOfRange,
+        41,
+        &["above zero"],
+    );
+    in_draw(
+        "load.mass = { from = \"1 kg\", to = \"2 kg\", spacing = \"log\" }",
+        Class::InvalidChoice,
+        53,
+        &["`logarithmic`"],
+    );
+    let many = "load.mass = { from = \"1 kg\", to = \"2 kg\", count = 1e12 }\nvalve.efficiency = [0.8, 0.9]";
+    check(&format!("[sweep.vary]\n{many}\n"), Class::OutOfRange, (1, 8), &["more than 1099511627776 rows"]);
+}
+
+#[test]
+fn mistakes_of_distributions() {
+    let normal = "load.mass = { normal = { mean = \"5 kg\", deviation = \"1 kg\" } }";
+    in_grid(normal, Class::NotApplicable, 15, &["a grid", "latin-hypercube", "`count`"]);
+    in_draw("load.mass = { normal = { mean = \"5 kg\" } }", Class::Missing, 24, &["`deviation` is missing", "0.5 ms"]);
+    in_draw(
+        "load.mass = { normal = { mean = \"5 kg\", deviation = \"0 kg\" } }",
+        Class::OutOfRange,
+        53,
+        &["greater than 0 kg"],
+    );
+    in_draw(
+        "load.mass = { normal = { mean = \"-5 kg\", deviation = \"1 kg\" } }",
+        Class::OutOfRange,
+        33,
+        &["load.mass"],
+    );
+    in_draw(
+        "load.mass = { normal = { mean = \"5 kg\", deviation = \"1 N\" } }",
+        Class::WrongDimension,
+        53,
+        &["a force"],
+    );
+    in_draw(
+        "supply.temperature = { normal = { mean = \"20 degC\", deviation = \"2 degC\" } }",
+        Class::BadQuantity,
+        68,
+        &["zero of its own", "write `K`"],
+    );
+    in_draw(
+        "load.mass = { log-normal = { median = \"5 kg\", factor = 1 } }",
+        Class::OutOfRange,
+        56,
+        &["greater than 1"],
+    );
+    in_draw(
+        "supply.gauge_pressure = { log-normal = { median = \"0 psi\", factor = 2 } }",
+        Class::OutOfRange,
+        51,
+        &["above zero"],
+    );
+    in_draw("load.mass = { normal = 3 }", Class::WrongType, 24, &["a table is expected"]);
+    let two = "load.mass = { normal = { mean = \"5 kg\", deviation = \"1 kg\" }, uniform = { from = \"1 kg\", to = \"2 kg\" } }";
+    in_draw(two, Class::Conflict, 63, &["beside `normal`"]);
+    in_draw(
+        "load.mass = { normla = { mean = \"5 kg\", deviation = \"1 kg\" } }",
+        Class::UnknownKey,
+        15,
+        &["did you mean `normal`?"],
+    );
+}
+
+/// The scenario is read without the sweep, and with it the mistakes of the scenario are shown.
+#[test]
+fn the_base_scenario_ignores_the_sweep() {
+    let plain = document("").scenario().expect("good");
+    let swept = document("[sweep.vary]\nload.mass = [\"1 kg\"]\n\"nothing.known\" = 3\n");
+    assert_eq!(swept.scenario().expect("good"), plain);
+    let wrong = BASE.replace("duty = 0.5", "duty = 5") + "[sweep.vary]\nload.mass = [\"1 kg\"]\n";
+    let found = Document::parse(&wrong, "muscle.toml").expect("TOML").sweep().expect_err("a duty of 5");
+    assert!(found.to_string().contains("command.duty"), "{found}");
+}

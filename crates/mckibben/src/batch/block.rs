@@ -1,0 +1,341 @@
+//! A block: as many rows as a register has lanes, with laws of the same form.
+//!
+//! The numbers of the rows lie lane by lane in one rig over lanes. A step of all rows is one step of the method. Rows to
+//! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
+//! themselves as the fixed-step engine does, from where they were; an instant that all rows share divides the step of the
+//! block. So every row goes the fixed-step engine's way, bit for bit.
+
+use super::Row;
+use super::gather::{gather, narrow};
+use super::wide::{Compiled, Wide};
+use crate::error::Error;
+use crate::load::{Line, Load};
+use crate::scalar::{Mask, Real, Scalar};
+use crate::simulation::course::Course;
+use crate::simulation::fixed_step::Walk;
+use crate::simulation::kernel::Held;
+use crate::simulation::rig::Actuation;
+use crate::simulation::sample::Sample;
+use crate::simulation::timetable::{Progress, Timetable};
+use crate::simulation::{Method, Rig};
+use crate::valve::{Ports, is_due};
+use alloc::vec::Vec;
+use core::marker::PhantomData;
+use pulp::{Simd, WithSimd};
+
+/// How far beyond the time that is asked for instants are looked up, in spans of the same length.
+const SPANS_AHEAD: f64 = 64.0;
+
+/// Equal steps from one time in s to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) from: f64,
+    pub(super) until: f64,
+    pub(super) steps: u64,
+}
+
+impl Span {
+    fn end_of(&self, step: u64) -> f64 {
+        if step == self.steps {
+            self.until
+        } else {
+            self.from + (self.until - self.from) * (step as f64 / self.steps as f64)
+        }
+    }
+}
+
+/// Rows side by side.
+#[derive(Debug)]
+pub(super) struct Block<W: Wide> {
+    rig: Rig<W>,
+    method: Method,
+    time: f64,
+    state: [W; 4],
+    held: Held<W>,
+    alive: W::Mask,
+    /// Instants up to this time in s are known.
+    known_until: f64,
+    /// The first of the instants of all lanes; infinite when none is known.
+    soonest: f64,
+    /// Whether that is the next instant of every living lane.
+    shared: bool,
+    lanes: Vec<Lane<W::Lane>>,
+}
+
+/// What a row keeps for itself.
+#[derive(Debug)]
+struct Lane<R> {
+    rig: Rig<R>,
+    actuation: Option<Actuation>,
+    load: Load,
+    progress: Progress<f64>,
+    ports: Ports,
+    /// The next instant in s; infinite when none is known.
+    next: f64,
+    fault: Option<Error>,
+}
+
+impl<R> Lane<R> {
+    fn timetable(&self) -> Timetable<'_, f64> {
+        Timetable { actuation: self.actuation.as_ref(), load: &self.load }
+    }
+
+    fn look_ahead(&mut self, until: f64) {
+        self.next = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
+    }
+}
+
+impl<W: Wide> Block<W> {
+    /// At most as many rows of the same form as there are lanes, at t = 0.
+    pub(super) fn new(rows: &[&Row], method: Method) -> Self {
+        let lane = |row: &&Row| Lane {
+            rig: narrow(&row.rig),
+            actuation: row.rig.actuation().cloned(),
+            load: row.rig.load().clone(),
+            progress: Progress::none(),
+            ports: Ports::CLOSED,
+            next: f64::INFINITY,
+            fault: None,
+        };
+        let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
+        // Lanes without a row hold no number.
+        let start = |number: usize| {
+            W::from_lanes(|lane| W::Lane::constant(rows.get(lane).map_or(f64::NAN, |row| row.start.to_array()[number])))
+        };
+        let mut block = Self {
+            rig: gather(&rigs),
+            method,
+            time: 0.0,
+            state: [start(0), start(1), start(2), start(3)],
+            held: Held::nothing(),
+            alive: W::mask(|lane| lane < rows.len()),
+            known_until: 0.0,
+            soonest: f64::INFINITY,
+            shared: false,
+            lanes: rows.iter().map(lane).collect(),
+        };
+        block.pass(f64::INFINITY);
+        block
+    }
+
+    /// A lane by itself.
+    fn walk(&self, index: usize) -> Walk<W::Lane> {
+        let (held, number) = (&self.held, |wide: &W| wide.lane(index));
+        let held = Held {
+            supply: W::holds(held.supply, index),
+            exhaust: W::holds(held.exhaust, index),
+            sliding: number(&held.sliding),
+            stuck: W::holds(held.stuck, index),
+            slack: W::holds(held.slack, index),
+            taut: W::holds(held.taut, index),
+            line: Line {
+                time: number(&held.line.time),
+                length: number(&held.line.length),
+                slope: number(&held.line.slope),
+            },
+        };
+        let [length, velocity, pressure, mass] = &self.state;
+        let state = [number(length), number(velocity), number(pressure), number(mass)];
+        let Lane { progress, ports, .. } = self.lanes[index];
+        Walk { course: Course { time: self.time, state, held }, progress, ports }
+    }
+
+    /// Takes a lane back; its state into that of the block at the end of a step.
+    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut [W; 4]) {
+        let Course { state, held: of_lane, .. } = &walk.course;
+        for (wide, number) in end.iter_mut().zip(state) {
+            wide.put(index, *number);
+        }
+        let only = W::mask(|lane| lane == index);
+        let set = |mask: &mut W::Mask, value: bool| *mask = if value { *mask | only } else { *mask & !only };
+        let held = &mut self.held;
+        set(&mut held.supply, of_lane.supply);
+        set(&mut held.exhaust, of_lane.exhaust);
+        set(&mut held.stuck, of_lane.stuck);
+        set(&mut held.slack, of_lane.slack);
+        set(&mut held.taut, of_lane.taut);
+        held.sliding.put(index, of_lane.sliding);
+        held.line.time.put(index, of_lane.line.time);
+        held.line.length.put(index, of_lane.line.length);
+        held.line.slope.put(index, of_lane.line.slope);
+        let lane = &mut self.lanes[index];
+        (lane.progress, lane.ports) = (walk.progress, walk.ports);
+        lane.look_ahead(self.known_until);
+    }
+
+    /// Takes every living lane whose next instant is `instant` through what is due now.
+    #[inline(never)]
+    fn pass(&mut self, instant: f64) {
+        let mut end = self.state;
+        for index in 0..self.lanes.len() {
+            let lane = &self.lanes[index];
+            if lane.fault.is_none() && lane.next == instant {
+                let mut walk = self.walk(index);
+                walk.pass(&lane.rig, &lane.timetable());
+                self.take_back(index, &walk, &mut end);
+            }
+        }
+        self.sort();
+    }
+
+    /// The lanes of `which` by themselves from where they are to `until`.
+    #[inline(never)]
+    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut [W; 4]) {
+        for index in 0..self.lanes.len() {
+            if !W::holds(which, index) {
+                continue;
+            }
+            let mut walk = self.walk(index);
+            let lane = &self.lanes[index];
+            match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until) {
+                Ok(()) => self.take_back(index, &walk, end),
+                Err(fault) => self.stop(index, fault, end),
+            }
+        }
+        self.sort();
+    }
+
+    /// Gives a lane its fault; it holds no number from here on.
+    fn stop(&mut self, index: usize, fault: Error, end: &mut [W; 4]) {
+        let lane = &mut self.lanes[index];
+        (lane.fault, lane.next) = (Some(fault), f64::INFINITY);
+        self.alive = self.alive & !W::mask(|lane| lane == index);
+        for number in end {
+            number.put(index, W::Lane::constant(f64::NAN));
+        }
+    }
+
+    fn look_ahead(&mut self, span: &Span) {
+        if self.known_until < span.until {
+            self.known_until = span.until + SPANS_AHEAD * (span.until - span.from);
+            for lane in self.lanes.iter_mut().filter(|lane| lane.fault.is_none()) {
+                lane.look_ahead(self.known_until);
+            }
+            self.sort();
+        }
+    }
+
+    /// Finds the first of all instants.
+    fn sort(&mut self) {
+        self.soonest = self.lanes.iter().map(|lane| lane.next).fold(f64::INFINITY, f64::min);
+        self.shared = self.lanes.iter().all(|lane| lane.fault.is_some() || lane.next == self.soonest);
+    }
+
+    /// One step of all rows; those of `alone` go by themselves.
+    #[inline(always)]
+    fn step<S: Simd>(&mut self, simd: S, until: f64, alone: impl FnOnce(&Self) -> W::Mask) {
+        let step = W::Lane::of_time((until - self.time).larger(0.0));
+        let Stepped { mut end, sliding, happens } = simd.vectorize(Take { block: self, step });
+        let alone = (happens | alone(self)) & self.alive;
+        if alone.any() {
+            self.walk_to(alone, until, &mut end);
+        }
+        self.state = end;
+        self.held.sliding = W::select(alone, self.held.sliding, sliding);
+        self.time = until;
+    }
+
+    #[inline(always)]
+    fn advance<S: Simd>(&mut self, simd: S, span: Span) {
+        self.look_ahead(&span);
+        for part in 1..=span.steps {
+            let to = span.end_of(part);
+            while self.shared && is_due(self.soonest, to) {
+                let instant = self.soonest;
+                self.step(simd, to.smaller(instant), |_| W::Mask::splat(false));
+                self.pass(instant);
+            }
+            if is_due(self.soonest, to) {
+                self.step(simd, to, |block| {
+                    W::mask(|lane| block.lanes.get(lane).is_some_and(|lane| is_due(lane.next, to)))
+                });
+            } else {
+                self.step(simd, to, |_| W::Mask::splat(false));
+            }
+        }
+    }
+
+    /// What each row shows now, or why it has stopped.
+    #[inline(always)]
+    fn samples(&self) -> Vec<Result<Sample, Error>> {
+        let observed = self.rig.observe(&self.state, &self.held);
+        let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
+            Some(fault) => Err(fault.clone()),
+            None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, lane.ports)),
+        };
+        self.lanes.iter().enumerate().map(sample).collect()
+    }
+}
+
+/// The end of a step for each lane, and where something happens before it.
+struct Stepped<W: Wide> {
+    end: [W; 4],
+    sliding: W,
+    happens: W::Mask,
+}
+
+/// One step of the method, compiled once for wherever it is taken.
+struct Take<'a, W: Wide> {
+    block: &'a Block<W>,
+    step: W::Lane,
+}
+
+impl<W: Wide> WithSimd for Take<'_, W> {
+    type Output = Stepped<W>;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Stepped<W> {
+        let Block { rig, method, state, held, .. } = self.block;
+        let (time, step) = (W::constant(self.block.time), W::constant(self.step.value()));
+        let end = rig.take(*method, time, state, step, held);
+        let [sliding, extent] = rig.keeps(held, &end);
+        let ceases = sliding.smaller(extent).lt(W::zero()) & W::zero().lt(step);
+        let sliding = if rig.load().inertia().is_none() { rig.slides(&end).0 } else { held.sliding };
+        Stepped { end, sliding, happens: ceases | !rig.admissible(&end) }
+    }
+}
+
+/// A new block.
+pub(super) struct Create<'a, W> {
+    rows: &'a [&'a Row],
+    method: Method,
+    block: PhantomData<W>,
+}
+
+impl<'a, W: Wide> Create<'a, W> {
+    pub(super) fn new(rows: &'a [&'a Row], method: Method) -> Self {
+        Self { rows, method, block: PhantomData }
+    }
+}
+
+impl<W: Wide> Compiled for Create<'_, W> {
+    type Wide = W;
+    type Output = Block<W>;
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Block<W> {
+        Block::new(self.rows, self.method)
+    }
+}
+
+/// A block's way through a span.
+pub(super) struct Advance<'a, W: Wide>(pub(super) &'a mut Block<W>, pub(super) Span);
+
+impl<W: Wide> Compiled for Advance<'_, W> {
+    type Wide = W;
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        self.0.advance(simd, self.1);
+    }
+}
+
+/// A block's samples.
+pub(super) struct Samples<'a, W: Wide>(pub(super) &'a Block<W>);
+
+impl<W: Wide> Compiled for Samples<'_, W> {
+    type Wide = W;
+    type Output = Vec<Result<Sample, Error>>;
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Self::Output {
+        self.0.samples()
+    }
+}

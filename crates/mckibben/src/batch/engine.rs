@@ -1,0 +1,80 @@
+//! The blocks of a batch behind one face, whatever their number and width.
+
+use super::block::{Advance, Block, Create, Samples, Span};
+use super::wide::{Doubles, Number, Singles, Wide, compiled};
+use super::{Row, Width};
+use crate::error::Error;
+use crate::simulation::{Method, Sample};
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::fmt::Debug;
+use rayon::prelude::*;
+
+/// Blocks of rows.
+pub trait Engine: Debug + Send + Sync {
+    /// How many rows are in a block.
+    fn lanes(&self) -> usize;
+    /// Takes every block from one time in s to another in equal steps, on all cores.
+    fn advance(&mut self, from: f64, until: f64, steps: u64);
+    /// What each row of each block shows.
+    fn samples(&self) -> Vec<Vec<Result<Sample, Error>>>;
+}
+
+/// How rows are dealt to blocks: given the number of lanes, the rows of each block.
+pub(super) type Dealing<'a> = &'a mut dyn FnMut(usize) -> Vec<Vec<usize>>;
+
+/// A number that blocks are made of.
+pub trait Build: Number {
+    /// Blocks of the width that is given.
+    fn build(rows: &[Row], deal: Dealing<'_>, method: Method, width: Width) -> Box<dyn Engine>;
+}
+
+#[derive(Debug)]
+struct Blocks<W: Wide>(Vec<Block<W>>);
+
+impl<W: Wide> Blocks<W> {
+    fn build(rows: &[Row], deal: Dealing<'_>, method: Method) -> Box<dyn Engine> {
+        let members = deal(W::LANES);
+        let block = |members: &Vec<usize>| {
+            let rows: Vec<&Row> = members.iter().map(|&row| &rows[row]).collect();
+            compiled(Create::<W>::new(&rows, method))
+        };
+        Box::new(Self(members.par_iter().map(block).collect()))
+    }
+}
+
+impl<W: Wide> Engine for Blocks<W> {
+    fn lanes(&self) -> usize {
+        W::LANES
+    }
+
+    fn advance(&mut self, from: f64, until: f64, steps: u64) {
+        let span = Span { from, until, steps };
+        match self.0.as_mut_slice() {
+            [block] => compiled(Advance(block, span)),
+            blocks => blocks.par_iter_mut().for_each(|block| compiled(Advance(block, span))),
+        }
+    }
+
+    fn samples(&self) -> Vec<Vec<Result<Sample, Error>>> {
+        self.0.iter().map(|block| compiled(Samples(block))).collect()
+    }
+}
+
+macro_rules! build {
+    ($number:ident, $wide:ident) => {
+        impl Build for $number {
+            fn build(rows: &[Row], deal: Dealing<'_>, method: Method, width: Width) -> Box<dyn Engine> {
+                match width.or_widest() {
+                    Width::Baseline => Blocks::<$wide<pulp::Scalar>>::build(rows, deal, method),
+                    #[cfg(target_arch = "x86_64")]
+                    Width::Avx2 => Blocks::<$wide<pulp::x86::V3>>::build(rows, deal, method),
+                    #[cfg(target_arch = "x86_64")]
+                    Width::Avx512 => Blocks::<$wide<pulp::x86::V4>>::build(rows, deal, method),
+                }
+            }
+        }
+    };
+}
+build!(f64, Doubles);
+build!(f32, Singles);

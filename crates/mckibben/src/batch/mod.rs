@@ -1,0 +1,166 @@
+//! Batches: many rigs, each with its own parameters, command and start, stepped together by the fixed-step engine.
+//!
+//! ```
+//! # fn main() -> Result<(), mckibben::Error> {
+//! use mckibben::batch::{Batch, Row};
+//! use mckibben::simulation::Method;
+//! # use mckibben::simulation::{Initial, InitialLength, Rig};
+//! # use mckibben::{Actuator, Braid, GaugePressure, air, force, friction, load};
+//! # let rig = |mass: f64| -> Result<Rig, mckibben::Error> {
+//! #     let braid = Braid::new(0.11, 2.5)?;
+//! #     let limits = force::LengthLimits::new(&braid, None, 0.098, 1.75e5, 100.0)?;
+//! #     let law = force::Effective { law: force::IdealBraid { braid }, effectiveness: force::Effectiveness::constant(1.0)? };
+//! #     let air = air::Air::standard(air::Process::Isentropic)?;
+//! #     let actuator = Actuator::new(law, limits, friction::Friction::new(3.5, 1e-4)?, 3e-6, air)?;
+//! #     Rig::new(actuator, None, load::Load::hanging_mass(mass, 9.80665)?)
+//! # };
+//! # let start = |rig: &Rig| rig.start(&Initial {
+//! #     gauge_pressure: GaugePressure(4e5), temperature: 293.15, length: InitialLength::At(0.09), velocity: 0.0 });
+//! let mut rows = Vec::new();
+//! for mass in [1.0, 2.0, 5.0] {
+//!     let rig = rig(mass)?;
+//!     let start = start(&rig)?;
+//!     rows.push(Row { rig, start });
+//! }
+//! let mut batch: Batch = Batch::new(rows, Method::Rk4);
+//! batch.advance(0.1, 1000); // to 0.1 s in steps of 0.1 ms
+//! for sample in batch.samples() {
+//!     println!("{} m", sample?.length);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! It is the physics of every other engine, over a vector of rows for its scalar: as many rows in a block as a register
+//! of this machine has lanes. Blocks share nothing, so they are stepped on all cores; a step allocates nothing. The
+//! instructions are chosen when the program runs ([`Width`]).
+//!
+//! What holds for row i of any batch:
+//!
+//! - it is the fixed-step engine's run ([`FixedStepper`](crate::simulation::FixedStepper)), bit for bit: whatever the
+//!   number of rows, its place among them, the number of threads, and the width of the instructions. In `f32` it is the
+//!   same method with states and parameters rounded to `f32`, and time to `f64`;
+//! - when it leaves the physics it has an error of its own from then on, and touches no other row.
+//!
+//! Checked by `tests/batch.rs`.
+
+mod block;
+mod engine;
+mod gather;
+pub(crate) mod wide;
+mod width;
+
+pub use width::Width;
+
+use crate::error::Error;
+use crate::simulation::{Method, Rig, Sample, State};
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::marker::PhantomData;
+use engine::Engine;
+
+/// A rig and its start.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The actuator, what drives its valve, and its load.
+    pub rig: Rig,
+    /// The state at t = 0.
+    pub start: State,
+}
+
+/// Many rows, stepped together in numbers of `F`: `f64` or `f32`.
+#[derive(Debug)]
+pub struct Batch<F: Float = f64> {
+    width: Width,
+    time: f64,
+    blocks: Box<dyn Engine>,
+    /// Where each row is: block times lanes plus lane.
+    places: Vec<usize>,
+    number: PhantomData<F>,
+}
+
+impl<F: Float> Batch<F> {
+    /// A batch at t = 0 with the widest instructions of this machine.
+    pub fn new(rows: Vec<Row>, method: Method) -> Self {
+        Self::with_width(rows, method, Width::widest())
+    }
+
+    /// A batch at t = 0 with given instructions; where the machine has not got them, others with the same results.
+    pub fn with_width(rows: Vec<Row>, method: Method, width: Width) -> Self {
+        let mut places = Vec::new();
+        let mut deal = |lanes: usize| {
+            let (of_rows, members) = arrange(&rows, lanes);
+            places = of_rows;
+            members
+        };
+        let blocks = F::build(&rows, &mut deal, method, width);
+        Self { width: width.or_widest(), time: 0.0, blocks, places, number: PhantomData }
+    }
+
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// The time in s that every living row has reached.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The instructions that are used.
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// Takes every living row to `until` (s) in `steps` equal steps, each divided where something switches in the row.
+    /// Does nothing when `until` is not later than now or there are no steps.
+    pub fn advance(&mut self, until: f64, steps: u64) {
+        if steps > 0 && until > self.time && until.is_finite() {
+            self.blocks.advance(self.time, until, steps);
+            self.time = until;
+        }
+    }
+
+    /// What every row shows now, or why it has stopped, in the order of the rows.
+    ///
+    /// # Errors
+    /// Each row's own: [`Error::Stopped`] when a step has led it out of the physics.
+    pub fn samples(&self) -> Vec<Result<Sample, Error>> {
+        let (by_place, lanes) = (self.blocks.samples(), self.blocks.lanes());
+        self.places.iter().map(|place| by_place[place / lanes][place % lanes].clone()).collect()
+    }
+}
+
+/// Sorts rows into blocks of the same form: the place of each row, and the rows of each block.
+fn arrange(rows: &[Row], lanes: usize) -> (Vec<usize>, Vec<Vec<usize>>) {
+    let mut open: Vec<(Rig, usize)> = Vec::new();
+    let mut blocks: Vec<Vec<usize>> = Vec::new();
+    let mut places = Vec::with_capacity(rows.len());
+    for (row, Row { rig, .. }) in rows.iter().enumerate() {
+        let form = gather::form(rig);
+        let known = open.iter().position(|(known, _)| *known == form);
+        let known = known.unwrap_or_else(|| {
+            open.push((form, usize::MAX));
+            open.len() - 1
+        });
+        let block = &mut open[known].1;
+        if blocks.get(*block).is_none_or(|rows| rows.len() == lanes) {
+            *block = blocks.len();
+            blocks.push(Vec::with_capacity(lanes));
+        }
+        places.push(*block * lanes + blocks[*block].len());
+        blocks[*block].push(row);
+    }
+    (places, blocks)
+}
+
+/// A number that batches are made of: `f64` or `f32`.
+pub trait Float: engine::Build {}
+
+impl Float for f64 {}
+impl Float for f32 {}

@@ -1,0 +1,251 @@
+//! Vectors of lanes: several rows of a batch as one scalar, in one register.
+//!
+//! A vector carries the proof that its instructions exist on this machine, a value without size; an operation is one
+//! instruction, and rounds like the same operation on one number. A constant is made from nothing, so it asks the thread
+//! for the proof, which was left there by [`compiled`].
+
+use crate::scalar::{Mask, Real, Scalar};
+use core::cell::Cell;
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
+use pulp::{Simd, WithSimd};
+
+/// A number that lanes hold.
+pub trait Number: Real<Time = f64> + Send + Sync {}
+impl Number for f64 {}
+impl Number for f32 {}
+
+/// A scalar of several lanes that can be looked at one by one.
+pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
+    /// What a lane holds.
+    type Lane: Number;
+    /// The instructions that it needs.
+    type Instructions: Instructions;
+    /// How many lanes there are.
+    const LANES: usize;
+
+    /// Lanes from a function of their index.
+    fn from_lanes(lane: impl FnMut(usize) -> Self::Lane) -> Self;
+    /// What a lane holds.
+    fn lane(&self, lane: usize) -> Self::Lane;
+    /// Changes what a lane holds.
+    fn put(&mut self, lane: usize, value: Self::Lane);
+    /// A mask from a function of the lane's index.
+    fn mask(holds: impl FnMut(usize) -> bool) -> Self::Mask;
+    /// Whether a mask holds in a lane.
+    fn holds(mask: Self::Mask, lane: usize) -> bool;
+}
+
+/// Vector instructions that a thread can be told of.
+pub(crate) trait Instructions: Simd {
+    /// Proof that the machine has them.
+    fn detect() -> Option<Self>;
+    /// Leaves the proof with the thread.
+    fn keep(self);
+    /// The proof, in work that is [`compiled`].
+    fn present() -> Self;
+}
+
+/// Work that is compiled for the instructions of a vector.
+pub(crate) trait Compiled {
+    /// The vector.
+    type Wide: Wide;
+    /// What comes out of it.
+    type Output;
+    /// Does the work.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+struct Vectorized<K>(K);
+
+impl<K: Compiled> WithSimd for Vectorized<K> {
+    type Output = K::Output;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> K::Output {
+        self.0.run(simd)
+    }
+}
+
+/// Does work with the instructions that it is compiled for; vectors may be made of nothing in it.
+///
+/// Blocks are made only of vectors whose instructions the machine has.
+pub(super) fn compiled<K: Compiled>(work: K) -> K::Output {
+    match <<K::Wide as Wide>::Instructions as Instructions>::detect() {
+        Some(instructions) => {
+            Instructions::keep(instructions);
+            instructions.vectorize(Vectorized(work))
+        }
+        None => unreachable!("a batch is made of vectors that the machine has"),
+    }
+}
+
+macro_rules! instructions {
+    ($($simd:path, $proof:ident, $detect:expr);* $(;)?) => {$(
+        std::thread_local! {
+            static $proof: Cell<Option<$simd>> = const { Cell::new(None) };
+        }
+        impl Instructions for $simd {
+            fn detect() -> Option<Self> {
+                $detect
+            }
+            fn keep(self) {
+                $proof.set(Some(self));
+            }
+            #[inline(always)]
+            fn present() -> Self {
+                match $proof.get() {
+                    Some(proof) => proof,
+                    None => unreachable!("a vector is made only in work that is compiled for it"),
+                }
+            }
+        }
+    )*};
+}
+instructions!(pulp::Scalar, ONE_BY_ONE, Some(pulp::Scalar::new()));
+#[cfg(target_arch = "x86_64")]
+instructions! {
+    pulp::x86::V3, AVX2, pulp::x86::V3::try_new();
+    pulp::x86::V4, AVX512, pulp::x86::V4::try_new();
+}
+
+macro_rules! operators {
+    ($wide:ident: $($trait:ident $method:ident $operation:ident),*) => {$(
+        impl<S: Simd> $trait for $wide<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { simd: self.simd, lanes: self.simd.$operation(self.lanes, other.lanes) }
+            }
+        }
+    )*};
+}
+
+macro_rules! one_by_one {
+    ($($function:ident),*) => {$(
+        fn $function(self) -> Self {
+            Self::from_lanes(|lane| Scalar::$function(self.lane(lane)))
+        }
+    )*};
+}
+
+macro_rules! wide {
+    ($number:ident, $wide:ident($lanes:ident), $mask:ident($mask_lanes:ident);
+     $add:ident $sub:ident $mul:ident $div:ident $neg:ident $sqrt:ident $splat:ident $lt:ident $le:ident $select:ident
+     $and:ident $or:ident $not:ident $first:ident) => {
+        #[doc = concat!("A register of `", stringify!($number), "`.")]
+        #[derive(Clone, Copy, Debug)]
+        #[repr(C)]
+        pub(crate) struct $wide<S: Simd> {
+            simd: S,
+            lanes: S::$lanes,
+        }
+
+        #[doc = concat!("Truth values for the lanes of a register of `", stringify!($number), "`.")]
+        #[derive(Clone, Copy, Debug)]
+        #[repr(C)]
+        pub(crate) struct $mask<S: Simd> {
+            simd: S,
+            lanes: S::$mask_lanes,
+        }
+
+        operators!($wide: Add add $add, Sub sub $sub, Mul mul $mul, Div div $div);
+        operators!($mask: BitAnd bitand $and, BitOr bitor $or);
+
+        impl<S: Simd> Neg for $wide<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self { simd: self.simd, lanes: self.simd.$neg(self.lanes) }
+            }
+        }
+
+        impl<S: Simd> Not for $mask<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn not(self) -> Self {
+                Self { simd: self.simd, lanes: self.simd.$not(self.lanes) }
+            }
+        }
+
+        impl<S: Instructions> Mask for $mask<S> {
+            #[inline(always)]
+            fn splat(value: bool) -> Self {
+                $wide::zero().lt($wide::constant(if value { 1.0 } else { 0.0 }))
+            }
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.simd.$first(self.lanes) < $wide::<S>::LANES
+            }
+        }
+
+        impl<S: Instructions> Scalar for $wide<S> {
+            type Mask = $mask<S>;
+
+            #[inline(always)]
+            fn constant(value: f64) -> Self {
+                let simd = S::present();
+                Self { simd, lanes: simd.$splat(value as $number) }
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self { simd: self.simd, lanes: self.simd.$sqrt(self.lanes) }
+            }
+            one_by_one!(ln, exp, exp_m1, sin, cos);
+            #[inline(always)]
+            fn lt(self, other: Self) -> $mask<S> {
+                $mask { simd: self.simd, lanes: self.simd.$lt(self.lanes, other.lanes) }
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> $mask<S> {
+                $mask { simd: self.simd, lanes: self.simd.$le(self.lanes, other.lanes) }
+            }
+            #[inline(always)]
+            fn select(mask: $mask<S>, yes: Self, no: Self) -> Self {
+                Self { simd: yes.simd, lanes: yes.simd.$select(mask.lanes, yes.lanes, no.lanes) }
+            }
+        }
+
+        impl<S: Instructions> Wide for $wide<S> {
+            type Lane = $number;
+            type Instructions = S;
+            const LANES: usize = size_of::<S::$lanes>() / size_of::<$number>();
+
+            #[inline(always)]
+            fn from_lanes(mut lane: impl FnMut(usize) -> $number) -> Self {
+                let mut wide = Self::constant(0.0);
+                for (index, value) in cast_slice_mut::<_, $number>(core::slice::from_mut(&mut wide.lanes)).iter_mut().enumerate() {
+                    *value = lane(index);
+                }
+                wide
+            }
+            #[inline(always)]
+            fn lane(&self, lane: usize) -> $number {
+                cast_slice::<_, $number>(core::slice::from_ref(&self.lanes))[lane]
+            }
+            #[inline(always)]
+            fn put(&mut self, lane: usize, value: $number) {
+                cast_slice_mut::<_, $number>(core::slice::from_mut(&mut self.lanes))[lane] = value;
+            }
+            #[inline(always)]
+            fn mask(mut holds: impl FnMut(usize) -> bool) -> $mask<S> {
+                Self::zero().lt(Self::from_lanes(|lane| if holds(lane) { 1.0 } else { 0.0 }))
+            }
+            #[inline(always)]
+            fn holds(mask: $mask<S>, lane: usize) -> bool {
+                Self::select(mask, Self::one(), Self::zero()).lane(lane) > 0.0
+            }
+        }
+    };
+}
+
+wide! {
+    f64, Doubles(f64s), DoubleMask(m64s);
+    add_f64s sub_f64s mul_f64s div_f64s neg_f64s sqrt_f64s splat_f64s less_than_f64s less_than_or_equal_f64s select_f64s
+    and_m64s or_m64s not_m64s first_true_m64s
+}
+wide! {
+    f32, Singles(f32s), SingleMask(m32s);
+    add_f32s sub_f32s mul_f32s div_f32s neg_f32s sqrt_f32s splat_f32s less_than_f32s less_than_or_equal_f32s select_f32s
+    and_m32s or_m32s not_m32s first_true_m32s
+}

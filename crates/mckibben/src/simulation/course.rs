@@ -1,0 +1,258 @@
+//! From one instant to the next: a load slides, turns, sticks, breaks away, falls slack and comes taut.
+//!
+//! With Coulomb friction the direction of sliding is held over a step, and so is the extent: slack, taut, or free, which is
+//! between the limits of the length or beyond the longest without pull. Where the velocity has changed its sign by the end
+//! of the step, friction can no longer hold a load at rest, or the length or the force of the taut braid has left the
+//! extent, the point within the step where that first happens is found by bracketed secants on the method's own step; the
+//! load then turns, sticks or breaks away, or the extent changes, and the rest of the step follows.
+//!
+//! At rest the load sticks while its pull lies between the least and the largest tension that friction can hold,
+//! `F_s + F_limit ± Q k_sec`, (12).
+//!
+//! Checked by `tests/fixed_step.rs` and `tests/batch.rs`.
+
+use super::kernel::{Held, Method};
+use super::rig::Rig;
+use crate::load::Load;
+use crate::scalar::{Mask, Real, Scalar};
+
+/// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
+const MAX_TURNS: usize = 4;
+/// Part of a step to which a turn is located: the last secant before is closer than that, and each squares the error.
+const TURN_TOLERANCE: f64 = 1e-9;
+/// Part of a step that a load which starts from rest, or on a limit, moves before a turn is looked for.
+const FROM_REST: f64 = 1e-3;
+/// Secants and bisections after which a turn is taken where the bracket is.
+const MAX_SECANTS: usize = 60;
+
+/// Where a rig is, and what it holds to until the next instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course<R: Real> {
+    pub(crate) time: R::Time,
+    pub(crate) state: [R; 4],
+    pub(crate) held: Held<R>,
+}
+
+impl<R: Real> Course<R> {
+    /// Goes on to `until` with the same passages open.
+    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time) {
+        for _ in 0..MAX_TURNS {
+            let Some(turn) = self.attempt(rig, method, until) else { return };
+            self.turn(rig, &turn);
+        }
+        self.arrive(rig, until, self.take(rig, method, self.step_to(until)));
+        self.stretch(rig);
+    }
+
+    /// Takes the whole step, or says where in it something ceases to hold.
+    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time) -> Option<Turn<R>> {
+        let step = self.step_to(until);
+        let end = self.take(rig, method, step);
+        let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
+        if R::zero().lt(step) && (ceases[0] || ceases[1]) {
+            return Some(self.locate(rig, method, step, end, ceases));
+        }
+        self.arrive(rig, until, end);
+        None
+    }
+
+    fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: [R; 4]) {
+        self.state = end;
+        self.time = self.time.larger(until);
+        if rig.load().inertia().is_none() {
+            self.slide(rig);
+        }
+    }
+
+    fn step_to(&self, until: R::Time) -> R {
+        R::of_time((until - self.time).larger(R::Time::zero()))
+    }
+
+    fn take(&self, rig: &Rig<R>, method: Method, step: R) -> [R; 4] {
+        rig.take(method, R::of_time(self.time), &self.state, step, &self.held)
+    }
+
+    /// Decides anew what follows an instant.
+    pub(crate) fn enter(&mut self, rig: &Rig<R>) {
+        self.slide(rig);
+        self.stretch(rig);
+    }
+
+    /// Decides anew the extent where it does not hold.
+    fn stretch(&mut self, rig: &Rig<R>) {
+        if rig.keeps_extent(&self.held, &self.state).lt(R::zero()) {
+            let limits = rig.actuator().limits();
+            let [length, velocity, ..] = self.state;
+            self.held.slack = limits.is_slack(length);
+            self.held.taut = !self.held.slack && R::zero().lt(limits.force(length, velocity));
+        }
+    }
+
+    /// Decides anew how the load slides.
+    fn slide(&mut self, rig: &Rig<R>) {
+        (self.held.sliding, self.held.stuck) = rig.slides(&self.state);
+    }
+
+    /// Goes to a turn and through it.
+    fn turn(&mut self, rig: &Rig<R>, turn: &Turn<R>) {
+        self.state = turn.state;
+        self.time = self.time + turn.part.to_time();
+        if turn.at_limit {
+            let limits = rig.actuator().limits();
+            let middle = R::constant(0.5) * (limits.min_length() + limits.max_length());
+            let (was_free, short) = (!(self.held.slack || self.held.taut), self.state[0].lt(middle));
+            (self.held.slack, self.held.taut) = (was_free && short, was_free && !short);
+            return;
+        }
+        let was_stuck = self.held.stuck;
+        if !was_stuck {
+            self.state[1] = R::zero();
+        }
+        self.slide(rig);
+        // A load that broke away does not stick in the same instant, whatever the last rounding of the margin.
+        if was_stuck
+            && self.held.stuck
+            && let Some(inertia) = rig.load().inertia()
+        {
+            let (least, most) = rig.holdable(self.state[0], self.state[2]);
+            let longer = (most - inertia.pull).lt(inertia.pull - least);
+            self.held.sliding = R::select(longer, R::one(), -R::one());
+            self.held.stuck = false;
+        }
+    }
+
+    /// The point within a step where sliding or extent first ceases to hold.
+    ///
+    /// What holds at the end of the step is taken to hold throughout. Of two that do not, the one that is nil at the turn
+    /// has ceased to hold first.
+    ///
+    /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
+    /// that the bracket shrinks whatever the function.
+    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: [R; 4], ceases: [bool; 2]) -> Turn<R> {
+        let endless = R::constant(f64::INFINITY);
+        let margin = |state: &[R; 4]| {
+            let [sliding, extent] = rig.keeps(&self.held, state);
+            let (sliding, extent) = (R::select(ceases[0], sliding, endless), R::select(ceases[1], extent, endless));
+            (sliding.smaller(extent), extent.lt(sliding))
+        };
+        let half = R::constant(0.5);
+        let (mut low, mut high) = (R::zero(), R::one());
+        let (mut at_low, _) = margin(&self.state);
+        let (mut at_high, at_limit) = margin(&end);
+        let mut theta = R::one();
+        let mut turn = Turn { part: step, state: end, at_limit };
+        for count in 0..MAX_SECANTS {
+            // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
+            let from_rest = at_low.le(R::zero());
+            let secant = (high - low).multiply_add(at_low / (at_low - at_high), low);
+            let next = if from_rest {
+                R::constant(FROM_REST)
+            } else if count % 4 != 3 && low.lt(secant) && secant.lt(high) {
+                secant
+            } else {
+                half * (low + high)
+            };
+            let state = self.take(rig, method, next * step);
+            let (value, at_limit) = margin(&state);
+            // What is not a number is beyond as well.
+            let is_beyond = !R::zero().le(value);
+            let change = (next - theta).magnitude();
+            theta = next;
+            turn = Turn { part: theta * step, state, at_limit };
+            let is_nil = value.le(R::zero()) && R::zero().le(value);
+            if change.le(R::constant(TURN_TOLERANCE)) || is_nil || (from_rest && is_beyond) {
+                break;
+            }
+            if is_beyond {
+                (high, at_high) = (next, value);
+                at_low = R::select(from_rest, at_low, half * at_low);
+            } else {
+                (low, at_low) = (next, value);
+                at_high = half * at_high;
+            }
+        }
+        turn
+    }
+}
+
+/// Where within a step something ceases to hold.
+struct Turn<R> {
+    /// How much of the step is taken up to there.
+    part: R,
+    state: [R; 4],
+    /// Whether it is the extent that ends.
+    at_limit: bool,
+}
+
+impl<S: Scalar> Rig<S> {
+    /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
+    #[inline(always)]
+    pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
+        match self.load() {
+            Load::Isometric => [S::constant(f64::INFINITY); 2],
+            _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
+        }
+    }
+
+    /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
+    #[inline(always)]
+    fn keeps_sliding(&self, held: &Held<S>, state: &[S; 4]) -> S {
+        let endless = S::constant(f64::INFINITY);
+        let Some(inertia) = self.load().inertia() else { return endless };
+        if !self.actuator().friction().has_coulomb() {
+            return endless;
+        }
+        let along = held.sliding * state[1];
+        if !held.stuck.any() {
+            return along;
+        }
+        let (least, most) = self.holdable(state[0], state[2]);
+        S::select(held.stuck, (most - inertia.pull).smaller(inertia.pull - least), along)
+    }
+
+    /// The force in N by which a state is within its extent, negative beyond: a length counts by the force that the taut
+    /// braid would make of it.
+    #[inline(always)]
+    fn keeps_extent(&self, held: &Held<S>, state: &[S; 4]) -> S {
+        let limits = self.actuator().limits();
+        let [length, velocity, ..] = *state;
+        let above = limits.stiffness() * (length - limits.min_length());
+        let stretched = limits.stiffness() * (length - limits.max_length());
+        let taut = stretched.smaller(limits.taut_force(length, velocity));
+        S::select(held.slack, -above, S::select(held.taut, taut, above.smaller(-taut)))
+    }
+
+    /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
+    #[inline(always)]
+    pub(crate) fn slides(&self, state: &[S; 4]) -> (S, S::Mask) {
+        let [length, velocity, pressure, _] = *state;
+        let nowhere = S::Mask::splat(false);
+        if !self.actuator().friction().has_coulomb() {
+            return (S::zero(), nowhere);
+        }
+        let by_velocity = velocity.sign();
+        let Some(inertia) = self.load().inertia() else { return (by_velocity, nowhere) };
+        let at_rest = velocity.le(S::zero()) & S::zero().le(velocity);
+        if !at_rest.any() {
+            return (by_velocity, nowhere);
+        }
+        let (least, most) = self.holdable(length, pressure);
+        let (longer, shorter) = (most.lt(inertia.pull), inertia.pull.lt(least));
+        let slack = self.actuator().limits().is_slack(length);
+        let falling = S::select(inertia.pull.lt(S::zero()), -S::one(), S::one());
+        let when_slack = S::select(slack, falling, S::zero());
+        let from_rest = S::select(longer, S::one(), S::select(shorter, -S::one(), when_slack));
+        (S::select(at_rest, from_rest, by_velocity), at_rest & !(longer | shorter | slack))
+    }
+
+    /// Where the state is one that the laws hold for.
+    #[inline(always)]
+    pub(crate) fn admissible(&self, state: &[S; 4]) -> S::Mask {
+        let [length, velocity, pressure, mass] = *state;
+        let thread = self.actuator().law().law.braid.thread_length();
+        let numbers = length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);
+        // What is not a number is not less than anything either.
+        let infinity = S::constant(f64::INFINITY);
+        numbers & (-infinity).lt(length) & velocity.magnitude().lt(infinity) & pressure.lt(infinity) & mass.lt(infinity)
+    }
+}

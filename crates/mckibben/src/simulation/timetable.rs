@@ -1,0 +1,67 @@
+//! The instants that are known beforehand: a seat moves, or a prescribed motion turns a corner. Both engines and the
+//! batches ask here.
+
+use super::rig::Actuation;
+use crate::load::{Line, Load};
+use crate::scalar::Real;
+use crate::valve::{Ports, SeatClock, is_due};
+
+/// Where the instants of a rig come from: what drives its valve, and the corners of a prescribed motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timetable<'a, S> {
+    pub(crate) actuation: Option<&'a Actuation<S>>,
+    pub(crate) load: &'a Load<S>,
+}
+
+/// How far along its timetable a rig is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Progress<S> {
+    clock: SeatClock<S>,
+    pub(crate) corners_passed: usize,
+}
+
+impl<S: Real> Progress<S> {
+    /// Before the first instant.
+    pub(crate) fn none() -> Self {
+        Self { clock: SeatClock::released(), corners_passed: 0 }
+    }
+}
+
+impl<S: Real> Timetable<'_, S> {
+    /// The next instant in s, up to and with `until`, at which a seat moves or a prescribed motion turns a corner.
+    pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
+        let seat = self.actuation.and_then(|drive| progress.clock.next_motion(&drive.solenoid, &drive.command, until));
+        let corner = self.corner(progress.corners_passed).filter(|corner| is_due(*corner, until));
+        [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+    }
+
+    /// Passes everything up to and with `time` (s); which passages are open then.
+    pub(crate) fn pass(&self, progress: &mut Progress<S>, time: S) -> Ports {
+        while self.corner(progress.corners_passed).is_some_and(|corner| is_due(corner, time)) {
+            progress.corners_passed += 1;
+        }
+        self.pass_seats(progress, time)
+    }
+
+    /// Passes what moves seats up to and with `time` (s), and no corner; which passages are open then.
+    pub(crate) fn pass_seats(&self, progress: &mut Progress<S>, time: S) -> Ports {
+        let Some(drive) = self.actuation else { return Ports::CLOSED };
+        progress.clock.advance(time, &drive.solenoid, &drive.command);
+        progress.clock.ports(&drive.solenoid)
+    }
+
+    /// The straight line that a prescribed motion is on.
+    pub(crate) fn line(&self, progress: &Progress<S>) -> Line<S> {
+        match self.load {
+            Load::Prescribed(motion) => motion.line(progress.corners_passed),
+            _ => Line::resting(S::zero()),
+        }
+    }
+
+    fn corner(&self, index: usize) -> Option<S> {
+        match self.load {
+            Load::Prescribed(motion) => motion.corner(index),
+            _ => None,
+        }
+    }
+}
