@@ -1,12 +1,13 @@
 // The batch in C++: a structure of arrays, blocks of rows that stay in the first cache for the whole run, and the step
 // of all rows of a block as one loop that the compiler turns into vectors.
 //
-//     step textbook|polynomial|turns THREADS REPEATS CHECKED < work
+//     step textbook|polynomial|located THREADS REPEATS CHECKED < work
 //
 // `textbook` writes the orifice with one power, u = r^((γ−1)/γ), and every quotient as the equations have it; the power
 // is libmvec's. `polynomial` writes it as √(1−r) g(r) with g fitted at the start, and merges the divisions. Both take
-// sgn(v) where the rates are evaluated. `turns` is `polynomial` with the direction of sliding held, and the few rows in
-// which it ends inside a step taken again one by one: to the turn, stuck or not from there, and on.
+// sgn(v), slack and taut where the rates are evaluated. `located` is `polynomial` with the direction of sliding and the
+// extent (slack, free, taut) held, and the few rows in which one of them ends inside a step taken again one by one: to
+// that instant, and on with what holds from there.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -25,7 +26,11 @@ namespace {
 constexpr int LANES = 32;
 constexpr int TERMS = 13;  // g to 1e-12
 
-enum class Form { textbook, polynomial, turns };
+enum class Form { textbook, polynomial, located };
+
+constexpr int TURNS = 4;             // in one step; the rest of it is then taken as it is
+constexpr int SECANTS = 2;           // that find an instant, before the last
+constexpr double FROM_REST = 1e-3;   // part of a step in which what has just begun is not asked whether it ends
 
 struct Part {
     double time, step;
@@ -45,6 +50,12 @@ struct alignas(64) Block {
     double length[LANES], velocity[LANES], pressure[LANES], air[LANES];
     double per_mass[LANES], supply[LANES];
     double sliding[LANES];  // -1, 0 (stuck) or 1
+    double extent[LANES];   // -1 (slack), 0 or 1 (taut)
+};
+
+// What holds over a step.
+struct Held {
+    double sliding, extent;
 };
 
 struct State {
@@ -131,21 +142,23 @@ inline __attribute__((always_inline)) double psi(const Muscle& m, double r) {
 }
 
 template <Form FORM, bool FILLING>
-inline __attribute__((always_inline)) State rates(const Muscle& m, double per_mass, double supply, double sliding,
+inline __attribute__((always_inline)) State rates(const Muscle& m, double per_mass, double supply, Held held,
                                                   const State& y) {
     const double L = y.length, P = y.pressure, air = y.air;
-    const bool stuck = FORM == Form::turns && sliding == 0;
+    const bool stuck = FORM == Form::located && held.sliding == 0;
     const double v = stuck ? 0.0 : y.velocity;
     const double length = std::max(L, m.min_length);
     const double gauge = P - m.atmosphere, square = length * length;
     const double slope = (m.square_thread - 3 * square) * m.per_turns;
     const double volume = length * (m.square_thread - square) * m.per_turns + m.external_volume;
     const double secant = 3 * gauge * (length + m.min_length) * m.per_turns * m.effectiveness;
-    const double taut = L > m.max_length ? std::max(m.stiffness * (L - m.max_length) + m.damping * v, 0.0) : 0.0;
+    const double stretched = m.stiffness * (L - m.max_length) + m.damping * v;
+    const double taut = FORM == Form::located ? (held.extent > 0 ? stretched : 0.0)
+                                              : (L > m.max_length ? std::max(stretched, 0.0) : 0.0);
     const double friction = m.coulomb_width * std::max(secant, 0.0);
-    const double coulomb = FORM == Form::turns ? sliding * friction : v > 0 ? friction : v < 0 ? -friction : 0.0;
+    const double coulomb = FORM == Form::located ? held.sliding * friction : v > 0 ? friction : v < 0 ? -friction : 0.0;
     const double force = std::max(taut + m.viscous * v + coulomb - m.effectiveness * gauge * slope, 0.0);
-    const bool slack = L < m.min_length;
+    const bool slack = FORM == Form::located ? held.extent < 0 : L < m.min_length;
     const double tension = slack ? 0.0 : force, volume_rate = slack ? 0.0 : slope * v;
 
     const double beyond = FILLING ? supply : m.atmosphere;
@@ -171,10 +184,10 @@ inline __attribute__((always_inline)) State rates(const Muscle& m, double per_ma
 
 // One step of the classical Runge-Kutta method.
 template <Form FORM, bool FILLING>
-inline __attribute__((always_inline)) State step(const Muscle& m, double per_mass, double supply, double sliding,
+inline __attribute__((always_inline)) State step(const Muscle& m, double per_mass, double supply, Held held,
                                                  const State& y, double h) {
     const auto slope = [&](const State& at) __attribute__((always_inline)) {
-        return rates<FORM, FILLING>(m, per_mass, supply, sliding, at);
+        return rates<FORM, FILLING>(m, per_mass, supply, held, at);
     };
     const auto ahead = [&](const State& k, double by) __attribute__((always_inline)) {
         return State{y.length + by * k.length, y.velocity + by * k.velocity, y.pressure + by * k.pressure,
@@ -196,46 +209,72 @@ inline __attribute__((always_inline)) Hold hold(const Muscle& m, double L, doubl
     return {L <= m.min_length ? 0.0 : std::max(middle - bound, 0.0), std::max(middle + bound, 0.0)};
 }
 
-// Positive while the direction of sliding lasts.
-inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, double sliding, const State& y) {
+// Negative where the direction of sliding has ceased to hold.
+inline __attribute__((always_inline)) double slides(const Muscle& m, double per_mass, Held held, const State& y) {
     const double pull = m.gravity / per_mass;
     const Hold can = hold(m, y.length, y.pressure);
-    return sliding == 0 ? std::min(can.most - pull, pull - can.least) : sliding * y.velocity;
+    return held.sliding == 0 ? std::min(can.most - pull, pull - can.least) : held.sliding * y.velocity;
+}
+
+// Negative where the extent has ceased to hold, as a force of the taut braid.
+inline __attribute__((always_inline)) double extends(const Muscle& m, Held held, const State& y) {
+    const double above = m.stiffness * (y.length - m.min_length), beyond = m.stiffness * (y.length - m.max_length);
+    const double taut = std::min(beyond, beyond + m.damping * y.velocity);
+    return held.extent < 0 ? -above : held.extent > 0 ? taut : std::min(above, -taut);
+}
+
+inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, Held held, const State& y) {
+    return std::min(slides(m, per_mass, held, y), extends(m, held, y));
 }
 
 double from_rest(const Muscle& m, double per_mass, const State& y) {
+    if (y.length < m.min_length) return 1;
     const double pull = m.gravity / per_mass;
     const Hold can = hold(m, y.length, y.pressure);
     return pull > can.most ? 1 : pull < can.least ? -1 : 0;
 }
 
-// A step of one row in which its sliding ends: to that instant by two secants, and on from there.
-template <bool FILLING>
-State turn(const Muscle& m, double per_mass, double supply, double& sliding, const State& y, double h) {
-    const auto to = [&](double part) {
-        return step<Form::turns, FILLING>(m, per_mass, supply, sliding, y, part * h);
-    };
-    const auto value = [&](const State& at) { return lasts(m, per_mass, sliding, at); };
-    double low = 0, high = 1, at_low = value(y), at_high = value(to(1)), part = 0;
-    if (at_low > 0) {
-        for (int n = 0; n < 2; n++) {
-            part = low + (high - low) * at_low / (at_low - at_high);
-            const double here = value(to(part));
-            (here > 0 ? low : high) = part;
-            (here > 0 ? at_low : at_high) = here;
-        }
-        part = low + (high - low) * at_low / (at_low - at_high);
-    }
-    State there = to(part);
-    if (sliding != 0) {
-        there.velocity = 0;
-        sliding = from_rest(m, per_mass, there);
+// What holds from an instant at which something ended.
+void pass(const Muscle& m, double per_mass, Held& held, State& y) {
+    if (extends(m, held, y) < slides(m, per_mass, held, y)) {
+        const bool was_free = held.extent == 0, is_short = y.length < (m.min_length + m.max_length) / 2;
+        held.extent = !was_free ? 0 : is_short ? -1 : 1;
+    } else if (held.sliding != 0) {
+        y.velocity = 0;
+        held.sliding = from_rest(m, per_mass, y);
     } else {
-        const Hold can = hold(m, there.length, there.pressure);
+        const Hold can = hold(m, y.length, y.pressure);
         const double pull = m.gravity / per_mass;
-        sliding = can.most - pull < pull - can.least ? 1 : -1;
+        held.sliding = can.most - pull < pull - can.least ? 1 : -1;
     }
-    return step<Form::turns, FILLING>(m, per_mass, supply, sliding, there, (1 - part) * h);
+}
+
+// A step of one row in which something ends: to that instant by secants, and on from there.
+template <bool FILLING>
+State turn(const Muscle& m, double per_mass, double supply, Held& held, State y, double h) {
+    const auto to = [&](double part) {
+        return step<Form::located, FILLING>(m, per_mass, supply, held, y, part * h);
+    };
+    const auto value = [&](const State& at) { return lasts(m, per_mass, held, at); };
+    for (int count = 0; count < TURNS; count++) {
+        const State end = to(1);
+        double low = 0, high = 1, at_low = value(y), at_high = value(end), part = FROM_REST;
+        if (!(at_high < 0)) return end;
+        if (at_low <= 0) low = FROM_REST, at_low = value(to(FROM_REST));
+        if (at_low > 0) {
+            for (int n = 0; n < SECANTS; n++) {
+                part = low + (high - low) * at_low / (at_low - at_high);
+                const double here = value(to(part));
+                (here > 0 ? low : high) = part;
+                (here > 0 ? at_low : at_high) = here;
+            }
+            part = low + (high - low) * at_low / (at_low - at_high);
+        }
+        y = to(part);
+        h *= 1 - part;
+        pass(m, per_mass, held, y);
+    }
+    return to(1);
 }
 
 template <Form FORM, bool FILLING>
@@ -246,19 +285,22 @@ void step(const Muscle& muscle, Block& block, double h) {
 #pragma omp simd simdlen(8) reduction(min : least)
     for (int i = 0; i < LANES; i++) {
         const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
-        const double per_mass = block.per_mass[i], sliding = block.sliding[i];
-        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], sliding, y, h);
-        if constexpr (FORM == Form::turns) least = std::min(least, lasts(m, per_mass, sliding, end));
+        const double per_mass = block.per_mass[i];
+        const Held held{block.sliding[i], block.extent[i]};
+        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], held, y, h);
+        if constexpr (FORM == Form::located) least = std::min(least, lasts(m, per_mass, held, end));
         next.length[i] = end.length, next.velocity[i] = end.velocity;
         next.pressure[i] = end.pressure, next.air[i] = end.air;
     }
-    if (FORM == Form::turns && least < 0) {
+    if (FORM == Form::located && least < 0) {
         for (int i = 0; i < LANES; i++) {
             const double per_mass = block.per_mass[i];
             State end{next.length[i], next.velocity[i], next.pressure[i], next.air[i]};
-            if (lasts(m, per_mass, block.sliding[i], end) >= 0) continue;
+            Held held{block.sliding[i], block.extent[i]};
+            if (lasts(m, per_mass, held, end) >= 0) continue;
             const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
-            end = turn<FILLING>(m, per_mass, block.supply[i], block.sliding[i], y, h);
+            end = turn<FILLING>(m, per_mass, block.supply[i], held, y, h);
+            block.sliding[i] = held.sliding, block.extent[i] = held.extent;
             next.length[i] = end.length, next.velocity[i] = end.velocity;
             next.pressure[i] = end.pressure, next.air[i] = end.air;
         }
@@ -308,6 +350,7 @@ Work read() {
         const bool moves = velocity != 0;
         block.sliding[i] = moves ? std::copysign(1, velocity)
                                  : from_rest(work.muscle, 1 / mass, {length, velocity, pressure, air});
+        block.extent[i] = length < work.muscle.min_length ? -1 : length > work.muscle.max_length ? 1 : 0;
     }
     return work;
 }
@@ -315,7 +358,7 @@ Work read() {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 5) return std::fputs("step textbook|polynomial|turns THREADS REPEATS CHECKED < work\n", stderr), 2;
+    if (argc != 5) return std::fputs("step textbook|polynomial|located THREADS REPEATS CHECKED < work\n", stderr), 2;
     const std::string_view form(argv[1]);
     const int threads = std::atoi(argv[2]), repeats = std::atoi(argv[3]);
     const Work work = read();
@@ -324,7 +367,7 @@ int main(int argc, char** argv) {
     for (int repeat = 0; repeat < repeats; repeat++) {
         blocks = work.blocks;
         const auto start = std::chrono::steady_clock::now();
-        (form == "textbook" ? run<Form::textbook> : form == "turns" ? run<Form::turns> : run<Form::polynomial>)(work.muscle, work.parts, blocks, threads);
+        (form == "textbook" ? run<Form::textbook> : form == "located" ? run<Form::located> : run<Form::polynomial>)(work.muscle, work.parts, blocks, threads);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     std::printf("{\"seconds\": %.9g, \"states\": [", best);
