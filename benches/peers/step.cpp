@@ -234,9 +234,9 @@ double from_rest(const Muscle& m, double per_mass, const State& y) {
     return pull > can.most ? 1 : pull < can.least ? -1 : 0;
 }
 
-// What holds from an instant at which something ended.
-void pass(const Muscle& m, double per_mass, Held& held, State& y) {
-    if (extends(m, held, y) < slides(m, per_mass, held, y)) {
+// What holds from an instant at which the extent or the direction of sliding ended.
+void pass(const Muscle& m, double per_mass, bool by_extent, Held& held, State& y) {
+    if (by_extent) {
         const bool was_free = held.extent == 0, is_short = y.length < (m.min_length + m.max_length) / 2;
         held.extent = !was_free ? 0 : is_short ? -1 : 1;
     } else if (held.sliding != 0) {
@@ -255,11 +255,19 @@ State turn(const Muscle& m, double per_mass, double supply, Held& held, State y,
     const auto to = [&](double part) {
         return step<Form::located, FILLING>(m, per_mass, supply, held, y, part * h);
     };
-    const auto value = [&](const State& at) { return lasts(m, per_mass, held, at); };
     for (int count = 0; count < TURNS; count++) {
         const State end = to(1);
+        // What holds at the end is taken to hold throughout; of two that do not, the one nearer to its end goes first.
+        const bool ends[] = {slides(m, per_mass, held, end) < 0, extends(m, held, end) < 0};
+        if (!ends[0] && !ends[1]) return end;
+        bool by_extent = false;
+        const auto value = [&](const State& at) {
+            const double sliding = ends[0] ? slides(m, per_mass, held, at) : 1e300;
+            const double extent = ends[1] ? extends(m, held, at) : 1e300;
+            by_extent = extent < sliding;
+            return std::min(sliding, extent);
+        };
         double low = 0, high = 1, at_low = value(y), at_high = value(end), part = FROM_REST;
-        if (!(at_high < 0)) return end;
         if (at_low <= 0) low = FROM_REST, at_low = value(to(FROM_REST));
         if (at_low > 0) {
             for (int n = 0; n < SECANTS; n++) {
@@ -272,7 +280,7 @@ State turn(const Muscle& m, double per_mass, double supply, Held& held, State y,
         }
         y = to(part);
         h *= 1 - part;
-        pass(m, per_mass, held, y);
+        pass(m, per_mass, by_extent, held, y);
     }
     return to(1);
 }
