@@ -53,7 +53,7 @@ struct alignas(64) Block {
     double extent[LANES];   // -1 (slack), 0 or 1 (taut)
 };
 
-// What holds over a step.
+// What holds over a step of one row. In the loop over rows the two are passed one by one: a pair is no vector.
 struct Held {
     double sliding, extent;
 };
@@ -142,10 +142,10 @@ inline __attribute__((always_inline)) double psi(const Muscle& m, double r) {
 }
 
 template <Form FORM, bool FILLING>
-inline __attribute__((always_inline)) State rates(const Muscle& m, double per_mass, double supply, Held held,
-                                                  const State& y) {
+inline __attribute__((always_inline)) State rates(const Muscle& m, double per_mass, double supply, double sliding,
+                                                  double extent, const State& y) {
     const double L = y.length, P = y.pressure, air = y.air;
-    const bool stuck = FORM == Form::located && held.sliding == 0;
+    const bool stuck = FORM == Form::located && sliding == 0;
     const double v = stuck ? 0.0 : y.velocity;
     const double length = std::max(L, m.min_length);
     const double gauge = P - m.atmosphere, square = length * length;
@@ -153,12 +153,12 @@ inline __attribute__((always_inline)) State rates(const Muscle& m, double per_ma
     const double volume = length * (m.square_thread - square) * m.per_turns + m.external_volume;
     const double secant = 3 * gauge * (length + m.min_length) * m.per_turns * m.effectiveness;
     const double stretched = m.stiffness * (L - m.max_length) + m.damping * v;
-    const double taut = FORM == Form::located ? (held.extent > 0 ? stretched : 0.0)
+    const double taut = FORM == Form::located ? (extent > 0 ? stretched : 0.0)
                                               : (L > m.max_length ? std::max(stretched, 0.0) : 0.0);
     const double friction = m.coulomb_width * std::max(secant, 0.0);
-    const double coulomb = FORM == Form::located ? held.sliding * friction : v > 0 ? friction : v < 0 ? -friction : 0.0;
+    const double coulomb = FORM == Form::located ? sliding * friction : v > 0 ? friction : v < 0 ? -friction : 0.0;
     const double force = std::max(taut + m.viscous * v + coulomb - m.effectiveness * gauge * slope, 0.0);
-    const bool slack = FORM == Form::located ? held.extent < 0 : L < m.min_length;
+    const bool slack = FORM == Form::located ? extent < 0 : L < m.min_length;
     const double tension = slack ? 0.0 : force, volume_rate = slack ? 0.0 : slope * v;
 
     const double beyond = FILLING ? supply : m.atmosphere;
@@ -184,10 +184,10 @@ inline __attribute__((always_inline)) State rates(const Muscle& m, double per_ma
 
 // One step of the classical Runge-Kutta method.
 template <Form FORM, bool FILLING>
-inline __attribute__((always_inline)) State step(const Muscle& m, double per_mass, double supply, Held held,
-                                                 const State& y, double h) {
+inline __attribute__((always_inline)) State step(const Muscle& m, double per_mass, double supply, double sliding,
+                                                 double extent, const State& y, double h) {
     const auto slope = [&](const State& at) __attribute__((always_inline)) {
-        return rates<FORM, FILLING>(m, per_mass, supply, held, at);
+        return rates<FORM, FILLING>(m, per_mass, supply, sliding, extent, at);
     };
     const auto ahead = [&](const State& k, double by) __attribute__((always_inline)) {
         return State{y.length + by * k.length, y.velocity + by * k.velocity, y.pressure + by * k.pressure,
@@ -210,21 +210,22 @@ inline __attribute__((always_inline)) Hold hold(const Muscle& m, double L, doubl
 }
 
 // Negative where the direction of sliding has ceased to hold.
-inline __attribute__((always_inline)) double slides(const Muscle& m, double per_mass, Held held, const State& y) {
+inline __attribute__((always_inline)) double slides(const Muscle& m, double per_mass, double sliding, const State& y) {
     const double pull = m.gravity / per_mass;
     const Hold can = hold(m, y.length, y.pressure);
-    return held.sliding == 0 ? std::min(can.most - pull, pull - can.least) : held.sliding * y.velocity;
+    return sliding == 0 ? std::min(can.most - pull, pull - can.least) : sliding * y.velocity;
 }
 
 // Negative where the extent has ceased to hold, as a force of the taut braid.
-inline __attribute__((always_inline)) double extends(const Muscle& m, Held held, const State& y) {
+inline __attribute__((always_inline)) double extends(const Muscle& m, double extent, const State& y) {
     const double above = m.stiffness * (y.length - m.min_length), beyond = m.stiffness * (y.length - m.max_length);
     const double taut = std::min(beyond, beyond + m.damping * y.velocity);
-    return held.extent < 0 ? -above : held.extent > 0 ? taut : std::min(above, -taut);
+    return extent < 0 ? -above : extent > 0 ? taut : std::min(above, -taut);
 }
 
-inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, Held held, const State& y) {
-    return std::min(slides(m, per_mass, held, y), extends(m, held, y));
+inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, double sliding, double extent,
+                                                  const State& y) {
+    return std::min(slides(m, per_mass, sliding, y), extends(m, extent, y));
 }
 
 double from_rest(const Muscle& m, double per_mass, const State& y) {
@@ -253,17 +254,17 @@ void pass(const Muscle& m, double per_mass, bool by_extent, Held& held, State& y
 template <bool FILLING>
 State turn(const Muscle& m, double per_mass, double supply, Held& held, State y, double h) {
     const auto to = [&](double part) {
-        return step<Form::located, FILLING>(m, per_mass, supply, held, y, part * h);
+        return step<Form::located, FILLING>(m, per_mass, supply, held.sliding, held.extent, y, part * h);
     };
     for (int count = 0; count < TURNS; count++) {
         const State end = to(1);
         // What holds at the end is taken to hold throughout; of two that do not, the one nearer to its end goes first.
-        const bool ends[] = {slides(m, per_mass, held, end) < 0, extends(m, held, end) < 0};
+        const bool ends[] = {slides(m, per_mass, held.sliding, end) < 0, extends(m, held.extent, end) < 0};
         if (!ends[0] && !ends[1]) return end;
         bool by_extent = false;
         const auto value = [&](const State& at) {
-            const double sliding = ends[0] ? slides(m, per_mass, held, at) : 1e300;
-            const double extent = ends[1] ? extends(m, held, at) : 1e300;
+            const double sliding = ends[0] ? slides(m, per_mass, held.sliding, at) : 1e300;
+            const double extent = ends[1] ? extends(m, held.extent, at) : 1e300;
             by_extent = extent < sliding;
             return std::min(sliding, extent);
         };
@@ -294,9 +295,9 @@ void step(const Muscle& muscle, Block& block, double h) {
     for (int i = 0; i < LANES; i++) {
         const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
         const double per_mass = block.per_mass[i];
-        const Held held{block.sliding[i], block.extent[i]};
-        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], held, y, h);
-        if constexpr (FORM == Form::located) least = std::min(least, lasts(m, per_mass, held, end));
+        const double sliding = block.sliding[i], extent = block.extent[i];
+        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], sliding, extent, y, h);
+        if constexpr (FORM == Form::located) least = std::min(least, lasts(m, per_mass, sliding, extent, end));
         next.length[i] = end.length, next.velocity[i] = end.velocity;
         next.pressure[i] = end.pressure, next.air[i] = end.air;
     }
@@ -305,7 +306,7 @@ void step(const Muscle& muscle, Block& block, double h) {
             const double per_mass = block.per_mass[i];
             State end{next.length[i], next.velocity[i], next.pressure[i], next.air[i]};
             Held held{block.sliding[i], block.extent[i]};
-            if (lasts(m, per_mass, held, end) >= 0) continue;
+            if (lasts(m, per_mass, held.sliding, held.extent, end) >= 0) continue;
             const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
             end = turn<FILLING>(m, per_mass, block.supply[i], held, y, h);
             block.sliding[i] = held.sliding, block.extent[i] = held.extent;

@@ -3,6 +3,7 @@
 //! See README.md; in short: `cargo run --release --bin batch` in this folder.
 
 mod count;
+mod engines;
 mod memory;
 mod ours;
 mod peak;
@@ -12,16 +13,23 @@ mod reference;
 mod sizes;
 mod work;
 
+use count::Operations;
 use peak::Peak;
+use reference::Reference;
 use std::path::Path;
 use std::process::ExitCode;
 use work::Work;
 
 /// What can be asked for; without an argument, everything.
-const PARTS: [&str; 5] = ["count", "peak", "peers", "sizes", "memory"];
+const PARTS: [&str; 6] = ["count", "peak", "engines", "peers", "sizes", "memory"];
 
 fn main() -> ExitCode {
-    match run(std::env::args().skip(1).collect()) {
+    let asked: Vec<String> = std::env::args().skip(1).collect();
+    let done = match &asked[..] {
+        [part, rows] if part == memory::OF_A_BATCH => memory::of_a_batch(rows).map(|()| true),
+        _ => run(asked),
+    };
+    match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(message) => {
@@ -40,12 +48,12 @@ fn run(asked: Vec<String>) -> Result<bool, String> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let sources = here.join("peers");
     let work = Work::new()?;
-    let counts = count::step(&work.rows(1)?[0]);
+    let operations = Operations::count(&work.rows(1)?[0]);
     let mut missing = Vec::new();
     println!("{}", machine());
     if wants("count") {
         println!();
-        count::print(&counts);
+        operations.print();
     }
     let mut peak = None;
     if wants("peak") {
@@ -58,9 +66,16 @@ fn run(asked: Vec<String>) -> Result<bool, String> {
             Err(message) => missing.push(message),
         }
     }
-    if wants("peers") {
-        println!();
-        missing.extend(peers::compare(&work, &sources, peak.as_ref(), counts.floating_point())?);
+    if wants("engines") || wants("peers") {
+        let reference = Reference::new(&work.rows(peers::CHECKED)?)?;
+        if wants("engines") {
+            println!();
+            engines::print(&work, &reference, peak.as_ref(), &operations)?;
+        }
+        if wants("peers") {
+            println!();
+            missing.extend(peers::compare(&work, &sources, &reference)?);
+        }
     }
     if wants("sizes") {
         println!();
@@ -68,7 +83,8 @@ fn run(asked: Vec<String>) -> Result<bool, String> {
     }
     if wants("memory") {
         println!();
-        missing.extend(memory::print(&here.join("..")).err());
+        memory::batches()?;
+        missing.extend(memory::sweep(&here.join("..")).err());
     }
     for message in &missing {
         println!("\nNOT MEASURED: {message}");

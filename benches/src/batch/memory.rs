@@ -1,5 +1,8 @@
-//! The memory that `mckibben sweep` needs at most for a million rows.
+//! The memory that batches need at most, and `mckibben sweep` for a million rows.
 
+use crate::ours::Engine;
+use crate::program;
+use crate::work::Work;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -37,11 +40,51 @@ reductions = ["length.final", "tension.peak"]
 "supply.gauge_pressure" = { from = "60 psi", to = "110 psi" }
 "#;
 
+/// How this program is called by itself for the memory of one batch; the number of rows follows.
+pub const OF_A_BATCH: &str = "memory-of-a-batch";
+/// Rows of the batches.
+const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
+/// Steps that a batch takes meanwhile.
+const STEPS: u64 = 10;
+
+/// Makes one batch, steps it, and prints what this process had in memory at most, in KiB.
+///
+/// # Errors
+/// When that is not a number, or a row fails.
+pub fn of_a_batch(rows: &str) -> Result<(), String> {
+    let rows = Work::new()?.rows(rows.parse().map_err(|_| format!("`{rows}` is no number of rows"))?)?;
+    let of_rows = own_mark()?;
+    Engine::usual().run(rows, STEPS, 2)?;
+    println!("[{of_rows}, {}]", own_mark()?);
+    Ok(())
+}
+
+fn own_mark() -> Result<u64, String> {
+    high_water_mark(std::process::id()).ok_or_else(|| "this system does not say what a process has in memory".into())
+}
+
+/// Prints the memory of batches of several sizes, each in a process of its own.
+///
+/// # Errors
+/// When one fails.
+pub fn batches() -> Result<(), String> {
+    println!("largest resident memory of a batch: its rows as they are given, then with the blocks made of them");
+    println!("{:>9} {:>11} {:>11} {:>13}", "rows", "rows, MiB", "batch, MiB", "KiB for a row");
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    for size in SIZES {
+        let mut command = Command::new(&program);
+        let marks = program::answer(command.arg(OF_A_BATCH).arg(size.to_string()), "")?;
+        let [rows, batch]: [f64; 2] = serde_json::from_value(marks).map_err(|error| error.to_string())?;
+        println!("{size:>9} {:>11.0} {:>11.0} {:>13.2}", rows / 1024.0, batch / 1024.0, batch / size as f64);
+    }
+    Ok(())
+}
+
 /// Builds the program, runs the sweep, and prints the child's largest resident memory.
 ///
 /// # Errors
 /// When the program cannot be built, has no `sweep`, or fails.
-pub fn print(workspace: &Path) -> Result<(), String> {
+pub fn sweep(workspace: &Path) -> Result<(), String> {
     let program = build(workspace)?;
     let has_sweep = Command::new(&program).args(["sweep", "--help"]).output().map_err(|error| error.to_string())?;
     if !has_sweep.status.success() {
@@ -49,7 +92,7 @@ pub fn print(workspace: &Path) -> Result<(), String> {
     }
     let folder = std::env::temp_dir().join(format!("mckibben-sweep-memory-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-    let measured = sweep(&program, &folder);
+    let measured = run_sweep(&program, &folder);
     std::fs::remove_dir_all(&folder).map_err(|error| error.to_string())?;
     let (kibibytes, bytes) = measured?;
     println!(
@@ -80,7 +123,7 @@ fn build(workspace: &Path) -> Result<PathBuf, String> {
 }
 
 /// Largest resident memory in KiB while the sweep ran, and the size of what it wrote in bytes.
-fn sweep(program: &Path, folder: &Path) -> Result<(u64, u64), String> {
+fn run_sweep(program: &Path, folder: &Path) -> Result<(u64, u64), String> {
     let (file, results) = (folder.join("sweep.toml"), folder.join("results"));
     std::fs::write(&file, SWEEP).map_err(|error| error.to_string())?;
     let mut command = Command::new(program);

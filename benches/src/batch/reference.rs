@@ -1,13 +1,11 @@
 //! The truth: event-located runs of some of the rows.
 
-use crate::work::{Row, STEP, STEPS};
+use crate::work::{STEP, STEPS};
+use mckibben::batch::Row;
 use mckibben::simulation::simulate;
 
 /// Tolerance of the runs that stand for the truth.
 const TOLERANCE: f64 = 1e-11;
-/// Errors up to which two answers are the same answer, of the middle row and of the worst. A heavy mass that bounces on
-/// the taut braid magnifies any difference, so the worst row tells only that nobody took leave of the others.
-const AGREEMENT: Error = Error { median: 1e-5, worst: 1e-2 };
 
 /// Length and pressure of some rows at the end.
 pub struct Reference {
@@ -26,9 +24,9 @@ pub struct Error {
 }
 
 impl Error {
-    /// Whether the answer is right as far as a fixed step goes.
-    pub fn agrees(self) -> bool {
-        self.median <= AGREEMENT.median && self.worst <= AGREEMENT.worst
+    /// Whether neither is above that of `other`.
+    pub fn is_within(self, other: Self) -> bool {
+        self.median <= other.median && self.worst <= other.worst
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a step costs in batches of different sizes, on one thread and on two.
 
-use crate::ours::ours;
+use crate::ours::Engine;
 use crate::work::{STEPS, Work};
 use std::time::Instant;
 
@@ -17,8 +17,12 @@ const REPEATS: u32 = 5;
 /// # Errors
 /// When a run fails.
 pub fn print(work: &Work) -> Result<(), String> {
-    println!("ns/actuator-step of mckibben by the size of the batch");
-    println!("{:>9} {:>7} {:>11} {:>12} {:>18}", "rows", "steps", "one thread", "two threads", "to make a row, us");
+    let engine = Engine::usual();
+    println!("ns/actuator-step of {engine} by the size of the batch");
+    println!(
+        "{:>9} {:>7} {:>11} {:>12} {:>9} {:>18}",
+        "rows", "steps", "one thread", "two threads", "speed-up", "to make a row, us"
+    );
     for size in SIZES {
         let start = Instant::now();
         let rows = work.rows(size)?;
@@ -29,10 +33,11 @@ pub fn print(work: &Work) -> Result<(), String> {
         let mut cost = [f64::INFINITY; 2];
         for (shortest, threads) in cost.iter_mut().zip([1, 2]) {
             for _ in 0..repeats {
-                *shortest = shortest.min(ours(&rows, steps, threads)?.seconds * 1e9 / steps_in_all);
+                *shortest = shortest.min(engine.run(rows.clone(), steps, threads)?.seconds * 1e9 / steps_in_all);
             }
         }
-        println!("{size:>9} {steps:>7} {:>11.1} {:>12.1} {making:>18.1}", cost[0], cost[1]);
+        let [one, two] = cost;
+        println!("{size:>9} {steps:>7} {one:>11.1} {two:>12.1} {:>9.2} {making:>18.1}", one / two);
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! The work: many hanging masses on the paper's actuator, each with its own mass and supply pressure.
 
+use mckibben::batch::Row;
 use mckibben::simulation::{Initial, InitialLength, Rig, State};
 use mckibben::valve::SeatClock;
 use mckibben::{GaugePressure, parameter};
@@ -41,17 +42,6 @@ duration = "0.41 s"
 const POUND: f64 = 0.453_592_37;
 const POUND_PER_SQUARE_INCH: f64 = POUND * 9.806_65 / (0.0254 * 0.0254);
 
-/// One hanging mass.
-#[derive(Clone)]
-pub struct Row {
-    /// The actuator with its valve and its load.
-    pub rig: Rig,
-    /// Where it starts.
-    pub start: State,
-    mass: f64,
-    supply: f64,
-}
-
 /// A part of a step: the valve does not move inside it.
 #[derive(Clone, Copy)]
 pub struct Part {
@@ -90,10 +80,7 @@ impl Work {
     }
 
     fn row(&self, index: usize) -> Result<Row, String> {
-        // The additive recurrence of the plastic number: each square of the plane gets its share from any first rows.
-        let share = |factor: f64| (0.5 + factor * index as f64).fract();
-        let mass = (3.0 + 12.0 * share(0.754_877_666_246_692_7)) * POUND;
-        let supply = (60.0 + 50.0 * share(0.569_840_290_998_053_2)) * POUND_PER_SQUARE_INCH;
+        let (mass, supply) = mass_and_supply(index);
         let rig = self.rig.map(|parameter, value| match parameter.key {
             key if key == parameter::MASS.key => mass,
             key if key == parameter::SUPPLY_GAUGE_PRESSURE.key => supply,
@@ -107,18 +94,18 @@ impl Work {
                 velocity: 0.0,
             })
             .map_err(|error| error.to_string())?;
-        Ok(Row { rig, start, mass, supply: supply + self.scenario.air.atmospheric_pressure })
+        Ok(Row { rig, start })
     }
 
-    /// `steps` equal steps, each divided at every instant at which the seat moves.
-    pub fn parts(&self, steps: u64) -> Vec<Part> {
+    /// The steps of a run, each in `divisions` equal steps, those divided at every instant at which the seat moves.
+    pub fn parts(&self, divisions: u64) -> Vec<Part> {
         let Some(drive) = self.rig.actuation() else { return Vec::new() };
         let mut clock = SeatClock::released();
         clock.advance(0.0, &drive.solenoid, &drive.command);
         let mut parts = Vec::new();
         let mut time = 0.0;
-        for step in 1..=steps {
-            let end = step as f64 * STEP;
+        for step in 1..=STEPS * divisions {
+            let end = step as f64 * STEP / divisions as f64;
             let mut to = |until: f64, clock: &SeatClock| {
                 // An edge on a border of steps differs from it by a rounding.
                 if until - time > 1e-9 * STEP {
@@ -135,22 +122,24 @@ impl Work {
         parts
     }
 
-    /// What the peers read: the numbers that all rows share, the parts of the steps, and the rows.
+    /// What the peers read: the numbers that all rows share, the parts of the steps, and the first rows.
     ///
     /// # Errors
     /// When the scenario is not what the peers know.
-    pub fn text(&self, steps: u64, rows: &[Row]) -> Result<String, String> {
+    pub fn text(&self, divisions: u64, rows: &[Row]) -> Result<String, String> {
         let mut text = String::new();
         for (name, value) in self.numbers()? {
             let _ = writeln!(text, "{name} {value:e}");
         }
-        let parts = self.parts(steps);
+        let parts = self.parts(divisions);
         let _ = writeln!(text, "parts {}", parts.len());
         for part in parts {
             let _ = writeln!(text, "{:e} {:e} {}", part.time, part.step, i32::from(part.filling));
         }
         let _ = writeln!(text, "rows {}", rows.len());
-        for Row { start, mass, supply, .. } in rows {
+        for (index, Row { start, .. }) in rows.iter().enumerate() {
+            let (mass, supply) = mass_and_supply(index);
+            let supply = supply + self.scenario.air.atmospheric_pressure;
             let State { length, velocity, pressure, air_mass } = start;
             let _ = writeln!(text, "{mass:e} {supply:e} {length:e} {velocity:e} {:e} {air_mass:e}", pressure.0);
         }
@@ -187,4 +176,12 @@ impl Work {
             ("gravity", *gravity),
         ])
     }
+}
+
+/// Mass in kg and gauge pressure of the supply in Pa of a row, by the additive recurrence of the plastic number: each
+/// square of the plane gets its share from any first rows.
+fn mass_and_supply(index: usize) -> (f64, f64) {
+    let share = |factor: f64| (0.5 + factor * index as f64).fract();
+    let mass = (3.0 + 12.0 * share(0.754_877_666_246_692_7)) * POUND;
+    (mass, (60.0 + 50.0 * share(0.569_840_290_998_053_2)) * POUND_PER_SQUARE_INCH)
 }

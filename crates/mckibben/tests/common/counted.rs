@@ -201,11 +201,7 @@ pub(crate) fn step(rig: &Rig, start: State, held: &Held<f64>, length: f64, metho
         stuck: mask(held.stuck),
         slack: mask(held.slack),
         taut: mask(held.taut),
-        line: Line {
-            time: Counted::varying(time),
-            length: Counted::varying(of_line),
-            slope: Counted::varying(slope),
-        },
+        line: Line { time: Counted::varying(time), length: Counted::varying(of_line), slope: Counted::varying(slope) },
     };
     let (time, length) = (Counted::fixed(0.0), Counted::fixed(length));
     BOOKS.take();
