@@ -371,12 +371,15 @@ int main(int argc, char** argv) {
     const std::string_view form(argv[1]);
     const int threads = std::atoi(argv[2]), repeats = std::atoi(argv[3]);
     const Work work = read();
+    const auto solve = form == "textbook" ? run<Form::textbook>
+                       : form == "located" ? run<Form::located>
+                                           : run<Form::polynomial>;
     std::vector<Block> blocks;
     double best = std::numeric_limits<double>::infinity();
     for (int repeat = 0; repeat < repeats; repeat++) {
         blocks = work.blocks;
         const auto start = std::chrono::steady_clock::now();
-        (form == "textbook" ? run<Form::textbook> : form == "located" ? run<Form::located> : run<Form::polynomial>)(work.muscle, work.parts, blocks, threads);
+        solve(work.muscle, work.parts, blocks, threads);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     std::printf("{\"seconds\": %.9g, \"states\": [", best);

@@ -9,6 +9,9 @@ use mckibben::batch::Row;
 use mckibben::load::Line;
 use mckibben::simulation::{Held, Method};
 
+/// One number of the counts.
+type Count = fn(&Counts) -> u64;
+
 /// The operations of a step of both methods.
 pub struct Operations {
     runge_kutta: Books,
@@ -43,7 +46,7 @@ impl Operations {
     pub fn print(&self) {
         println!("operations of one step, counted as the core does them (in brackets those on parameters alone)");
         println!("{:<16} {:>14} {:>14}", "", "RK4", "stable");
-        let kinds: [(&str, fn(&Counts) -> u64); 10] = [
+        let kinds: [(&str, Count); 10] = [
             ("add", |counts| counts.add),
             ("subtract", |counts| counts.subtract),
             ("multiply", |counts| counts.multiply),

@@ -12,7 +12,8 @@ use std::process::Command;
 pub const ROWS: usize = 1024;
 /// Rows, the first ones, whose answers are compared.
 pub const CHECKED: usize = 64;
-/// Errors up to which a peer's answer is the same answer. The worst row tells little: see `engines`.
+/// Errors up to which a peer's answer is the same answer. A heavy mass that bounces on the taut braid magnifies any
+/// difference, so the worst row tells only that nobody took leave of the others.
 const AGREEMENT: Error = Error { median: 1e-5, worst: 1e-2 };
 /// How much larger than ours an error is that still counts as equal.
 const EQUAL: f64 = 1.1;
@@ -37,6 +38,7 @@ struct Peer {
 /// # Errors
 /// When an answer is wrong.
 pub fn compare(work: &Work, sources: &Path, reference: &Reference) -> Result<Vec<String>, String> {
+    let (peers, mut missing) = peers(sources);
     let mine = Measurement::take(Engine::usual(), work, reference)?;
     let rows = work.rows(ROWS)?;
     let texts = DIVISIONS.iter().map(|divisions| work.text(*divisions, &rows)).collect::<Result<Vec<_>, _>>()?;
@@ -50,7 +52,6 @@ pub fn compare(work: &Work, sources: &Path, reference: &Reference) -> Result<Vec
         "", "one core", "two", "one core", "two", "one", "two", "median", "worst", "divisions", "ratio, one"
     );
     println!("{} {:>9} {:>10}", line("mckibben", mine.seconds, mine.error, &mine), 1, 1);
-    let (peers, mut missing) = peers(sources);
     let mut notes = Vec::new();
     let mut wrong = Vec::new();
     for peer in peers {
