@@ -6,7 +6,7 @@
 //!
 //! Checked by `tests/diagnostics.rs`, one test for each class of mistake.
 
-use crate::choice::{Choice, Word};
+use crate::choice::{Choice, LoadKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::dimension::Dimension;
 use crate::document::{Document, Entry, Node, Table, Value};
@@ -55,6 +55,10 @@ impl<'d> Reader<'d> {
         self.found.push(diagnostic);
     }
 
+    pub(crate) fn document(&self) -> &'d Document {
+        self.document
+    }
+
     pub(crate) fn entry(&self, path: &str) -> Option<&'d Entry> {
         self.document.entry(path)
     }
@@ -85,17 +89,26 @@ impl<'d> Reader<'d> {
     fn known(&mut self, table: &'d Table, path: &str) {
         for entry in &table.0 {
             let child = if path.is_empty() { entry.name.clone() } else { format!("{path}.{}", entry.name) };
-            if keys::key_at(&child).is_some() {
+            let is_key = match keys::in_antagonist(&child) {
+                Some(of_first) => keys::key_at(of_first).is_some() && keys::is_of_antagonist(of_first),
+                None => keys::key_at(&child).is_some(),
+            };
+            if is_key {
                 continue;
             }
-            match (keys::section_at(&child), &entry.node.value) {
+            let section = match keys::in_antagonist(&child) {
+                Some(of_first) if !keys::is_section_of_antagonist(of_first) => None,
+                Some(of_first) => keys::section_at(of_first),
+                None => keys::section_at(&child),
+            };
+            match (section, &entry.node.value) {
                 // What varies is named by paths; the reading of a sweep looks at them.
                 (Some(_), Value::Table(_)) if child == keys::VARY => {}
                 (Some(_), Value::Table(inner)) => self.known(inner, &child),
-                (Some(section), other) => {
+                (Some(_), other) => {
                     let title = format!("`{child}` is a section, not {}", other.noun());
                     let place = entry.node.place.clone();
-                    let help = format!("write `[{}]` on a line of its own and its keys below", section.path);
+                    let help = format!("write `[{child}]` on a line of its own and its keys below");
                     self.note(Diagnostic::at(Class::WrongType, place, title, "a section is expected").help(help));
                 }
                 (None, _) => self.unknown(entry, path),
@@ -132,6 +145,15 @@ impl<'d> Reader<'d> {
 
     /// Refuses keys that have no meaning under the choice that was made.
     fn applies(&mut self, asked: impl Fn(&Key) -> bool) {
+        let joint = LoadKind::AntagonisticJoint.name();
+        if let Some(place) = self.key_place(keys::ANTAGONIST).filter(|_| !self.says("load.kind", joint)) {
+            let title = format!("[{}] has no meaning without `load.kind` = \"{joint}\"", keys::ANTAGONIST);
+            self.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                    .related(self.value_place("load.kind"), "chosen here")
+                    .help(format!("remove it, or set `load.kind` to `{joint}`")),
+            );
+        }
         for key in KEYS.iter().filter(|key| asked(key)) {
             let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
             let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
