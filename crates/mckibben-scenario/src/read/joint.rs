@@ -5,8 +5,9 @@
 //! names its `kind` or `preset`; an actuator that names its `preset`.
 
 use super::{body, drive, gauge_pressure};
-use crate::document::{Document, Entry, Table, Value};
+use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED};
+use crate::presets;
 use crate::reader::Reader;
 use crate::scenario::{Air, Antagonist, InitialAngle, Joint, Pulley};
 use mckibben::parameter as p;
@@ -63,10 +64,18 @@ impl Document {
     pub(crate) fn antagonist(&self) -> Self {
         let mut document = self.clone();
         document.remove(ANTAGONIST);
-        if let Some(Entry { node, .. }) = self.entry(ANTAGONIST)
+        if let Some(Entry { key, node, .. }) = self.entry(ANTAGONIST)
             && let Value::Table(table) = &node.value
         {
             document.lay_over(table, "");
+            // Where the first is the default preset for want of a word, the second is that with its own keys.
+            let unnamed = !self.contains("actuator.preset") && !body::GEOMETRY.iter().any(|row| self.contains(row.key));
+            if let Some(preset) =
+                presets::ACTUATORS.first().filter(|_| unnamed && !document.contains("actuator.preset"))
+            {
+                let value = Value::String(preset.name.to_owned());
+                document.put("actuator.preset", key, &Node { place: key.clone(), value });
+            }
         }
         document
     }
