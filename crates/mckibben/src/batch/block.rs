@@ -1,4 +1,4 @@
-//! A block: as many rows as a register has lanes, with laws of the same form.
+//! A block: as many rows as a vector has lanes, with laws of the same form.
 //!
 //! The numbers of the rows lie lane by lane in one rig over lanes. A step of all rows is one step of the method. Rows to
 //! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
