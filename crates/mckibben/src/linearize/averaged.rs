@@ -22,7 +22,7 @@
 //! ripple is smaller than the way to the nearer of supply and exhaust (`ripple_is_small`): the mean of simulated cycles then
 //! lies within 0.1 ΔP of the balance. Each is reported, none is enforced.
 //!
-//! Source: MODEL section 6; averaging: Krylov–Bogoliubov, as in Sanders & Verhulst, Averaging Methods in Nonlinear
+//! Source: Colbrunn, Nelson & Quinn (2001), section 3.3; averaging: Sanders & Verhulst, Averaging Methods in Nonlinear
 //! Dynamical Systems (1985). Checked by `tests/linearize_pwm.rs`.
 
 use super::Linearization;

@@ -100,7 +100,7 @@ fn pwm(averaged: &Averaged, model: &Model<'_>) -> Vec<(&'static str, String)> {
                 yes(averaged.follows(), "not here: the valve does not answer to the duty")
             ),
         ),
-        ("air used", quantity(averaged.flow.outward, "kg/s")),
+        ("air used", quantity(1e3 * averaged.flow.outward, "g/s")),
         (
             "ripple",
             format!(
@@ -175,7 +175,11 @@ fn poles(poles: &[Pole]) -> Table {
         ]
     };
     let head = ["1/s", "natural frequency", "damping ratio", "time constant", ""].map(String::from).to_vec();
-    Table { caption: String::new(), head, rows: poles.iter().filter(|pole| pole.imaginary >= 0.0).map(row).collect() }
+    Table {
+        caption: "each decays as exp(λ t)".to_owned(),
+        head,
+        rows: poles.iter().filter(|pole| pole.imaginary >= 0.0).map(row).collect(),
+    }
 }
 
 fn reach(model: &Model<'_>) -> Table {
@@ -190,7 +194,7 @@ fn reach(model: &Model<'_>) -> Table {
         ]
     });
     let head = ["input", "reaches", "condition", "singular values"].map(String::from).to_vec();
-    Table { caption: String::new(), head, rows: rows.collect() }
+    Table { caption: "states by their usual size, time by the fastest pole".to_owned(), head, rows: rows.collect() }
 }
 
 /// What the model leaves out, and what is assumed.
