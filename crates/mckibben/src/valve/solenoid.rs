@@ -108,7 +108,13 @@ impl<S: Scalar> Solenoid<S> {
         self.kind
     }
 
-    fn coils(&self, request: Request) -> [bool; 2] {
+    /// Opening and closing delay in s.
+    pub fn delays(&self) -> [S; 2] {
+        [self.opening_delay, self.closing_delay]
+    }
+
+    /// Which coils a request energises; a three-way valve has the first only.
+    pub(crate) fn coils(&self, request: Request) -> [bool; 2] {
         match self.kind {
             ValveKind::ThreeWay => [request == Request::Fill, false],
             ValveKind::FillHoldExhaust => [request == Request::Fill, request == Request::Exhaust],
