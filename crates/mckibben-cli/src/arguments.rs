@@ -6,6 +6,7 @@ use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
 use crate::commands::curves::CurvesArguments;
 use crate::commands::init::InitArguments;
+use crate::commands::linearize::LinearizeArguments;
 use crate::commands::presets::PresetsArguments;
 use crate::commands::reproduce::ReproduceArguments;
 use crate::commands::schema::SchemaArguments;
@@ -55,6 +56,8 @@ pub enum Command {
     Schema(SchemaArguments),
     /// Draw static curves of an actuator
     Curves(CurvesArguments),
+    /// Linearise a scenario near an operating point: matrices, poles, Bode plot
+    Linearize(LinearizeArguments),
     /// Reproduce the experiments of the paper
     Reproduce(ReproduceArguments),
     /// Print a completion script for a shell

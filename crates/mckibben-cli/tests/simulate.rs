@@ -324,7 +324,18 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
     let name = file.to_str().expect("UTF-8");
     let told = run(
         &folder,
-        &["simulate", name, "-o", "run.csv", "--plot", "run.svg", "--events-output", "events.csv", "--set", "run.duration=0.2 s"],
+        &[
+            "simulate",
+            name,
+            "-o",
+            "run.csv",
+            "--plot",
+            "run.svg",
+            "--events-output",
+            "events.csv",
+            "--set",
+            "run.duration=0.2 s",
+        ],
     );
     assert!(told.contains("antagonistic joint") && told.contains("201 rows"), "{told}");
     let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");

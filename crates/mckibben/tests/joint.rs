@@ -115,7 +115,6 @@ fn small_oscillations_have_the_period_of_both_sealed_stiffnesses_and_gravity() {
     let pair = Pair::of(Paper::sealed().friction(0.0, 0.0).gauge(40.0 * PSI)).with(|pair| {
         pair.limb.distance = 0.1;
         pair.angle = InitialAngle::At(1e-4);
-        pair.pulleys[1].radius = 0.015;
     });
     let k = sealed_stiffness(&pair.papers[0], 0.082);
     let inertia = 1e-3 + 0.3 * 0.01;

@@ -4,6 +4,7 @@ pub mod check;
 pub mod completions;
 pub mod curves;
 pub mod init;
+pub mod linearize;
 pub mod presets;
 pub mod reproduce;
 pub mod schema;
@@ -26,6 +27,7 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Presets(arguments) => presets::run(arguments),
         Command::Schema(arguments) => schema::run(arguments),
         Command::Curves(arguments) => curves::run(arguments),
+        Command::Linearize(arguments) => linearize::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
     }

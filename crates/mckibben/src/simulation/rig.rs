@@ -148,6 +148,11 @@ impl Rig {
         Ok(Self { actuator, actuation, load })
     }
 
+    /// The same rig with another load.
+    pub fn with_load(self, load: Load) -> Self {
+        Self { load, ..self }
+    }
+
     /// The state at the start.
     ///
     /// # Errors

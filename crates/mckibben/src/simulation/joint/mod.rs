@@ -21,6 +21,7 @@ mod mode;
 mod system;
 #[cfg(feature = "alloc")]
 mod trajectory;
+mod turning;
 
 #[cfg(feature = "alloc")]
 pub use energy::JointAudit;

@@ -7,10 +7,7 @@
 //! | turning | forward, backward, stuck, frictionless | the angular velocity comes to zero; the joint breaks away |
 //! | contact | none, pressed, rebound at either stop | the angle passes a stop; the stop's torque passes zero |
 //!
-//! Sliding is decided once for the joint: at rest each actuator can hold any tension from its least to its largest, and so
-//! the two together any torque from `r₁ F₁,least − r₂ F₂,most` to `r₁ F₁,most − r₂ F₂,least`. The joint sticks while the
-//! rest of the torque is balanced by one between; with free tendons that is within `r₁ Q₁ k₁ + r₂ Q₂ k₂` of the balance
-//! without friction. Stuck, both use the same share of what they can hold: the tensions themselves are indeterminate.
+//! Sliding is decided once for the joint, in [`turning`](super::turning).
 
 use super::JointRig;
 use super::mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
@@ -25,10 +22,10 @@ use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use crate::simulation::system::{GuardForm, Guards, HybridSystem};
 use crate::simulation::timetable::Progress;
 
-const ANGLE: usize = 0;
-const VELOCITY: usize = 1;
+pub(super) const ANGLE: usize = 0;
+pub(super) const VELOCITY: usize = 1;
 /// Places of the pressures among the states; each is followed by the mass of the air.
-const PRESSURE: [usize; 2] = [2, 4];
+pub(super) const PRESSURE: [usize; 2] = [2, 4];
 
 /// Angle in rad and time in s by which the joint's motion is measured.
 const USUAL_ANGLE: f64 = 1.0;
@@ -52,16 +49,16 @@ pub struct JointPhase<R = f64> {
 #[derive(Clone, Copy, Debug)]
 pub struct JointSystem<'a, R: Real = f64> {
     rig: &'a JointRig<R>,
-    members: [Member<'a, R>; 2],
+    pub(super) members: [Member<'a, R>; 2],
     /// Angles at which each actuator is at its shortest and at its longest, and its braid straight.
-    limits: [[R; 3]; 2],
+    pub(super) limits: [[R; 3]; 2],
     slopes: [R; 2],
     /// `1/J`.
-    per_inertia: R,
+    pub(super) per_inertia: R,
     /// Width as a torque in N·m of a border between agreeing formulas.
-    torque_band: f64,
+    pub(super) torque_band: f64,
     /// Scale of the angle in rad, in general and while a stop is touched.
-    angle_scales: [f64; 2],
+    pub(super) angle_scales: [f64; 2],
 }
 
 impl<'a, R: Real> JointSystem<'a, R> {
@@ -98,7 +95,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
         self.rig
     }
 
-    fn joint(&self) -> &Joint<R> {
+    pub(super) fn joint(&self) -> &Joint<R> {
         self.rig.joint()
     }
 
@@ -135,7 +132,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
 
     /// Length, velocity and pressure of an actuator.
     #[inline(always)]
-    fn ends<T: Over<R>>(&self, i: usize, state: &[T; 6]) -> [T; 3] {
+    pub(super) fn ends<T: Over<R>>(&self, i: usize, state: &[T; 6]) -> [T; 3] {
         let length = self.joint().lengths(state[ANGLE])[i];
         [length, T::of(self.slopes[i]) * state[VELOCITY], state[PRESSURE[i]]]
     }
@@ -145,13 +142,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
         if mode.turning != Turning::Stuck {
             return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i]));
         }
-        let held = [0, 1].map(|i| self.holdable(i, state, mode));
-        let (least, most) = self.torques_at_rest(state, mode);
-        let width = most - least;
-        let share = if width.value() > 0.0 { -least / width } else { R::constant(0.5) };
-        let share = share.larger(R::zero()).smaller(R::one());
-        let [(least, most), (other_least, other_most)] = held;
-        [least + share * (most - least), other_most - share * (other_most - other_least)]
+        self.shared_tensions(state, mode)
     }
 
     /// The sample of a state in a mode.
@@ -167,27 +158,9 @@ impl<'a, R: Real> JointSystem<'a, R> {
         JointSample { time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
     }
 
-    /// The least and the largest tension in N that an actuator can hold at rest.
-    fn holdable<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> (T, T) {
-        if mode.actuators[i].extent == Extent::Slack {
-            return (T::zero(), T::zero());
-        }
-        let [length, _, pressure] = self.ends(i, state);
-        let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
-        self.members[i].actuator.holdable(length, pressure, above.le(T::zero()))
-    }
-
-    /// The least and the largest torque in N·m on the joint at rest.
-    fn torques_at_rest<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode) -> (T, T) {
-        let [(least, most), (other_least, other_most)] = [0, 1].map(|i| self.holdable(i, state, mode));
-        let load = self.load_torque(state[ANGLE], T::zero(), mode.contact);
-        let joint = self.joint();
-        (joint.torque_of([least, other_most]) + load, joint.torque_of([most, other_least]) + load)
-    }
-
     /// Torque in N·m of everything but the actuators.
     #[inline(always)]
-    fn load_torque<T: Over<R>>(&self, angle: T, velocity: T, contact: Contact) -> T {
+    pub(super) fn load_torque<T: Over<R>>(&self, angle: T, velocity: T, contact: Contact) -> T {
         let joint = self.joint();
         let load = joint.other_torque(angle, velocity);
         match contact {
@@ -213,88 +186,8 @@ impl<'a, R: Real> JointSystem<'a, R> {
         Contact::None
     }
 
-    fn has_coulomb(&self, i: usize) -> bool {
-        self.members[i].actuator.friction().has_coulomb()
-    }
-
-    /// Whether an actuator rests, or could rest, on its shortest length.
-    fn on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
-        mode.actuators[i].extent != Extent::Slack && state[ANGLE].value() == self.limits[i][0].value()
-    }
-
-    /// Sets how the joint turns, and with it how both actuators slide.
-    fn turn(&self, state: &[R; 6], mode: &mut JointMode, turning: Turning) {
-        mode.turning = turning;
-        for i in 0..2 {
-            let member = &mut mode.actuators[i];
-            member.sliding = turning.sliding(self.has_coulomb(i), SIGN[i]);
-            self.members[i].enter_clamp(self.ends(i, state), member);
-        }
-    }
-
-    /// Sets the joint turning the way that the sign of `heading` says; an actuator on its shortest length that this would
-    /// shorten falls slack.
-    fn head(&self, state: &[R; 6], mode: &mut JointMode, heading: f64) {
-        for i in 0..2 {
-            if heading * SIGN[i] < 0.0 && self.on_the_shortest(i, state, mode) {
-                mode.actuators[i].extent = Extent::Slack;
-            }
-        }
-        let turning = match (self.has_coulomb(0) || self.has_coulomb(1), heading < 0.0) {
-            (false, _) => Turning::Frictionless,
-            (true, true) => Turning::Backward,
-            (true, false) => Turning::Forward,
-        };
-        self.turn(state, mode, turning);
-    }
-
-    /// How a joint turns in a state that may be at rest: from there it sticks if the torque can be held.
-    fn enter_turning(&self, state: &[R; 6], mode: &mut JointMode) {
-        let velocity = state[VELOCITY].value();
-        if velocity != 0.0 {
-            return self.head(state, mode, velocity);
-        }
-        let holds = |i: usize| {
-            let slack = mode.actuators[i].extent == Extent::Slack;
-            !slack && (self.has_coulomb(i) || self.on_the_shortest(i, state, mode))
-        };
-        let can_stick = holds(0) || holds(1);
-        let (least, most) = self.torques_at_rest(state, mode);
-        let middle = 0.5 * (least.value() + most.value());
-        if !can_stick {
-            self.head(state, mode, middle);
-        } else if most.value() < -self.torque_band {
-            self.head(state, mode, -1.0);
-        } else if least.value() > self.torque_band {
-            self.head(state, mode, 1.0);
-        } else {
-            self.turn(state, mode, Turning::Stuck);
-        }
-    }
-
-    /// Whether the joint, arriving where an actuator is at its shortest, comes to rest there: the torque can be held, and
-    /// it turns too slowly to be told from rest, or would bounce less than the tolerance of its angle.
-    fn rests_on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
-        let with = |extent| {
-            let mut mode = *mode;
-            mode.actuators[i].extent = extent;
-            let (least, most) = self.torques_at_rest(state, &mode);
-            (least.value(), most.value())
-        };
-        let (slack, free) = (with(Extent::Slack), with(Extent::Free));
-        if free.0 > 0.0 || free.1 < 0.0 {
-            return false;
-        }
-        let velocity = state[VELOCITY].value();
-        // Back as it is slack, and against as it pulls with all its force, whatever the friction of the other.
-        let (back, against) = if SIGN[i] > 0.0 { (slack.0, -free.0) } else { (-slack.1, free.1) };
-        let acceleration = back.min(against) * self.per_inertia.value();
-        let bounce = 2.0 * acceleration * self.members[i].band * self.angle_scales[0];
-        velocity.abs() <= self.rest_band() || (acceleration > 0.0 && velocity * velocity <= bounce)
-    }
-
     /// The angular velocity in rad/s by which zero must be passed before it is a turn: what a few steps may err.
-    fn rest_band(&self) -> f64 {
+    pub(super) fn rest_band(&self) -> f64 {
         10.0 * self.members[0].band * self.slow()
     }
 
@@ -494,7 +387,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         let of_joint = |kind| Ok(JointEventKind { actuator: None, kind });
         let stop = |end: End| self.joint().stops().ends[end.index()];
         match guard {
-            JointGuard::Of(i, guard) => return self.cross_member(i, guard, time, state, phase),
+            JointGuard::Of(i, guard) => self.cross_member(i, guard, time, state, phase),
             JointGuard::Reach(end) => {
                 state[ANGLE] = stop(end).unwrap_or(state[ANGLE]);
                 mode.contact = Contact::Pressed(end);
