@@ -20,7 +20,7 @@ use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
-use crate::friction::Friction;
+use crate::friction::{Friction, Memory, Rubbing};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Scalar};
@@ -37,13 +37,15 @@ pub struct Actuator<S = f64> {
     valve: Option<Valve<S>>,
 }
 
-/// The continuous state of the air; it belongs to the caller.
+/// The state of an actuator beside its ends; it belongs to the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorState<S = f64> {
     /// Absolute pressure.
     pub pressure: AbsolutePressure<S>,
     /// Mass of air in kg.
     pub air_mass: S,
+    /// What the hysteresis remembers; a relaxed one where there is none.
+    pub memory: Memory<S>,
 }
 
 /// What an actuator answers to its ends and its valve.
@@ -151,30 +153,38 @@ impl<S: Scalar> Actuator<S> {
         self.law.force(length, self.gauge(pressure))
     }
 
-    /// Largest Coulomb force `Q k_sec` in N at an actuator length and an absolute pressure.
+    /// Secant stiffness `k_sec` of the static force in N/m (13), at an actuator length and an absolute pressure.
+    #[inline(always)]
+    pub fn secant_stiffness<T: Over<S>>(&self, length: T, pressure: T) -> T {
+        self.law.secant_stiffness(length, T::of(self.limits.min_length()), self.gauge(pressure))
+    }
+
+    /// Coulomb force in N in motion, `Q k_sec` in the paper's law, at an actuator length and an absolute pressure.
     #[inline(always)]
     pub fn coulomb_bound<T: Over<S>>(&self, length: T, pressure: T) -> T {
-        let shortest = T::of(self.limits.min_length());
-        self.friction.coulomb_bound(self.law.secant_stiffness(length, shortest, self.gauge(pressure)))
+        self.friction.coulomb().kinetic(self.secant_stiffness(length, pressure), self.gauge(pressure).0)
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit ± Q k_sec`, and any from zero up where it rests on the shortest length.
+    /// `F_s + F_limit + F_h ± Q k_sec`, and any from zero up where it rests on the shortest length. `width` is that of the
+    /// hysteresis `F_h` in m.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, on_the_stop: S::Mask) -> (T, T) {
-        let middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
-        let bound = self.coulomb_bound(length, pressure);
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, on_the_stop: S::Mask, width: Option<T>) -> (T, T) {
+        let mut middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
+        if let Some(width) = width {
+            middle = middle + self.secant_stiffness(length, pressure).larger(T::zero()) * width;
+        }
+        let bound = self.friction.coulomb().holding(self.coulomb_bound(length, pressure));
         let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
         (least, (middle + bound).larger(T::zero()))
     }
 
-    /// The sum of (12) for a given direction of sliding (−1, 0, +1), taut branch and effectiveness, before it is kept from
-    /// pushing.
+    /// The sum of (12) as the threads rub, for a given taut branch and effectiveness, before it is kept from pushing.
     #[inline(always)]
     pub fn signed_force<T: Over<S>>(
         &self,
         [length, velocity, pressure]: [T; 3],
-        sliding: T,
+        rubbing: impl Into<Rubbing<T>>,
         taut: S::Mask,
         effectiveness: T,
     ) -> T {
@@ -182,27 +192,49 @@ impl<S: Scalar> Actuator<S> {
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
         let ideal = &self.law.law;
         let mut force = effectiveness * ideal.force(length, gauge) + limit + self.friction.viscous_force(velocity);
-        if self.friction.has_coulomb() {
+        if self.friction.has_direction() {
             let secant = ideal.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
-            force = force + sliding * self.friction.coulomb_bound(effectiveness * secant);
+            force = force + self.friction.dry_force(rubbing.into(), velocity, effectiveness * secant, gauge.0);
         }
         force
     }
 
-    /// Tension in N for the ends at `distance` (m) and `velocity` (m/s), (12): never negative, zero when slack.
+    /// Force of the hysteresis over the secant stiffness in m, for the ends at `distance` (m), if there is such a law.
+    #[inline(always)]
+    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, distance: T) -> Option<T> {
+        let length = || self.limits.actuator_length(distance);
+        self.friction.hysteresis().map(|hysteresis| hysteresis.width(memory, length()))
+    }
+
+    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m).
+    #[inline(always)]
+    pub fn remember(&self, memory: &mut Memory<S>, distance: S) {
+        if let Some(hysteresis) = self.friction.hysteresis() {
+            hysteresis.moved(memory, self.limits.actuator_length(distance));
+        }
+    }
+
+    /// Tension in N for the ends at `distance` (m) and `velocity` (m/s), (12), without hysteresis: never negative, zero when
+    /// slack.
     #[inline(always)]
     pub fn tension<T: Over<S>>(&self, distance: T, velocity: T, pressure: T) -> T {
         self.tension_sliding(distance, velocity, pressure, velocity.sign())
     }
 
-    /// Tension in N with the direction of sliding given, for those who hold it over a step.
+    /// Tension in N as the threads rub, for those who hold the direction of sliding over a step.
     #[inline(always)]
-    pub fn tension_sliding<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, sliding: T) -> T {
+    pub fn tension_sliding<T: Over<S>>(
+        &self,
+        distance: T,
+        velocity: T,
+        pressure: T,
+        rubbing: impl Into<Rubbing<T>>,
+    ) -> T {
         let slack = self.limits.is_slack(distance);
         let taut =
             T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
         let ends = [self.limits.actuator_length(distance), velocity, pressure];
-        let force = self.signed_force(ends, sliding, taut, self.law.effectiveness.at(self.gauge(pressure)));
+        let force = self.signed_force(ends, rubbing, taut, self.law.effectiveness.at(self.gauge(pressure)));
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
 
@@ -242,11 +274,13 @@ impl<S: Scalar> Actuator<S> {
     /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at
     /// `distance` (m) moving apart at `velocity` (m/s) with the passages of `ports` open.
     ///
-    /// At rest the Coulomb force is set-valued; this returns its middle, zero.
+    /// At rest the Coulomb force is set-valued; this returns its middle, zero. The memory of a hysteresis is taken on by
+    /// [`Actuator::remember`] once the ends have moved.
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
-        let force: Dual<S, 3> =
-            self.tension(Dual::variable(length, 0), Dual::variable(rate, 1), Dual::variable(pressure, 2));
+        let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
+        let rubbing = Rubbing { direction: speed.sign(), width: self.width(&state.memory, end) };
+        let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), rubbing);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));
         Response {

@@ -140,6 +140,24 @@ parameters! {
     COULOMB_WIDTH = "actuator.friction.coulomb_width", "Q", "m", Range::NON_NEGATIVE, Some(0.0),
         "Coulomb friction between bladder and braid as a length, mu N/k.",
         "paper, (12) and (24); its average is 0.0044 in", "give zero or more";
+    COULOMB_FORCE = "actuator.friction.coulomb_force", "F_0", "N", Range::NON_NEGATIVE, Some(0.0),
+        "Dry friction that is the same at any length and pressure.",
+        "textbook; the paper has none", "give zero or more";
+    COULOMB_FORCE_PER_PRESSURE = "actuator.friction.coulomb_force_per_pressure", "A", "m^2", Range::NON_NEGATIVE, Some(0.0),
+        "Dry friction for the gauge pressure, at any length.",
+        "textbook; the paper has none", "give zero or more, such as 1 mm^2";
+    STATIC_RATIO = "actuator.friction.static_ratio", "rho", "", Range { low: 1.0, low_included: true, high: f64::INFINITY, high_included: false }, Some(1.0),
+        "Dry friction at break-away over that in motion.",
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994); 1 is Coulomb's law", "give 1 or more, such as 1.3";
+    STRIBECK_VELOCITY = "actuator.friction.stribeck_velocity", "v_s", "m/s", Range::POSITIVE, Some(0.01),
+        "Velocity over which dry friction falls from its value at break-away to that in motion.",
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994); the value is assumed", "give a velocity above zero, such as 10 mm/s";
+    HYSTERESIS_REACH = "actuator.friction.hysteresis.reach", "r_i", "m", Range::POSITIVE, None,
+        "Deflections at which the elements of the hysteresis slip.",
+        "Iwan (1966)", "give lengths above zero, such as 0.1 mm";
+    HYSTERESIS_STIFFNESS_RATIO = "actuator.friction.hysteresis.stiffness_ratio", "w_i", "", Range::POSITIVE, None,
+        "Stiffnesses of the elements over the actuator's secant stiffness.",
+        "Iwan (1966), scaled by (13)", "give numbers above zero, such as 0.1";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";

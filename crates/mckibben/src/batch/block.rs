@@ -9,6 +9,7 @@ use super::Row;
 use super::gather::{gather, narrow};
 use super::wide::{Compiled, Wide};
 use crate::error::Error;
+use crate::friction::{Hysteresis, Memory};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::course::Course;
@@ -52,6 +53,8 @@ pub(super) struct Block<W: Wide> {
     time: f64,
     state: [W; 4],
     held: Held<W>,
+    /// How many elements of the memory are in use.
+    elements: usize,
     alive: W::Mask,
     /// Instants up to this time in s are known.
     known_until: f64,
@@ -108,12 +111,16 @@ impl<W: Wide> Block<W> {
             time: 0.0,
             state: [start(0), start(1), start(2), start(3)],
             held: Held::nothing(),
+            elements: 0,
             alive: W::mask(|lane| lane < rows.len()),
             known_until: 0.0,
             soonest: f64::INFINITY,
             shared: false,
             lanes: rows.iter().map(lane).collect(),
         };
+        let actuator = block.rig.actuator();
+        block.elements = actuator.friction().hysteresis().map_or(0, Hysteresis::count);
+        block.held.memory = Memory::relaxed(actuator.limits().actuator_length(block.state[0]));
         block.pass(f64::INFINITY);
         block
     }
@@ -133,11 +140,22 @@ impl<W: Wide> Block<W> {
                 length: number(&held.line.length),
                 slope: number(&held.line.slope),
             },
+            memory: self.memory_of(index),
         };
         let [length, velocity, pressure, mass] = &self.state;
         let state = [number(length), number(velocity), number(pressure), number(mass)];
         let Lane { progress, ports, .. } = self.lanes[index];
         Walk { course: Course { time: self.time, state, held }, progress, ports }
+    }
+
+    /// The memory of a lane.
+    fn memory_of(&self, index: usize) -> Memory<W::Lane> {
+        let Memory { at, elements } = &self.held.memory;
+        let mut memory = Memory::relaxed(at.lane(index));
+        for element in 0..self.elements {
+            memory.elements[element] = elements[element].lane(index);
+        }
+        memory
     }
 
     /// Takes a lane back; its state into that of the block at the end of a step.
@@ -158,6 +176,10 @@ impl<W: Wide> Block<W> {
         held.line.time.put(index, of_lane.line.time);
         held.line.length.put(index, of_lane.line.length);
         held.line.slope.put(index, of_lane.line.slope);
+        held.memory.at.put(index, of_lane.memory.at);
+        for element in 0..self.elements {
+            held.memory.elements[element].put(index, of_lane.memory.elements[element]);
+        }
         let lane = &mut self.lanes[index];
         (lane.progress, lane.ports) = (walk.progress, walk.ports);
         lane.look_ahead(self.known_until);
@@ -234,6 +256,8 @@ impl<W: Wide> Block<W> {
         } else {
             self.held.sliding = sliding;
         }
+        // Rows that went by themselves have come to where their memory is: this does not change it.
+        self.rig.actuator().remember(&mut self.held.memory, end[0]);
         self.state = end;
         self.time = until;
     }
@@ -292,7 +316,7 @@ impl<W: Wide> WithSimd for Take<'_, W> {
         let end = rig.take(*method, time, state, step, held);
         let [sliding, extent] = rig.keeps(held, &end);
         let ceases = sliding.smaller(extent).lt(W::zero()) & W::zero().lt(step);
-        let sliding = if rig.load().inertia().is_none() { rig.slides(&end).0 } else { held.sliding };
+        let sliding = if rig.load().inertia().is_none() { rig.slides(held, &end).0 } else { held.sliding };
         Stepped { end, sliding, happens: ceases | !rig.admissible(&end) }
     }
 }

@@ -75,6 +75,8 @@ pub enum EventKind {
     Reversal,
     /// The load broke away from rest.
     BreakAway,
+    /// An element of the hysteresis began to slip.
+    Slip,
     /// The tendon went slack.
     Slack,
     /// The slack was taken up.
@@ -110,6 +112,7 @@ impl EventKind {
             Self::Stick => "stick",
             Self::Reversal => "reversal",
             Self::BreakAway => "break-away",
+            Self::Slip => "slip",
             Self::Slack => "slack",
             Self::Tight => "tight",
             Self::Taut => "taut",
@@ -145,6 +148,8 @@ pub enum Guard {
     Retaut,
     /// The velocity comes to zero.
     Rest,
+    /// An element of the hysteresis comes to where it slips.
+    Slip,
     /// The load exceeds what friction can hold and lengthens the actuator.
     BreakLonger,
     /// The actuator exceeds what friction can hold and shortens.

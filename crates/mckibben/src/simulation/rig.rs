@@ -217,11 +217,12 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit ± Q k_sec`, and any from zero up on the shortest length.
+    /// `F_s + F_limit + F_h ± Q k_sec`, and any from zero up on the shortest length. `width` is that of the hysteresis `F_h`
+    /// in m.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T) -> (T, T) {
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, width: Option<T>) -> (T, T) {
         let on_the_stop = length.le(T::of(self.actuator.limits().min_length()));
-        self.actuator.holdable(length, pressure, on_the_stop)
+        self.actuator.holdable(length, pressure, on_the_stop, width)
     }
 }
 
@@ -233,7 +234,7 @@ impl<S: Real> Rig<S> {
 
     /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.
     pub(super) fn sliding(&self, heading: f64) -> Sliding {
-        match self.actuator.friction().has_coulomb() {
+        match self.actuator.friction().has_direction() {
             false => Sliding::Frictionless,
             true if heading < 0.0 => Sliding::Shortening,
             true => Sliding::Lengthening,

@@ -3,7 +3,7 @@
 
 use mckibben::air::{Air, Process};
 use mckibben::force::{Effective, Effectiveness, IdealBraid, LengthLimits};
-use mckibben::friction::Friction;
+use mckibben::friction::{Coulomb, Friction, Hysteresis};
 use mckibben::load::Load;
 use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, Trajectory, simulate};
 use mckibben::valve::{
@@ -38,6 +38,8 @@ pub(crate) struct Paper {
     pub(crate) effectiveness: Effectiveness,
     pub(crate) viscous: f64,
     pub(crate) coulomb_width: f64,
+    pub(crate) coulomb: Option<Coulomb>,
+    pub(crate) hysteresis: Option<Hysteresis>,
     pub(crate) external_volume: f64,
     pub(crate) gas_constant: f64,
     pub(crate) heat_capacity_ratio: f64,
@@ -71,6 +73,8 @@ impl Paper {
             effectiveness: Effectiveness::Constant(1.0),
             viscous: 0.02 * LBF / INCH,
             coulomb_width: 0.0044 * INCH,
+            coulomb: None,
+            hysteresis: None,
             external_volume: 3e-6,
             gas_constant: 286.99,
             heat_capacity_ratio: 1.4,
@@ -164,7 +168,9 @@ impl Paper {
             LengthLimits::new(&braid, self.min_length, self.max_length, self.limit_stiffness, self.limit_damping)
                 .expect("limits");
         let law = Effective { law: IdealBraid { braid }, effectiveness: self.effectiveness };
-        let friction = Friction::new(self.viscous, self.coulomb_width).expect("a friction");
+        let coulomb = self.coulomb.unwrap_or_else(|| Coulomb::new(self.coulomb_width).expect("dry friction"));
+        let friction = Friction::with_coulomb(self.viscous, coulomb).expect("a friction");
+        let friction = self.hysteresis.map_or(friction, |law| friction.with_hysteresis(law));
         let actuator = Actuator::new(law, limits, friction, self.external_volume, self.air()).expect("an actuator");
         if self.command.is_some() { actuator.with_valve(self.valve()) } else { actuator }
     }
