@@ -142,7 +142,7 @@ impl Scenario {
     pub fn rig(&self) -> Result<Rig, Error> {
         if matches!(self.load, Load::AntagonisticJoint(_)) {
             return Err(Error::Unsupported {
-                what: "an antagonistic joint has two actuators, and this takes a load of one",
+                what: "an antagonistic joint is not supported here yet: it is a load of two actuators",
                 remedy: "run it with `mckibben simulate`, or choose another load.kind",
             });
         }
