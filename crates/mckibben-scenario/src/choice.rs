@@ -50,6 +50,10 @@ words! {
         Polytropic = "polytropic", "Between the two, with an exponent of its own.";
         EnergyBalance = "energy-balance", "The first law, with the supply's temperature and heat through the wall.";
     }
+    /// The law of hysteresis.
+    HysteresisLaw {
+        MaxwellSlip = "maxwell-slip", "Elastic elements that slip: the stop operators of Prandtl and Ishlinskii.";
+    }
     /// How a valve joins the actuator to supply and exhaust.
     ValveKind {
         ThreeWay = "three-way", "Joined to the supply when energised and to the exhaust when not.";

@@ -8,8 +8,8 @@
 //! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
 
 use crate::choice::{
-    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind,
-    RecordKind, ValveKind,
+    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, HysteresisLaw, LoadKind, Method,
+    ProcessKind, RecordKind, ValveKind,
 };
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
@@ -248,6 +248,7 @@ pub static SECTIONS: &[Section] = &[
     section("actuator", "The braided actuator.", false),
     section("actuator.effectiveness", "Measured force over ideal force: a constant, a polynomial or a table.", false),
     section("actuator.friction", "Friction between threads and bladder.", false),
+    section("actuator.friction.hysteresis", "Friction that remembers the turns of the length.", false),
     section("actuator.limit", "The taut braid at full stretch.", false),
     section("air", "The gas in the actuator and around it.", false),
     section("supply", "The air that the valve joins the actuator to.", false),
@@ -292,6 +293,7 @@ const fn choice(path: &'static str, choices: &'static [Choice], meaning: &'stati
 const DESIGN: &str = "sweep.design";
 const RECORD: &str = "sweep.record";
 const NO_GRID: &[&str] = &[DesignKind::Random.name(), DesignKind::LatinHypercube.name(), DesignKind::Sobol.name()];
+const HYSTERESIS: &str = "actuator.friction.hysteresis.law";
 const PROCESS: &str = "air.process";
 const COMMAND: &str = "command.kind";
 const LOAD: &str = "load.kind";
@@ -326,6 +328,13 @@ pub static KEYS: &[Key] = &[
     list(&EFFECTIVENESS_VALUE, "[0.8, 0.9]"),
     quantity(&p::VISCOUS, "\"0.02 lbf*s/in\""),
     quantity(&p::COULOMB_WIDTH, "\"0.0044 in\""),
+    quantity(&p::COULOMB_FORCE, "\"0.5 N\""),
+    quantity(&p::COULOMB_FORCE_PER_PRESSURE, "\"2 mm^2\""),
+    quantity(&p::STATIC_RATIO, "1.3"),
+    quantity(&p::STRIBECK_VELOCITY, "\"10 mm/s\""),
+    choice(HYSTERESIS, HysteresisLaw::CHOICES, "The law of hysteresis.", "\"maxwell-slip\"").or("maxwell-slip"),
+    list(&p::HYSTERESIS_REACH, "[\"0.05 mm\", \"0.3 mm\"]").required(),
+    list(&p::HYSTERESIS_STIFFNESS_RATIO, "[0.8, 0.1]").required(),
     quantity(&p::LIMIT_STIFFNESS, "\"1.75e5 N/m\""),
     quantity(&p::LIMIT_DAMPING, "\"100 N*s/m\""),
     choice(PROCESS, ProcessKind::CHOICES, "How the actuator's air changes its state.", "\"isentropic\"")

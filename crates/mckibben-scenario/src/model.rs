@@ -4,8 +4,8 @@ use crate::choice::{CommandState, Engine, ExhaustTemperature, Method, ValveKind}
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
-    self, Antagonist, Command, Effectiveness, InitialAngle, InitialLength, Joint, Load, Motion, Passage, Process, Run,
-    Scenario, Supply, Valve,
+    self, Antagonist, Command, Effectiveness, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load, Motion,
+    Passage, Process, Run, Scenario, Supply, Valve,
 };
 use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
@@ -103,6 +103,20 @@ impl Document {
         };
         let start = rig.start(&initial).map_err(failed)?;
         Ok(Some(JointExperiment { rig, start, run: scenario.run }))
+    }
+}
+
+fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
+    let coulomb = friction::Coulomb::new(of.coulomb_width)?
+        .with_force(of.coulomb_force, of.coulomb_force_per_pressure)?
+        .with_stribeck(of.static_ratio, of.stribeck_velocity)?;
+    let friction = friction::Friction::with_coulomb(of.viscous, coulomb)?;
+    match &of.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
+            let elements = friction::MaxwellSlip::new(reach, stiffness_ratio)?;
+            Ok(friction.with_hysteresis(friction::Hysteresis::MaxwellSlip(elements)))
+        }
+        None => Ok(friction),
     }
 }
 
@@ -213,7 +227,7 @@ impl Scenario {
             Effectiveness::Polynomial(coefficients) => force::Effectiveness::polynomial(coefficients)?,
             Effectiveness::Table { gauge_pressure, value } => force::Effectiveness::table(gauge_pressure, value)?,
         };
-        let friction = friction::Friction::new(actuator.friction.viscous, actuator.friction.coulomb_width)?;
+        let friction = core_friction(&actuator.friction)?;
         let law = Effective { law: IdealBraid { braid }, effectiveness };
         Actuator::new(law, limits, friction, actuator.external_volume, air)
     }

@@ -69,12 +69,34 @@ pub enum Effectiveness {
 }
 
 /// Friction of the actuator.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Viscous damping coefficient c in N·s/m.
     pub viscous: f64,
     /// Coulomb friction Q as a length in m.
     pub coulomb_width: f64,
+    /// Dry friction F_0 in N that is the same at any length and pressure.
+    pub coulomb_force: f64,
+    /// Dry friction A in m² for the gauge pressure.
+    pub coulomb_force_per_pressure: f64,
+    /// Dry friction ρ at break-away over that in motion.
+    pub static_ratio: f64,
+    /// Velocity v_s in m/s over which it falls from the one to the other.
+    pub stribeck_velocity: f64,
+    /// Hysteresis that remembers the turns of the length.
+    pub hysteresis: Option<Hysteresis>,
+}
+
+/// Hysteresis that remembers the turns of the length.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hysteresis {
+    /// Elastic elements that slip.
+    MaxwellSlip {
+        /// Deflections in m at which the elements slip.
+        reach: Vec<f64>,
+        /// Stiffness of each over the actuator's secant stiffness.
+        stiffness_ratio: Vec<f64>,
+    },
 }
 
 /// The taut braid at full stretch.

@@ -3,11 +3,12 @@
 //! The text reads back to an equal [`Scenario`], bit for bit: numbers are written in the shortest digits that
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
-use crate::choice::{CommandKind, LoadKind, ProcessKind};
+use crate::choice::{CommandKind, HysteresisLaw, LoadKind, ProcessKind};
 use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::scenario::{
-    Command, Effectiveness, InitialAngle, InitialLength, Load, Motion, Passage, Process, Pulley, Scenario,
+    Command, Effectiveness, Friction, Hysteresis, InitialAngle, InitialLength, Load, Motion, Passage, Process, Pulley,
+    Scenario,
 };
 use mckibben::parameter::{self as p, Parameter};
 use std::fmt::Write;
@@ -99,10 +100,26 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
             w.list(&keys::EFFECTIVENESS_VALUE, value);
         }
     }
-    w.number(&p::VISCOUS, actuator.friction.viscous);
-    w.number(&p::COULOMB_WIDTH, actuator.friction.coulomb_width);
+    friction(w, &actuator.friction);
     w.number(&p::LIMIT_STIFFNESS, actuator.limit.stiffness);
     w.number(&p::LIMIT_DAMPING, actuator.limit.damping);
+}
+
+fn friction(w: &mut Writer, friction: &Friction) {
+    w.number(&p::VISCOUS, friction.viscous);
+    w.number(&p::COULOMB_WIDTH, friction.coulomb_width);
+    w.number(&p::COULOMB_FORCE, friction.coulomb_force);
+    w.number(&p::COULOMB_FORCE_PER_PRESSURE, friction.coulomb_force_per_pressure);
+    w.number(&p::STATIC_RATIO, friction.static_ratio);
+    w.number(&p::STRIBECK_VELOCITY, friction.stribeck_velocity);
+    match &friction.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
+            w.word("actuator.friction.hysteresis.law", HysteresisLaw::MaxwellSlip.name());
+            w.list(&p::HYSTERESIS_REACH, reach);
+            w.list(&p::HYSTERESIS_STIFFNESS_RATIO, stiffness_ratio);
+        }
+        None => {}
+    }
 }
 
 fn air(w: &mut Writer, scenario: &Scenario) {

@@ -48,6 +48,13 @@ pub struct ActuatorState<S = f64> {
     pub memory: Memory<S>,
 }
 
+impl<S: Scalar> ActuatorState<S> {
+    /// Air at an absolute pressure, its mass in kg, and a hysteresis that is relaxed at an actuator length in m.
+    pub fn new(pressure: AbsolutePressure<S>, air_mass: S, length: S) -> Self {
+        Self { pressure, air_mass, memory: Memory::relaxed(length) }
+    }
+}
+
 /// What an actuator answers to its ends and its valve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response<S = f64> {
@@ -202,8 +209,11 @@ impl<S: Scalar> Actuator<S> {
     /// Force of the hysteresis over the secant stiffness in m, for the ends at `distance` (m), if there is such a law.
     #[inline(always)]
     pub fn width<T: Over<S>>(&self, memory: &Memory<S>, distance: T) -> Option<T> {
-        let length = || self.limits.actuator_length(distance);
-        self.friction.hysteresis().map(|hysteresis| hysteresis.width(memory, length()))
+        // No closure: it would be compiled by itself, without the instructions of a batch.
+        match self.friction.hysteresis() {
+            Some(hysteresis) => Some(hysteresis.width(memory, self.limits.actuator_length(distance))),
+            None => None,
+        }
     }
 
     /// Takes the memory of the hysteresis on to where the ends are at `distance` (m).

@@ -41,7 +41,7 @@ fn stands() -> impl Iterator<Item = Stand> {
 }
 
 fn state(stand: &Stand) -> ActuatorState {
-    ActuatorState { pressure: AbsolutePressure(stand.pressure), air_mass: stand.mass }
+    ActuatorState::new(AbsolutePressure(stand.pressure), stand.mass, stand.length)
 }
 
 fn table() -> Effectiveness {

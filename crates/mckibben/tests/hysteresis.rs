@@ -162,11 +162,13 @@ fn the_memory_of_a_step_is_that_of_the_path() {
 fn derivatives_pass_through_slips() {
     let at = |ratio: f64| -> f64 {
         let law = MaxwellSlip::new(&[2e-4], &[ratio]).expect("an element");
-        let paper = muscle().mass(5.0 * LB).from(0.083, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law)));
+        let paper =
+            muscle().mass(5.0 * LB).from(0.083, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law)));
         paper.run(0.15, 1e-12).at(0.15).length
     };
     let law = MaxwellSlip::new(&[2e-4], &[0.3]).expect("an element");
-    let paper = muscle().mass(5.0 * LB).from(0.083, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law)));
+    let paper =
+        muscle().mass(5.0 * LB).from(0.083, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law)));
     let key = mckibben::parameter::HYSTERESIS_STIFFNESS_RATIO.key;
     let seed = |parameter: &'static mckibben::parameter::Parameter, value: f64| -> Dual<f64, 1> {
         if parameter.key == key { Dual::variable(value, 0) } else { Dual::of(value) }
@@ -182,7 +184,8 @@ fn derivatives_pass_through_slips() {
 
 #[test]
 fn dry_friction_may_have_another_scale_and_fall_with_velocity() {
-    let coulomb = Coulomb::new(1e-4).and_then(|law| law.with_force(0.5, 2e-6)).and_then(|law| law.with_stribeck(1.5, 0.02));
+    let coulomb =
+        Coulomb::new(1e-4).and_then(|law| law.with_force(0.5, 2e-6)).and_then(|law| law.with_stribeck(1.5, 0.02));
     let paper = Paper::sealed().with(|rig| (rig.coulomb, rig.viscous) = (Some(coulomb.expect("a law")), 0.0));
     let actuator = paper.actuator();
     let (length, pressure) = (0.09, ATMOSPHERE + GAUGE);

@@ -5,12 +5,12 @@
 //! not taken over when the file overrides that one; `b/sqrt(3)` then stands in.
 
 use super::{alternative, columns};
-use crate::choice::ProcessKind;
+use crate::choice::{HysteresisLaw, ProcessKind};
 use crate::diagnostic::{Class, Diagnostic};
 use crate::keys;
 use crate::presets::{self, Preset};
 use crate::reader::Reader;
-use crate::scenario::{Actuator, Air, Effectiveness, Friction, Limit, Process};
+use crate::scenario::{Actuator, Air, Effectiveness, Friction, Hysteresis, Limit, Process};
 use mckibben::parameter::{self as p, Parameter};
 
 /// The keys that together say how long the braid is; giving none of them asks for the default preset.
@@ -38,8 +38,34 @@ pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
         min_length: min_length.unwrap_or(thread_length / 3_f64.sqrt()),
         external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
         effectiveness: effectiveness(r, preset),
-        friction: Friction { viscous: r.value(&p::VISCOUS, preset), coulomb_width: r.value(&p::COULOMB_WIDTH, preset) },
+        friction: friction(r, preset),
         limit: Limit { stiffness: r.value(&p::LIMIT_STIFFNESS, preset), damping: r.value(&p::LIMIT_DAMPING, preset) },
+    }
+}
+
+fn friction(r: &mut Reader<'_>, preset: Option<&Preset>) -> Friction {
+    Friction {
+        viscous: r.value(&p::VISCOUS, preset),
+        coulomb_width: r.value(&p::COULOMB_WIDTH, preset),
+        coulomb_force: r.value(&p::COULOMB_FORCE, preset),
+        coulomb_force_per_pressure: r.value(&p::COULOMB_FORCE_PER_PRESSURE, preset),
+        static_ratio: r.value(&p::STATIC_RATIO, preset),
+        stribeck_velocity: r.value(&p::STRIBECK_VELOCITY, preset),
+        hysteresis: r.has("actuator.friction.hysteresis").then(|| hysteresis(r)),
+    }
+}
+
+fn hysteresis(r: &mut Reader<'_>) -> Hysteresis {
+    let rows = [&p::HYSTERESIS_REACH, &p::HYSTERESIS_STIFFNESS_RATIO];
+    match r.word("actuator.friction.hysteresis.law").unwrap_or(HysteresisLaw::MaxwellSlip) {
+        HysteresisLaw::MaxwellSlip => {
+            for row in rows.into_iter().filter(|row| !r.has(row.key)).collect::<Vec<_>>() {
+                r.missing(row.key, "");
+            }
+            let [reach, stiffness_ratio] = rows.map(|row| r.list(row));
+            let (reach, stiffness_ratio) = columns(r, rows[0], reach, rows[1].key, stiffness_ratio);
+            Hysteresis::MaxwellSlip { reach, stiffness_ratio }
+        }
     }
 }
 

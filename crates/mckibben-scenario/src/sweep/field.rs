@@ -22,6 +22,10 @@ static FIELDS: &[(&Parameter, Field)] = &[
     }),
     (&p::VISCOUS, |s| Some(&mut s.actuator.friction.viscous)),
     (&p::COULOMB_WIDTH, |s| Some(&mut s.actuator.friction.coulomb_width)),
+    (&p::COULOMB_FORCE, |s| Some(&mut s.actuator.friction.coulomb_force)),
+    (&p::COULOMB_FORCE_PER_PRESSURE, |s| Some(&mut s.actuator.friction.coulomb_force_per_pressure)),
+    (&p::STATIC_RATIO, |s| Some(&mut s.actuator.friction.static_ratio)),
+    (&p::STRIBECK_VELOCITY, |s| Some(&mut s.actuator.friction.stribeck_velocity)),
     (&p::LIMIT_STIFFNESS, |s| Some(&mut s.actuator.limit.stiffness)),
     (&p::LIMIT_DAMPING, |s| Some(&mut s.actuator.limit.damping)),
     (&p::POLYTROPIC_INDEX, |s| match &mut s.air.process {

@@ -47,7 +47,12 @@ impl MaxwellSlip {
     pub fn new(reach: &[f64], stiffness_ratio: &[f64]) -> Result<Self, Error> {
         let (reach_row, ratio_row) = (&parameter::HYSTERESIS_REACH, &parameter::HYSTERESIS_STIFFNESS_RATIO);
         let fault = |name, problem, entry| {
-            Err(Error::Table { name, problem, entry, remedy: "give 1 to 12 elements, each with its reach and stiffness ratio" })
+            Err(Error::Table {
+                name,
+                problem,
+                entry,
+                remedy: "give 1 to 12 elements, each with its reach and stiffness ratio",
+            })
         };
         if reach.is_empty() {
             return fault(reach_row.key, "it has no entry", 1);
@@ -76,7 +81,8 @@ impl<S: Scalar> MaxwellSlip<S> {
         };
         for i in 0..self.count {
             same.reach[i] = convert.parameter(&parameter::HYSTERESIS_REACH, self.reach[i]);
-            same.stiffness_ratio[i] = convert.parameter(&parameter::HYSTERESIS_STIFFNESS_RATIO, self.stiffness_ratio[i]);
+            same.stiffness_ratio[i] =
+                convert.parameter(&parameter::HYSTERESIS_STIFFNESS_RATIO, self.stiffness_ratio[i]);
         }
         same
     }
@@ -139,8 +145,7 @@ impl<R: Real> MaxwellSlip<R> {
 
     pub(super) fn branch(&self, memory: &Memory<R>, direction: f64) -> Branch<R> {
         let sign = R::constant(direction);
-        let mut branch =
-            Branch { from: memory.at, width: R::zero(), slope: R::zero(), slipping: R::zero(), end: None };
+        let mut branch = Branch { from: memory.at, width: R::zero(), slope: R::zero(), slipping: R::zero(), end: None };
         for element in 0..self.count {
             let ratio = self.stiffness_ratio[element];
             branch.width = branch.width + ratio * memory.elements[element];

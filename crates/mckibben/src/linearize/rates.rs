@@ -5,9 +5,9 @@ use super::seats::Interval;
 use super::state_space::{Signal, StateSpace};
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::friction::{Memory, Rubbing};
 use crate::load::Load;
 use crate::scalar::Over;
-use crate::friction::{Memory, Rubbing};
 use crate::simulation::{Held, Rig};
 use alloc::vec::Vec;
 
