@@ -39,7 +39,7 @@ fn what_is_written_reads_back_the_same() {
 #[test]
 fn mistakes_are_shown_where_they_are() {
     let section = "[actuator.friction.hysteresis]\n";
-    assert!(problem(&format!("{section}reach = [\"1 mm\"]")).contains("stiffness_ratio` is missing"));
+    assert!(problem(&format!("{section}reach = [\"1 mm\"]")).contains("stiffness_ratio` (w_i) is missing"));
     let uneven = problem(&format!("{section}reach = [\"1 mm\", \"2 mm\"]\nstiffness_ratio = [0.1]"));
     assert!(uneven.contains("stiffness_ratio"), "{uneven}");
     let negative = problem(&format!("{section}reach = [\"-1 mm\"]\nstiffness_ratio = [0.1]"));
