@@ -81,7 +81,7 @@ impl<R: Real> Sensor<R> {
 /// The whole number nearest to a number, halves upwards.
 fn nearest_whole(number: f64) -> f64 {
     // From 2⁵² on every number is whole.
-    if !(number.abs() < 4_503_599_627_370_496.0) {
+    if number.is_nan() || number.abs() >= 4_503_599_627_370_496.0 {
         return number;
     }
     let towards_zero = number as i64 as f64;
