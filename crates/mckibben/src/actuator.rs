@@ -20,7 +20,7 @@ use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
-use crate::friction::{Friction, Memory, Rubbing};
+use crate::friction::{Friction, Memory, Pressing, Rubbing, Touch};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Scalar};
@@ -166,22 +166,36 @@ impl<S: Scalar> Actuator<S> {
         self.law.secant_stiffness(length, T::of(self.limits.min_length()), self.gauge(pressure))
     }
 
+    /// What presses the threads together at an actuator length and an absolute pressure.
+    #[inline(always)]
+    pub fn pressing<T: Over<S>>(&self, length: T, pressure: T, touch: Touch) -> Pressing<T> {
+        Pressing::new(self.secant_stiffness(length, pressure), self.gauge(pressure).0, touch)
+    }
+
     /// Coulomb force in N in motion, `Q k_sec` in the paper's law, at an actuator length and an absolute pressure.
     #[inline(always)]
     pub fn coulomb_bound<T: Over<S>>(&self, length: T, pressure: T) -> T {
-        self.friction.coulomb().kinetic(self.secant_stiffness(length, pressure), self.gauge(pressure).0)
+        self.friction.coulomb().kinetic(self.pressing(length, pressure, Touch::ByPressure))
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit + F_h ± Q k_sec`, and any from zero up where it rests on the shortest length. `width` is that of the
-    /// hysteresis `F_h` in m.
+    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up where it rests on the shortest length.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, on_the_stop: S::Mask, width: Option<T>) -> (T, T) {
+    pub fn holdable<T: Over<S>>(
+        &self,
+        length: T,
+        pressure: T,
+        on_the_stop: S::Mask,
+        rubbing: impl Into<Rubbing<T>>,
+    ) -> (T, T) {
+        let rubbing = rubbing.into();
+        let pressing = self.pressing(length, pressure, rubbing.touch);
         let mut middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
-        if let Some(width) = width {
-            middle = middle + self.secant_stiffness(length, pressure).larger(T::zero()) * width;
+        if let Some(width) = rubbing.width {
+            middle = middle + pressing.secant_stiffness() * width;
         }
-        let bound = self.friction.coulomb().holding(self.coulomb_bound(length, pressure));
+        let coulomb = self.friction.coulomb();
+        let bound = coulomb.holding(coulomb.kinetic(pressing));
         let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
         (least, (middle + bound).larger(T::zero()))
     }
@@ -201,7 +215,9 @@ impl<S: Scalar> Actuator<S> {
         let mut force = effectiveness * ideal.force(length, gauge) + limit + self.friction.viscous_force(velocity);
         if self.friction.has_direction() {
             let secant = ideal.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
-            force = force + self.friction.dry_force(rubbing.into(), velocity, effectiveness * secant, gauge.0);
+            let rubbing = rubbing.into();
+            let pressing = Pressing::new(effectiveness * secant, gauge.0, rubbing.touch);
+            force = force + self.friction.dry_force(rubbing, velocity, pressing);
         }
         force
     }
@@ -289,7 +305,7 @@ impl<S: Scalar> Actuator<S> {
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
         let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
-        let rubbing = Rubbing { direction: speed.sign(), width: self.width(&state.memory, end) };
+        let rubbing = Rubbing { width: self.width(&state.memory, end), ..speed.sign().into() };
         let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), rubbing);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));

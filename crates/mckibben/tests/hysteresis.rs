@@ -196,7 +196,7 @@ fn dry_friction_may_have_another_scale_and_fall_with_velocity() {
         let force: f64 = actuator.tension(length, velocity, pressure) - resting;
         assert_within(force, velocity.signum() * kinetic * falls, 1e-13 * resting);
     }
-    let (least, most) = actuator.holdable::<f64>(length, pressure, false, None);
+    let (least, most) = actuator.holdable::<f64>(length, pressure, false, 0.0);
     assert_close(most - resting, 1.5 * kinetic, 1e-12);
     assert_close(resting - least, 1.5 * kinetic, 1e-12);
     // Sucked off the braid, only what does not depend on pressure is left.

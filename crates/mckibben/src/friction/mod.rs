@@ -46,13 +46,63 @@ pub struct Rubbing<T> {
     pub direction: T,
     /// Force of the hysteresis over the secant stiffness in m, where there is such a law.
     pub width: Option<T>,
+    /// Whether the gas presses the threads together.
+    pub touch: Touch,
+}
+
+/// Whether the gas presses the threads together: with the bladder sucked off the braid they do not rub.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touch {
+    /// Where the gauge pressure is above zero.
+    ByPressure,
+    /// They are pressed, by a formula that goes on smoothly below zero gauge pressure.
+    Pressed,
+    /// They are not.
+    Apart,
+}
+
+/// What presses the threads together.
+#[derive(Clone, Copy, Debug)]
+pub struct Pressing<T> {
+    secant_stiffness: T,
+    gauge: T,
+    touch: Touch,
+}
+
+impl<T: Scalar> Pressing<T> {
+    /// By a secant stiffness (N/m) and a gauge pressure (Pa).
+    #[inline(always)]
+    pub fn new(secant_stiffness: T, gauge: T, touch: Touch) -> Self {
+        Self { secant_stiffness, gauge, touch }
+    }
+
+    /// Secant stiffness `k_sec⁺` in N/m.
+    #[inline(always)]
+    pub fn secant_stiffness(&self) -> T {
+        self.part(self.secant_stiffness)
+    }
+
+    /// Gauge pressure `P_g⁺` in Pa.
+    #[inline(always)]
+    pub fn gauge(&self) -> T {
+        self.part(self.gauge)
+    }
+
+    #[inline(always)]
+    fn part(&self, number: T) -> T {
+        match self.touch {
+            Touch::ByPressure => number.larger(T::zero()),
+            Touch::Pressed => number,
+            Touch::Apart => T::zero(),
+        }
+    }
 }
 
 impl<T: Scalar> From<T> for Rubbing<T> {
     /// A direction of sliding without hysteresis.
     #[inline(always)]
     fn from(direction: T) -> Self {
-        Self { direction, width: None }
+        Self { direction, width: None, touch: Touch::ByPressure }
     }
 }
 
@@ -127,15 +177,15 @@ impl<S: Scalar> Friction<S> {
         T::of(self.viscous) * velocity
     }
 
-    /// Everything but the viscous part in N, at a velocity (m/s), a secant stiffness (N/m) and a gauge pressure (Pa).
+    /// Everything but the viscous part in N, at a velocity (m/s).
     #[inline(always)]
-    pub fn dry_force<T: Over<S>>(&self, rubbing: Rubbing<T>, velocity: T, secant_stiffness: T, gauge: T) -> T {
+    pub fn dry_force<T: Over<S>>(&self, rubbing: Rubbing<T>, velocity: T, pressing: Pressing<T>) -> T {
         let mut force = T::zero();
         if self.has_coulomb() {
-            force = self.coulomb.sliding(rubbing.direction, velocity, self.coulomb.kinetic(secant_stiffness, gauge));
+            force = self.coulomb.sliding(rubbing.direction, velocity, self.coulomb.kinetic(pressing));
         }
         match rubbing.width {
-            Some(width) => force + secant_stiffness.larger(T::zero()) * width,
+            Some(width) => force + pressing.secant_stiffness() * width,
             None => force,
         }
     }

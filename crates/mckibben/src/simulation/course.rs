@@ -201,7 +201,7 @@ impl<S: Scalar> Rig<S> {
     /// The least and the largest tension in N that can be held at rest in a state.
     #[inline(always)]
     fn held_tensions(&self, held: &Held<S>, state: &[S; 4]) -> (S, S) {
-        self.holdable(state[0], state[2], self.actuator().width(&held.memory, state[0]))
+        self.holdable(state[0], state[2], self.rubbing(state[0], held))
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.

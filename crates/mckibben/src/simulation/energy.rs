@@ -20,6 +20,7 @@ use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
 use crate::force::StaticForce;
+use crate::friction::Touch;
 use crate::scalar::Real;
 
 /// Where the work of the gas went, in J, and the air, in kg.
@@ -108,11 +109,12 @@ impl EnergyAudit {
         self.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
         let viscous = friction.viscous_force(velocity);
         let direction = R::constant(mode.sliding.direction());
-        let kinetic = actuator.coulomb_bound(sample.length, sample.pressure.0);
-        let coulomb = friction.coulomb().sliding(direction, velocity, kinetic);
+        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
+        let pressing = actuator.pressing(sample.length, sample.pressure.0, touch);
+        let coulomb = friction.coulomb().sliding(direction, velocity, friction.coulomb().kinetic(pressing));
         let [mut hysteresis, mut slipping] = [R::zero(); 2];
         if let Some(trace) = trace {
-            let secant = actuator.secant_stiffness(sample.length, sample.pressure.0).larger(R::zero());
+            let secant = pressing.secant_stiffness();
             (hysteresis, slipping) = (secant * trace.width(sample.length), direction * secant * trace.slipping());
         }
         let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };

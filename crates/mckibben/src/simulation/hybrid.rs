@@ -92,6 +92,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             supply_zone: None,
             exhaust_zone: None,
             effectiveness_piece: self.member.effectiveness_piece(state[PRESSURE]),
+            pressed: self.member.pressed(state[PRESSURE]),
             extent: Extent::Free,
             sliding: Sliding::Held,
             clamped: false,
@@ -120,9 +121,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// The least and the largest tension in N that can be held at rest.
-    fn holdable<T: Over<R>>(&self, state: &[T; 4], trace: &Option<Trace<R>>) -> (T, T) {
-        let width = trace.as_ref().map(|trace| trace.width(state[LENGTH]));
-        self.rig.holdable(state[LENGTH], state[PRESSURE], width)
+    fn holdable<T: Over<R>>(&self, state: &[T; 4], phase: &Phase<R>) -> (T, T) {
+        let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
+        self.rig.holdable(state[LENGTH], state[PRESSURE], rubbing)
     }
 
     /// Takes the memory of the hysteresis on to a state, and to the branch that follows.
@@ -160,12 +161,12 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// From rest: stick if the load can be held, else slide the way it pulls.
     fn rest_or_slide(&self, inertia: Inertia<R>, state: &[R; 4], phase: &mut Phase<R>) -> Sliding {
-        let (actuator, mode) = (self.rig.actuator(), &mut phase.mode);
+        let actuator = self.rig.actuator();
         let on_the_stop = state[LENGTH].value() == actuator.limits().min_length().value();
-        if mode.extent == Extent::Slack || !(actuator.friction().has_direction() || on_the_stop) {
+        if phase.mode.extent == Extent::Slack || !(actuator.friction().has_direction() || on_the_stop) {
             return self.rig.sliding(inertia.pull.value());
         }
-        let (least, most) = self.holdable(state, &phase.trace);
+        let (least, most) = self.holdable(state, phase);
         let (least, most, pull) = (least.value(), most.value(), inertia.pull.value());
         if !(actuator.friction().has_coulomb() || on_the_stop) {
             // Without dry friction it does not stick: it goes the way of the balance, however small.
@@ -175,7 +176,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             self.rig.sliding(1.0)
         } else if pull < least - self.member.force_band {
             if on_the_stop {
-                mode.extent = Extent::Slack;
+                phase.mode.extent = Extent::Slack;
             }
             self.rig.sliding(-1.0)
         } else {
@@ -189,10 +190,10 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// Whether the load, arriving at the shortest length, comes to rest there: it can be held, and it would bounce less
     /// than the tolerance of its length.
-    fn rests_on_the_stop(&self, state: &[R; 4], trace: &Option<Trace<R>>) -> bool {
+    fn rests_on_the_stop(&self, state: &[R; 4], phase: &Phase<R>) -> bool {
         let Some(inertia) = self.inertia else { return false };
         let (pull, mass) = (inertia.pull.value(), inertia.mass.value());
-        let most = self.holdable(state, trace).1.value();
+        let most = self.holdable(state, phase).1.value();
         let acceleration = pull.min(most - pull) / mass;
         let velocity = state[VELOCITY].value();
         acceleration > 0.0 && velocity * velocity <= 2.0 * acceleration * self.member.band * self.member.longest
@@ -320,8 +321,8 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         match guard {
             Guard::Rest if mode.sliding == Sliding::Shortening => T::constant(self.rest_band()) - velocity,
             Guard::Rest => T::constant(self.rest_band()) + velocity,
-            Guard::BreakLonger => self.holdable(state, &phase.trace).1 + band - pull(),
-            Guard::BreakShorter => pull() - self.holdable(state, &phase.trace).0 + band,
+            Guard::BreakLonger => self.holdable(state, phase).1 + band - pull(),
+            Guard::BreakShorter => pull() - self.holdable(state, phase).0 + band,
             _ => self.member.guard(guard, ends(state), mode, &phase.trace),
         }
     }
@@ -372,7 +373,7 @@ impl<R: Real> RigSystem<'_, R> {
                 if inertial {
                     state[LENGTH] = limits.min_length();
                 }
-                if self.rests_on_the_stop(state, &phase.trace) {
+                if self.rests_on_the_stop(state, phase) {
                     state[VELOCITY] = R::zero();
                     phase.mode.extent = Extent::Free;
                     phase.mode.sliding = Sliding::Stuck;

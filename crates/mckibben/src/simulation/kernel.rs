@@ -117,8 +117,8 @@ impl<S: Scalar> Rig<S> {
 
     /// How the threads rub where the ends have come to `length` (m).
     #[inline(always)]
-    fn rubbing<T: Over<S>>(&self, length: T, held: &Held<S>) -> Rubbing<T> {
-        Rubbing { direction: T::of(held.sliding), width: self.actuator().width(&held.memory, length) }
+    pub(super) fn rubbing<T: Over<S>>(&self, length: T, held: &Held<S>) -> Rubbing<T> {
+        Rubbing { width: self.actuator().width(&held.memory, length), ..T::of(held.sliding).into() }
     }
 
     /// The air and its flow.

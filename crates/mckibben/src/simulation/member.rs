@@ -5,6 +5,7 @@
 //! | passages | supply, exhaust | a seat moves (an instant) |
 //! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
 //! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
+//! | pressed | yes, no | the gauge pressure passes zero |
 //! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | clamped | yes, no | the sum of forces passes zero |
 //!
@@ -20,7 +21,7 @@ use super::sample::Sample;
 use super::system::GuardForm;
 use crate::actuator::Actuator;
 use crate::air::Process;
-use crate::friction::{Branch, Memory, Rubbing};
+use crate::friction::{Branch, Memory, Rubbing, Touch};
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
@@ -130,14 +131,20 @@ impl<'a, R: Real> Member<'a, R> {
         trace.branch = hysteresis.branch(&trace.memory, trace.direction);
     }
 
+    /// How the threads rub at an actuator length.
+    #[inline(always)]
+    pub(super) fn rubbing<T: Over<R>>(&self, length: T, mode: &Mode, trace: &Option<Trace<R>>) -> Rubbing<T> {
+        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
+        let width = trace.as_ref().map(|trace| trace.width(length));
+        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch }
+    }
+
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
     #[inline(always)]
     pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
         let actuator = self.actuator;
         let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(ends[2]));
-        let direction = T::constant(mode.sliding.direction());
-        let rubbing = Rubbing { direction, width: trace.as_ref().map(|trace| trace.width(ends[0])) };
-        actuator.signed_force(ends, rubbing, mode.extent == Extent::Taut, effectiveness)
+        actuator.signed_force(ends, self.rubbing(ends[0], mode, trace), mode.extent == Extent::Taut, effectiveness)
     }
 
     /// Tension in N while the ends move: what the load feels.
@@ -218,6 +225,7 @@ impl<'a, R: Real> Member<'a, R> {
         }
         self.zone_guards(mode, pressure, add);
         self.piece_guards(mode, pressure, add);
+        self.press_guard(mode, pressure, add);
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
@@ -245,6 +253,8 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
             Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
             Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
+            Guard::PressDown => pressure - T::of(self.press_bound(true)),
+            Guard::PressUp => T::of(self.press_bound(false)) - pressure,
             Guard::Slip => match trace.as_ref().and_then(Trace::end) {
                 Some((end, true)) => length - T::of(end),
                 Some((end, false)) => T::of(end) - length,
@@ -279,6 +289,10 @@ impl<'a, R: Real> Member<'a, R> {
                 let piece = &mut mode.effectiveness_piece;
                 *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
                 Some(EventKind::Effectiveness)
+            }
+            Guard::PressDown | Guard::PressUp => {
+                mode.pressed = guard == Guard::PressUp;
+                Some(EventKind::Press)
             }
             _ => None,
         }

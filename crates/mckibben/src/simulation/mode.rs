@@ -53,6 +53,8 @@ pub struct Mode {
     pub exhaust_zone: Option<FlowZone>,
     /// The piece of a tabulated effectiveness; 0 for the other forms.
     pub effectiveness_piece: usize,
+    /// Whether the gauge pressure presses the threads together, so that they rub; yes where there is no dry friction.
+    pub pressed: bool,
     /// Slack, free or taut.
     pub extent: Extent,
     /// The direction of sliding, or sticking.
@@ -95,6 +97,8 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
+    /// The gauge pressure passed zero: the threads rub from there on, or no longer.
+    Press,
     /// A joint came to a stop, or pressed it again.
     StopReached,
     /// A stop ceased to press while the joint came back.
@@ -122,6 +126,7 @@ impl EventKind {
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
+            Self::Press => "press",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",
             Self::StopLeft => "stop-left",
@@ -170,4 +175,8 @@ pub enum Guard {
     PieceDown,
     /// The pressure leaves the piece of the effectiveness upwards.
     PieceUp,
+    /// The gauge pressure falls below zero.
+    PressDown,
+    /// The gauge pressure rises above zero.
+    PressUp,
 }

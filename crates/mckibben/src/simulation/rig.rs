@@ -19,6 +19,7 @@ use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
+use crate::friction::Rubbing;
 use crate::load::Load;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -217,12 +218,11 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit + F_h ± Q k_sec`, and any from zero up on the shortest length. `width` is that of the hysteresis `F_h`
-    /// in m.
+    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up on the shortest length.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, width: Option<T>) -> (T, T) {
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, rubbing: impl Into<Rubbing<T>>) -> (T, T) {
         let on_the_stop = length.le(T::of(self.actuator.limits().min_length()));
-        self.actuator.holdable(length, pressure, on_the_stop, width)
+        self.actuator.holdable(length, pressure, on_the_stop, rubbing)
     }
 }
 

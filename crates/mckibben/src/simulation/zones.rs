@@ -117,6 +117,27 @@ impl<R: Real> Member<'_, R> {
         bound.map(|gauge| (gauge + actuator.air().atmosphere().0) * R::constant(factor))
     }
 
+    /// Whether the gas presses the threads together at an absolute pressure, as far as that matters.
+    pub(super) fn pressed(&self, pressure: R) -> bool {
+        !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
+    }
+
+    /// The absolute pressure in Pa at which the threads begin or cease to be pressed, passed by the band.
+    pub(super) fn press_bound(&self, pressed: bool) -> R {
+        let factor = if pressed { 1.0 - self.band } else { 1.0 + self.band };
+        self.actuator.air().atmosphere().0 * R::constant(factor)
+    }
+
+    pub(super) fn press_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+        if self.actuator.friction().has_direction() {
+            let bound = self.press_bound(mode.pressed).value();
+            match mode.pressed {
+                true => add(Guard::PressDown, GuardForm::Above { index: pressure, bound }),
+                false => add(Guard::PressUp, GuardForm::Below { index: pressure, bound }),
+            }
+        }
+    }
+
     pub(super) fn piece_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
         if let Some(bound) = self.piece_bound(mode, false) {
             add(Guard::PieceDown, GuardForm::Above { index, bound: bound.value() });

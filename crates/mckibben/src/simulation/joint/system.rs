@@ -111,6 +111,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
                 supply_zone: None,
                 exhaust_zone: None,
                 effectiveness_piece: self.members[i].effectiveness_piece(pressure),
+                pressed: self.members[i].pressed(pressure),
                 extent: Extent::Free,
                 sliding: Sliding::Frictionless,
                 clamped: false,

@@ -30,7 +30,8 @@ impl<R: Real> JointSystem<'_, R> {
         }
         let [length, _, pressure] = self.ends(i, state);
         let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
-        self.members[i].actuator.holdable(length, pressure, above.le(T::zero()), None)
+        let rubbing = self.members[i].rubbing(length, &mode.actuators[i], &None);
+        self.members[i].actuator.holdable(length, pressure, above.le(T::zero()), rubbing)
     }
 
     /// The least and the largest torque in N·m on the joint at rest.
