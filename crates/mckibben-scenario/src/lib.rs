@@ -59,16 +59,16 @@ mod write;
 
 pub use assumed::Assumed;
 pub use choice::{
-    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind,
-    RecordKind, Spacing, ValveKind,
+    BladderForm, Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, ForceLaw, LoadKind, Method,
+    ProcessKind, RecordKind, Spacing, ValveKind,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
 pub use model::Experiment;
 pub use scenario::{
-    Actuator, Air, Command, Effectiveness, Friction, Initial, InitialLength, Limit, Load, Motion, Passage, Process,
-    Run, Scenario, Supply, Valve,
+    Actuator, Air, Bladder, Command, Effectiveness, Force, Friction, Initial, InitialLength, Limit, Load, Motion,
+    Passage, Process, Run, Scenario, Supply, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

@@ -1,12 +1,12 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{CommandState, ExhaustTemperature, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, ExhaustTemperature, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
-    Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Run, Scenario, Supply, Valve,
+    Command, Effectiveness, Force, InitialLength, Load, Motion, Passage, Process, Run, Scenario, Supply, Valve,
 };
-use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
+use mckibben::force::{self, Characteristic, Effective, LengthLimits};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{self, Actuation, Initial, Rig, State};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
@@ -86,7 +86,8 @@ impl Scenario {
             let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
             actuation = Some(Actuation { solenoid, command: core_command(command)? });
         }
-        Rig::new(actuator, actuation, self.core_load()?)
+        let load = self.core_load(actuator.law().law.end_length())?;
+        Rig::new(actuator, actuation, load)
     }
 
     fn core_air(&self) -> Result<air::Air, Error> {
@@ -118,22 +119,42 @@ impl Scenario {
             Effectiveness::Table { gauge_pressure, value } => force::Effectiveness::table(gauge_pressure, value)?,
         };
         let friction = friction::Friction::new(actuator.friction.viscous, actuator.friction.coulomb_width)?;
-        let law = Effective { law: IdealBraid { braid }, effectiveness };
+        let law = Effective { law: self.core_characteristic(braid)?, effectiveness };
         Actuator::new(law, limits, friction, actuator.external_volume, air)
     }
 
-    fn core_load(&self) -> Result<load::Load, Error> {
-        let thread_length = self.actuator.thread_length;
+    fn core_characteristic(&self, braid: Braid) -> Result<Characteristic, Error> {
+        let actuator = &self.actuator;
+        let longest = actuator.max_length;
+        let law = match &actuator.force {
+            Force::IdealBraid => force::Law::IdealBraid,
+            Force::TonduLopez { end_factor, end_factor_rise, end_factor_pressure, coefficients } => {
+                let end_factor = force::EndFactor::falling(*end_factor, *end_factor_rise, *end_factor_pressure)?;
+                let given = coefficients.map(|of| force::Coefficients { radius: of.radius, a: of.a, b: of.b });
+                force::Law::TonduLopez(force::TonduLopez::new(&braid, longest, end_factor, given)?)
+            }
+            Force::Sarosi(coefficients) => force::Law::Sarosi(force::Sarosi::new(longest, *coefficients)?),
+        };
+        let characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;
+        let Some(bladder) = actuator.bladder else { return Ok(characteristic) };
+        let form = match bladder.form {
+            BladderForm::Linear => force::BladderForm::Linear,
+            BladderForm::Saturating => force::BladderForm::Saturating,
+            BladderForm::Exponential => force::BladderForm::Exponential,
+        };
+        Ok(characteristic.with_bladder(force::Bladder::new(form, longest, bladder.force, bladder.scale)?))
+    }
+
+    fn core_load(&self, end_length: f64) -> Result<load::Load, Error> {
         match &self.load {
             Load::HangingMass { mass, gravity } => load::Load::hanging_mass(*mass, *gravity),
             Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
             Load::Isometric => Ok(load::Load::Isometric),
             Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
-                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, thread_length)
-                    .map(load::Load::Prescribed)
+                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, end_length).map(load::Load::Prescribed)
             }
             Load::PrescribedMotion(Motion::Table { time, length }) => {
-                load::Motion::table(time.clone(), length.clone(), thread_length).map(load::Load::Prescribed)
+                load::Motion::table(time.clone(), length.clone(), end_length).map(load::Load::Prescribed)
             }
         }
     }

@@ -3,10 +3,12 @@
 //! The text reads back to an equal [`Scenario`], bit for bit: numbers are written in the shortest digits that
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
-use crate::choice::{CommandKind, LoadKind, ProcessKind};
+use crate::choice::{BladderForm, CommandKind, ForceLaw, LoadKind, ProcessKind};
 use crate::keys::{self, EQUILIBRIUM};
 use crate::quantity;
-use crate::scenario::{Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Scenario};
+use crate::scenario::{
+    Actuator, Command, Effectiveness, Force, InitialLength, Load, Motion, Passage, Process, Scenario,
+};
 use mckibben::parameter::{self as p, Parameter};
 use std::fmt::Write;
 
@@ -80,6 +82,8 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::MAX_LENGTH, actuator.max_length);
     w.number(&p::MIN_LENGTH, actuator.min_length);
     w.number(&p::EXTERNAL_VOLUME, actuator.external_volume);
+    w.number(&p::WALL_THICKNESS, actuator.wall_thickness);
+    force(w, actuator);
     match &actuator.effectiveness {
         Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
         Effectiveness::Polynomial(coefficients) => {
@@ -95,6 +99,40 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::COULOMB_WIDTH, actuator.friction.coulomb_width);
     w.number(&p::LIMIT_STIFFNESS, actuator.limit.stiffness);
     w.number(&p::LIMIT_DAMPING, actuator.limit.damping);
+}
+
+fn force(w: &mut Writer, actuator: &Actuator) {
+    let law = match &actuator.force {
+        Force::IdealBraid => ForceLaw::IdealBraid,
+        Force::TonduLopez { .. } => ForceLaw::TonduLopez,
+        Force::Sarosi(_) => ForceLaw::Sarosi,
+    };
+    w.word("actuator.force.law", law.name());
+    match &actuator.force {
+        Force::IdealBraid => {}
+        Force::TonduLopez { end_factor, end_factor_rise, end_factor_pressure, coefficients } => {
+            w.number(&p::END_FACTOR, *end_factor);
+            w.number(&p::END_FACTOR_RISE, *end_factor_rise);
+            w.number(&p::END_FACTOR_PRESSURE, *end_factor_pressure);
+            if let Some(given) = coefficients {
+                w.number(&p::INITIAL_RADIUS, given.radius);
+                w.number(&p::TONDU_LOPEZ_A, given.a);
+                w.number(&p::TONDU_LOPEZ_B, given.b);
+            }
+        }
+        Force::Sarosi(coefficients) => {
+            w.list(&p::SAROSI_COEFFICIENTS, coefficients);
+            w.word("actuator.force.pressure_unit", "Pa");
+            w.word("actuator.force.force_unit", "N");
+        }
+    }
+    if let Some(bladder) = &actuator.bladder {
+        w.word("actuator.bladder.form", bladder.form.name());
+        w.number(&p::BLADDER_FORCE, bladder.force);
+        if bladder.form != BladderForm::Linear {
+            w.number(&p::BLADDER_SCALE, bladder.scale);
+        }
+    }
 }
 
 fn air(w: &mut Writer, scenario: &Scenario) {

@@ -1,6 +1,6 @@
 //! The modular actuator: valve state in, force out.
 //!
-//! Everything that one actuator is, composed: static force with effectiveness (9), friction (12), length limits
+//! Everything that one actuator is, composed: a law of static force with effectiveness (9), friction (12), length limits
 //! (10)(14), air (19) and valve (21). Parameters are immutable; the state, and whether the passages are open, belong to
 //! the caller. A robot simulator needs one call:
 //!
@@ -19,7 +19,7 @@ use crate::air::{Air, Chamber, Flow};
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
+use crate::force::{Characteristic, Effective, LengthLimits, StaticForce};
 use crate::friction::Friction;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -29,7 +29,7 @@ use crate::valve::{Beyond, Port, Ports, Valve};
 /// One braided pneumatic actuator with its air and, if it has one, its valve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator<S = f64> {
-    law: Effective<IdealBraid<S>, S>,
+    law: Effective<Characteristic<S>, S>,
     limits: LengthLimits<S>,
     friction: Friction<S>,
     external_volume: S,
@@ -73,13 +73,14 @@ impl Actuator {
     /// # Errors
     /// [`Error::OutOfRange`] unless `external_volume` (m³) is above zero.
     pub fn new(
-        law: Effective<IdealBraid>,
+        law: Effective<impl Into<Characteristic>>,
         limits: LengthLimits,
         friction: Friction,
         external_volume: f64,
         air: Air,
     ) -> Result<Self, Error> {
         let external_volume = parameter::EXTERNAL_VOLUME.check(external_volume)?;
+        let law = Effective { law: law.law.into(), effectiveness: law.effectiveness };
         Ok(Self { law, limits, friction, external_volume, air, valve: None })
     }
 
@@ -98,7 +99,7 @@ impl<S: Scalar> Actuator<S> {
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuator<T> {
         Actuator {
             law: Effective {
-                law: IdealBraid { braid: self.law.law.braid.convert(convert) },
+                law: self.law.law.convert(convert),
                 effectiveness: self.law.effectiveness.convert(convert),
             },
             limits: self.limits.convert(convert),
@@ -111,7 +112,7 @@ impl<S: Scalar> Actuator<S> {
 
     /// The static force law with its effectiveness.
     #[inline(always)]
-    pub fn law(&self) -> &Effective<IdealBraid<S>, S> {
+    pub fn law(&self) -> &Effective<Characteristic<S>, S> {
         &self.law
     }
 
@@ -170,10 +171,10 @@ impl<S: Scalar> Actuator<S> {
     ) -> T {
         let gauge = self.gauge(pressure);
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
-        let ideal = &self.law.law;
-        let mut force = effectiveness * ideal.force(length, gauge) + limit + self.friction.viscous_force(velocity);
+        let law = &self.law.law;
+        let mut force = effectiveness * law.force(length, gauge) + limit + self.friction.viscous_force(velocity);
         if self.friction.has_coulomb() {
-            let secant = ideal.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
+            let secant = law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
             force = force + sliding * self.friction.coulomb_bound(effectiveness * secant);
         }
         force
@@ -199,16 +200,16 @@ impl<S: Scalar> Actuator<S> {
     /// Volume of braid and hose in m³ for the ends at `distance`.
     #[inline(always)]
     pub fn volume<T: Over<S>>(&self, distance: T) -> T {
-        self.law.law.braid.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
+        self.law.law.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
     }
 
     /// The contents at an instant. A slack actuator rests at its shortest: its volume does not change.
     #[inline(always)]
     pub fn chamber<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, mass: T, slack: S::Mask) -> Chamber<T> {
         let length = T::select(slack, T::of(self.limits.min_length()), distance);
-        let braid = &self.law.law.braid;
-        let volume = braid.volume(length) + T::of(self.external_volume);
-        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), braid.volume_slope(length) * velocity))
+        let law = &self.law.law;
+        let volume = law.volume(length) + T::of(self.external_volume);
+        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), law.volume_slope(length) * velocity))
     }
 
     /// `dP/dt` in Pa/s for a flow through the valve.

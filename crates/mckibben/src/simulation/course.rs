@@ -251,7 +251,7 @@ impl<S: Scalar> Rig<S> {
     #[inline(always)]
     pub(crate) fn admissible(&self, state: &[S; 4]) -> S::Mask {
         let [length, velocity, pressure, mass] = *state;
-        let thread = self.actuator().law().law.braid.thread_length();
+        let thread = self.actuator().law().law.end_length();
         let numbers = length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);
         // What is not a number is not less than anything either.
         let infinity = S::constant(f64::INFINITY);

@@ -1,7 +1,8 @@
 //! The energy audit: where the work of the gas went, and the air.
 //!
 //! ```text
-//! ∫ P_g dV = ∫ (1 − Eff) P_g dV                    what effectiveness takes (or gives)
+//! ∫ P_g dV = ∫ (P_g dV + F_s dx) − ΔU              what the law of force takes (or gives): (1 − Eff) ∫ P_g dV, (9)
+//!          + ΔU                                    the bladder
 //!          + Δ(½ M v²) − W Δx                      the load (or −∫ F dx when its motion is given)
 //!          + Δ(½ K_braid (x − L_max)²)             the taut braid
 //!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
@@ -22,8 +23,11 @@ use crate::scalar::Real;
 pub struct EnergyAudit {
     /// `∫ P_g dV`, the work of the gas beyond that on the surroundings.
     pub gas_work: f64,
-    /// Work that an effectiveness below 1 takes out of the model, without a place to go.
+    /// Work that an effectiveness below 1 takes out of the model, without a place to go; and with a law of force that is
+    /// not the gradient of `P_g V`, what that law takes, or gives when negative.
     pub effectiveness_loss: f64,
+    /// Energy that the bladder gained.
+    pub bladder_storage: f64,
     /// Energy that the load gained, kinetic and potential; the work on it when its motion is given.
     pub load: f64,
     /// Energy that the taut braid gained.
@@ -48,7 +52,12 @@ pub struct EnergyAudit {
 impl EnergyAudit {
     /// What does not close, in J.
     pub fn residual(&self) -> f64 {
-        self.gas_work - self.effectiveness_loss - self.load - self.braid_storage - self.dissipated()
+        self.gas_work
+            - self.effectiveness_loss
+            - self.load
+            - self.bladder_storage
+            - self.braid_storage
+            - self.dissipated()
     }
 
     /// Everything dissipated in J.
@@ -58,10 +67,9 @@ impl EnergyAudit {
 
     /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
     pub fn turnover(&self) -> f64 {
-        [self.gas_work, self.effectiveness_loss, self.load, self.braid_storage, self.dissipated()]
-            .map(f64::abs)
-            .iter()
-            .sum()
+        let stored = [self.bladder_storage, self.braid_storage];
+        let terms = [self.gas_work, self.effectiveness_loss, self.load, self.dissipated()];
+        terms.iter().chain(&stored).map(|term| term.abs()).sum()
     }
 
     /// What does not close in the air, in kg.
@@ -91,10 +99,10 @@ impl<R: Real> Trajectory<R> {
                 return;
             }
             let gauge = actuator.gauge(sample.pressure.0);
-            let ideal = -(law.law.force(sample.length, gauge) * velocity).value();
+            let gas_power = (gauge.0 * law.law.volume_slope(sample.length) * velocity).value();
             let static_force = law.force(sample.length, gauge);
-            audit.gas_work += weight * ideal;
-            audit.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
+            audit.gas_work += weight * gas_power;
+            audit.effectiveness_loss += weight * (gas_power + (static_force * velocity).value());
             let viscous = friction.viscous_force(velocity);
             let coulomb =
                 R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
@@ -109,6 +117,9 @@ impl<R: Real> Trajectory<R> {
         });
         let (start, end) = (self.at(R::zero()), self.at(self.duration()));
         audit.braid_storage = (limits.stored_energy(end.length) - limits.stored_energy(start.length)).value();
+        let bladder = |length: R| law.law.stored_energy(limits.actuator_length(length)).value();
+        audit.bladder_storage = bladder(end.length) - bladder(start.length);
+        audit.effectiveness_loss -= audit.bladder_storage;
         audit.air_gain = (end.air_mass - start.air_mass).value();
         audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
             let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();

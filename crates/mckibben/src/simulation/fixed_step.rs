@@ -95,7 +95,7 @@ impl<R: Real> Walk<R> {
             if !rig.admissible(&self.course.state) {
                 let left = self.course;
                 self.course = before;
-                let thread = rig.actuator().law().law.braid.thread_length().value();
+                let thread = rig.actuator().law().law.end_length().value();
                 return Err(outside(thread, left.time.value(), left.state.map(Real::value)));
             }
             if instant.is_none() {

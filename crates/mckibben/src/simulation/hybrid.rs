@@ -472,7 +472,7 @@ impl<R: Real> RigSystem<'_, R> {
     }
 
     fn thread_length(&self) -> R {
-        self.rig.actuator().law().law.braid.thread_length()
+        self.rig.actuator().law().law.end_length()
     }
 
     /// Rate in 1/s at which friction and the taut braid damp the load.

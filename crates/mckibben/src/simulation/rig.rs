@@ -142,15 +142,19 @@ impl Rig {
         }
         if let InitialLength::At(length) = initial.length {
             parameter::INITIAL_LENGTH.check(length)?;
-            let thread_length = self.actuator.law().law.braid.thread_length();
-            if length >= thread_length {
+            let law = &self.actuator.law().law;
+            let end_length = law.end_length();
+            if length >= end_length {
                 return Err(Error::Inconsistent {
                     parameter: &parameter::INITIAL_LENGTH,
                     value: length,
                     requirement: Requirement {
                         relation: "must be less than",
-                        other: parameter::THREAD_LENGTH.key,
-                        value: thread_length,
+                        other: match law.wall() {
+                            None => parameter::THREAD_LENGTH.key,
+                            Some(_) => "the length at which the wall closes the bore",
+                        },
+                        value: end_length,
                         unit: "m",
                     },
                     remedy: "start between 0 and the thread length, or at \"equilibrium\"",
@@ -263,7 +267,7 @@ impl<S: Real> Rig<S> {
             |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull;
         let at = |length: f64| surplus(S::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
-        let thread = self.actuator.law().law.braid.thread_length().value();
+        let thread = self.actuator.law().law.end_length().value();
         let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
         if at(bracket.1) < 0.0 {
             return Err(Error::Unsupported {

@@ -1,0 +1,163 @@
+//! The static characteristic of a muscle: a braid, the law of its force, its wall and its bladder.
+//!
+//! ```text
+//! F = F_law(L, P_g) + F_bladder(L)
+//! V = the braid's volume, less the wall's
+//! ```
+//!
+//! The air needs a volume whatever the law, so the braid stands beside it. Virtual work, `F = −P_g dV/dL`, ties the two
+//! together for the ideal braid, with or without a wall; the bladder adds an energy of its own. The other laws are
+//! measured forces, or fitted ones, that follow no volume: over a cycle in pressure and length they take another work from
+//! the muscle than the air puts in.
+//!
+//! | law | parameters | gradient of `P_g V` |
+//! |---|---|---|
+//! | [`Law::IdealBraid`] | the braid's | yes |
+//! | [`Law::TonduLopez`] | end factor; a, b, r₀ | with `k = 1` and the braid's coefficients |
+//! | [`Law::Sarosi`] | six coefficients | no |
+//!
+//! Checked by `tests/laws.rs`.
+
+use super::{Bladder, IdealBraid, Sarosi, StaticForce, TonduLopez, Wall};
+use crate::braid::Braid;
+use crate::convert::Convert;
+use crate::error::Error;
+use crate::pressure::GaugePressure;
+use crate::scalar::{Over, Scalar};
+
+/// A law of static force; rigs of one law are stepped together in a batch.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Law<S = f64> {
+    /// Virtual work of the gas on the braid.
+    IdealBraid,
+    /// A factor for the taper of the ends.
+    TonduLopez(TonduLopez<S>),
+    /// Six coefficients.
+    Sarosi(Sarosi<S>),
+}
+
+/// A law on a braid, with a wall and a bladder if they count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Characteristic<S = f64> {
+    /// The braid's geometry.
+    pub braid: Braid<S>,
+    law: Law<S>,
+    wall: Option<Wall<S>>,
+    bladder: Option<Bladder<S>>,
+}
+
+impl Characteristic {
+    /// A law on a braid without wall or bladder.
+    pub fn new(braid: Braid, law: Law) -> Self {
+        Self { braid, law, wall: None, bladder: None }
+    }
+
+    /// The same with a wall of `thickness` (m) whose bore is open up to `max_length` (m); the volume is the gas's, and so
+    /// is the force of the ideal braid. None, if the thickness is zero.
+    ///
+    /// # Errors
+    /// As [`Wall::new`].
+    pub fn with_wall(self, thickness: f64, max_length: f64) -> Result<Self, Error> {
+        let wall = Wall::new(thickness, &self.braid, max_length)?;
+        Ok(Self { wall: (thickness > 0.0).then_some(wall), ..self })
+    }
+
+    /// The same with a bladder.
+    pub fn with_bladder(self, bladder: Bladder) -> Self {
+        Self { bladder: Some(bladder), ..self }
+    }
+}
+
+impl<S> From<IdealBraid<S>> for Characteristic<S> {
+    fn from(ideal: IdealBraid<S>) -> Self {
+        Self { braid: ideal.braid, law: Law::IdealBraid, wall: None, bladder: None }
+    }
+}
+
+impl<S: Scalar> Characteristic<S> {
+    /// The same over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Characteristic<T> {
+        let braid = self.braid.convert(convert);
+        let law = match &self.law {
+            Law::IdealBraid => Law::IdealBraid,
+            Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
+            Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
+        };
+        let wall = self.wall.map(|wall| wall.convert(&braid, convert));
+        let bladder = self.bladder.map(|bladder| bladder.convert(convert));
+        Characteristic { braid, law, wall, bladder }
+    }
+
+    /// The law.
+    pub fn law(&self) -> &Law<S> {
+        &self.law
+    }
+
+    /// The wall, if it counts.
+    pub fn wall(&self) -> Option<&Wall<S>> {
+        self.wall.as_ref()
+    }
+
+    /// The bladder, if it counts.
+    pub fn bladder(&self) -> Option<&Bladder<S>> {
+        self.bladder.as_ref()
+    }
+
+    /// Length in m at which the model ends: the braid is straight, or the wall has closed the bore.
+    #[inline(always)]
+    pub fn end_length(&self) -> S {
+        self.wall.map_or(self.braid.thread_length(), |wall| wall.closed_length())
+    }
+
+    /// Volume of the gas in m³ at a length in m.
+    #[inline(always)]
+    pub fn volume<T: Over<S>>(&self, length: T) -> T {
+        match &self.wall {
+            None => self.braid.volume(length),
+            Some(wall) => wall.volume(&self.braid, length),
+        }
+    }
+
+    /// Its slope over length in m²: negative where the gas pulls the ends together.
+    #[inline(always)]
+    pub fn volume_slope<T: Over<S>>(&self, length: T) -> T {
+        match &self.wall {
+            None => self.braid.volume_slope(length),
+            Some(wall) => wall.volume_slope(&self.braid, length),
+        }
+    }
+
+    /// Energy in J that the bladder holds at a length in m.
+    pub fn stored_energy<T: Over<S>>(&self, length: T) -> T {
+        self.bladder.as_ref().map_or(T::zero(), |bladder| bladder.stored_energy(length))
+    }
+}
+
+impl<S: Scalar> StaticForce<S> for Characteristic<S> {
+    #[inline(always)]
+    fn force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
+        let force = match &self.law {
+            Law::IdealBraid => -gauge.0 * self.volume_slope(length),
+            Law::TonduLopez(law) => law.force(length, gauge),
+            Law::Sarosi(law) => law.force(length, gauge),
+        };
+        match &self.bladder {
+            None => force,
+            Some(bladder) => force + bladder.tension(length),
+        }
+    }
+
+    #[inline(always)]
+    fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
+        let stiffness = match (&self.law, &self.wall) {
+            (Law::IdealBraid, None) => IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge),
+            (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
+            (Law::TonduLopez(law), _) => law.secant_stiffness(length, from, gauge),
+            (Law::Sarosi(law), _) => law.secant_stiffness(length, from, gauge),
+        };
+        match &self.bladder {
+            None => stiffness,
+            Some(bladder) => stiffness + bladder.secant_stiffness(length, from),
+        }
+    }
+}
