@@ -55,6 +55,7 @@ words! {
         IdealBraid = "ideal-braid", "Virtual work of the gas on the braid: the paper's law.";
         TonduLopez = "tondu-lopez", "The ideal braid with a factor on the contraction for the taper of the ends.";
         Sarosi = "sarosi", "A surface of six coefficients through measured forces.";
+        Map = "map", "A smooth monotone surface through tensions measured on a grid.";
     }
     /// How the bladder's resistance grows with contraction.
     BladderForm {

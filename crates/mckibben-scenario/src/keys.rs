@@ -260,6 +260,7 @@ const NO_GRID: &[&str] = &[DesignKind::Random.name(), DesignKind::LatinHypercube
 const FORCE: &str = "actuator.force.law";
 const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
 const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
+const MAP: &[&str] = &[ForceLaw::Map.name()];
 const BLADDER: &str = "actuator.bladder.form";
 const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponential.name()];
 const PROCESS: &str = "air.process";
@@ -296,6 +297,9 @@ pub static KEYS: &[Key] = &[
     key("actuator.force.force_unit", Kind::Unit("N"), "Unit of the force in the coefficients.", "\"N\"")
         .required()
         .when(FORCE, SAROSI),
+    list(&p::MAP_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(FORCE, MAP),
+    list(&p::MAP_LENGTH, "[\"7 cm\", \"8 cm\", \"9 cm\"]").required().when(FORCE, MAP),
+    list(&p::MAP_TENSION, "[\"4 N\", \"16 N\", \"30 N\", \"9 N\", \"33 N\", \"61 N\"]").required().when(FORCE, MAP),
     choice(BLADDER, BladderForm::CHOICES, "How the bladder's resistance grows with contraction.", "\"linear\"")
         .required(),
     quantity(&p::BLADDER_FORCE, "\"20 N\"").required(),

@@ -133,6 +133,9 @@ impl Scenario {
                 let given = coefficients.map(|of| force::Coefficients { radius: of.radius, a: of.a, b: of.b });
                 force::Law::TonduLopez(force::TonduLopez::new(&braid, longest, end_factor, given)?)
             }
+            Force::Map { gauge_pressure, length, tension } => {
+                force::Law::Map(force::ForceMap::new(gauge_pressure, length, tension)?)
+            }
             Force::Sarosi(coefficients) => force::Law::Sarosi(force::Sarosi::new(longest, *coefficients)?),
         };
         let characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;

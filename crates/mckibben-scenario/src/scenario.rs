@@ -76,6 +76,15 @@ pub enum Force {
     },
     /// Sárosi's law: coefficients for pressures in Pa, contractions in percent and forces in N.
     Sarosi([f64; 6]),
+    /// A measured force map.
+    Map {
+        /// Gauge pressures in Pa, strictly increasing.
+        gauge_pressure: Vec<f64>,
+        /// Lengths in m, strictly increasing.
+        length: Vec<f64>,
+        /// Tensions in N: one for each length at the first pressure, then at the next.
+        tension: Vec<f64>,
+    },
 }
 
 /// Measured coefficients of the law of Tondu & Lopez.

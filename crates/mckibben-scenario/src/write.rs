@@ -106,6 +106,7 @@ fn force(w: &mut Writer, actuator: &Actuator) {
         Force::IdealBraid => ForceLaw::IdealBraid,
         Force::TonduLopez { .. } => ForceLaw::TonduLopez,
         Force::Sarosi(_) => ForceLaw::Sarosi,
+        Force::Map { .. } => ForceLaw::Map,
     };
     w.word("actuator.force.law", law.name());
     match &actuator.force {
@@ -124,6 +125,11 @@ fn force(w: &mut Writer, actuator: &Actuator) {
             w.list(&p::SAROSI_COEFFICIENTS, coefficients);
             w.word("actuator.force.pressure_unit", "Pa");
             w.word("actuator.force.force_unit", "N");
+        }
+        Force::Map { gauge_pressure, length, tension } => {
+            w.list(&p::MAP_PRESSURE, gauge_pressure);
+            w.list(&p::MAP_LENGTH, length);
+            w.list(&p::MAP_TENSION, tension);
         }
     }
     if let Some(bladder) = &actuator.bladder {

@@ -5,6 +5,9 @@ use mckibben_scenario::{BladderForm, Document, Force, Scenario};
 
 const REST: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"2 lb\"\n[initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.1 s\"\n";
 
+const MAP: &str = "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"20 psi\", \"60 psi\"]\nlength = [\"7 cm\", \"9 cm\"]\n\
+                   tension = [\"4 N\", \"20 N\", \"12 N\", \"60 N\"]";
+
 fn document(lines: &str) -> Document {
     Document::parse(&format!("{lines}\n{REST}"), "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -32,6 +35,7 @@ fn each_law_is_read_written_and_built() {
         "[actuator.force]\nlaw = \"tondu-lopez\"\nend_factor = 1.1\nend_factor_rise = 0.3\nend_factor_pressure = \"2 bar\"",
         "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3.2 mm\"\na = 11.5\nb = 4.8",
         "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [0.01, 5, -0.2, -0.006, 0.2, -6]\npressure_unit = \"kPa\"\nforce_unit = \"N\"",
+        MAP,
         "[actuator]\nwall_thickness = \"0.4 mm\"",
         "[actuator.bladder]\nform = \"linear\"\nforce = \"6 N\"",
         "[actuator.bladder]\nform = \"saturating\"\nforce = \"6 N\"\nscale = 0.05",
@@ -48,7 +52,7 @@ fn each_law_is_read_written_and_built() {
         assert_eq!(matches!(law.law(), Law::TonduLopez(_)), file.contains("tondu"));
         assert_eq!(matches!(law.law(), Law::Sarosi(_)), file.contains("sarosi"));
     }
-    let saturating = read(files[6]).actuator.bladder.expect("a bladder");
+    let saturating = read(files[7]).actuator.bladder.expect("a bladder");
     assert_eq!((saturating.form, saturating.force, saturating.scale), (BladderForm::Saturating, 6.0, 0.05));
 }
 
@@ -65,6 +69,8 @@ fn the_coefficients_of_sarosi_take_their_units_along() {
 
 #[test]
 fn what_is_missing_or_out_of_place_is_said() {
+    let short = MAP.replace(", \"60 N\"]", "]");
+    let falling = MAP.replace("60 psi", "10 psi");
     let cases = [
         ("[actuator.force]\nlaw = \"tondu-lopes\"", "did you mean \"tondu-lopez\"?"),
         (
@@ -82,6 +88,9 @@ fn what_is_missing_or_out_of_place_is_said() {
             "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3, 4, 5, 6]\npressure_unit = \"mm\"\nforce_unit = \"N\"",
             "is a unit of a length",
         ),
+        (short.as_str(), "it has not one entry for each pressure and length"),
+        (falling.as_str(), "the entries do not rise"),
+        ("[actuator.force]\nlaw = \"map\"", "`actuator.force.tension` (F) is missing"),
         ("[actuator.bladder]\nforce = \"1 N\"", "`actuator.bladder.form` is missing"),
         ("[actuator.bladder]\nform = \"linear\"\nforce = \"1 N\"\nscale = 0.1", "has no meaning with"),
         ("[actuator.bladder]\nform = \"saturating\"\nforce = \"1 N\"", "`actuator.bladder.scale` (s) is missing"),

@@ -72,6 +72,10 @@ fn surroundings(path: &str) -> &'static str {
         "actuator.force.coefficients" | "actuator.force.pressure_unit" | "actuator.force.force_unit" => {
             "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3, 4, 5, 6]\npressure_unit = \"kPa\"\nforce_unit = \"N\""
         }
+        "actuator.force.gauge_pressure" | "actuator.force.length" | "actuator.force.tension" => {
+            "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"1 bar\", \"2 bar\"]\n\
+             length = [\"7 cm\", \"8 cm\"]\ntension = [\"1 N\", \"2 N\", \"3 N\", \"4 N\"]"
+        }
         _ if path.starts_with("actuator.bladder.s") => {
             "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1"
         }

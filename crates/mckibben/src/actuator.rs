@@ -159,25 +159,31 @@ impl<S: Scalar> Actuator<S> {
         self.friction.coulomb_bound(self.law.secant_stiffness(length, shortest, self.gauge(pressure)))
     }
 
-    /// The sum of (12) for a given direction of sliding (−1, 0, +1), taut branch and effectiveness, before it is kept from
-    /// pushing.
+    /// The sum of (12) for a given direction of sliding (−1, 0, +1), taut branch, and effectiveness and force of the law (N),
+    /// before it is kept from pushing.
     #[inline(always)]
     pub fn signed_force<T: Over<S>>(
         &self,
         [length, velocity, pressure]: [T; 3],
         sliding: T,
         taut: S::Mask,
-        effectiveness: T,
+        [effectiveness, law_force]: [T; 2],
     ) -> T {
-        let gauge = self.gauge(pressure);
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
-        let law = &self.law.law;
-        let mut force = effectiveness * law.force(length, gauge) + limit + self.friction.viscous_force(velocity);
+        let mut force = effectiveness * law_force + limit + self.friction.viscous_force(velocity);
         if self.friction.has_coulomb() {
-            let secant = law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
+            let shortest = T::of(self.limits.min_length());
+            let secant = self.law.law.secant_stiffness(length, shortest, self.gauge(pressure));
             force = force + sliding * self.friction.coulomb_bound(effectiveness * secant);
         }
         force
+    }
+
+    /// Effectiveness and force of the law in N, whose product is the static force (9).
+    #[inline(always)]
+    pub fn factors<T: Over<S>>(&self, length: T, pressure: T) -> [T; 2] {
+        let gauge = self.gauge(pressure);
+        [self.law.effectiveness.at(gauge), self.law.law.force(length, gauge)]
     }
 
     /// Tension in N for the ends at `distance` (m) and `velocity` (m/s), (12): never negative, zero when slack.
@@ -193,7 +199,7 @@ impl<S: Scalar> Actuator<S> {
         let taut =
             T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
         let ends = [self.limits.actuator_length(distance), velocity, pressure];
-        let force = self.signed_force(ends, sliding, taut, self.law.effectiveness.at(self.gauge(pressure)));
+        let force = self.signed_force(ends, sliding, taut, self.factors(ends[0], pressure));
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
 

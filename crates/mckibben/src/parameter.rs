@@ -155,6 +155,15 @@ parameters! {
     SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
         "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
         "Sarosi (2012)", "give six finite numbers";
+    MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
+        "Gauge pressures of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 pressures in rising order";
+    MAP_LENGTH = "actuator.force.length", "L", "m", Range::POSITIVE, None,
+        "Lengths of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 lengths in rising order";
+    MAP_TENSION = "actuator.force.tension", "F", "N", Range::FINITE, None,
+        "Measured tensions: one for each length at the first pressure, then at the next.",
+        "choice of the measurement", "give as many as there are lengths times pressures";
     BLADDER_FORCE = "actuator.bladder.force", "K_0", "N", Range::NON_NEGATIVE, None,
         "Force that the bladder's resistance to contraction is measured by.",
         "elementary elasticity", "give zero or more";

@@ -47,6 +47,10 @@ fn row(index: usize) -> Row {
             let law = laws::all(&paper)[[1, 2, 4, 6].iter().position(|of| *of == kind).unwrap_or(0) + 1].1.clone();
             paper.with(|rig| rig.characteristic = Some(law))
         }
+        8 => {
+            let map = laws::measured(&paper);
+            paper.with(|rig| rig.characteristic = Some(map))
+        }
         9 => paper.with(|rig| rig.command = None).from((3.3 + 0.2 * u) * INCH, v - 0.5),
         _ => paper,
     };

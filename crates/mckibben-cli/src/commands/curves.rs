@@ -165,7 +165,7 @@ impl Curves<'_> {
             "sealed_stiffness_n_m",
         ]);
         let actuator = self.actuator;
-        let braid = &actuator.law().law.braid;
+        let characteristic = &actuator.law().law;
         for pressure in self.pressures {
             let absolute = self.absolute(pressure);
             data.rows.extend(self.lengths().into_iter().map(|length| {
@@ -173,8 +173,8 @@ impl Curves<'_> {
                     pressure.gauge,
                     length,
                     self.contraction(length),
-                    braid.diameter(length),
-                    braid.volume(length),
+                    characteristic.braid.diameter(length),
+                    characteristic.volume(length),
                     actuator.volume(length),
                     actuator.static_force(length, absolute.0),
                     actuator.stiffness(length, absolute),
@@ -187,7 +187,7 @@ impl Curves<'_> {
 
     /// Force at round parts of the range.
     fn table(&self) -> Table {
-        let braid = &self.actuator.law().law.braid;
+        let characteristic = &self.actuator.law().law;
         let fixed = ["length mm", "contraction %", "volume cm³"].map(String::from);
         let head = fixed.into_iter().chain(self.pressures.iter().map(|pressure| pressure.label.clone()));
         let rows = self.lengths().into_iter().step_by(PRINTED).map(|length| {
@@ -198,7 +198,7 @@ impl Curves<'_> {
             let fixed = [
                 number(1e3 * length, 2),
                 number(100.0 * self.contraction(length), 1),
-                number(1e6 * braid.volume(length), 3),
+                number(1e6 * characteristic.volume(length), 3),
             ];
             fixed.into_iter().chain(forces).collect()
         });
@@ -234,8 +234,8 @@ impl Curves<'_> {
                 .series(curve(once("constant pressure (7)"), &|l| self.actuator.stiffness(l, absolute), Dash::Solid))
                 .series(curve(once("valve shut (5)"), &|l| self.actuator.sealed_stiffness(l, absolute), Dash::Dashed));
         }
-        let braid = &self.actuator.law().law.braid;
-        let inside = lengths.iter().map(|length| 1e6 * braid.volume(*length)).collect();
+        let characteristic = &self.actuator.law().law;
+        let inside = lengths.iter().map(|length| 1e6 * characteristic.volume(*length)).collect();
         let volume = Panel::new(Axis::new("volume inside", "cm³"))
             .series(Series::line("", x.clone(), inside).colour(Colour::Neutral))
             .height_mm(24.0);
@@ -246,8 +246,7 @@ impl Curves<'_> {
 /// Where the load balances the actuator at each pressure, and how good (6) is there.
 fn operating_points(scenario: &Scenario, rig: &Rig, start: f64, pressures: &[Pressure]) -> Result<String, Failure> {
     let failed = |error: mckibben::Error| Failure::stopped(error.to_string());
-    let braid = &rig.actuator().law().law.braid;
-    let largest = braid.volume(rig.actuator().limits().min_length());
+    let largest = rig.actuator().law().law.volume(rig.actuator().limits().min_length());
     let mut wide = scenario.clone();
     wide.actuator.external_volume = largest;
     let wide = wide.rig().map_err(failed)?;

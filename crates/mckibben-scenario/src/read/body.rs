@@ -64,6 +64,15 @@ fn force(r: &mut Reader<'_>) -> Force {
             }
         }
         ForceLaw::Sarosi => Force::Sarosi(sarosi(r)),
+        ForceLaw::Map => {
+            let [gauge_pressure, length, tension] = [&p::MAP_PRESSURE, &p::MAP_LENGTH, &p::MAP_TENSION].map(|row| {
+                if !r.has(row.key) {
+                    r.missing(row.key, "");
+                }
+                r.list(row).unwrap_or_default()
+            });
+            Force::Map { gauge_pressure, length, tension }
+        }
     }
 }
 

@@ -15,9 +15,12 @@
 //! | [`Law::IdealBraid`] | the braid's | yes |
 //! | [`Law::TonduLopez`] | end factor; a, b, r₀ | with `k = 1` and the braid's coefficients |
 //! | [`Law::Sarosi`] | six coefficients | no |
+//! | `Law::Map` | measured tensions | no |
 //!
 //! Checked by `tests/laws.rs`.
 
+#[cfg(feature = "alloc")]
+use super::ForceMap;
 use super::{Bladder, IdealBraid, Sarosi, StaticForce, TonduLopez, Wall};
 use crate::braid::Braid;
 use crate::convert::Convert;
@@ -34,6 +37,18 @@ pub enum Law<S = f64> {
     TonduLopez(TonduLopez<S>),
     /// Six coefficients.
     Sarosi(Sarosi<S>),
+    /// A measured force map.
+    #[cfg(feature = "alloc")]
+    Map(ForceMap<S>),
+}
+
+/// A piece of a law that is made of pieces, by length and by gauge pressure; 0 and 0 for one that is not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Piece {
+    /// Along the length.
+    pub length: usize,
+    /// Along the gauge pressure.
+    pub pressure: usize,
 }
 
 /// A law on a braid, with a wall and a bladder if they count.
@@ -82,6 +97,8 @@ impl<S: Scalar> Characteristic<S> {
             Law::IdealBraid => Law::IdealBraid,
             Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
             Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
+            #[cfg(feature = "alloc")]
+            Law::Map(map) => Law::Map(map.convert(convert)),
         };
         let wall = self.wall.map(|wall| wall.convert(&braid, convert));
         let bladder = self.bladder.map(|bladder| bladder.convert(convert));
@@ -127,6 +144,39 @@ impl<S: Scalar> Characteristic<S> {
         }
     }
 
+    /// The force in N by the formula of one piece of the law, smoothly continued beyond the piece's bounds.
+    #[inline(always)]
+    #[cfg_attr(not(feature = "alloc"), expect(unused_variables, reason = "only a map has pieces"))]
+    pub fn force_in_piece<T: Over<S>>(&self, piece: Piece, length: T, gauge: GaugePressure<T>) -> T {
+        match (&self.law, &self.bladder) {
+            #[cfg(feature = "alloc")]
+            (Law::Map(map), None) => map.in_piece(piece, length, gauge),
+            #[cfg(feature = "alloc")]
+            (Law::Map(map), Some(bladder)) => map.in_piece(piece, length, gauge) + bladder.tension(length),
+            _ => self.force(length, gauge),
+        }
+    }
+
+    /// Lengths in m between which a piece of the law holds; `None` where it has no end.
+    #[cfg_attr(not(feature = "alloc"), expect(unused_variables, reason = "only a map has pieces"))]
+    pub fn length_bounds(&self, piece: usize) -> (Option<S>, Option<S>) {
+        match &self.law {
+            #[cfg(feature = "alloc")]
+            Law::Map(map) => map.length_bounds(piece),
+            _ => (None, None),
+        }
+    }
+
+    /// Gauge pressures in Pa between which a piece of the law holds; `None` where it has no end.
+    #[cfg_attr(not(feature = "alloc"), expect(unused_variables, reason = "only a map has pieces"))]
+    pub fn pressure_bounds(&self, piece: usize) -> (Option<S>, Option<S>) {
+        match &self.law {
+            #[cfg(feature = "alloc")]
+            Law::Map(map) => map.pressure_bounds(piece),
+            _ => (None, None),
+        }
+    }
+
     /// Energy in J that the bladder holds at a length in m.
     pub fn stored_energy<T: Over<S>>(&self, length: T) -> T {
         self.bladder.as_ref().map_or(T::zero(), |bladder| bladder.stored_energy(length))
@@ -140,6 +190,8 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             Law::IdealBraid => -gauge.0 * self.volume_slope(length),
             Law::TonduLopez(law) => law.force(length, gauge),
             Law::Sarosi(law) => law.force(length, gauge),
+            #[cfg(feature = "alloc")]
+            Law::Map(map) => map.force(length, gauge),
         };
         match &self.bladder {
             None => force,
@@ -154,6 +206,8 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
             (Law::TonduLopez(law), _) => law.secant_stiffness(length, from, gauge),
             (Law::Sarosi(law), _) => law.secant_stiffness(length, from, gauge),
+            #[cfg(feature = "alloc")]
+            (Law::Map(map), _) => map.secant_stiffness(length, from, gauge),
         };
         match &self.bladder {
             None => stiffness,

@@ -9,15 +9,20 @@ mod characteristic;
 mod effectiveness;
 mod ideal;
 mod limits;
+#[cfg(feature = "alloc")]
+mod map;
+mod monotone;
 mod sarosi;
 mod tondu_lopez;
 mod wall;
 
 pub use bladder::{Bladder, BladderForm};
-pub use characteristic::{Characteristic, Law};
+pub use characteristic::{Characteristic, Law, Piece};
 pub use effectiveness::{Effective, Effectiveness, MAX_COEFFICIENTS, MAX_KNOTS};
 pub use ideal::IdealBraid;
 pub use limits::LengthLimits;
+#[cfg(feature = "alloc")]
+pub use map::{ForceMap, MAX_MAP};
 pub use sarosi::Sarosi;
 pub use tondu_lopez::{Coefficients, EndFactor, TonduLopez};
 pub use wall::Wall;

@@ -49,7 +49,7 @@ impl Wall {
         parameter::WALL_THICKNESS.check(thickness)?;
         let radius = 0.5 * braid.diameter(max_length);
         // The radius of a braid that is pulled straight is no number.
-        if !(thickness < radius) {
+        if radius.is_nan() || thickness >= radius {
             return Err(Error::Inconsistent {
                 parameter: &parameter::WALL_THICKNESS,
                 value: thickness,

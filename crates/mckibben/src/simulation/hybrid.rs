@@ -5,6 +5,7 @@
 //! | passages | supply, exhaust | a seat moves (an instant) |
 //! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
 //! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
+//! | piece of a measured force map | 0, 1, … each way | length or pressure passes a line of the grid |
 //! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | sliding | lengthening, shortening, stuck, held, frictionless | the velocity comes to zero; the load breaks away |
 //! | clamped | yes, no | the sum of forces passes zero |
@@ -23,7 +24,7 @@ use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
-const LENGTH: usize = 0;
+pub(super) const LENGTH: usize = 0;
 const VELOCITY: usize = 1;
 pub(super) const PRESSURE: usize = 2;
 
@@ -103,6 +104,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             supply_zone: None,
             exhaust_zone: None,
             effectiveness_piece: self.effectiveness_piece(state[PRESSURE]),
+            force_piece: self.force_piece(state[LENGTH], state[PRESSURE]),
             extent: Extent::Free,
             sliding: Sliding::Held,
             clamped: false,
@@ -131,9 +133,11 @@ impl<'a, R: Real> RigSystem<'a, R> {
     fn signed_force<T: Over<R>>(&self, state: &[T; 4], mode: &Mode) -> T {
         let [length, velocity, pressure, _] = *state;
         let actuator = self.rig.actuator();
-        let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(pressure));
+        let (law, gauge) = (actuator.law(), actuator.gauge(pressure));
+        let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
+        let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, length, gauge)];
         let direction = T::constant(mode.sliding.direction());
-        actuator.signed_force([length, velocity, pressure], direction, mode.extent == Extent::Taut, effectiveness)
+        actuator.signed_force([length, velocity, pressure], direction, mode.extent == Extent::Taut, factors)
     }
 
     /// The extent of a state that may lie on a limit: then the velocity, or at rest the balance, decides.
@@ -216,6 +220,11 @@ const SLOW: f64 = 0.1;
 const TAUT: f64 = 0.5;
 /// Temperature in K at which the scale of the air mass is taken.
 const ROOM_TEMPERATURE: f64 = 293.15;
+
+/// Goes to the next piece or the one before.
+fn step(piece: &mut usize, up: bool) {
+    *piece = if up { *piece + 1 } else { piece.saturating_sub(1) };
+}
 
 impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     type Mode = Phase<R>;
@@ -350,6 +359,10 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
             Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
             Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
+            Guard::MapShorter => length - self.map_length_bound(mode, false).map_or(length, T::of),
+            Guard::MapLonger => self.map_length_bound(mode, true).map_or(length, T::of) - length,
+            Guard::MapDown => pressure - self.map_pressure_bound(mode, false).map_or(pressure, T::of),
+            Guard::MapUp => self.map_pressure_bound(mode, true).map_or(pressure, T::of) - pressure,
             Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
             Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
         }
@@ -423,9 +436,16 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
                 Self::move_zone(&mut phase.mode.exhaust_zone, guard == Guard::ExhaustUp);
                 Ok(EventKind::Flow)
             }
+            Guard::MapShorter | Guard::MapLonger => {
+                step(&mut phase.mode.force_piece.length, guard == Guard::MapLonger);
+                Ok(EventKind::ForceMap)
+            }
+            Guard::MapDown | Guard::MapUp => {
+                step(&mut phase.mode.force_piece.pressure, guard == Guard::MapUp);
+                Ok(EventKind::ForceMap)
+            }
             Guard::PieceDown | Guard::PieceUp => {
-                let piece = &mut phase.mode.effectiveness_piece;
-                *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
+                step(&mut phase.mode.effectiveness_piece, guard == Guard::PieceUp);
                 Ok(EventKind::Effectiveness)
             }
         }

@@ -101,8 +101,8 @@ impl<S: Scalar> Rig<S> {
             Load::HangingMass { .. } | Load::ConstantForce { .. } => {
                 let Some(inertia) = self.load().inertia() else { return [length, velocity, T::zero()] };
                 let actuator = self.actuator();
-                let effectiveness = actuator.law().effectiveness.at(actuator.gauge(pressure));
-                let force = actuator.signed_force(ends, T::of(held.sliding), held.taut, effectiveness);
+                let factors = actuator.factors(length, pressure);
+                let force = actuator.signed_force(ends, T::of(held.sliding), held.taut, factors);
                 let tension = T::select(held.slack, T::zero(), force.larger(T::zero()));
                 let acceleration = T::select(held.stuck, T::zero(), inertia.acceleration(tension));
                 [length, T::select(held.stuck, T::zero(), velocity), acceleration]

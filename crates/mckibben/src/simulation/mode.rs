@@ -1,5 +1,6 @@
 //! The discrete state of an actuator on its load: which formulas hold.
 
+use crate::force::Piece;
 use crate::valve::{FlowZone, Ports};
 
 /// Where the distance between the attachments lies, (10) and (14).
@@ -53,6 +54,8 @@ pub struct Mode {
     pub exhaust_zone: Option<FlowZone>,
     /// The piece of a tabulated effectiveness; 0 for the other forms.
     pub effectiveness_piece: usize,
+    /// The piece of a measured force map; none other has any.
+    pub force_piece: Piece,
     /// Slack, free or taut.
     pub extent: Extent,
     /// The direction of sliding, or sticking.
@@ -93,6 +96,8 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
+    /// The length or the pressure passed a line of a measured force map; the outer ones are its hull.
+    ForceMap,
 }
 
 impl EventKind {
@@ -113,6 +118,7 @@ impl EventKind {
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
+            Self::ForceMap => "force-map",
         }
     }
 }
@@ -156,4 +162,12 @@ pub enum Guard {
     PieceDown,
     /// The pressure leaves the piece of the effectiveness upwards.
     PieceUp,
+    /// The length leaves the piece of a force map downwards.
+    MapShorter,
+    /// The length leaves the piece of a force map upwards.
+    MapLonger,
+    /// The pressure leaves the piece of a force map downwards.
+    MapDown,
+    /// The pressure leaves the piece of a force map upwards.
+    MapUp,
 }

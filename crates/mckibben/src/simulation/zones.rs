@@ -1,11 +1,12 @@
-//! The pieces of the flow law and of a tabulated effectiveness as components of the mode: which one holds, and when the
-//! pressure leaves it.
+//! The pieces of the flow law, of a tabulated effectiveness and of a force map as components of the mode: which one holds,
+//! and when the state leaves it.
 
-use super::hybrid::{PRESSURE, Phase, RigSystem};
+use super::hybrid::{LENGTH, PRESSURE, Phase, RigSystem};
 use super::mode::{Guard, Mode};
 use super::system::{GuardForm, Guards, HybridSystem};
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Piece;
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
@@ -100,20 +101,58 @@ impl<R: Real> RigSystem<'_, R> {
     pub(super) fn effectiveness_piece(&self, pressure: R) -> usize {
         let actuator = self.rig().actuator();
         let gauge = actuator.gauge(pressure).0.value();
-        let bounds = |piece| actuator.law().effectiveness.piece_bounds(piece).1;
-        (0..).find(|&piece| bounds(piece).is_none_or(|end| gauge <= end.value())).unwrap_or(0)
+        piece_of(gauge, |piece| actuator.law().effectiveness.piece_bounds(piece).1)
+    }
+
+    /// The piece of a force map at a length and an absolute pressure.
+    pub(super) fn force_piece(&self, length: R, pressure: R) -> Piece {
+        let (law, gauge) = (&self.rig().actuator().law().law, self.rig().actuator().gauge(pressure));
+        Piece {
+            length: piece_of(length.value(), |piece| law.length_bounds(piece).1),
+            pressure: piece_of(gauge.0.value(), |piece| law.pressure_bounds(piece).1),
+        }
+    }
+
+    /// The length in m at which a piece of a force map ends on one side, passed by the band.
+    pub(super) fn map_length_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        let (low, high) = self.rig().actuator().law().law.length_bounds(mode.force_piece.length);
+        self.passed(low, high, up)
+    }
+
+    /// The absolute pressure in Pa at which a piece of a force map ends on one side, passed by the band.
+    pub(super) fn map_pressure_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        let actuator = self.rig().actuator();
+        let absolute = |gauge: R| gauge + actuator.air().atmosphere().0;
+        let (low, high) = actuator.law().law.pressure_bounds(mode.force_piece.pressure);
+        self.passed(low.map(absolute), high.map(absolute), up)
+    }
+
+    /// One of two bounds, passed by the band.
+    fn passed(&self, low: Option<R>, high: Option<R>, up: bool) -> Option<R> {
+        let factor = if up { 1.0 + self.band() } else { 1.0 - self.band() };
+        let bound = if up { high } else { low };
+        bound.map(|bound| bound * R::constant(factor))
     }
 
     /// The absolute pressure in Pa at which a piece of the effectiveness ends on one side, passed by the band.
     pub(super) fn piece_bound(&self, mode: &Mode, up: bool) -> Option<R> {
         let actuator = self.rig().actuator();
         let (low, high) = actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece);
-        let factor = if up { 1.0 + self.band() } else { 1.0 - self.band() };
-        let bound = if up { high } else { low };
-        bound.map(|gauge| (gauge + actuator.air().atmosphere().0) * R::constant(factor))
+        let absolute = |gauge: R| gauge + actuator.air().atmosphere().0;
+        self.passed(low.map(absolute), high.map(absolute), up)
     }
 
     pub(super) fn piece_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
+        for (guard, index, bound, above) in [
+            (Guard::MapShorter, LENGTH, self.map_length_bound(mode, false), true),
+            (Guard::MapLonger, LENGTH, self.map_length_bound(mode, true), false),
+            (Guard::MapDown, PRESSURE, self.map_pressure_bound(mode, false), true),
+            (Guard::MapUp, PRESSURE, self.map_pressure_bound(mode, true), false),
+        ] {
+            let Some(bound) = bound.map(Real::value) else { continue };
+            let form = if above { GuardForm::Above { index, bound } } else { GuardForm::Below { index, bound } };
+            guards.add(guard, form);
+        }
         if let Some(bound) = self.piece_bound(mode, false) {
             guards.add(Guard::PieceDown, GuardForm::Above { index: PRESSURE, bound: bound.value() });
         }
@@ -121,4 +160,9 @@ impl<R: Real> RigSystem<'_, R> {
             guards.add(Guard::PieceUp, GuardForm::Below { index: PRESSURE, bound: bound.value() });
         }
     }
+}
+
+/// The first piece that a number lies in, by the upper ends of the pieces.
+fn piece_of<R: Real>(number: f64, end: impl Fn(usize) -> Option<R>) -> usize {
+    (0..).find(|&piece| end(piece).is_none_or(|end| number <= end.value())).unwrap_or(0)
 }

@@ -1,9 +1,9 @@
 //! Every law of force, on the braid of a rig, with coefficients of a usual size.
 #![allow(dead_code)]
 
-use crate::common::Paper;
+use crate::common::{INCH, PSI, Paper};
 use mckibben::force::{
-    Bladder, BladderForm, Characteristic, Coefficients, EndFactor, IdealBraid, Law, Sarosi, TonduLopez,
+    Bladder, BladderForm, Characteristic, Coefficients, EndFactor, ForceMap, IdealBraid, Law, Sarosi, TonduLopez,
 };
 
 /// Coefficients of Sárosi's law for pressures in Pa.
@@ -52,4 +52,16 @@ pub(crate) fn all(paper: &Paper) -> Vec<(&'static str, Characteristic)> {
         ("tondu-lopez, coefficients", tondu_lopez(paper, falling, Some(coefficients()))),
         ("wall", walled(paper)),
     ]
+}
+
+/// The ideal braid measured on a grid.
+pub(crate) fn measured(paper: &Paper) -> Characteristic {
+    let braid = paper.braid();
+    let pressures: Vec<f64> = (0..8).map(|n| (15.0 * f64::from(n) + 5.0) * PSI).collect();
+    let lengths: Vec<f64> = (0..9).map(|n| (2.5 + 0.16 * f64::from(n)) * INCH).collect();
+    let tensions: Vec<f64> = pressures
+        .iter()
+        .flat_map(|gauge| lengths.iter().map(move |length| -gauge * braid.volume_slope::<f64>(*length)))
+        .collect();
+    Characteristic::new(paper.braid(), Law::Map(ForceMap::new(&pressures, &lengths, &tensions).expect("a map")))
 }
