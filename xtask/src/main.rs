@@ -11,9 +11,11 @@ use std::process::ExitCode;
 const HELP: &str = "\
 usage: cargo xtask test [STEP...]
        cargo xtask accuracy
+       cargo xtask rows [COUNT]
 
 test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test.
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
+rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
 ";
 
 fn main() -> ExitCode {
@@ -21,6 +23,7 @@ fn main() -> ExitCode {
     match arguments.split_first() {
         Some((command, chosen)) if command == "test" => steps::run(chosen),
         Some((command, [])) if command == "accuracy" => steps::accuracy(),
+        Some((command, rest)) if command == "rows" && rest.len() < 2 => steps::rows(rest.first()),
         _ => {
             eprint!("{HELP}");
             ExitCode::from(2)

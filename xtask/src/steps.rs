@@ -162,7 +162,19 @@ pub(crate) fn accuracy() -> ExitCode {
         "--nocapture",
         "the_page",
     ]);
-    match succeed(command.env("MCKIBBEN_WRITE", "1")) {
+    ended(succeed(command.env("MCKIBBEN_WRITE", "1")))
+}
+
+pub(crate) fn rows(count: Option<&String>) -> ExitCode {
+    let count = count.map_or("10000000", String::as_str);
+    let mut command = cargo(&root());
+    command.args(["test", "--release", "--package", "mckibben", "--test", "batch", "--locked", "--"]);
+    command.args(["--nocapture", "any_admissible_row"]);
+    ended(succeed(command.env("MCKIBBEN_CASES", count)))
+}
+
+fn ended(outcome: Result<(), String>) -> ExitCode {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("{problem}");

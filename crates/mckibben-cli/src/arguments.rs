@@ -6,10 +6,12 @@ use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
 use crate::commands::curves::CurvesArguments;
 use crate::commands::init::InitArguments;
+use crate::commands::linearize::LinearizeArguments;
 use crate::commands::presets::PresetsArguments;
 use crate::commands::reproduce::ReproduceArguments;
 use crate::commands::schema::SchemaArguments;
 use crate::commands::simulate::SimulateArguments;
+use crate::commands::sweep::SweepArguments;
 use crate::terminal::HELP;
 use clap::{Parser, Subcommand};
 
@@ -42,6 +44,8 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scenario: print what it came to, write the run, draw it
     Simulate(SimulateArguments),
+    /// Run a scenario many times with varied values, on all cores, into Parquet or CSV
+    Sweep(SweepArguments),
     /// Check scenario files and show every mistake where it is
     Check(CheckArguments),
     /// Write a commented scenario file to start from
@@ -52,6 +56,8 @@ pub enum Command {
     Schema(SchemaArguments),
     /// Draw static curves of an actuator
     Curves(CurvesArguments),
+    /// Linearise a scenario near an operating point: matrices, poles, Bode plot
+    Linearize(LinearizeArguments),
     /// Reproduce the experiments of the paper
     Reproduce(ReproduceArguments),
     /// Print a completion script for a shell

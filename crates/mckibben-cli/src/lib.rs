@@ -10,6 +10,7 @@
 //! | [`summary`], [`describe`], [`events`] | a run in words |
 //! | [`record`] | a run as CSV or Parquet |
 //! | [`portrait`], [`plot`] | a run as a figure, and figures in general |
+//! | [`sweep`] | many runs of one scenario |
 //! | [`output`] | files that are whole or not there |
 //! | [`terminal`], [`progress`], [`quantities`] | words, bars and numbers for people |
 //! | [`failure`] | why a command failed, and the exit code that says so |
@@ -32,6 +33,7 @@ pub mod record;
 pub mod report;
 pub mod settings;
 pub mod summary;
+pub mod sweep;
 pub mod terminal;
 
 use clap::Parser as _;

@@ -3,7 +3,8 @@
 //! An event-located run is looked at in five points of every step, at every event and at every sample; a fixed-step run at every step.
 
 use crate::engine::Outcome;
-use mckibben::simulation::{Extent, Sample, Trajectory};
+use mckibben::Actuator;
+use mckibben::simulation::{Extent, Mode, Sample, Trajectory};
 use mckibben::valve::Command;
 use mckibben_scenario::Experiment;
 
@@ -74,6 +75,20 @@ pub struct AirUse {
     pub from_surroundings: f64,
     /// Out to the surroundings; with the fixed-step engine, to any side.
     pub to_surroundings: f64,
+}
+
+impl AirUse {
+    /// Adds the flow at a point of a quadrature with its weight in s.
+    pub fn see(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
+        let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
+        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+        let supply = actuator.flow(&chamber, sample.ports.supply, false);
+        let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
+        self.from_supply += weight * supply.inward;
+        self.to_supply += weight * supply.outward;
+        self.from_surroundings += weight * surroundings.inward;
+        self.to_surroundings += weight * surroundings.outward;
+    }
 }
 
 /// The length over the last whole periods of PWM.
@@ -225,15 +240,7 @@ impl Observer {
         let actuator = trajectory.rig().actuator();
         trajectory.quadrature(|weight, sample, mode| {
             self.extremes.see(sample);
-            let (length, velocity, pressure, mass) =
-                (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
-            let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
-            let supply = actuator.flow(&chamber, sample.ports.supply, false);
-            let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
-            self.air.from_supply += weight * supply.inward;
-            self.air.to_supply += weight * supply.outward;
-            self.air.from_surroundings += weight * surroundings.inward;
-            self.air.to_surroundings += weight * surroundings.outward;
+            self.air.see(actuator, weight, sample, mode);
         });
         let end = trajectory.duration();
         let (first, last) = (trajectory.at(0.0), trajectory.at(end));

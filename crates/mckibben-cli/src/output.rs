@@ -40,6 +40,13 @@ pub fn probe(path: &Path) -> Result<(), Failure> {
     Pending::create(path).map(drop)
 }
 
+/// A path as it can be compared: with its links followed, as far as it exists.
+pub fn settled(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_path_buf())
+}
+
 /// A file under way: it takes its name when it is committed, and is removed when it is dropped before.
 #[derive(Debug)]
 pub struct Pending {
@@ -104,6 +111,16 @@ impl Pending {
             return Err(Failure::output(&self.path, error));
         }
         Ok(())
+    }
+}
+
+impl Write for Pending {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.writer().write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.writer().flush()
     }
 }
 

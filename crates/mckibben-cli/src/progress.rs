@@ -18,11 +18,20 @@ pub struct Progress {
 impl Progress {
     /// Begins work of `total` parts, or of unknown length, under a name such as `simulating`.
     pub fn begin(name: &'static str, total: Option<u64>) -> Self {
-        // Templates are constants; a faulty one would fall back to the plain style.
         let template = match total {
             Some(_) => "{msg} {wide_bar} {percent:>3} %  {eta} left",
             None => "{spinner} {msg}, {elapsed} so far",
         };
+        Self::with_template(name, total, template)
+    }
+
+    /// Begins work of `total` parts whose rate is worth knowing, such as runs.
+    pub fn counted(name: &'static str, total: u64) -> Self {
+        Self::with_template(name, Some(total), "{msg} {wide_bar} {percent:>3} %  {per_sec}  {eta} left")
+    }
+
+    fn with_template(name: &'static str, total: Option<u64>, template: &str) -> Self {
+        // Templates are constants; a faulty one would fall back to the plain style.
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar =
             ProgressBar::with_draw_target(total, ProgressDrawTarget::hidden()).with_style(style).with_message(name);

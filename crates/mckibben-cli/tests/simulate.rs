@@ -304,7 +304,7 @@ fn what_cannot_be_written_is_told_before_anything_is_simulated() {
 #[test]
 fn every_command_helps_with_an_example() {
     let folder = Folder::new("help");
-    for command in ["simulate", "check", "init", "presets", "schema", "completions"] {
+    for command in ["simulate", "sweep", "check", "init", "presets", "schema", "completions"] {
         let text = run(&folder, &[command, "--help"]);
         assert!(text.contains("Examples:") && text.contains(&format!("mckibben {command}")), "{text}");
     }

@@ -30,6 +30,7 @@
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
 //! | [`simulation`] | two ways through time |
+//! | [`linearize`] | the rig near an operating point, and the valve under PWM on average |
 //! | [`ring_down`] | damping from the peaks of a ring-down |
 //!
 //! Everything is in SI. Tension is positive; velocity is positive when the actuator lengthens; mass flow is positive
@@ -48,6 +49,8 @@ pub mod air;
 pub mod batch;
 pub mod force;
 pub mod friction;
+#[cfg(feature = "alloc")]
+pub mod linearize;
 pub mod load;
 pub mod parameter;
 pub mod ring_down;

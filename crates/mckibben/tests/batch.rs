@@ -1,7 +1,7 @@
 //! Batches: a row is the fixed-step engine's run, bit for bit, wherever it stands and whatever steps it; a row that fails
 //! says so by itself; half the precision has its bound.
 //!
-//! `MCKIBBEN_CASES=10000000 cargo test --release -p mckibben --test batch` tries ten million random rows.
+//! `cargo xtask rows` tries ten million random rows.
 
 mod common;
 #[path = "common/laws.rs"]

@@ -1,11 +1,12 @@
-//! `mckibben check`: reads scenario files and builds what they describe, without simulating.
+//! `mckibben check`: reads scenario files with their sweeps and builds what they describe, without simulating.
 
 use crate::describe;
 use crate::engine;
 use crate::failure::Failure;
 use crate::quantities::{count, given};
 use crate::terminal::{self, GOOD, styled};
-use mckibben_scenario::{Diagnostics, Document, Style};
+use mckibben_scenario::diagnostic::Class;
+use mckibben_scenario::{Diagnostic, Diagnostics, Document, Experiment, Scenario, Style, Sweep};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben check` is asked.
@@ -33,8 +34,8 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
             Ok(told) => terminal::print(&format!("{} {}: {told}\n", styled(GOOD, "ok"), path.display()))?,
             Err(found) => {
                 wrong += 1;
-                mistakes += found.count();
-                terminal::print_error(&format!("{}\n\n", found.render(Style::Coloured)));
+                mistakes += found.len();
+                found.iter().for_each(|one| terminal::print_error(&format!("{}\n\n", one.render(Style::Coloured))));
             }
         }
     }
@@ -47,14 +48,39 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     Err(Failure::input(format!("{of_how_many}, {}", plural(mistakes)), "mend what is shown above and check again"))
 }
 
-/// Reads a file and builds the experiment; a few words about it.
-fn check(path: &Path) -> Result<String, Diagnostics> {
-    let document = Document::load(path)?;
-    let scenario = document.scenario()?;
-    let experiment = document.experiment()?;
-    let (load, drive) = (describe::load(&scenario.load), describe::drive(&scenario));
-    let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(&experiment)));
-    Ok(format!("{load}; {drive}; {duration}, {rows} samples"))
+/// Reads a file and builds what it describes; a few words about it, or its mistakes.
+fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
+    let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
+    let document = Document::load(path).map_err(listed)?;
+    let single = document.scenario().and_then(|scenario| Ok(told(&scenario, &document.experiment()?)));
+    let (sweep, mut mistakes) = match document.sweep() {
+        Ok(None) => return single.map_err(listed),
+        Ok(Some(sweep)) => (told_of(&sweep), Vec::new()),
+        Err(found) => (String::new(), listed(found)),
+    };
+    // What is missing outside the section [sweep] may be what it varies; if not, the sweep has missed it too.
+    let is_known = |new: &Diagnostic, known: &Diagnostic| (known.place(), known.title()) == (new.place(), new.title());
+    for new in single.as_ref().err().into_iter().flatten().filter(|new| new.class() != Class::Missing) {
+        if !mistakes.iter().any(|known| is_known(new, known)) {
+            mistakes.push(new.clone());
+        }
+    }
+    match (mistakes.is_empty(), single) {
+        (false, _) => Err(mistakes),
+        (true, Ok(single)) => Ok(format!("{single}; {sweep}")),
+        (true, Err(_)) => Ok(sweep),
+    }
+}
+
+fn told(scenario: &Scenario, experiment: &Experiment) -> String {
+    let (load, drive) = (describe::load(&scenario.load), describe::drive(scenario));
+    let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(experiment)));
+    format!("{load}; {drive}; {duration}, {rows} samples")
+}
+
+fn told_of(sweep: &Sweep) -> String {
+    let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
+    format!("sweep of {} runs over {} ({})", count(sweep.rows()), varied.join(", "), sweep.design().name())
 }
 
 fn plural(mistakes: usize) -> String {

@@ -4,10 +4,12 @@ pub mod check;
 pub mod completions;
 pub mod curves;
 pub mod init;
+pub mod linearize;
 pub mod presets;
 pub mod reproduce;
 pub mod schema;
 pub mod simulate;
+pub mod sweep;
 
 use crate::arguments::Command;
 use crate::failure::Failure;
@@ -19,11 +21,13 @@ use crate::failure::Failure;
 pub fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Sweep(arguments) => sweep::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Init(arguments) => init::run(arguments),
         Command::Presets(arguments) => presets::run(arguments),
         Command::Schema(arguments) => schema::run(arguments),
         Command::Curves(arguments) => curves::run(arguments),
+        Command::Linearize(arguments) => linearize::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
     }

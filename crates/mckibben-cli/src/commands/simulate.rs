@@ -133,7 +133,7 @@ impl<'a> Files<'a> {
             return Err(Failure::input(title, "end the name of --events-output with .csv"));
         }
         let scenario = Some(arguments.file.as_path());
-        let same = |a: Option<&Path>, b: Option<&Path>| a.is_some() && a.map(settled) == b.map(settled);
+        let same = |a: Option<&Path>, b: Option<&Path>| a.is_some() && a.map(output::settled) == b.map(output::settled);
         if same(output, events) || same(output, scenario) || same(events, scenario) || same(plot, scenario) {
             return Err(Failure::input(
                 "two of the files that are to be read and written are the same",
@@ -198,11 +198,4 @@ impl<'a> Files<'a> {
         }
         if text.is_empty() { text } else { format!("\n{text}") }
     }
-}
-
-/// A path as it can be compared: with its links followed, as far as it exists.
-fn settled(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-    path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_path_buf())
 }

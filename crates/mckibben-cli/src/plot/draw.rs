@@ -10,6 +10,8 @@ use super::ticks::{Range, Ticks};
 
 /// The size of the words on reference lines.
 const REFERENCE_SIZE: f64 = 6.6;
+/// The radius of the dots of a cloud.
+const DOT: f64 = 0.8;
 /// Points are kept this close to the page, so that a fixed axis over distant data leaves numbers that can be clipped.
 const FAR: f64 = 1e6;
 /// More intervals than this per column of the page are drawn by how much of the column they cover.
@@ -29,11 +31,11 @@ pub(super) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    fn page_x(&self, x: f64) -> f64 {
+    pub(super) fn page_x(&self, x: f64) -> f64 {
         (self.area.left + self.x.place(x) * self.area.width()).clamp(-FAR, FAR)
     }
 
-    fn page_y(&self, y: f64) -> f64 {
+    pub(super) fn page_y(&self, y: f64) -> f64 {
         (self.area.bottom - self.y.place(y) * self.area.height()).clamp(-FAR, FAR)
     }
 
@@ -47,7 +49,10 @@ pub(super) fn panel(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>, faces: 
     for span in &panel.spans {
         draw_span(scene, span, frame);
     }
-    grid(scene, frame);
+    // Lines across the cells of a field would be read as edges of it.
+    if panel.field.is_none() {
+        grid(scene, frame);
+    }
     rules(scene, panel, frame);
     axes(scene, frame);
     for series in &panel.series {
@@ -78,7 +83,7 @@ fn shape(series: &Series, frame: &Frame<'_>) -> (Vec<Vec<Point>>, Vec<Point>) {
         _ => reduce(run),
     };
     let lines = match series.style {
-        Style::Points => Vec::new(),
+        Style::Points | Style::Dots => Vec::new(),
         _ => runs.iter().flat_map(|run| clip(&path(run), frame.area)).collect(),
     };
     let points = match series.style {
@@ -102,7 +107,11 @@ fn draw_series(scene: &mut Scene, panel: &Panel, series: &Series, frame: &Frame<
     }
     scene.outline(outline);
     scene.outline(dots);
-    if !points.is_empty() {
+    if series.style == Style::Dots {
+        let mut cloud = Outline::filled(ink, 1.0);
+        cloud.steps = points.into_iter().map(|point| Step::Disc(point, DOT)).collect();
+        scene.outline(cloud);
+    } else if !points.is_empty() {
         draw_points(scene, ink, symbol(series.colour), &points);
     }
 }

@@ -25,6 +25,8 @@ pub enum Style {
     Line,
     /// A symbol at each point.
     Points,
+    /// A small dot at each point, for clouds.
+    Dots,
     /// A line with a symbol at each point.
     LineAndPoints,
     /// Each value is held until the next: commands, valve positions.
@@ -145,6 +147,11 @@ impl Series {
     /// A cloud of points in the first colour.
     pub fn points(label: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
         Self { style: Style::Points, ..Self::line(label, x, y) }
+    }
+
+    /// A cloud of many points as dots in the first colour.
+    pub fn dots(label: impl Into<String>, x: Vec<f64>, y: Vec<f64>) -> Self {
+        Self { style: Style::Dots, ..Self::line(label, x, y) }
     }
 
     /// A staircase in the first colour.
@@ -273,6 +280,21 @@ pub enum Reference {
     },
 }
 
+/// A quantity over the plane, as coloured cells behind everything else, with its scale beside the axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Field {
+    /// The quantity, such as `tension`.
+    pub label: String,
+    /// The unit of its values. Empty for none.
+    pub unit: String,
+    /// The horizontal centres of the cells, rising.
+    pub x: Vec<f64>,
+    /// The vertical centres of the cells, rising.
+    pub y: Vec<f64>,
+    /// The values, first all of the first y. A value that is not finite is an empty cell.
+    pub values: Vec<f64>,
+}
+
 /// Where the names of the series go. None of these places covers data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Legend {
@@ -293,6 +315,8 @@ pub enum Legend {
 pub struct Panel {
     /// The vertical axis.
     pub y: Axis,
+    /// The coloured cells.
+    pub field: Option<Field>,
     /// The curves and points.
     pub series: Vec<Series>,
     /// The shaded parts.
@@ -311,6 +335,13 @@ impl Panel {
     /// An empty panel with this vertical axis.
     pub fn new(y: Axis) -> Self {
         Self { y, ..Self::default() }
+    }
+
+    /// The same panel with coloured cells.
+    #[must_use]
+    pub fn field(mut self, field: Field) -> Self {
+        self.field = Some(field);
+        self
     }
 
     /// The same panel with one more series.
@@ -455,6 +486,14 @@ impl Panel {
             true => Ok(()),
             false => Err(PlotError::Columns { label: label.to_string(), x, y }),
         };
+        if let Some(field) = &self.field {
+            equal(&field.label, field.x.len() * field.y.len(), field.values.len())?;
+            for centres in [&field.x, &field.y] {
+                if let Some(pair) = centres.windows(2).find(|pair| pair[0].is_nan() || pair[1] <= pair[0]) {
+                    return Err(PlotError::Range { axis: field.label.clone(), min: pair[0], max: pair[1] });
+                }
+            }
+        }
         for series in &self.series {
             equal(&series.label, series.x.len(), series.y.len())?;
         }

@@ -5,6 +5,7 @@
 
 use super::PlotError;
 use super::draw::{self, Frame};
+use super::field::{self, Bar};
 use super::figure::{Axis, Extent, Figure, Legend, Panel, Reference, Series, Style};
 use super::legend::{self, Entry, Key};
 use super::scene::{Anchor, Area, Ink, Outline, Scene, Words};
@@ -14,17 +15,17 @@ use super::ticks::{Range, Ticks, ticks};
 /// Points in a millimetre.
 const MM: f64 = 72.0 / 25.4;
 /// The free rim of a figure.
-const RIM: f64 = 3.0;
+pub(super) const RIM: f64 = 3.0;
 /// The length of a tick, and from its end to its label.
 pub(super) const TICK: f64 = 2.6;
 pub(super) const TICK_GAP: f64 = 2.0;
 /// The sizes of words.
 pub(super) const TICK_SIZE: f64 = 7.0;
-const LABEL_SIZE: f64 = 7.5;
-const TITLE_SIZE: f64 = 8.5;
-const CAPTION_SIZE: f64 = 6.8;
+pub(super) const LABEL_SIZE: f64 = 7.5;
+pub(super) const TITLE_SIZE: f64 = 8.5;
+pub(super) const CAPTION_SIZE: f64 = 6.8;
 /// From one line of words to the next, of their size.
-const LEADING: f64 = 1.28;
+pub(super) const LEADING: f64 = 1.28;
 /// Between the axes of one panel and what belongs to the next.
 const PANEL_GAP: f64 = 8.0;
 /// What events on the upper edge need.
@@ -59,6 +60,13 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
         figure.panels.iter().zip(&heights).map(|(p, h)| legend::is_direct(p, *h, |s| reach(s, x))).collect();
     let beside = figure.panels.iter().zip(&direct).filter(|(_, direct)| **direct);
     let mut right = beside.map(|(p, _)| legend::direct_width(p, &faces, 0.35 * width)).fold(RIM + 2.0, f64::max);
+    let bars: Vec<Option<Bar>> = figure
+        .panels
+        .iter()
+        .zip(&heights)
+        .map(|(panel, height)| panel.field.as_ref().map(|field| Bar::new(field, *height, &faces)))
+        .collect();
+    right = bars.iter().flatten().map(|bar| bar.width + RIM).fold(right, f64::max);
     let x_ticks = x_ticks(&figure.x, x, width - left - right, &faces);
     if let Some((at, text)) = x_ticks.at.last() {
         // The last number must not be cut off.
@@ -94,6 +102,10 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
         }
         let area = Area { top, bottom: top + height, ..area };
         frame.area = area;
+        if let (Some(field), Some(bar)) = (&panel.field, &bars[i]) {
+            field::draw(&mut scene, field, bar, &frame);
+            bar.draw(&mut scene, area, &faces);
+        }
         draw::panel(&mut scene, panel, &frame, &faces);
         if direct {
             legend::draw_direct(&mut scene, &faces, draw::ends(panel, &frame), area);
@@ -133,7 +145,15 @@ pub(super) fn words(text: String, at: [f64; 2], anchor: Anchor, size: f64) -> Wo
 }
 
 /// Lines of words from a corner downwards. Returns where the next thing may start.
-fn paragraph(scene: &mut Scene, lines: &[String], left: f64, top: f64, size: f64, bold: bool, ink: Ink) -> f64 {
+pub(super) fn paragraph(
+    scene: &mut Scene,
+    lines: &[String],
+    left: f64,
+    top: f64,
+    size: f64,
+    bold: bool,
+    ink: Ink,
+) -> f64 {
     for (i, line) in lines.iter().enumerate() {
         let baseline = top + size * (i as f64 * LEADING + 1.0);
         scene.words(Words { bold, ink, ..words(line.clone(), [left, baseline], Anchor::Start, size) });
@@ -198,6 +218,8 @@ fn x_range(figure: &Figure) -> Range {
     let mut extent = None;
     let mut frames = None;
     for panel in &figure.panels {
+        let edges = panel.field.iter().flat_map(|field| field::edges(&field.x));
+        edges.for_each(|x| grow(&mut extent, x));
         for series in &panel.series {
             let points = series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite());
             points.for_each(|(x, _)| grow(&mut extent, *x));
@@ -219,9 +241,10 @@ fn x_range(figure: &Figure) -> Range {
             }
         }
     }
-    let forth = |s: &Series| !matches!(s.style, Style::Points | Style::LineAndPoints) && s.x.is_sorted();
+    let forth = |s: &Series| !matches!(s.style, Style::Points | Style::Dots | Style::LineAndPoints) && s.x.is_sorted();
     let tight = figure.panels.iter().flat_map(|p| &p.series).all(forth);
-    Range::new(extent.or(frames), &figure.x, if tight { 0.0 } else { 0.04 })
+    let margin = if figure.x.words.is_empty() { 0.04 } else { 0.25 };
+    Range::new(extent.or(frames), &figure.x, if tight { 0.0 } else { margin })
 }
 
 /// The range of y of a panel of this height: that of what is seen within the range of x.
@@ -259,6 +282,10 @@ fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
         && highest.fold(f64::NEG_INFINITY, f64::max) == high
     {
         grow(&mut extent, high + (high - low) * 5.0 / height);
+    }
+    if let Some(field) = &panel.field {
+        field::edges(&field.y).into_iter().for_each(|y| grow(&mut extent, y));
+        return Range::new(extent, &panel.y, 0.0);
     }
     Range::new(extent, &panel.y, if panel.y.words.is_empty() { 0.06 } else { 0.25 })
 }

@@ -68,7 +68,7 @@ fn pattern(dash: Dash) -> &'static [f64] {
 /// How a series of a panel is dashed.
 pub(super) fn dash(panel: &Panel, series: &Series) -> &'static [f64] {
     use Dash::{DashDot, DashDotDot, Dashed, Dotted, LongDash, Solid};
-    let lines = panel.series.iter().filter(|s| s.style != Style::Points).count();
+    let lines = panel.series.iter().filter(|s| !matches!(s.style, Style::Points | Style::Dots)).count();
     pattern(match (series.dash, series.colour) {
         (Some(dash), _) => dash,
         (None, Colour::Category(i)) if lines > 1 => [Solid, Dashed, DashDot, Dotted, LongDash, DashDotDot][i % 6],
@@ -90,7 +90,7 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     let series = panel.series.iter().map(|s| {
         let (ink, symbol) = (s.colour.into(), symbol(s.colour));
         let key = match s.style {
-            Style::Points => Key::Points { ink, symbol },
+            Style::Points | Style::Dots => Key::Points { ink, symbol },
             Style::LineAndPoints => Key::Line { ink, dash: dash(panel, s), symbol: Some(symbol) },
             Style::Line | Style::Steps => Key::Line { ink, dash: dash(panel, s), symbol: None },
         };

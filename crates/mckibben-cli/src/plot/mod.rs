@@ -9,8 +9,8 @@
 //! | `ticks` | ranges, round tick values, SI prefixes, offsets |
 //! | `decimate` | the fewest points that draw the same curve |
 //! | `text` | widths and outlines of the built-in face |
-//! | `layout`, `legend`, `draw` | where everything goes |
-//! | `scene`, `theme` | the primitives and their colours |
+//! | `layout`, `legend`, `draw`, `field`, `beside` | where everything goes |
+//! | `scene`, `theme`, `scale` | the primitives and their colours |
 //! | `svg`, `raster` | the two back ends |
 //!
 //! What holds for every figure, and the tests that hold it:
@@ -27,19 +27,25 @@
 //! Colours follow M. Okabe and K. Ito, "Color Universal Design" (2008), and each is paired with a dash pattern or a
 //! symbol so that a grey copy stays readable.
 
+mod beside;
 mod decimate;
 mod draw;
+mod field;
 mod figure;
 mod layout;
 mod legend;
 mod raster;
+mod scale;
 mod scene;
 mod svg;
 mod text;
 mod theme;
 mod ticks;
 
-pub use figure::{Axis, Colour, Dash, Extent, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol};
+pub use beside::Beside;
+pub use figure::{
+    Axis, Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol,
+};
 pub use theme::Theme;
 
 use std::ffi::OsString;

@@ -16,6 +16,8 @@ pub(super) enum Ink {
     Category(usize),
     /// A place on the ramp in 255ths.
     Ramp(u8),
+    /// A place on the colour scale of fields in 255ths.
+    Scale(u8),
 }
 
 impl From<Colour> for Ink {

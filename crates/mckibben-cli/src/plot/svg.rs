@@ -79,6 +79,7 @@ fn class(letter: char, ink: Ink) -> String {
         Ink::Grid => "grid".to_string(),
         Ink::Category(i) => format!("c{i}"),
         Ink::Ramp(i) => format!("r{i}"),
+        Ink::Scale(i) => format!("m{i}"),
     };
     format!("mckp-{letter}-{name}")
 }

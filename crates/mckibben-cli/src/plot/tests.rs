@@ -37,6 +37,51 @@ fn the_same_figure_gives_the_same_bytes() {
 }
 
 #[test]
+fn a_field_shows_its_extremes_its_gaps_and_its_scale() {
+    let field = |values: Vec<f64>| Field {
+        label: "tension".to_owned(),
+        unit: "N".to_owned(),
+        x: vec![1.0, 2.0, 4.0],
+        y: vec![10.0, 20.0],
+        values,
+    };
+    let figure = |values| {
+        let panel = Panel::new(Axis::new("pressure", "kPa")).field(field(values));
+        Figure::new(Axis::new("mass", "kg")).panel(panel)
+    };
+    let hex = |place: u8| {
+        let [r, g, b] = scale::colour(place);
+        format!("#{r:02x}{g:02x}{b:02x}")
+    };
+    let svg = figure(vec![1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0]).to_svg(Theme::Light).unwrap();
+    // Cells are stroked in their own colour, the slices of the bar are not.
+    let cell = |place| svg.contains(&format!(r#"fill="{0}" stroke="{0}""#, hex(place)));
+    assert!(cell(0) && cell(255) && cell(51), "{svg}");
+    assert_eq!(svg.matches(r#"stroke-width="0.3""#).count(), 5);
+    for word in [">tension (N)<", ">mass (kg)<", ">pressure (kPa)<"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    // What cannot be drawn is refused, what has one value or none is drawn.
+    assert!(figure(vec![1.0; 5]).to_svg(Theme::Light).is_err());
+    let mut falling = figure(vec![1.0; 6]);
+    falling.panels[0].field.as_mut().unwrap().x.reverse();
+    assert!(matches!(falling.to_svg(Theme::Light), Err(PlotError::Range { .. })));
+    for values in [vec![5.0; 6], vec![f64::NAN; 6]] {
+        assert!(figure(values).to_png(Theme::Dark, 1.0).is_ok());
+    }
+}
+
+#[test]
+fn figures_stand_side_by_side() {
+    let one = simple(vec![0.0, 1.0], vec![1.0, 2.0]);
+    let both = Beside { title: "two".to_owned(), caption: "of them".to_owned(), figures: vec![one.clone(), one] };
+    let svg = both.to_svg(Theme::Light).unwrap();
+    assert_eq!((svg.matches(">time (s)<").count(), svg.matches(">two</text>").count()), (2, 1));
+    assert!(svg.contains("width=\"170mm\"") && svg.contains(">of them<"), "{svg}");
+    assert!(Beside::default().to_svg(Theme::Light).is_ok());
+}
+
+#[test]
 fn themes_differ_only_in_colour() {
     let [light, dark, auto] = [Theme::Light, Theme::Dark, Theme::Auto].map(|t| full().to_svg(t).unwrap());
     let bare = |svg: &str| {

@@ -41,6 +41,7 @@ pub(super) fn colour(ink: Ink, dark: bool) -> Rgb {
             5 => [[0x56, 0xb4, 0xe9], [0x9a, 0xd8, 0xf8]],
             _ => [[0x1c, 0x1c, 0x1e], [0xec, 0xee, 0xf0]],
         },
+        Ink::Scale(place) => [super::scale::colour(place); 2],
         Ink::Ramp(place) => [ramp(&RAMP_LIGHT, place), ramp(&RAMP_DARK, place)],
     };
     if dark { night } else { light }

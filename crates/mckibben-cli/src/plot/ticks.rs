@@ -146,6 +146,10 @@ fn written(n: i64, shift: i32) -> String {
 
 /// The label of an axis: quantity, what was taken off, unit.
 fn label(axis: &Axis, offset: Option<(i64, i32)>, exponent: i32) -> String {
+    // An axis without a name stands beside one with a name and the same values.
+    if axis.label.is_empty() && axis.unit.is_empty() {
+        return String::new();
+    }
     let mut text = axis.label.clone();
     if let Some((n, power)) = offset.filter(|(n, _)| *n != 0) {
         let sign = if n < 0 { '+' } else { '−' };
@@ -226,6 +230,7 @@ mod tests {
         assert_eq!(labels(0.0, 3e9, "mm").1, "q (10⁹ mm)");
         assert_eq!(labels(0.0, 3e-9, "m²").1, "q (10⁻⁹ m²)");
         assert_eq!(labels(0.0, 3e9, "").1, "q (×10⁹)");
+        assert_eq!(label(&Axis::new("", ""), Some((1, 3)), 9), "");
         assert_eq!(labels(0.0, 3e-20, "m").1, "q (10⁻²¹ m)");
         assert_eq!(labels(0.0, 9000.0, "N").1, "q (N)");
     }

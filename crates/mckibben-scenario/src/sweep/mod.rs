@@ -33,7 +33,7 @@ mod vary;
 pub use axis::{Axis, AxisKind, AxisValue};
 pub use reduction::{Quantity, Reduction, Statistic};
 
-use crate::choice::DesignKind;
+use crate::choice::{DesignKind, Engine};
 use crate::quantity;
 use crate::scenario::{Load, Scenario};
 use mckibben::parameter as p;
@@ -118,9 +118,24 @@ impl Sweep {
         self.part_rows
     }
 
+    /// How the rows are chosen.
+    pub fn design(&self) -> DesignKind {
+        self.design
+    }
+
     /// The seed of the random numbers.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// Whether there are rows for an engine.
+    pub fn asks_for(&self, engine: Engine) -> bool {
+        self.bases.iter().any(|base| base.run.engine == engine)
+    }
+
+    /// Whether every row gives the step of the fixed-step engine, so that none follows from an accuracy.
+    pub fn gives_step(&self) -> bool {
+        self.bases.iter().all(|base| base.run.step.is_some())
     }
 
     /// The scenario of a row. Tables in it are copied; everything else is a few numbers.

@@ -1,4 +1,4 @@
-//! A block: as many rows as a register has lanes, with laws of the same form.
+//! A block: as many rows as a vector has lanes, with laws of the same form.
 //!
 //! The numbers of the rows lie lane by lane in one rig over lanes. A step of all rows is one step of the method. Rows to
 //! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
@@ -187,7 +187,8 @@ impl<W: Wide> Block<W> {
             }
             let mut walk = self.walk(index);
             let lane = &self.lanes[index];
-            match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until) {
+            let known = Some([end[0].lane(index), end[1].lane(index), end[2].lane(index), end[3].lane(index)]);
+            match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until, known) {
                 Ok(()) => self.take_back(index, &walk, end),
                 Err(fault) => self.stop(index, fault, end),
             }
@@ -229,9 +230,11 @@ impl<W: Wide> Block<W> {
         let alone = (happens | alone(self)) & self.alive;
         if alone.any() {
             self.walk_to(alone, until, &mut end);
+            self.held.sliding = W::select(alone, self.held.sliding, sliding);
+        } else {
+            self.held.sliding = sliding;
         }
         self.state = end;
-        self.held.sliding = W::select(alone, self.held.sliding, sliding);
         self.time = until;
     }
 

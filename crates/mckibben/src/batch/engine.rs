@@ -1,6 +1,7 @@
 //! The blocks of a batch behind one face, whatever their number and width.
 
 use super::block::{Advance, Block, Create, Samples, Span};
+use super::twice::Twice;
 use super::wide::{Doubles, Number, Singles, Wide, compiled};
 use super::{Row, Width};
 use crate::error::Error;
@@ -68,9 +69,9 @@ macro_rules! build {
                 match width.or_widest() {
                     Width::Baseline => Blocks::<$wide<pulp::Scalar>>::build(rows, deal, method),
                     #[cfg(target_arch = "x86_64")]
-                    Width::Avx2 => Blocks::<$wide<pulp::x86::V3>>::build(rows, deal, method),
+                    Width::Avx2 => Blocks::<Twice<$wide<pulp::x86::V3>>>::build(rows, deal, method),
                     #[cfg(target_arch = "x86_64")]
-                    Width::Avx512 => Blocks::<$wide<pulp::x86::V4>>::build(rows, deal, method),
+                    Width::Avx512 => Blocks::<Twice<$wide<pulp::x86::V4>>>::build(rows, deal, method),
                 }
             }
         }

@@ -31,8 +31,8 @@
 //! # }
 //! ```
 //!
-//! It is the physics of every other engine, over a vector of rows for its scalar: as many rows in a block as a register
-//! of this machine has lanes. Blocks share nothing, so they are stepped on all cores; a step allocates nothing. The
+//! It is the physics of every other engine, over a vector of rows for its scalar: as many rows in a block as two registers
+//! of this machine have lanes. Blocks share nothing, so they are stepped on all cores; a step allocates nothing. The
 //! instructions are chosen when the program runs ([`Width`]).
 //!
 //! What holds for row i of any batch:
@@ -47,6 +47,7 @@
 mod block;
 mod engine;
 mod gather;
+mod twice;
 pub(crate) mod wide;
 mod width;
 

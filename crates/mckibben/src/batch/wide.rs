@@ -39,6 +39,9 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
 
 /// Vector instructions that a thread can be told of.
 pub(crate) trait Instructions: Simd {
+    /// A value without size that stands where a register would: at an address that it loads from at once.
+    type Place: Copy + Debug + Default + Send + Sync + 'static;
+
     /// Proof that the machine has them.
     fn detect() -> Option<Self>;
     /// Leaves the proof with the thread.
@@ -80,12 +83,23 @@ pub(super) fn compiled<K: Compiled>(work: K) -> K::Output {
     }
 }
 
+/// Where a register of 256 bits stands.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub(crate) struct Place256;
+
+/// Where a register of 512 bits stands.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct Place512;
+
 macro_rules! instructions {
-    ($($simd:path, $proof:ident, $detect:expr);* $(;)?) => {$(
+    ($($simd:path, $place:ty, $proof:ident, $detect:expr);* $(;)?) => {$(
         std::thread_local! {
             static $proof: Cell<Option<$simd>> = const { Cell::new(None) };
         }
         impl Instructions for $simd {
+            type Place = $place;
             fn detect() -> Option<Self> {
                 $detect
             }
@@ -102,20 +116,20 @@ macro_rules! instructions {
         }
     )*};
 }
-instructions!(pulp::Scalar, ONE_BY_ONE, Some(pulp::Scalar::new()));
+instructions!(pulp::Scalar, (), ONE_BY_ONE, Some(pulp::Scalar::new()));
 #[cfg(target_arch = "x86_64")]
 instructions! {
-    pulp::x86::V3, AVX2, pulp::x86::V3::try_new();
-    pulp::x86::V4, AVX512, pulp::x86::V4::try_new();
+    pulp::x86::V3, Place256, AVX2, pulp::x86::V3::try_new();
+    pulp::x86::V4, Place512, AVX512, pulp::x86::V4::try_new();
 }
 
 macro_rules! operators {
     ($wide:ident: $($trait:ident $method:ident $operation:ident),*) => {$(
-        impl<S: Simd> $trait for $wide<S> {
+        impl<S: Instructions> $trait for $wide<S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { simd: self.simd, lanes: self.simd.$operation(self.lanes, other.lanes) }
+                Self { lanes: self.simd.$operation(self.lanes, other.lanes), ..self }
             }
         }
     )*};
@@ -136,15 +150,16 @@ macro_rules! wide {
         #[doc = concat!("A register of `", stringify!($number), "`.")]
         #[derive(Clone, Copy, Debug)]
         #[repr(C)]
-        pub(crate) struct $wide<S: Simd> {
+        pub(crate) struct $wide<S: Instructions> {
             simd: S,
+            place: S::Place,
             lanes: S::$lanes,
         }
 
         #[doc = concat!("Truth values for the lanes of a register of `", stringify!($number), "`.")]
         #[derive(Clone, Copy, Debug)]
         #[repr(C)]
-        pub(crate) struct $mask<S: Simd> {
+        pub(crate) struct $mask<S: Instructions> {
             simd: S,
             lanes: S::$mask_lanes,
         }
@@ -152,19 +167,19 @@ macro_rules! wide {
         operators!($wide: Add add $add, Sub sub $sub, Mul mul $mul, Div div $div);
         operators!($mask: BitAnd bitand $and, BitOr bitor $or);
 
-        impl<S: Simd> Neg for $wide<S> {
+        impl<S: Instructions> Neg for $wide<S> {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
-                Self { simd: self.simd, lanes: self.simd.$neg(self.lanes) }
+                Self { lanes: self.simd.$neg(self.lanes), ..self }
             }
         }
 
-        impl<S: Simd> Not for $mask<S> {
+        impl<S: Instructions> Not for $mask<S> {
             type Output = Self;
             #[inline(always)]
             fn not(self) -> Self {
-                Self { simd: self.simd, lanes: self.simd.$not(self.lanes) }
+                Self { lanes: self.simd.$not(self.lanes), ..self }
             }
         }
 
@@ -185,11 +200,11 @@ macro_rules! wide {
             #[inline(always)]
             fn constant(value: f64) -> Self {
                 let simd = S::present();
-                Self { simd, lanes: simd.$splat(value as $number) }
+                Self { simd, place: S::Place::default(), lanes: simd.$splat(value as $number) }
             }
             #[inline(always)]
             fn sqrt(self) -> Self {
-                Self { simd: self.simd, lanes: self.simd.$sqrt(self.lanes) }
+                Self { lanes: self.simd.$sqrt(self.lanes), ..self }
             }
             one_by_one!(ln, exp, exp_m1, sin, cos);
             #[inline(always)]
@@ -202,21 +217,21 @@ macro_rules! wide {
             }
             #[inline(always)]
             fn select(mask: $mask<S>, yes: Self, no: Self) -> Self {
-                Self { simd: yes.simd, lanes: yes.simd.$select(mask.lanes, yes.lanes, no.lanes) }
+                Self { lanes: yes.simd.$select(mask.lanes, yes.lanes, no.lanes), ..yes }
             }
             #[inline(always)]
             fn smaller(self, other: Self) -> Self {
                 // A register's minimum is its second number where the two do not compare, as it is here.
                 match S::IS_SCALAR {
                     true => Self::select(self.lt(other), self, other),
-                    false => Self { simd: self.simd, lanes: self.simd.$min(self.lanes, other.lanes) },
+                    false => Self { lanes: self.simd.$min(self.lanes, other.lanes), ..self },
                 }
             }
             #[inline(always)]
             fn larger(self, other: Self) -> Self {
                 match S::IS_SCALAR {
                     true => Self::select(self.lt(other), other, self),
-                    false => Self { simd: self.simd, lanes: self.simd.$max(other.lanes, self.lanes) },
+                    false => Self { lanes: self.simd.$max(other.lanes, self.lanes), ..self },
                 }
             }
         }

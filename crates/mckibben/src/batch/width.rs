@@ -9,10 +9,10 @@ use alloc::vec::Vec;
 pub enum Width {
     /// What every machine of this kind has: one row after the other.
     Baseline,
-    /// 256 bits: four rows of `f64` or eight of `f32` at once.
+    /// 256 bits: eight rows of `f64` or sixteen of `f32` at once, in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// 512 bits: eight rows of `f64` or sixteen of `f32` at once.
+    /// 512 bits: sixteen rows of `f64` or thirty-two of `f32` at once, in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -41,9 +41,9 @@ impl Width {
         match self {
             Self::Baseline => 1,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => 4,
+            Self::Avx2 => 8,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => 8,
+            Self::Avx512 => 16,
         }
     }
 

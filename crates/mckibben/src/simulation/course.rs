@@ -34,10 +34,10 @@ pub(crate) struct Course<R: Real> {
 }
 
 impl<R: Real> Course<R> {
-    /// Goes on to `until` with the same passages open.
-    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time) {
+    /// Goes on to `until` with the same passages open. The end of the whole step is given where it is known already.
+    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time, mut end: Option<[R; 4]>) {
         for _ in 0..MAX_TURNS {
-            let Some(turn) = self.attempt(rig, method, until) else { return };
+            let Some(turn) = self.attempt(rig, method, until, end.take()) else { return };
             self.turn(rig, &turn);
         }
         self.arrive(rig, until, self.take(rig, method, self.step_to(until)));
@@ -45,9 +45,9 @@ impl<R: Real> Course<R> {
     }
 
     /// Takes the whole step, or says where in it something ceases to hold.
-    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time) -> Option<Turn<R>> {
+    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time, end: Option<[R; 4]>) -> Option<Turn<R>> {
         let step = self.step_to(until);
-        let end = self.take(rig, method, step);
+        let end = end.unwrap_or_else(|| self.take(rig, method, step));
         let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
         if R::zero().lt(step) && (ceases[0] || ceases[1]) {
             return Some(self.locate(rig, method, step, end, ceases));
@@ -248,13 +248,13 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// Where the state is one that the laws hold for.
+    #[expect(clippy::eq_op, reason = "what is not a number differs from itself")]
     #[inline(always)]
     pub(crate) fn admissible(&self, state: &[S; 4]) -> S::Mask {
         let [length, velocity, pressure, mass] = *state;
         let thread = self.actuator().law().law.end_length();
-        let numbers = length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);
-        // What is not a number is not less than anything either.
-        let infinity = S::constant(f64::INFINITY);
-        numbers & (-infinity).lt(length) & velocity.magnitude().lt(infinity) & pressure.lt(infinity) & mass.lt(infinity)
+        // What is infinite or not a number makes the sum so, and that less itself is not zero.
+        let sum = (length + velocity) + (pressure + mass);
+        (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass)
     }
 }

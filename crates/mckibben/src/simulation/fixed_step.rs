@@ -61,7 +61,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
-        self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until)
+        self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None)
     }
 }
 
@@ -81,17 +81,20 @@ impl<R: Real> Walk<R> {
     }
 
     /// Goes on to `until`, through every instant up to then; where that leaves the physics, stays at the last good state.
+    /// The end of one whole step without an instant is given where it is known already.
     pub(crate) fn advance_to(
         &mut self,
         rig: &Rig<R>,
         timetable: &Timetable<'_, R::Time>,
         method: Method,
         until: R::Time,
+        mut end: Option<[R; 4]>,
     ) -> Result<(), Error> {
         loop {
             let instant = timetable.next(&self.progress, until);
             let before = self.course;
-            self.course.advance(rig, method, instant.map_or(until, |instant| until.smaller(instant)));
+            let end = end.take().filter(|_| instant.is_none());
+            self.course.advance(rig, method, instant.map_or(until, |instant| until.smaller(instant)), end);
             if !rig.admissible(&self.course.state) {
                 let left = self.course;
                 self.course = before;

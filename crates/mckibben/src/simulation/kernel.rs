@@ -93,7 +93,7 @@ impl<S: Scalar> Rig<S> {
 
     /// Length, velocity and acceleration of the ends as the load has them.
     #[inline(always)]
-    fn motion<T: Over<S>>(&self, time: T, ends: [T; 3], held: &Held<S>) -> [T; 3] {
+    pub(crate) fn motion<T: Over<S>>(&self, time: T, ends: [T; 3], held: &Held<S>) -> [T; 3] {
         let [length, velocity, pressure] = ends;
         match self.load() {
             Load::Prescribed(motion) => motion.on_line(time, &held.line),

@@ -36,6 +36,6 @@ pub use integrator::{Counts, Integrator, Piece, PieceOf};
 pub use kernel::{Held, Method};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
-pub use sample::{Sample, SampleTimes};
+pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

@@ -127,6 +127,11 @@ impl Rig {
         }
     }
 
+    /// The same rig with another load.
+    pub fn with_load(self, load: Load) -> Self {
+        Self { load, ..self }
+    }
+
     /// The state at the start.
     ///
     /// # Errors

@@ -100,12 +100,17 @@ impl SampleTimes {
     pub fn steps(self, step: f64) -> impl Iterator<Item = (f64, bool)> {
         (1..=self.last).flat_map(move |index| {
             let (from, until) = (self.time(index - 1), self.time(index));
-            // The quotient of two decimal numbers may lie a rounding above a whole one.
-            let quotient = (until - from) / step * (1.0 - 1e-12);
-            let parts = (quotient as u64).saturating_add(1).max(1);
+            let parts = steps_between(from, until, step);
             let end =
                 move |part| if part == parts { until } else { from + (until - from) * (part as f64 / parts as f64) };
             (1..=parts).map(move |part| (end(part), part == parts))
         })
     }
+}
+
+/// The least number of equal steps not longer than `step` (above zero) from one time to a later one, all in s.
+pub fn steps_between(from: f64, until: f64, step: f64) -> u64 {
+    // The quotient of two decimal numbers may lie a rounding above a whole one.
+    let quotient = (until - from) / step * (1.0 - 1e-12);
+    (quotient as u64).saturating_add(1)
 }

@@ -108,7 +108,13 @@ impl<S: Scalar> Solenoid<S> {
         self.kind
     }
 
-    fn coils(&self, request: Request) -> [bool; 2] {
+    /// Opening and closing delay in s.
+    pub fn delays(&self) -> [S; 2] {
+        [self.opening_delay, self.closing_delay]
+    }
+
+    /// Which coils a request energises; a three-way valve has the first only.
+    pub(crate) fn coils(&self, request: Request) -> [bool; 2] {
         match self.kind {
             ValveKind::ThreeWay => [request == Request::Fill, false],
             ValveKind::FillHoldExhaust => [request == Request::Fill, request == Request::Exhaust],
@@ -147,7 +153,12 @@ impl<S: Real> SeatClock<S> {
 
     /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.
     pub fn advance(&mut self, time: S, solenoid: &Solenoid<S>, command: &Command<S>) {
-        while let Some(next) = self.next(command)
+        self.pass(self.next(command), time, solenoid, command);
+    }
+
+    /// Moves what is due up to and with `time`, given what comes next; what comes next then.
+    fn pass(&mut self, mut upcoming: Option<S>, time: S, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
+        while let Some(next) = upcoming
             && is_due(next, time)
         {
             let mut seat_moved = false;
@@ -162,17 +173,19 @@ impl<S: Real> SeatClock<S> {
                 self.next_change += 1;
                 self.drive(when, solenoid, solenoid.coils(request));
             }
+            upcoming = self.next(command);
         }
+        upcoming
     }
 
     /// The next instant in s, up to and with `until`, at which a seat moves and so the passages change.
     pub fn next_motion(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
-        let mut probe = *self;
+        let (mut probe, mut upcoming) = (*self, self.next(command));
         loop {
-            let next = probe.next(command).filter(|next| is_due(*next, until))?;
-            probe.advance(next, solenoid, command);
+            let instant = upcoming.filter(|next| is_due(*next, until))?;
+            upcoming = probe.pass(upcoming, instant, solenoid, command);
             if probe.ports(solenoid) != self.ports(solenoid) {
-                return Some(next);
+                return Some(instant);
             }
         }
     }

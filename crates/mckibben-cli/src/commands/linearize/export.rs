@@ -1,0 +1,178 @@
+//! The model as files: JSON for programs, a script for MATLAB and Octave.
+
+use super::Model;
+use mckibben::linearize::{Averaged, Controllability, Pole, Signal};
+use mckibben::load::Load;
+use serde_json::{Map, Value, json};
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+/// Version of the JSON's shape; it grows when a name changes its meaning or goes.
+const VERSION: u32 = 1;
+
+/// The values at the operating point, each name with its unit at the end.
+fn point(model: &Model<'_>) -> Vec<(&'static str, f64)> {
+    let point = &model.linear.point;
+    let state = point.state;
+    let mut values = vec![
+        ("length_m", state.length),
+        ("velocity_m_s", state.velocity),
+        ("pressure_pa", state.pressure.0),
+        ("gauge_pressure_pa", point.gauge_pressure().0),
+        ("air_mass_kg", state.air_mass),
+        ("temperature_k", point.temperature()),
+        ("tension_n", point.tension()),
+        ("coulomb_bound_n", point.coulomb_bound()),
+    ];
+    if let Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } = point.rig.load() {
+        values.push(("load_mass_kg", *mass));
+    }
+    if let Some(averaged) = &model.linear.averaged {
+        values.push(("duty", averaged.duty));
+    }
+    values
+}
+
+fn kind(model: &Model<'_>) -> &'static str {
+    if model.linear.averaged.is_some() { "averaged-pwm" } else { "held-valve" }
+}
+
+/// The model as JSON. A number without a bound is `null`.
+pub(super) fn json(model: &Model<'_>) -> String {
+    let system = &model.system;
+    let signals = |signals: &[Signal]| -> Vec<Value> {
+        signals.iter().map(|s| json!({ "name": s.name, "symbol": s.symbol, "unit": s.unit })).collect()
+    };
+    let point: Map<String, Value> = point(model).into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
+    let poles: Vec<Value> = model.poles.iter().map(pole).collect();
+    let inputs = system.inputs.iter().zip(&model.reach);
+    let reach: Vec<Value> = inputs.map(|(input, reach)| controllability(input, reach)).collect();
+    let equivalent = model.oscillation.map(|(amplitude, frequency)| {
+        let damping = model.linear.equivalent_damping(amplitude, frequency).ok();
+        json!({
+            "amplitude_m": amplitude, "angular_frequency_rad_s": frequency, "damping_n_s_m": damping,
+        })
+    });
+    let assumed: Vec<Value> =
+        model.assumed.iter().map(|value| json!({ "key": value.parameter.key, "value": value.text })).collect();
+    let document = json!({
+        "format": "mckibben-linear-model",
+        "version": VERSION,
+        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
+        "scenario": model.name,
+        "model": kind(model),
+        "operating_point": point,
+        "taut": model.linear.point.is_taut(),
+        "states": signals(&system.states),
+        "inputs": signals(&system.inputs),
+        "outputs": signals(&system.outputs),
+        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
+        "poles": poles,
+        "controllability": reach,
+        "coulomb_friction_as_damping": equivalent,
+        "pwm": model.linear.averaged.as_ref().map(|averaged| pwm(averaged, model)),
+        "assumed": assumed,
+    });
+    format!("{document:#}\n")
+}
+
+fn pole(pole: &Pole) -> Value {
+    json!({
+        "real_1_s": pole.real,
+        "imaginary_rad_s": pole.imaginary,
+        "natural_frequency_rad_s": pole.natural_frequency(),
+        "damping_ratio": pole.damping_ratio(),
+        "time_constant_s": pole.time_constant(),
+    })
+}
+
+fn controllability(input: &Signal, reach: &Controllability) -> Value {
+    json!({
+        "input": input.name,
+        "rank": reach.rank,
+        "condition": reach.condition,
+        "singular_values": reach.singular_values,
+    })
+}
+
+fn pwm(averaged: &Averaged, model: &Model<'_>) -> Value {
+    let intervals = averaged.intervals.iter();
+    let intervals: Vec<Value> =
+        intervals.map(|interval| json!({ "valve": interval.ports.name(), "share": interval.share })).collect();
+    json!({
+        "frequency_hz": averaged.frequency,
+        "supply_share": averaged.supply_share(),
+        "intervals": intervals,
+        "mean_inflow_kg_s": averaged.flow.inward,
+        "mean_outflow_kg_s": averaged.flow.outward,
+        "validity": {
+            "duty_from": averaged.duty_range.0,
+            "duty_to": averaged.duty_range.1,
+            "seats_follow": averaged.follows(),
+            "frequency_over_fastest_pole": over_fastest(averaged, &model.poles),
+            "pressure_ripple_pa": averaged.pressure_ripple,
+            "pressure_margin_pa": averaged.pressure_margin,
+            "ripple_is_small": averaged.ripple_is_small(),
+            "length_ripple_m": model.linear.ripple("length"),
+            "tension_ripple_n": model.linear.ripple("tension"),
+        },
+    })
+}
+
+/// The PWM's angular frequency over the natural frequency of the fastest pole.
+pub(super) fn over_fastest(averaged: &Averaged, poles: &[Pole]) -> Option<f64> {
+    let fastest = poles.iter().map(Pole::natural_frequency).fold(0.0, f64::max);
+    (fastest > 0.0).then(|| TAU * averaged.frequency / fastest)
+}
+
+/// The model as a script that MATLAB and Octave run, and that can be read without either.
+pub(super) fn matlab(model: &Model<'_>) -> String {
+    let system = &model.system;
+    let mut text = String::new();
+    let mut line = |words: &str| {
+        text.push_str(words);
+        text.push('\n');
+    };
+    let kind = if model.linear.averaged.is_some() { "valve under PWM on average" } else { "valve held shut" };
+    line("% Linear model of a braided pneumatic actuator: dx/dt = A x + B u, y = C x + D u.");
+    line("% x, u and y are differences from the operating point, in SI units.");
+    line(&format!("% Scenario: {}; {kind}.", model.name.replace(['\n', '\r'], " ")));
+    line(&format!("% Written by mckibben {}.", env!("CARGO_PKG_VERSION")));
+    line("");
+    for (name, value) in point(model) {
+        line(&format!("point.{name} = {value:e};"));
+    }
+    if let Some(averaged) = &model.linear.averaged {
+        line(&format!("point.frequency_hz = {:e};", averaged.frequency));
+    }
+    line("");
+    for (name, signals) in [("states", &system.states), ("inputs", &system.inputs), ("outputs", &system.outputs)] {
+        let names = |of: fn(&Signal) -> &'static str| -> String {
+            signals.iter().map(|signal| format!("'{}'", of(signal))).collect::<Vec<_>>().join(", ")
+        };
+        line(&format!("{name} = {{{}}};", names(|signal| signal.name)));
+        line(&format!("{name}_units = {{{}}};", names(|signal| signal.unit)));
+    }
+    line("");
+    for (name, rows) in [("A", &system.a), ("B", &system.b), ("C", &system.c), ("D", &system.d)] {
+        line(&matrix(name, rows));
+    }
+    let poles: Vec<Vec<f64>> = model.poles.iter().map(|pole| vec![pole.real, pole.imaginary]).collect();
+    line(&matrix("poles", &poles).replace("poles = [", "poles = [ % real and imaginary part in 1/s"));
+    line("poles = complex(poles(:, 1), poles(:, 2));");
+    line("");
+    line("if exist('ss') % with the Control System Toolbox, or Octave's package control loaded");
+    line("  model = ss(A, B, C, D);");
+    line("end");
+    text
+}
+
+fn matrix(name: &str, rows: &[Vec<f64>]) -> String {
+    let mut text = format!("{name} = [\n");
+    for row in rows {
+        let entries: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "  {}", entries.join(" "));
+    }
+    text + "];"
+}

@@ -1,0 +1,196 @@
+//! `mckibben linearize`: a scenario near an operating point, as matrices, poles and a Bode plot.
+//!
+//! | part | what |
+//! |---|---|
+//! | `given` | the quantities of the command line, and the point that they ask for |
+//! | `told` | the model as text for people |
+//! | `export` | the model as JSON and as a MATLAB or Octave script |
+//! | `bode` | the figure |
+//!
+//! Everything is computed by [`mckibben::linearize`]. Checked by `tests/linearize.rs`.
+
+mod bode;
+mod export;
+mod given;
+mod told;
+
+use crate::failure::Failure;
+use crate::output::{self, Pending};
+use crate::plot::{PRINT_SCALE, PlotError, Theme};
+use crate::settings::Setting;
+use crate::terminal;
+use given::{Measure, length, load, pressure, temperature};
+use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
+use mckibben_scenario::{Assumed, Document};
+use std::path::{Path, PathBuf};
+
+/// What `mckibben linearize` is asked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  mckibben linearize muscle.toml
+  mckibben linearize muscle.toml --pressure '60 psi' --output model.m
+  mckibben linearize muscle.toml --length '85 mm' --load '10 lb' --output model.json
+  mckibben linearize muscle.toml --duty 0.4 --plot bode.svg
+  mckibben linearize muscle.toml --pressure '50 psi' --pwm
+
+The point:
+  Two of --pressure, --length and --load give the third; what is not given is that of the scenario.
+  --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --pressure nor
+  --length is given. With --pwm the duty follows from the pressure. Otherwise the valve is held shut, and the mass
+  flow into the actuator is the input.
+
+Exit codes:
+  0  done
+  2  the input is wrong: arguments, a missing file, the scenario, no such point; nothing was written
+  4  a file could not be written; nothing was left behind")]
+pub struct LinearizeArguments {
+    /// The scenario file; `mckibben init` writes one to start from.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Gauge pressure at the point, such as `60 psi`.
+    #[arg(long, value_name = "QUANTITY", value_parser = pressure, allow_hyphen_values = true)]
+    pub pressure: Option<f64>,
+    /// Distance between the attachments at the point, such as `85 mm`.
+    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    pub length: Option<f64>,
+    /// The load: a mass that hangs, such as `10 lb`, or a force, such as `40 N`.
+    #[arg(long, value_name = "QUANTITY", value_parser = load)]
+    pub load: Option<Measure>,
+    /// Commanded duty at the point: the valve by its mean flow under PWM.
+    #[arg(long, value_name = "PART", conflicts_with = "pressure")]
+    pub duty: Option<f64>,
+    /// The valve by its mean flow under PWM, at the duty that holds the pressure.
+    #[arg(long, conflicts_with = "duty")]
+    pub pwm: bool,
+    /// Temperature of the air at the point; else the scenario's air, brought there by its process.
+    #[arg(long, value_name = "QUANTITY", value_parser = temperature)]
+    pub temperature: Option<f64>,
+    /// Replace Coulomb friction by the viscous damping that takes as much from an oscillation of this amplitude.
+    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    pub amplitude: Option<f64>,
+    /// Keep the air mass as a state where it follows from the others; its pole is zero.
+    #[arg(long)]
+    pub all_states: bool,
+    /// Write the model: .json, or .m for MATLAB and Octave.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the frequency response: .svg or .png.
+    #[arg(short, long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// The input of the figure: duty, mass_flow or force; the valve's unless given.
+    #[arg(long, value_name = "INPUT", requires = "plot")]
+    pub input: Option<String>,
+    /// Set a value of the scenario, such as `actuator.turns=2.2`; can be given again.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    pub set: Vec<Setting>,
+}
+
+/// A linear model with what is known about it.
+struct Model<'a> {
+    /// The name of the scenario file.
+    name: &'a str,
+    linear: Linearization,
+    /// All states, or those that are needed.
+    system: StateSpace,
+    poles: Vec<Pole>,
+    /// What each input reaches.
+    reach: Vec<Controllability>,
+    /// Amplitude in m, and the angular frequency in rad/s at which Coulomb friction was replaced.
+    oscillation: Option<(f64, f64)>,
+    /// Numbers of the actuator that no source states.
+    assumed: Vec<Assumed>,
+}
+
+/// Linearises the scenario.
+///
+/// # Errors
+/// The input is wrong, there is no such point, or a file could not be written.
+pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
+    endings(arguments)?;
+    let mut document = Document::load(&arguments.file)?;
+    for setting in &arguments.set {
+        setting.apply(&mut document)?;
+    }
+    let experiment = document.experiment()?;
+    let name = arguments.file.display().to_string();
+    let linear = given::linearization(arguments, &experiment)?;
+    let model = Model::new(&name, linear, arguments, document.assumed())?;
+    let mut pending = Vec::new();
+    if let Some(path) = &arguments.output {
+        let text = if ending(path) == "json" { export::json(&model) } else { export::matlab(&model) };
+        pending.push((path, text.into_bytes()));
+    }
+    if let Some(path) = &arguments.plot {
+        let figure = bode::figure(&model, arguments.input.as_deref())?;
+        let failed = |error: PlotError| Failure::output(path, error);
+        let bytes = match ending(path).as_str() {
+            "png" => figure.to_png(Theme::Light, PRINT_SCALE).map_err(failed)?,
+            _ => figure.to_svg(Theme::Light).map_err(failed)?.into_bytes(),
+        };
+        pending.push((path, bytes));
+    }
+    let files = pending.iter().map(|(path, bytes)| {
+        let mut file = Pending::create(path)?;
+        file.writer().write_all(bytes).map_err(|error| Failure::output(path, error))?;
+        Ok(file)
+    });
+    files.collect::<Result<Vec<Pending>, Failure>>()?.into_iter().try_for_each(Pending::commit)?;
+    let mut text = told::text(&model);
+    for (path, _) in &pending {
+        text.push_str(&format!("{} {}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
+    }
+    terminal::print(&text)
+}
+
+impl<'a> Model<'a> {
+    fn new(
+        name: &'a str,
+        linear: Linearization,
+        arguments: &LinearizeArguments,
+        assumed: Vec<Assumed>,
+    ) -> Result<Self, Failure> {
+        let oscillation = match arguments.amplitude {
+            Some(amplitude) => Some((amplitude, oscillation(&linear)?)),
+            None => None,
+        };
+        let linear = match oscillation {
+            Some((amplitude, frequency)) => linear.with_equivalent_damping(amplitude, frequency)?,
+            None => linear,
+        };
+        let system = if arguments.all_states { linear.system.clone() } else { linear.minimal() };
+        let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
+        let reach = reach.collect::<Result<_, _>>()?;
+        Ok(Self { name, poles: system.poles()?, system, reach, linear, oscillation, assumed })
+    }
+}
+
+/// The angular frequency in rad/s at which the model swings.
+fn oscillation(linear: &Linearization) -> Result<f64, Failure> {
+    let poles = linear.minimal().poles()?;
+    let slowest = poles.iter().filter(|pole| pole.imaginary > 0.0).min_by(|a, b| {
+        let damping = |pole: &Pole| pole.damping_ratio().unwrap_or(1.0);
+        damping(a).total_cmp(&damping(b))
+    });
+    slowest.map(|pole| pole.imaginary).ok_or_else(|| {
+        Failure::input("--amplitude: the model does not swing, so no oscillation has an amplitude", "leave it out")
+    })
+}
+
+/// The ending of a file's name in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// Refuses a name whose ending does not say what to write, and a folder that cannot be written to.
+fn endings(arguments: &LinearizeArguments) -> Result<(), Failure> {
+    if let Some(path) = arguments.output.as_deref().filter(|path| !matches!(ending(path).as_str(), "json" | "m")) {
+        let title = format!("`{}` does not say how to write the model", path.display());
+        return Err(Failure::input(title, "end the name of --output with .json or .m"));
+    }
+    if let Some(path) = arguments.plot.clone().filter(|path| !matches!(ending(path).as_str(), "svg" | "png")) {
+        let title = PlotError::Ending { path }.to_string();
+        return Err(Failure::input(title, "end the name of --plot with .svg or .png"));
+    }
+    arguments.output.iter().chain(&arguments.plot).try_for_each(|path| output::probe(path))
+}

@@ -1,0 +1,251 @@
+//! The model as text for people.
+
+use super::Model;
+use super::export::over_fastest;
+use crate::quantities::{digits, percent, quantity};
+use crate::report::{Table, typeset};
+use crate::terminal::{HEADING, NOTABLE, styled, width, wrap};
+use mckibben::air::Process;
+use mckibben::linearize::{Averaged, Pole, Signal};
+use mckibben::load::Load;
+use std::f64::consts::TAU;
+
+/// The whole text.
+pub(super) fn text(model: &Model<'_>) -> String {
+    let valve = match &model.linear.averaged {
+        Some(averaged) => format!("PWM at {} on average", quantity(averaged.frequency, "Hz")),
+        None => "valve held shut".to_owned(),
+    };
+    let mut text = format!("{}\n", styled(HEADING, format!("{}, {valve}", model.name)));
+    text.push_str(&lines(&point(model)));
+    if let Some(averaged) = &model.linear.averaged {
+        text.push_str(&format!("\n{}\n{}", styled(HEADING, "Mean flow"), lines(&pwm(averaged, model))));
+    }
+    for (heading, table) in
+        [("Model", matrices(model)), ("Poles", poles(&model.poles)), ("Controllability", reach(model))]
+    {
+        text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
+    }
+    for note in notes(model) {
+        text.push_str(&format!("\n{}\n", wrap(&note, "", width())));
+    }
+    text
+}
+
+/// Names in a column, and what they are.
+fn lines(lines: &[(&str, String)]) -> String {
+    let told = |(name, value): &(&str, String)| {
+        let indent = " ".repeat(20);
+        let value = wrap(value, &indent, width());
+        format!("  {name:<16}  {}\n", value.trim_start())
+    };
+    lines.iter().map(told).collect()
+}
+
+fn point(model: &Model<'_>) -> Vec<(&'static str, String)> {
+    let point = &model.linear.point;
+    let state = point.state;
+    let actuator = point.rig.actuator();
+    let longest = actuator.limits().max_length();
+    let taut = if point.is_taut() { ", on the taut braid" } else { "" };
+    let load = match point.rig.load() {
+        Load::HangingMass { mass, .. } => {
+            format!("{} hangs, {}", quantity(*mass, "kg"), quantity(point.tension(), "N"))
+        }
+        Load::ConstantForce { mass, force } => format!("{} pulls {}", quantity(*force, "N"), quantity(*mass, "kg")),
+        _ => format!("the ends are held with {}", quantity(point.tension(), "N")),
+    };
+    let mut lines = vec![
+        ("gauge pressure", quantity(point.gauge_pressure().0, "Pa")),
+        (
+            "length",
+            format!(
+                "{}, contracted by {}{taut}",
+                quantity(state.length, "m"),
+                percent((longest - state.length) / longest)
+            ),
+        ),
+        ("load", load),
+        ("air", format!("{} at {:.1} K", quantity(state.air_mass, "kg"), point.temperature())),
+    ];
+    if point.rig.load().inertia().is_some() {
+        let constant = actuator.stiffness(state.length, state.pressure);
+        let sealed = actuator.sealed_stiffness(state.length, state.pressure);
+        lines.push((
+            "stiffness",
+            format!("{}, with the valve shut {}", quantity(constant, "N/m"), quantity(sealed, "N/m")),
+        ));
+    }
+    lines
+}
+
+fn pwm(averaged: &Averaged, model: &Model<'_>) -> Vec<(&'static str, String)> {
+    let (from, to) = averaged.duty_range;
+    let yes = |holds: bool, no: &str| if holds { String::new() } else { format!("; {}", styled(NOTABLE, no)) };
+    let mut lines = vec![
+        (
+            "duty",
+            format!(
+                "{} commanded, open to the supply for {} of the period",
+                percent(averaged.duty),
+                percent(averaged.supply_share())
+            ),
+        ),
+        (
+            "the seats follow",
+            format!(
+                "from {} to {}{}",
+                percent(from),
+                percent(to),
+                yes(averaged.follows(), "not here: the valve does not answer to the duty")
+            ),
+        ),
+        ("air used", quantity(1e3 * averaged.flow.outward, "g/s")),
+        (
+            "ripple",
+            format!(
+                "{} peak to peak at a fixed length, {} from supply or exhaust{}",
+                quantity(averaged.pressure_ripple, "Pa"),
+                quantity(averaged.pressure_margin, "Pa"),
+                yes(averaged.ripple_is_small(), "too large for the mean flow to be trusted")
+            ),
+        ),
+    ];
+    let swings: Vec<String> = [("length", "m"), ("tension", "N")]
+        .iter()
+        .filter_map(|(name, unit)| Some(format!("{name} {}", quantity(model.linear.ripple(name)?, unit))))
+        .collect();
+    if !swings.is_empty() {
+        lines.push(("", format!("first harmonic, peak to peak: {}", swings.join(", "))));
+    }
+    if let Some(ratio) = over_fastest(averaged, &model.poles) {
+        let slow = "slow: the model tells nothing of what happens within a period";
+        lines.push(("frequency", format!("{} times the fastest pole{}", digits(ratio), yes(ratio > 3.0, slow))));
+    }
+    lines
+}
+
+fn matrices(model: &Model<'_>) -> Table {
+    let system = &model.system;
+    let named = |signal: &Signal| match signal.unit {
+        "" => signal.symbol.to_owned(),
+        unit => format!("{} {unit}", signal.symbol),
+    };
+    let columns = system.states.iter().chain(&system.inputs).map(named);
+    let row = |name: String, of_states: &[f64], of_inputs: &[f64]| -> Vec<String> {
+        let entries = of_states.iter().chain(of_inputs).map(|entry| match entry {
+            0.0 => "0".to_owned(),
+            entry => minus(format!("{entry:.4e}")),
+        });
+        std::iter::once(name).chain(entries).collect()
+    };
+    let mut rows = Vec::new();
+    for (state, (a, b)) in system.states.iter().zip(system.a.iter().zip(&system.b)) {
+        rows.push(row(format!("d{}/dt", state.symbol), a, b));
+    }
+    for (output, (c, d)) in
+        system.outputs.iter().zip(system.c.iter().zip(&system.d)).filter(|(o, _)| o.name == "tension")
+    {
+        rows.push(row(named(output), c, d));
+    }
+    let head = std::iter::once(String::new()).chain(columns).collect();
+    Table { caption: "rates and tension by states and inputs, as differences from the point".to_owned(), head, rows }
+}
+
+fn poles(poles: &[Pole]) -> Table {
+    let row = |pole: &Pole| {
+        let value = match pole.imaginary {
+            0.0 => digits(pole.real),
+            imaginary => format!("{} ± {} i", digits(pole.real), digits(imaginary)),
+        };
+        let or = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
+        let kind = match pole {
+            pole if pole.is_zero() => "integrator",
+            pole if pole.real > 0.0 => "grows",
+            pole if pole.imaginary != 0.0 => "swings",
+            _ => "decays",
+        };
+        let frequency = (!pole.is_zero()).then(|| quantity(pole.natural_frequency() / TAU, "Hz"));
+        vec![
+            minus(value),
+            or(frequency),
+            or(pole.damping_ratio().map(digits).map(minus)),
+            or(pole.time_constant().map(|time| minus(quantity(time, "s")))),
+            kind.to_owned(),
+        ]
+    };
+    let head = ["1/s", "natural frequency", "damping ratio", "time constant", ""].map(String::from).to_vec();
+    Table {
+        caption: "each decays as exp(λ t)".to_owned(),
+        head,
+        rows: poles.iter().filter(|pole| pole.imaginary >= 0.0).map(row).collect(),
+    }
+}
+
+fn reach(model: &Model<'_>) -> Table {
+    let rows = model.system.inputs.iter().zip(&model.reach).map(|(input, reach)| {
+        let condition = if reach.condition.is_finite() { digits(reach.condition) } else { "∞".to_owned() };
+        let values: Vec<String> = reach.singular_values.iter().map(|value| format!("{value:.1e}")).collect();
+        vec![
+            input.name.replace('_', " "),
+            format!("{} of {}", reach.rank, model.system.states.len()),
+            condition,
+            values.join("  "),
+        ]
+    });
+    let head = ["input", "reaches", "condition", "singular values"].map(String::from).to_vec();
+    Table { caption: "states by their usual size, time by the fastest pole".to_owned(), head, rows: rows.collect() }
+}
+
+/// What the model leaves out, and what is assumed.
+fn notes(model: &Model<'_>) -> Vec<String> {
+    let point = &model.linear.point;
+    let keeps = !matches!(point.rig.actuator().air().process(), Process::EnergyBalance { .. });
+    let mut notes = Vec::new();
+    if keeps && model.poles.len() == model.linear.system.states.len() {
+        notes.push(
+            "The process keeps P (V/m)^κ whatever the valve does: one pole at zero that no input reaches. Without \
+             --all-states the air mass follows from pressure and length, and that pole is gone."
+                .to_owned(),
+        );
+    } else if keeps {
+        notes.push(
+            "The air mass is no state: it follows from pressure and length by P (V/m)^κ. --all-states keeps it."
+                .to_owned(),
+        );
+    }
+    let bound = point.coulomb_bound();
+    if bound > 0.0 && point.rig.load().inertia().is_some() {
+        let system = &model.system;
+        let pressure = system.states.iter().position(|signal| signal.name == "pressure");
+        let per_pressure = system.output("tension").zip(pressure).map_or(0.0, |(row, column)| system.c[row][column]);
+        let sealed = point.rig.actuator().sealed_stiffness(point.state.length, point.state.pressure);
+        let sliding = if model.oscillation.is_some() { "" } else { " The model is about sliding without it." };
+        notes.push(format!(
+            "Coulomb friction holds the load at rest within ± {}: that is ± {} with the valve shut, or ± {} of \
+             pressure.{sliding}",
+            quantity(bound, "N"),
+            quantity(bound / sealed, "m"),
+            quantity((bound / per_pressure).abs(), "Pa"),
+        ));
+    }
+    if let Some((amplitude, frequency)) = model.oscillation {
+        let damping = model.linear.equivalent_damping(amplitude, frequency).unwrap_or_default();
+        notes.push(format!(
+            "Coulomb friction is in the model as {} of viscous damping, right for an amplitude of {} at {}.",
+            quantity(damping, "N·s/m"),
+            quantity(amplitude, "m"),
+            quantity(frequency / TAU, "Hz"),
+        ));
+    }
+    if !model.assumed.is_empty() {
+        let values = model.assumed.iter().map(|each| format!("{} = {}", each.parameter.symbol, typeset(&each.text)));
+        notes.push(format!("Assumed, stated by no source: {}.", values.collect::<Vec<_>>().join(", ")));
+    }
+    notes
+}
+
+/// A true minus sign.
+fn minus(text: String) -> String {
+    text.replace('-', "−")
+}

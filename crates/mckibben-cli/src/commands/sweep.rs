@@ -1,0 +1,384 @@
+//! `mckibben sweep`: the runs of `[sweep]` on all cores, into files that need no merge.
+//!
+//! Everything that can be refused is refused before anything is simulated.
+
+use crate::describe;
+use crate::failure::Failure;
+use crate::output;
+use crate::portrait;
+use crate::progress::Progress;
+use crate::quantities::{count, digits, given, quantity};
+use crate::record;
+use crate::settings::Setting;
+use crate::sweep::destination::{Destination, Place};
+use crate::sweep::folder::{Folder, Manifest};
+use crate::sweep::plan::{Plan, Shard};
+use crate::sweep::step::Choice;
+use crate::sweep::tally::Tally;
+use crate::sweep::{chart, read, rows, schedule, table};
+use crate::terminal::{self, FAINT, GOOD, HEADING, styled};
+use mckibben_scenario::{Document, Engine, Record, Sweep};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// What `mckibben sweep` is asked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  mckibben sweep muscle.toml --output results
+  mckibben sweep muscle.toml --output results.csv --plot results.svg
+  mckibben sweep muscle.toml --output results --shard $SLURM_ARRAY_TASK_ID/64 --jobs 16
+  mckibben sweep muscle.toml --output traces --record trajectories --set 'run.duration=1 s'
+
+The section [sweep] says what varies:
+  [sweep]
+  reductions = [\"length.final\", \"length.ripple\", \"tension.peak\", \"air.used\"]
+  [sweep.vary]
+  \"load.mass\" = [\"3 lb\", \"5 lb\", \"15 lb\"]
+  \"supply.gauge_pressure\" = { from = \"20 psi\", to = \"100 psi\", count = 9 }
+
+Reductions are taken over the samples at every run.sample_interval; what happens between two samples is not seen. \
+A ripple is that of the last PWM period, or of the last tenth of a run without PWM. `air.used` sums the gains of air \
+between samples while the supply is open; of an event-located run it is the integral of the flow.
+
+The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
+for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \
+the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs.
+
+A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept. \
+Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the folder with the others. \
+A run that fails has its reason in the column `error` and no numbers; it does not stop the others.
+
+Exit codes:
+  0  done; some runs may have failed, and the summary says so
+  2  the input is wrong: arguments, a missing file, the scenario, a folder of another sweep; nothing was written
+  3  every run failed; the files say why
+  4  a file could not be written; parts that were finished stay")]
+pub struct SweepArguments {
+    /// The scenario file, with a section `[sweep]`.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Write the runs: into a folder of Parquet parts, or one file .csv or .parquet.
+    #[arg(short, long, value_name = "FOLDER or FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the reductions: .svg or .png. One varied key gives lines, a grid of two gives maps, more give scatter plots.
+    #[arg(short, long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Set a value of the scenario, such as `command.duty=0.3` or `sweep.rows=1000`; can be given again.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    pub set: Vec<Setting>,
+    /// What to write of each run, in place of sweep.record.
+    #[arg(long, value_name = "WHAT", value_parser = ["reductions", "samples", "trajectories"])]
+    pub record: Option<String>,
+    /// The engine, in place of run.engine; without either, fixed-step.
+    #[arg(long, value_name = "ENGINE", value_parser = ["event-located", "fixed-step"])]
+    pub engine: Option<String>,
+    /// Do one of N shares of the parts, counted from 1: 1/8, 2/8, ... 8/8.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub shard: Shard,
+    /// Threads; without it, one for each core.
+    #[arg(short, long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Print no summary.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Runs the sweep.
+///
+/// # Errors
+/// The input is wrong, every run failed, or a file could not be written.
+pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
+    let figure = arguments.plot.as_deref().map(|path| portrait::Format::of(path).map(|format| (path, format)));
+    let figure = figure.transpose()?;
+    let target = Target::of(arguments)?;
+    let (document, set) = document(arguments)?;
+    let sweep = document.sweep()?.ok_or_else(|| {
+        let title = format!("`{}` has no section [sweep]", arguments.file.display());
+        Failure::input(title, "say what varies under [sweep.vary]; `mckibben sweep --help` has an example")
+    })?;
+    if figure.is_some() && !matches!(sweep.record(), Record::Reductions(_)) {
+        let title = "--plot draws reductions, which are not recorded here";
+        return Err(Failure::input(title, "set sweep.record = \"reductions\", or leave --plot out"));
+    }
+    let plan = Plan { rows: sweep.rows(), part_rows: sweep.part_rows().max(1) };
+    figure.map_or(Ok(()), |(path, _)| output::probe(path))?;
+
+    let started = Instant::now();
+    let mut tally = Tally::new(&sweep, figure.is_some());
+    let columns = table::columns(&sweep);
+    let mut parts: Vec<u64> = plan.shard(arguments.shard).collect();
+    let place = match target {
+        Target::Nothing => Place::Nowhere,
+        Target::File(path, format) => Place::file(path, format, &columns)?,
+        Target::Folder(path) => {
+            let folder = Folder::open(path, &Manifest::new(&plan, &sweep.fingerprint_text()))?;
+            let finished = keep(&folder, &plan, &parts, &sweep, &mut tally)?;
+            parts.retain(|part| !finished.contains(part));
+            Place::Folder(folder)
+        }
+    };
+    let kept = tally.runs();
+    let written = parts.len() as u64;
+    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let jobs = arguments.jobs.unwrap_or_else(cores).get();
+    let choice = if parts.is_empty() { None } else { Choice::of(&sweep, jobs)? };
+    let notes = notes(&document, &set, &sweep, choice.as_ref(), &columns);
+    let destination = Destination::new(&sweep, plan, notes, place);
+    simulate((&sweep, choice.as_ref()), plan, parts, jobs, destination, &mut tally)?;
+    let elapsed = started.elapsed();
+
+    if let Some((path, format)) = figure {
+        let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let bytes = chart::draw(&sweep, &tally, &title, (path, format))?;
+        output::write(path, &bytes)?;
+    }
+    if !arguments.quiet {
+        terminal::print(&told(arguments, &plan, (&sweep, choice.as_ref()), &tally, (kept, written, elapsed)))?;
+    }
+    match tally.first_reason() {
+        Some(reason) if tally.failed() == tally.runs() => {
+            Err(Failure::stopped(format!("every run failed; the first because {reason}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Where the runs are to be written.
+#[derive(Clone, Copy, Debug)]
+enum Target<'a> {
+    Nothing,
+    File(&'a Path, record::Format),
+    Folder(&'a Path),
+}
+
+impl<'a> Target<'a> {
+    fn of(arguments: &'a SweepArguments) -> Result<Self, Failure> {
+        let target = match arguments.output.as_deref() {
+            None => Self::Nothing,
+            Some(path) if path.is_dir() || record::ending(path).is_none() => Self::Folder(path),
+            Some(path) => match record::Format::of(path) {
+                Ok(format) => Self::File(path, format),
+                Err(_) => {
+                    let title = format!("`{}` does not say how to write the runs", path.display());
+                    let help = "end the name of --output with .csv or .parquet for one file, or give a folder";
+                    return Err(Failure::input(title, help));
+                }
+            },
+        };
+        if arguments.shard != Shard::WHOLE && !matches!(target, Self::Folder(_)) {
+            let help = "give --output a folder that the shards share, or leave --shard out";
+            return Err(Failure::input("--shard does some of the parts, which only a folder has", help));
+        }
+        if arguments.shard != Shard::WHOLE && arguments.plot.is_some() {
+            let help = "draw when all shards are done: the same command without --shard keeps their parts";
+            return Err(Failure::input("--plot draws the whole sweep, and --shard does a share of it", help));
+        }
+        let same = |a: Option<&Path>, b: Option<&Path>| a.is_some() && a.map(output::settled) == b.map(output::settled);
+        let [output, plot] = [&arguments.output, &arguments.plot].map(Option::as_deref);
+        let scenario = Some(arguments.file.as_path());
+        if same(output, plot) || same(output, scenario) || same(plot, scenario) {
+            return Err(Failure::input(
+                "two of the files that are to be read and written are the same",
+                "give --output and --plot names of their own",
+            ));
+        }
+        Ok(target)
+    }
+}
+
+/// The scenario with what the command line sets in it, and that as `KEY=VALUE`.
+fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failure> {
+    let mut document = Document::load(&arguments.file)?;
+    let mut set: Vec<String> = arguments.set.iter().map(Setting::to_string).collect();
+    for setting in &arguments.set {
+        setting.apply(&mut document)?;
+    }
+    // What the file says about another record does not apply to this one.
+    let idle: &[&str] = match arguments.record.as_deref() {
+        None => &[],
+        Some("reductions") => &["sweep.sample_times"],
+        Some("samples") => &["sweep.reductions"],
+        Some(_) => &["sweep.reductions", "sweep.sample_times"],
+    };
+    for key in idle {
+        document.remove(key);
+    }
+    let by_default = (!document.contains("run.engine")).then(|| Engine::FixedStep.name().to_owned());
+    let engine = arguments.engine.clone().or(by_default);
+    for (option, key, value) in
+        [("--engine", "run.engine", engine), ("--record", "sweep.record", arguments.record.clone())]
+    {
+        if let Some(value) = value {
+            document.set_text_from(option, key, &format!("\"{value}\""))?;
+            set.push(format!("{key}={value}"));
+        }
+    }
+    Ok((document, set))
+}
+
+/// Finds the parts that are finished, and takes up what is in them.
+fn keep(folder: &Folder, plan: &Plan, parts: &[u64], sweep: &Sweep, tally: &mut Tally) -> Result<Vec<u64>, Failure> {
+    let mut finished = Vec::new();
+    for part in parts {
+        let Some(failed) = folder.finished(plan, *part)? else { continue };
+        match sweep.record() {
+            Record::Reductions(reductions) => {
+                let results: Vec<String> = reductions.iter().map(|reduction| reduction.column()).collect();
+                read::reductions(&folder.part(*part), &results, &mut |row, outcome| tally.see(row, outcome))?;
+            }
+            Record::Samples(_) | Record::Trajectories => {
+                let rows = plan.rows_of(*part);
+                tally.count(rows.end - rows.start, failed);
+            }
+        }
+        finished.push(*part);
+    }
+    Ok(finished)
+}
+
+/// Runs the rows of parts and writes them.
+fn simulate(
+    (sweep, choice): (&Sweep, Option<&Choice>),
+    plan: Plan,
+    parts: Vec<u64>,
+    jobs: usize,
+    mut destination: Destination<'_>,
+    tally: &mut Tally,
+) -> Result<(), Failure> {
+    let rows_of = |part: &u64| plan.rows_of(*part).end - plan.rows_of(*part).start;
+    let total = parts.iter().map(rows_of).sum();
+    let progress = Progress::counted("runs", total);
+    let mut done = 0;
+    let units = plan.units(parts, unit(total, jobs, sweep));
+    let work = |unit: &crate::sweep::plan::Unit| rows::simulate_rows(sweep, choice, unit.rows.clone());
+    schedule::in_order(jobs, units, work, |unit, outcomes| {
+        destination.write(&unit, &outcomes)?;
+        for (row, outcome) in unit.rows.clone().zip(&outcomes) {
+            tally.see(row, outcome);
+        }
+        done += outcomes.len() as u64;
+        progress.at(done);
+        Ok(())
+    })?;
+    destination.finish()
+}
+
+/// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
+fn unit(rows: u64, jobs: usize, sweep: &Sweep) -> u64 {
+    const SHARE: u64 = 8;
+    let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::side_by_side() as u64 };
+    (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
+}
+
+/// What is said about the sweep in each of its files.
+fn notes(
+    document: &Document,
+    set: &[String],
+    sweep: &Sweep,
+    choice: Option<&Choice>,
+    columns: &[table::Column],
+) -> Vec<(String, String)> {
+    let units: serde_json::Map<String, serde_json::Value> = columns
+        .iter()
+        .filter(|column| column.kind == table::Kind::Number)
+        .map(|column| (column.name.clone(), column.unit.clone().into()))
+        .collect();
+    let source = document.source();
+    // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
+    let name = Path::new(source.name()).file_name();
+    let pairs = [
+        ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("mckibben.units", serde_json::Value::Object(units).to_string()),
+        ("mckibben.scenario_file", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())),
+        ("mckibben.scenario", source.text().to_owned()),
+        ("mckibben.set", serde_json::Value::from(set).to_string()),
+        ("mckibben.sweep", sweep.fingerprint_text()),
+        ("mckibben.design", sweep.design().name().to_owned()),
+        ("mckibben.seed", sweep.seed().to_string()),
+    ];
+    let step = choice.map(|Choice { step, accuracy, reached, unreached }| {
+        let json = serde_json::json!({
+            "longest_s": step, "accuracy": accuracy, "enough_for_runs": reached, "too_long_for_runs": unreached
+        });
+        ("mckibben.step", json.to_string())
+    });
+    pairs.into_iter().chain(step).map(|(key, value)| (key.to_owned(), value)).collect()
+}
+
+/// The summary.
+fn told(
+    arguments: &SweepArguments,
+    plan: &Plan,
+    (sweep, choice): (&Sweep, Option<&Choice>),
+    tally: &Tally,
+    (kept, written, elapsed): (u64, u64, Duration),
+) -> String {
+    let seconds = elapsed.as_secs_f64();
+    let mut text = format!(
+        "{}  {}\n",
+        styled(HEADING, arguments.file.display()),
+        styled(FAINT, format!("{} runs", count(plan.rows)))
+    );
+    /// Before what stands beside a name.
+    const INDENT: &str = "            ";
+    let line = |name: &str, what: &str| format!("  {name:<8}  {what}\n");
+    let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
+    let varied =
+        terminal::wrap(&format!("{} ({})", varied.join(", "), sweep.design().name()), INDENT, terminal::width());
+    text.push_str(&line("varied", varied.trim_start()));
+    if let Ok(first) = sweep.scenario(0) {
+        text.push_str(&line("engine", &describe::engine(&first.run)));
+    }
+    if let Some(choice) = choice {
+        let step = terminal::wrap(&step_of(choice), INDENT, terminal::width());
+        text.push_str(&line("step", step.trim_start()));
+    }
+    let new = tally.runs() - kept;
+    if kept > 0 {
+        text.push_str(&line("kept", &format!("{} runs of parts that were finished before", count(kept))));
+    }
+    let rate = if seconds > 0.0 { digits(new as f64 / seconds) } else { String::new() };
+    text.push_str(&line("cost", &format!("{} runs in {}, {rate} runs/s", count(new), quantity(seconds, "s"))));
+    if arguments.shard != Shard::WHOLE {
+        let share = format!("{}: {} of {} runs", arguments.shard, count(tally.runs()), count(plan.rows));
+        text.push_str(&line("shard", &share));
+    }
+    text.push_str(&tally.ranges());
+    text.push_str(&tally.failures());
+    let wrote = |path: &Path, what: &str| format!("{} {}{what}\n", styled(GOOD, "wrote"), path.display());
+    let mut files = String::new();
+    if let Some(path) = &arguments.output {
+        let is_folder = matches!(Target::of(arguments), Ok(Target::Folder(_)));
+        let parts = if written == 1 { "1 part".to_owned() } else { format!("{} parts", count(written)) };
+        if !is_folder {
+            files.push_str(&wrote(path, ""));
+        } else if written > 0 {
+            files.push_str(&wrote(path, &format!(", {parts}")));
+        }
+    }
+    if let Some(path) = &arguments.plot {
+        files.push_str(&wrote(path, ""));
+    }
+    if !files.is_empty() {
+        text.push('\n');
+    }
+    text + &files
+}
+
+/// The longest step, and on what ground it was taken.
+fn step_of(Choice { step, accuracy, reached, unreached }: &Choice) -> String {
+    let tried = match reached.len() {
+        1 => "1 run needs".to_owned(),
+        many => format!("{many} runs spread over the sweep need"),
+    };
+    let beside = match unreached.as_slice() {
+        [] => String::new(),
+        rows => {
+            let rows: Vec<String> = rows.iter().map(u64::to_string).collect();
+            format!("; not reached with any step in run {}", rows.join(", "))
+        }
+    };
+    format!("at most {}, the least that {tried} for an accuracy of {accuracy:e}{beside}", given(*step, "s"))
+}

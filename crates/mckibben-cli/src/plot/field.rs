@@ -1,0 +1,134 @@
+//! A quantity over the plane: its cells, and the bar beside the axes that says what their colours mean.
+
+use super::draw::Frame;
+use super::figure::{Axis, Field};
+use super::layout::{LABEL_SIZE, LEADING, TICK, TICK_GAP, TICK_SIZE, words};
+use super::scene::{Anchor, Area, Ink, Outline, Scene, Step, Words};
+use super::text::Faces;
+use super::ticks::{Range, Ticks, ticks};
+
+/// From the axes to the bar.
+const GAP: f64 = 6.0;
+/// The width of the bar.
+const WIDTH: f64 = 7.0;
+/// The line around a cell in its own colour, so that no ground shows between neighbours.
+const SEAM: f64 = 0.3;
+/// Half the size of the cross in a cell without a value.
+const CROSS: f64 = 1.6;
+
+/// The scale of a field.
+pub(super) struct Bar {
+    range: Range,
+    ticks: Ticks,
+    label: Vec<String>,
+    /// The room that it needs beside the axes.
+    pub(super) width: f64,
+}
+
+impl Bar {
+    /// The bar of a field beside axes of this height.
+    pub(super) fn new(field: &Field, height: f64, faces: &Faces) -> Self {
+        let finite = field.values.iter().copied().filter(|value| value.is_finite());
+        let extent = finite.fold(None, |extent: Option<(f64, f64)>, value| {
+            Some(extent.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
+        });
+        let axis = Axis::new(&field.label, &field.unit);
+        let range = Range::new(extent, &axis, 0.0);
+        let ticks = ticks(&axis, range, height / 15.5);
+        let numbers = ticks.at.iter().map(|tick| faces.width(&tick.1, TICK_SIZE, false)).fold(0.0, f64::max);
+        let label = faces.wrap(&ticks.label, LABEL_SIZE, false, height + 4.0);
+        let words = 3.5 + label.len() as f64 * LABEL_SIZE * LEADING;
+        Self { range, ticks, label, width: GAP + WIDTH + TICK + TICK_GAP + numbers + words }
+    }
+
+    fn ink(&self, value: f64) -> Ink {
+        // A float becomes an integer by saturation.
+        Ink::Scale((self.range.place(value) * 255.0).round() as u8)
+    }
+
+    /// Draws the bar to the right of the axes.
+    pub(super) fn draw(&self, scene: &mut Scene, axes: Area, faces: &Faces) {
+        let left = axes.right + GAP;
+        let bar = Area { left, right: left + WIDTH, ..axes };
+        for place in 0..=255u8 {
+            let bottom = bar.bottom - f64::from(place) / 256.0 * bar.height();
+            let top = bar.bottom - (f64::from(place) + 1.0) / 256.0 * bar.height();
+            let mut slice = Outline::filled(Ink::Scale(place), 1.0);
+            // Each reaches under the next, so that no ground shows between them.
+            slice.rectangle(Area { top: (top - 0.4).max(bar.top), bottom, ..bar });
+            scene.outline(slice);
+        }
+        let mut lines = Outline::stroked(Ink::Axis, 0.7, &[]);
+        lines.rectangle(bar);
+        let mut widest = 0.0_f64;
+        for (value, label) in &self.ticks.at {
+            let y = bar.bottom - self.range.place(*value) * bar.height();
+            lines.polyline(&[[bar.right, y], [bar.right + TICK, y]]);
+            let at = [bar.right + TICK + TICK_GAP, y + 0.36 * TICK_SIZE];
+            widest = widest.max(faces.width(label, TICK_SIZE, false));
+            scene.words(words(label.clone(), at, Anchor::Start, TICK_SIZE));
+        }
+        scene.outline(lines);
+        let start = bar.right + TICK + TICK_GAP + widest + 3.5;
+        for (i, line) in self.label.iter().enumerate() {
+            let at = [start + (i as f64 + 0.75) * LABEL_SIZE * LEADING, 0.5 * (bar.top + bar.bottom)];
+            scene.words(Words { turned: true, ..words(line.clone(), at, Anchor::Middle, LABEL_SIZE) });
+        }
+    }
+}
+
+/// Draws the cells of a field; those without a value are crossed.
+pub(super) fn draw(scene: &mut Scene, field: &Field, bar: &Bar, frame: &Frame<'_>) {
+    let place = |edges: Vec<f64>, on_page: &dyn Fn(f64) -> f64| edges.into_iter().map(on_page).collect::<Vec<f64>>();
+    let area = frame.area;
+    let columns = place(edges(&field.x), &|x| frame.page_x(x).clamp(area.left, area.right));
+    let rows = place(edges(&field.y), &|y| frame.page_y(y).clamp(area.top, area.bottom));
+    let mut crosses = Outline::stroked(Ink::Muted, 0.5, &[]);
+    for (row, values) in field.values.chunks(field.x.len().max(1)).enumerate() {
+        let Some(&[bottom, top]) = rows.get(row..row + 2).and_then(|edges| edges.first_chunk()) else { break };
+        let mut column = 0;
+        // Neighbours of one colour are one rectangle.
+        for run in values.chunk_by(|a, b| a.is_finite() && b.is_finite() && bar.ink(*a) == bar.ink(*b)) {
+            let (left, right) = (columns[column], columns[column + run.len()]);
+            column += run.len();
+            if run[0].is_finite() {
+                let ink = bar.ink(run[0]);
+                let mut cell = Outline::stroked(ink, SEAM, &[]);
+                cell.fill = Outline::filled(ink, 1.0).fill;
+                cell.rectangle(Area { left, top, right, bottom });
+                scene.outline(cell);
+            } else {
+                let ([x, y], r) = ([0.5 * (left + right), 0.5 * (top + bottom)], CROSS);
+                crosses.steps.extend([Step::Move([x - r, y - r]), Step::Line([x + r, y + r])]);
+                crosses.steps.extend([Step::Move([x - r, y + r]), Step::Line([x + r, y - r])]);
+            }
+        }
+    }
+    scene.outline(crosses);
+}
+
+/// The edges of cells around rising centres: half way to the neighbours, and as far beyond the outer ones.
+pub(super) fn edges(centres: &[f64]) -> Vec<f64> {
+    let (Some(first), Some(last)) = (centres.first(), centres.last()) else { return Vec::new() };
+    let half = |pair: &[f64]| 0.5 * (pair[1] - pair[0]);
+    let lone = if *first == 0.0 { 0.5 } else { 0.05 * first.abs() };
+    let (low, high) = match centres {
+        [_] => (lone, lone),
+        [.., a, b] => (half(&centres[..2]), half(&[*a, *b])),
+        [] => (lone, lone),
+    };
+    let inner = centres.windows(2).map(|pair| pair[0] + half(pair));
+    std::iter::once(first - low).chain(inner).chain([last + high]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_meet_half_way() {
+        assert_eq!(edges(&[1.0, 2.0, 4.0]), [0.5, 1.5, 3.0, 5.0]);
+        assert_eq!(edges(&[0.0]), [-0.5, 0.5]);
+        assert!(edges(&[]).is_empty());
+    }
+}

@@ -1,0 +1,105 @@
+//! Where the lines of a sweep go: nowhere, into one file, or into the parts of a folder.
+
+use super::folder::{FAILED, Folder, PART, ROWS};
+use super::plan::{Plan, Unit};
+use super::rows::Outcome;
+use super::sheet::{self, Sheet};
+use super::table::{self, Column};
+use crate::failure::Failure;
+use crate::output::Pending;
+use crate::record::Format;
+use mckibben_scenario::Sweep;
+use std::path::Path;
+
+/// Where the lines go.
+#[derive(Debug)]
+pub enum Place {
+    /// Nowhere.
+    Nowhere,
+    /// Into one file with all rows in order.
+    File(Box<dyn Sheet>),
+    /// Into parts.
+    Folder(Folder),
+}
+
+impl Place {
+    /// A file that is begun, so that a path that cannot be written to is known before any work is done.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when it cannot be written.
+    pub fn file(path: &Path, format: Format, columns: &[Column]) -> Result<Self, Failure> {
+        Ok(Self::File(sheet::begin(format, columns, Pending::create(path)?)?))
+    }
+}
+
+/// A place that lines are being written to.
+#[derive(Debug)]
+pub struct Destination<'a> {
+    sweep: &'a Sweep,
+    plan: Plan,
+    columns: Vec<Column>,
+    /// What is said about the sweep in each file.
+    notes: Vec<(String, String)>,
+    place: Place,
+    /// The part under way.
+    part: Option<Box<dyn Sheet>>,
+    /// Failed runs in the file under way.
+    failed: u64,
+}
+
+impl<'a> Destination<'a> {
+    /// Begins to write to a place.
+    pub fn new(sweep: &'a Sweep, plan: Plan, notes: Vec<(String, String)>, place: Place) -> Self {
+        Self { sweep, plan, columns: table::columns(sweep), notes, place, part: None, failed: 0 }
+    }
+
+    /// Writes the outcomes of a unit; units come in the order of their rows.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when they cannot be written.
+    pub fn write(&mut self, unit: &Unit, outcomes: &[Outcome]) -> Result<(), Failure> {
+        let rows = self.plan.rows_of(unit.part);
+        let sheet = match &mut self.place {
+            Place::Nowhere => return Ok(()),
+            Place::File(sheet) => sheet,
+            Place::Folder(folder) => match &mut self.part {
+                Some(sheet) => sheet,
+                part => {
+                    let file = Pending::create(&folder.part(unit.part))?;
+                    part.insert(sheet::begin(Format::Parquet, &self.columns, file)?)
+                }
+            },
+        };
+        for (row, outcome) in unit.rows.clone().zip(outcomes) {
+            table::lines(self.sweep, row, outcome, &mut |cells| sheet.line(cells))?;
+            self.failed += u64::from(matches!(outcome, Outcome::Failed(_)));
+        }
+        if let Place::Folder(folder) = &self.place
+            && unit.rows.end == rows.end
+            && let Some(part) = self.part.take()
+        {
+            part.finish(&about(&self.notes, unit.part, rows, self.failed))?;
+            folder.clear_remains_of(unit.part);
+            self.failed = 0;
+        }
+        Ok(())
+    }
+
+    /// Completes what is not complete yet.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when it cannot be written.
+    pub fn finish(self) -> Result<(), Failure> {
+        match self.place {
+            Place::File(sheet) => sheet.finish(&about(&self.notes, 0, 0..self.plan.rows, self.failed)),
+            Place::Nowhere | Place::Folder(_) => Ok(()),
+        }
+    }
+}
+
+/// What is said in a file: about the sweep, and about the rows in it.
+fn about(notes: &[(String, String)], part: u64, rows: std::ops::Range<u64>, failed: u64) -> Vec<(String, String)> {
+    let of_part =
+        [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end)), (FAILED, failed.to_string())];
+    notes.iter().cloned().chain(of_part.map(|(key, value)| (key.to_owned(), value))).collect()
+}

@@ -1,0 +1,299 @@
+//! Reductions: a run as a few numbers, from its samples as they come.
+//!
+//! With samples `(tᵢ, xᵢ)` at t = 0, at every `run.sample_interval` and at the end T:
+//!
+//! | statistic | value |
+//! |---|---|
+//! | `final` | x at T |
+//! | `mean` | `(1/T) ∫ x dt` by the trapezium rule |
+//! | `min`, `max`, `peak` | the least, the greatest, the greatest magnitude |
+//! | `ripple` | greatest less least over the last period of the PWM; over the last tenth of the run without PWM |
+//! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
+//! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
+//! | `used` | the air drawn from the supply |
+//!
+//! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the passage
+//! to the supply is open at either end, as the fixed-step engine's steps keep the balance of the air; of an
+//! event-located run it is the integral of the flow through that passage instead.
+//!
+//! A reduction without a value (the overshoot of a quantity that ends where it began; a ripple over fewer than two
+//! samples) has none: it is empty, never zero. Only `settling_time` keeps the samples of its quantity.
+//!
+//! Checked by the tests below against closed forms and by `tests/sweep.rs` against files of `mckibben simulate`.
+
+use mckibben::simulation::{Rig, Sample};
+use mckibben::valve::Command;
+use mckibben_scenario::Reduction;
+use mckibben_scenario::sweep::{Quantity, Statistic};
+
+/// The band of the settling time, as a share of the total change.
+const SETTLED: f64 = 0.02;
+/// The end of a run without PWM over which the ripple is taken, as a share of its duration.
+const LAST_PART: f64 = 0.1;
+/// Two instants closer than this, relative to the run, are one.
+const SIMULTANEOUS: f64 = 1e-9;
+
+/// What is kept of a quantity.
+#[derive(Clone, Debug)]
+struct Track {
+    quantity: Quantity,
+    first: f64,
+    last: f64,
+    least: f64,
+    greatest: f64,
+    /// `∫ x dt` so far.
+    integral: f64,
+    /// Least, greatest and number of the samples in the ripple's window.
+    window: (f64, f64, u64),
+    /// Every sample, where a settling time is asked for.
+    series: Option<Vec<f64>>,
+}
+
+/// The reductions of one run under way.
+#[derive(Clone, Debug)]
+pub struct Reducer {
+    tracks: Vec<Track>,
+    /// The times of the samples, where a settling time is asked for.
+    times: Option<Vec<f64>>,
+    window_start: f64,
+    before: Option<Sample>,
+    air_used: f64,
+}
+
+impl Reducer {
+    /// Begins a run of `duration` s.
+    pub fn new(reductions: &[Reduction], rig: &Rig, duration: f64) -> Self {
+        let period = match rig.actuation().map(|actuation| &actuation.command) {
+            Some(Command::Pwm { frequency, .. }) => 1.0 / frequency,
+            _ => LAST_PART * duration,
+        };
+        Self::with_window(reductions, duration - period - SIMULTANEOUS * duration)
+    }
+
+    /// Begins a run whose ripple is taken from a time in s on.
+    fn with_window(reductions: &[Reduction], window_start: f64) -> Self {
+        let mut tracks: Vec<Track> = Vec::new();
+        for reduction in reductions.iter().filter(|reduction| reduction.quantity != Quantity::Air) {
+            let settles = reduction.statistic == Statistic::SettlingTime;
+            let known = tracks.iter_mut().find(|track| track.quantity == reduction.quantity);
+            match known {
+                Some(track) if settles => track.series = Some(Vec::new()),
+                Some(_) => {}
+                None => tracks.push(Track::new(reduction.quantity, settles)),
+            }
+        }
+        let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
+        Self { tracks, times, window_start, before: None, air_used: 0.0 }
+    }
+
+    /// Sees the next sample.
+    pub fn see(&mut self, sample: &Sample) {
+        for track in &mut self.tracks {
+            track.see(sample, self.before.as_ref(), sample.time >= self.window_start);
+        }
+        if let Some(times) = &mut self.times {
+            times.push(sample.time);
+        }
+        if let Some(before) = self.before.replace(*sample)
+            && (before.ports.supply || sample.ports.supply)
+        {
+            self.air_used += (sample.air_mass - before.air_mass).max(0.0);
+        }
+    }
+
+    /// Replaces the air drawn from the supply by a better value in kg.
+    pub fn set_air_used(&mut self, mass: f64) {
+        self.air_used = mass;
+    }
+
+    /// The value of each reduction, where it has one.
+    pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
+        let duration = self.before.map_or(0.0, |last| last.time);
+        // A window that begins before the run is not whole.
+        let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
+        let value = |reduction: &Reduction| {
+            if reduction.quantity == Quantity::Air {
+                return Some(self.air_used);
+            }
+            let track = self.tracks.iter().find(|track| track.quantity == reduction.quantity)?;
+            match reduction.statistic {
+                Statistic::Ripple if !whole => None,
+                Statistic::SettlingTime => track.settling_time(self.times.as_deref()?),
+                statistic => track.value(statistic, duration),
+            }
+        };
+        reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect()
+    }
+}
+
+impl Track {
+    fn new(quantity: Quantity, settles: bool) -> Self {
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        Self {
+            quantity,
+            first: 0.0,
+            last: 0.0,
+            least: nothing.0,
+            greatest: nothing.1,
+            integral: 0.0,
+            window: (nothing.0, nothing.1, 0),
+            series: settles.then(Vec::new),
+        }
+    }
+
+    fn see(&mut self, sample: &Sample, before: Option<&Sample>, in_window: bool) {
+        let value = of(self.quantity, sample);
+        match before {
+            None => self.first = value,
+            Some(before) => self.integral += 0.5 * (self.last + value) * (sample.time - before.time),
+        }
+        self.last = value;
+        self.least = self.least.min(value);
+        self.greatest = self.greatest.max(value);
+        if in_window {
+            let (least, greatest, count) = self.window;
+            self.window = (least.min(value), greatest.max(value), count + 1);
+        }
+        if let Some(series) = &mut self.series {
+            series.push(value);
+        }
+    }
+
+    fn value(&self, statistic: Statistic, duration: f64) -> Option<f64> {
+        let change = self.last - self.first;
+        match statistic {
+            Statistic::Final => Some(self.last),
+            Statistic::Mean => Some(self.integral / duration),
+            Statistic::Min => Some(self.least),
+            Statistic::Max => Some(self.greatest),
+            Statistic::Peak => Some(self.greatest.abs().max(self.least.abs())),
+            Statistic::Ripple => (self.window.2 >= 2).then_some(self.window.1 - self.window.0),
+            Statistic::Overshoot if change > 0.0 => Some((self.greatest - self.last) / change),
+            Statistic::Overshoot if change < 0.0 => Some((self.least - self.last) / change),
+            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used => None,
+        }
+    }
+
+    fn settling_time(&self, times: &[f64]) -> Option<f64> {
+        let series = self.series.as_ref()?;
+        let band = SETTLED * (self.last - self.first).abs();
+        let outside = series.iter().rposition(|value| (value - self.last).abs() > band);
+        times.get(outside.map_or(0, |index| index + 1)).copied()
+    }
+}
+
+/// The value of a quantity in a sample.
+fn of(quantity: Quantity, sample: &Sample) -> f64 {
+    match quantity {
+        Quantity::Length => sample.length,
+        Quantity::Velocity => sample.velocity,
+        Quantity::Pressure => sample.pressure.0,
+        Quantity::AirMass | Quantity::Air => sample.air_mass,
+        Quantity::Temperature => sample.temperature,
+        Quantity::Tension => sample.tension,
+        Quantity::MassFlow => sample.mass_flow,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mckibben::AbsolutePressure;
+    use mckibben::valve::Ports;
+    use std::f64::consts::PI;
+
+    /// The reductions of a length over `duration` s in samples of 1 ms, with the air's mass and the open ports beside it.
+    fn reduced(
+        names: &[(Quantity, Statistic)],
+        (duration, window): (f64, f64),
+        length: impl Fn(f64) -> f64,
+        air: impl Fn(f64) -> (f64, Ports),
+    ) -> Vec<Option<f64>> {
+        let reductions: Vec<Reduction> = names
+            .iter()
+            .map(|(quantity, statistic)| Reduction { quantity: *quantity, statistic: *statistic })
+            .collect();
+        let mut reducer = Reducer::with_window(&reductions, duration - window - SIMULTANEOUS * duration);
+        for index in 0..=(duration * 1e3).round() as u32 {
+            let time = f64::from(index) * 1e-3;
+            let (air_mass, ports) = air(time);
+            reducer.see(&Sample {
+                time,
+                length: length(time),
+                velocity: 0.0,
+                pressure: AbsolutePressure(1e5),
+                air_mass,
+                temperature: 293.15,
+                volume: 1e-6,
+                tension: 10.0,
+                mass_flow: 0.0,
+                ports,
+            });
+        }
+        reducer.finish(&reductions)
+    }
+
+    fn sealed(_: f64) -> (f64, Ports) {
+        (1e-5, Ports::CLOSED)
+    }
+
+    fn near(found: Option<f64>, expected: f64, within: f64) {
+        assert!(found.is_some_and(|found| (found - expected).abs() <= within), "{found:?} for {expected}");
+    }
+
+    #[test]
+    fn a_rise_to_a_level_settles_when_its_exponential_says() {
+        use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, SettlingTime};
+        let statistics = [Final, Mean, Min, Max, Peak, SettlingTime, Overshoot].map(|s| (Quantity::Length, s));
+        let values = reduced(&statistics, (1.0, 0.1), |t| 0.1 - 0.04 * (1.0 - (-t / 0.05).exp()), sealed);
+        near(values[0], 0.06, 1e-9);
+        near(values[1], 0.06 + 0.04 * 0.05, 1e-6);
+        near(values[2], 0.06, 1e-9);
+        near(values[3], 0.1, 0.0);
+        near(values[4], 0.1, 0.0);
+        // ln 50 time constants, to the next sample.
+        near(values[5], 0.05 * 50f64.ln() + 0.5e-3, 0.5e-3);
+        near(values[6], 0.0, 1e-9);
+    }
+
+    #[test]
+    fn the_overshoot_is_that_of_the_damping_and_the_ripple_that_of_the_period() {
+        let (damping, frequency) = (0.2_f64, 60.0);
+        let damped = (1.0 - damping * damping).sqrt();
+        let step = |t: f64| {
+            let phase = damped * frequency * t;
+            let decay = (-damping * frequency * t).exp();
+            0.08 + 0.01 * (1.0 - decay * (phase.cos() + damping / damped * phase.sin()))
+        };
+        let values = reduced(&[(Quantity::Length, Statistic::Overshoot)], (2.0, 0.1), step, sealed);
+        near(values[0], (-PI * damping / damped).exp(), 2e-4);
+        let ripple = [(Quantity::Length, Statistic::Ripple)];
+        let wave = |t: f64| if t < 0.5 { 0.2 } else { 0.08 + 0.003 * (2.0 * PI * 25.0 * t).sin() };
+        near(reduced(&ripple, (1.0, 0.04), wave, sealed)[0], 0.006, 1e-9);
+        // A period longer than the run, or than two samples can show, has no ripple.
+        assert_eq!(reduced(&ripple, (1.0, 1.5), wave, sealed), [None]);
+        assert_eq!(reduced(&ripple, (1.0, 0.5e-3), wave, sealed), [None]);
+    }
+
+    #[test]
+    fn what_ends_where_it_began_has_no_overshoot() {
+        let statistics = [Statistic::Overshoot, Statistic::SettlingTime].map(|s| (Quantity::Length, s));
+        assert_eq!(reduced(&statistics, (0.1, 0.01), |_| 0.09, sealed), [None, Some(0.0)]);
+    }
+
+    #[test]
+    fn air_counts_while_the_supply_is_open() {
+        // Ten periods of 40 ms: 20 ms of filling by 1 µg each ms, then 20 ms of emptying.
+        let pulse = |t: f64| {
+            let place = (t * 1e3).round() as u32 % 40;
+            let filling = place < 20;
+            let gain = if filling { place } else { 40 - place };
+            (1e-5 + 1e-9 * f64::from(gain), Ports { supply: filling, exhaust: !filling })
+        };
+        let used = [(Quantity::Air, Statistic::Used)];
+        near(reduced(&used, (0.4, 0.04), |_| 0.09, pulse)[0], 200e-9, 1e-15);
+        // Air that comes in from the surroundings is not drawn from the supply.
+        let drawn = |t: f64| (1e-5 + 1e-6 * t, Ports { supply: false, exhaust: true });
+        assert_eq!(reduced(&used, (0.4, 0.04), |_| 0.09, drawn), [Some(0.0)]);
+    }
+}

@@ -1,0 +1,222 @@
+//! The runs of a unit of work.
+//!
+//! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
+//! block, which stays on the unit's thread; rows of the event-located engine run one by one. Either way a row is, bit for
+//! bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
+
+use super::reduce::Reducer;
+use super::step::{self, Choice};
+use crate::observation::AirUse;
+use mckibben::batch::{Batch, Row, Width};
+use mckibben::simulation::{Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
+use mckibben_scenario::sweep::Quantity;
+use mckibben_scenario::{AxisValue, Engine, Experiment, Record, Reduction, Sweep};
+use std::ops::Range;
+
+/// Rows that a thread steps side by side.
+pub fn side_by_side() -> usize {
+    Width::widest().rows()
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The value of each reduction that has one.
+    Reduced(Vec<Option<f64>>),
+    /// Samples in the order of time.
+    Sampled(Vec<Sample>),
+    /// Why there is nothing.
+    Failed(String),
+}
+
+/// Simulates the rows, with a step for all of them where they have none by themselves.
+pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Vec<Outcome> {
+    let (first, side_by_side) = (rows.start, side_by_side());
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    let mut groups: Vec<(Kin<'_>, Vec<(usize, Experiment)>)> = Vec::new();
+    for row in rows {
+        let index = (row - first) as usize;
+        // What a batch will compute is put in its place afterwards.
+        let mut outcome = Outcome::Reduced(Vec::new());
+        match build(sweep, row) {
+            Err(reason) => outcome = Outcome::Failed(reason),
+            Ok(experiment) if experiment.run.engine == Engine::EventLocated => {
+                outcome = locate(&experiment, sweep.record());
+            }
+            Ok(experiment) => match step::of_row(&experiment, choice) {
+                Err(error) => outcome = Outcome::Failed(error.to_string()),
+                Ok(step) => {
+                    let kin = Kin::of(sweep, row, &experiment, step);
+                    let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
+                    match known {
+                        Some((_, members)) => members.push((index, experiment)),
+                        None => groups.push((kin, vec![(index, experiment)])),
+                    }
+                }
+            },
+        }
+        outcomes.push(outcome);
+    }
+    for (kin, members) in groups {
+        advance(&kin, members, sweep.record(), &mut outcomes);
+    }
+    outcomes
+}
+
+fn build(sweep: &Sweep, row: u64) -> Result<Experiment, String> {
+    let experiment = sweep.scenario(row).map_err(|error| error.error.to_string())?;
+    let experiment = experiment.experiment().map_err(|error| error.to_string())?;
+    let end = experiment.run.duration;
+    match sweep.record() {
+        Record::Samples(times) => match times.iter().find(|time| **time > end) {
+            Some(time) => Err(format!(
+                "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
+            )),
+            None => Ok(experiment),
+        },
+        _ => Ok(experiment),
+    }
+}
+
+/// What rows of the fixed-step engine share that go through time side by side: their times, and the words of the sweep,
+/// on which the form of their laws hangs.
+#[derive(Clone, Debug, PartialEq)]
+struct Kin<'a> {
+    duration: f64,
+    sample_interval: f64,
+    step: f64,
+    method: Method,
+    words: Vec<&'a str>,
+}
+
+impl<'a> Kin<'a> {
+    fn of(sweep: &'a Sweep, row: u64, experiment: &Experiment, step: f64) -> Self {
+        let (duration, sample_interval) = (experiment.run.duration, experiment.run.sample_interval);
+        let word = |axis| match sweep.value(axis, row) {
+            AxisValue::Word(word) => Some(word),
+            AxisValue::Number(_) => None,
+        };
+        let words = (0..sweep.axes().len()).filter_map(word).collect();
+        Self { duration, sample_interval, step, method: experiment.method(), words }
+    }
+}
+
+/// The instants that a record looks at.
+#[derive(Clone, Copy, Debug)]
+enum Stops<'a> {
+    Regular(SampleTimes),
+    Listed(&'a [f64]),
+}
+
+impl<'a> Stops<'a> {
+    fn of(record: &'a Record, duration: f64, interval: f64) -> Self {
+        match record {
+            Record::Samples(times) => Self::Listed(times),
+            Record::Reductions(_) | Record::Trajectories => Self::Regular(SampleTimes::new(duration, interval)),
+        }
+    }
+
+    fn times(self) -> impl Iterator<Item = f64> + 'a {
+        let count = match self {
+            Self::Regular(times) => times.last() + 1,
+            Self::Listed(times) => times.len() as u64,
+        };
+        (0..count).map(move |index| match self {
+            Self::Regular(times) => times.time(index),
+            Self::Listed(times) => times[index as usize],
+        })
+    }
+}
+
+/// What is made of the samples of a run.
+#[derive(Debug)]
+enum Recorder<'a> {
+    Reducing(&'a [Reduction], Reducer),
+    Keeping(Vec<Sample>),
+    Stopped(String),
+}
+
+impl<'a> Recorder<'a> {
+    fn new(record: &'a Record, experiment: &Experiment) -> Self {
+        match record {
+            Record::Reductions(reductions) => {
+                Self::Reducing(reductions, Reducer::new(reductions, &experiment.rig, experiment.run.duration))
+            }
+            Record::Samples(_) | Record::Trajectories => Self::Keeping(Vec::new()),
+        }
+    }
+
+    fn see(&mut self, sample: &Sample) {
+        match self {
+            Self::Reducing(_, reducer) => reducer.see(sample),
+            Self::Keeping(samples) => samples.push(*sample),
+            Self::Stopped(_) => {}
+        }
+    }
+
+    fn has_stopped(&self) -> bool {
+        matches!(self, Self::Stopped(_))
+    }
+
+    fn finish(self) -> Outcome {
+        match self {
+            Self::Reducing(reductions, reducer) => Outcome::Reduced(reducer.finish(reductions)),
+            Self::Keeping(samples) => Outcome::Sampled(samples),
+            Self::Stopped(reason) => Outcome::Failed(reason),
+        }
+    }
+}
+
+/// Runs rows by the fixed-step engine, side by side.
+fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
+    let mut recorders: Vec<(usize, Recorder<'_>)> =
+        members.iter().map(|(index, experiment)| (*index, Recorder::new(record, experiment))).collect();
+    let rows = members.into_iter().map(|(_, Experiment { rig, start, .. })| Row { rig, start }).collect();
+    let mut batch: Batch = Batch::new(rows, kin.method);
+    for until in Stops::of(record, kin.duration, kin.sample_interval).times() {
+        batch.advance(until, steps_between(batch.time(), until, kin.step));
+        for ((_, recorder), sample) in recorders.iter_mut().zip(batch.samples()) {
+            match sample {
+                Ok(sample) => recorder.see(&sample),
+                Err(error) if !recorder.has_stopped() => *recorder = Recorder::Stopped(error.to_string()),
+                Err(_) => {}
+            }
+        }
+        if recorders.iter().all(|(_, recorder)| recorder.has_stopped()) {
+            break;
+        }
+    }
+    for (index, recorder) in recorders {
+        outcomes[index] = recorder.finish();
+    }
+}
+
+/// Runs a row by the event-located engine.
+fn locate(experiment: &Experiment, record: &Record) -> Outcome {
+    let (rig, run) = (&experiment.rig, &experiment.run);
+    let trajectory = match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
+        Ok(trajectory) => trajectory,
+        Err(error) => return Outcome::Failed(error.to_string()),
+    };
+    let mut recorder = Recorder::new(record, experiment);
+    match record {
+        Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
+        Record::Reductions(_) | Record::Trajectories => {
+            trajectory.samples(run.sample_interval).for_each(|sample| recorder.see(&sample));
+        }
+    }
+    if let Recorder::Reducing(reductions, reducer) = &mut recorder
+        && reductions.iter().any(|reduction| reduction.quantity == Quantity::Air)
+    {
+        reducer.set_air_used(air_used(&trajectory));
+    }
+    recorder.finish()
+}
+
+/// Air in kg that came from the supply.
+fn air_used(trajectory: &Trajectory) -> f64 {
+    let mut air = AirUse::default();
+    let actuator = trajectory.rig().actuator();
+    trajectory.quadrature(|weight, sample, mode| air.see(actuator, weight, sample, mode));
+    air.from_supply
+}

@@ -1,0 +1,134 @@
+//! The columns of a sweep, and a run as lines of them.
+//!
+//! | column | holds |
+//! |---|---|
+//! | `run` | the row of the sweep, from 0 |
+//! | one for each varied key | its value: a number in SI, with the unit at the end of the name, or a word |
+//! | one for each reduction; or those of `mckibben simulate` | a number, or nothing |
+//! | `error` | why the run failed; nothing when it did not |
+//!
+//! With reductions a run is one line; with samples or trajectories it is one line for each sample. A run that failed is
+//! one line without results.
+
+use super::rows::Outcome;
+use crate::failure::Failure;
+use crate::record::{COLUMNS, VALVE};
+use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Kind {
+    /// Whole numbers from 0.
+    Count,
+    /// Numbers.
+    Number,
+    /// Words.
+    Word,
+}
+
+/// A column.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Column {
+    /// Its name, with the unit at its end.
+    pub name: String,
+    /// Its unit; empty for words and plain numbers.
+    pub unit: String,
+    /// What it holds.
+    pub kind: Kind,
+    /// Whether a line may have nothing in it.
+    pub optional: bool,
+}
+
+/// What stands in a line under a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell<'a> {
+    /// A whole number.
+    Count(u64),
+    /// A number.
+    Number(f64),
+    /// A word.
+    Word(&'a str),
+    /// Nothing.
+    Nothing,
+}
+
+impl From<Option<f64>> for Cell<'_> {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::Nothing, Self::Number)
+    }
+}
+
+/// The column of the row's index.
+pub const RUN: &str = "run";
+/// The column of the reason.
+pub const ERROR: &str = "error";
+
+/// The columns of a sweep in their order.
+pub fn columns(sweep: &Sweep) -> Vec<Column> {
+    let column = |name: &str, unit: &str, kind, optional| Column {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        kind,
+        optional,
+    };
+    let mut columns = vec![column(RUN, "", Kind::Count, false)];
+    for axis in sweep.axes() {
+        columns.push(match &axis.kind {
+            AxisKind::Quantity { unit, .. } => column(&axis.column(), unit, Kind::Number, false),
+            AxisKind::Word => column(&axis.column(), "", Kind::Word, false),
+        });
+    }
+    match sweep.record() {
+        Record::Reductions(reductions) => {
+            let reduced = reductions.iter().map(|r| column(&r.column(), r.unit(), Kind::Number, true));
+            columns.extend(reduced);
+        }
+        Record::Samples(_) | Record::Trajectories => {
+            columns.extend(COLUMNS.iter().map(|c| column(c.name, c.unit, Kind::Number, true)));
+            columns.push(column(VALVE, "", Kind::Word, true));
+        }
+    }
+    columns.push(column(ERROR, "", Kind::Word, true));
+    columns
+}
+
+/// Hands the lines of a run to `each`.
+///
+/// # Errors
+/// What `each` returns.
+pub fn lines(
+    sweep: &Sweep,
+    row: u64,
+    outcome: &Outcome,
+    each: &mut dyn FnMut(&[Cell<'_>]) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let values: Vec<AxisValue<'_>> = (0..sweep.axes().len()).map(|axis| sweep.value(axis, row)).collect();
+    let mut line = vec![Cell::Count(row)];
+    line.extend(values.iter().map(|value| match value {
+        AxisValue::Number(number) => Cell::Number(*number),
+        AxisValue::Word(word) => Cell::Word(word),
+    }));
+    let head = line.len();
+    match outcome {
+        Outcome::Reduced(values) => {
+            line.extend(values.iter().copied().map(Cell::from));
+            line.push(Cell::Nothing);
+            each(&line)
+        }
+        Outcome::Sampled(samples) => samples.iter().try_for_each(|sample| {
+            line.truncate(head);
+            line.extend(COLUMNS.iter().map(|column| Cell::Number((column.value)(sample))));
+            line.extend([Cell::Word(sample.ports.name()), Cell::Nothing]);
+            each(&line)
+        }),
+        Outcome::Failed(reason) => {
+            let results = match sweep.record() {
+                Record::Reductions(reductions) => reductions.len(),
+                Record::Samples(_) | Record::Trajectories => COLUMNS.len() + 1,
+            };
+            line.extend(std::iter::repeat_n(Cell::Nothing, results));
+            line.push(Cell::Word(reason));
+            each(&line)
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! `mckibben linearize`: what it writes and prints against the library that it calls, and what it refuses.
+
+mod common;
+
+use common::{Folder, of_repository};
+use mckibben::GaugePressure;
+use mckibben::linearize::{Aim, Balance, Content, StateSpace, average, linearize};
+use mckibben_scenario::Document;
+use serde_json::Value;
+
+const PSI: f64 = 6_894.757_293_168_361;
+
+fn run(folder: &Folder, file: &str, arguments: &[&str]) -> String {
+    let file = of_repository(file);
+    let output = folder.mckibben().arg("linearize").arg(file).args(arguments).output().expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+fn refused(folder: &Folder, file: &str, arguments: &[&str], words: &str) {
+    let file = of_repository(file);
+    let output = folder.mckibben().arg("linearize").arg(file).args(arguments).output().expect("the program runs");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert!(told.contains(words), "{arguments:?}: {told}");
+    assert!(folder.names().is_empty());
+}
+
+fn read(folder: &Folder, name: &str) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.path(name)).expect("written")).expect("JSON")
+}
+
+fn rows(value: &Value) -> Vec<Vec<f64>> {
+    let numbers = |row: &Value| row.as_array().expect("a row").iter().map(|n| n.as_f64().expect("a number")).collect();
+    value.as_array().expect("a matrix").iter().map(numbers).collect()
+}
+
+/// The matrix `name = [ … ];` of a script.
+fn of_script(script: &str, name: &str) -> Vec<Vec<f64>> {
+    let (_, rest) = script.split_once(&format!("\n{name} = [\n")).expect("a matrix");
+    let (body, _) = rest.split_once("];").expect("its end");
+    let numbers = |row: &str| row.split_whitespace().map(|n| n.parse().expect("a number")).collect();
+    body.lines().map(numbers).collect()
+}
+
+fn is_of(system: &StateSpace, matrix: impl Fn(&str) -> Vec<Vec<f64>>) {
+    for (name, expected) in [("A", &system.a), ("B", &system.b), ("C", &system.c), ("D", &system.d)] {
+        let written = matrix(name);
+        assert_eq!(written.iter().map(Vec::len).collect::<Vec<_>>(), expected.iter().map(Vec::len).collect::<Vec<_>>());
+        for (written, expected) in written.iter().flatten().zip(expected.iter().flatten()) {
+            // The reader of JSON rounds a last digit; the files themselves are exact.
+            assert!((written - expected).abs() <= f64::EPSILON * expected.abs(), "{name}: {written:e}, {expected:e}");
+        }
+    }
+}
+
+#[test]
+fn both_files_hold_the_librarys_matrices() {
+    let folder = Folder::new("linearize-files");
+    let file = "examples/linearize-pwm.toml";
+    let experiment = Document::load(of_repository(file)).unwrap().experiment().unwrap();
+    let content = Content::Of(experiment.start);
+    let pulsed = average(&experiment.rig, Aim::Duty(0.4), content).unwrap();
+    let balance = Balance::AtPressure(GaugePressure(4e5));
+    let held = linearize(&experiment.rig, balance, content).unwrap();
+    run(&folder, file, &["--output", "pulsed.json"]);
+    run(&folder, file, &["--output", "pulsed.m", "--all-states"]);
+    run(&folder, file, &["--pressure", "400 kPa", "--output", "held.json"]);
+    let json = read(&folder, "pulsed.json");
+    is_of(&pulsed.minimal(), |name| rows(&json[name]));
+    assert_eq!(json["model"], "averaged-pwm");
+    assert_eq!(json["inputs"][0]["name"], "duty");
+    let pressure = json["operating_point"]["pressure_pa"].as_f64().expect("a number");
+    assert!((pressure / pulsed.point.state.pressure.0 - 1.0).abs() <= f64::EPSILON);
+    assert_eq!(json["pwm"]["validity"]["ripple_is_small"], true);
+    let script = std::fs::read_to_string(folder.path("pulsed.m")).unwrap();
+    is_of(&pulsed.system, |name| of_script(&script, name));
+    assert!(script.contains("states = {'length', 'velocity', 'pressure', 'air_mass'};"));
+    assert!(script.contains("model = ss(A, B, C, D);"));
+    let json = read(&folder, "held.json");
+    is_of(&held.minimal(), |name| rows(&json[name]));
+    let poles = held.minimal().poles().unwrap();
+    for (written, pole) in json["poles"].as_array().unwrap().iter().zip(&poles) {
+        let close = |name: &str, value: f64| {
+            (written[name].as_f64().expect("a number") - value).abs() <= f64::EPSILON * value.abs()
+        };
+        assert!(close("real_1_s", pole.real) && close("imaginary_rad_s", pole.imaginary), "{written}");
+    }
+    assert_eq!(json["poles"][2]["damping_ratio"], Value::Null);
+    assert_eq!(json["pwm"], Value::Null);
+}
+
+#[test]
+fn the_table_tells_the_point_the_poles_and_how_far_to_trust_them() {
+    let folder = Folder::new("linearize-table");
+    let told = run(&folder, "examples/paper/fig-12.toml", &[]);
+    for words in ["42.50 % of the period", "from 10.00 % to 97.50 %", "too large", "swings", "3 of 3", "Coulomb"] {
+        assert!(told.contains(words), "`{words}` is not in\n{told}");
+    }
+    let told = run(&folder, "examples/paper/fig-08.toml", &["--all-states", "--pressure", "60 psi"]);
+    for words in ["valve held shut", "413.7 kPa", "integrator", "3 of 4", "one pole at zero that no input reaches"] {
+        assert!(told.contains(words), "`{words}` is not in\n{told}");
+    }
+    let told = run(&folder, "examples/paper/fig-08.toml", &["--amplitude", "1 mm"]);
+    assert!(told.contains("of viscous damping, right for"), "{told}");
+    let told = run(&folder, "examples/isometric-charge.toml", &["--pressure", "2 bar"]);
+    assert!(told.contains("the ends are held with"), "{told}");
+    assert!(folder.names().is_empty());
+}
+
+#[test]
+fn two_of_three_are_given_and_the_duty_may_follow() {
+    let folder = Folder::new("linearize-point");
+    let file = "examples/linearize-pwm.toml";
+    let point = |arguments: &[&str]| {
+        run(&folder, file, &[arguments, &["--output", "p.json"]].concat());
+        read(&folder, "p.json")["operating_point"].clone()
+    };
+    let number = |point: &Value, name: &str| point[name].as_f64().expect("a number");
+    let first = point(&["--pressure", "60 psi", "--load", "12 lb"]);
+    let length = format!("{} m", number(&first, "length_m"));
+    let second = point(&["--length", &length, "--load", "12 lb"]);
+    assert!((number(&second, "gauge_pressure_pa") / (60.0 * PSI) - 1.0).abs() < 1e-9);
+    let third = point(&["--length", &length, "--pressure", "60 psi"]);
+    assert!((number(&third, "load_mass_kg") / (12.0 * 0.453_592_37) - 1.0).abs() < 1e-9);
+    let duty = number(&point(&["--pressure", "60 psi", "--pwm"]), "duty");
+    let back = point(&["--duty", &duty.to_string()]);
+    assert!((number(&back, "gauge_pressure_pa") / (60.0 * PSI) - 1.0).abs() < 1e-8);
+    let warm = point(&["--pressure", "60 psi", "--temperature", "310 K"]);
+    assert!((number(&warm, "temperature_k") - 310.0).abs() < 1e-9);
+}
+
+#[test]
+fn bode_plots_are_drawn() {
+    let folder = Folder::new("linearize-bode");
+    let file = "examples/linearize-pwm.toml";
+    run(&folder, file, &["--plot", "a.svg"]);
+    run(&folder, file, &["--plot", "b.png", "--input", "force"]);
+    let svg = std::fs::read_to_string(folder.path("a.svg")).unwrap();
+    for words in ["length over duty", "pressure over duty", "phase", "frequency (Hz)", "PWM"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    assert!(std::fs::read(folder.path("b.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn what_has_no_meaning_is_refused_before_anything_is_written() {
+    let folder = Folder::new("linearize-bad");
+    let (pulsed, sealed) = ("examples/linearize-pwm.toml", "examples/paper/fig-08.toml");
+    refused(&folder, pulsed, &["--duty", "0.4", "--pressure", "60 psi"], "cannot be used with");
+    refused(&folder, pulsed, &["--pressure", "60 psi", "--length", "85 mm", "--load", "5 lb"], "cannot all be given");
+    refused(&folder, pulsed, &["--duty", "1.4"], "duty");
+    refused(&folder, sealed, &["--duty", "0.4"], "no PWM");
+    refused(&folder, pulsed, &["--pressure", "60"], "60 psi");
+    refused(&folder, pulsed, &["--length", "3 N"], "no length");
+    refused(&folder, pulsed, &["--length", "50 mm"], "min_length");
+    refused(&folder, pulsed, &["--pressure", "-2 bar"], "vacuum");
+    refused(&folder, pulsed, &["--pressure", "120 psi", "--pwm"], "no duty");
+    refused(&folder, pulsed, &["--plot", "a.svg", "--input", "nothing"], "duty, mass_flow, force");
+    refused(&folder, pulsed, &["--output", "model.txt"], ".json");
+    refused(&folder, pulsed, &["--plot", "bode.pdf"], ".svg");
+    refused(&folder, sealed, &["--amplitude", "0 mm"], "amplitude");
+    refused(&folder, "examples/isometric-charge.toml", &["--load", "5 lb"], "held");
+    refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");
+}
