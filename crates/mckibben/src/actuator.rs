@@ -213,9 +213,9 @@ impl<S: Scalar> Actuator<S> {
     #[inline(always)]
     pub fn chamber<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, mass: T, slack: S::Mask) -> Chamber<T> {
         let length = T::select(slack, T::of(self.limits.min_length()), distance);
-        let law = &self.law.law;
-        let volume = law.volume(length) + T::of(self.external_volume);
-        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), law.volume_slope(length) * velocity))
+        let [volume, slope] = self.law.law.volume_and_slope(length);
+        let volume = volume + T::of(self.external_volume);
+        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), slope * velocity))
     }
 
     /// `dP/dt` in Pa/s for a flow through the valve.

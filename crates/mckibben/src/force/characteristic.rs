@@ -56,6 +56,13 @@ pub struct Piece {
 pub struct Characteristic<S = f64> {
     /// The braid's geometry.
     pub braid: Braid<S>,
+    /// What makes it more than the ideal braid. The ideal braid is worked out in any case, so that it costs one test.
+    beyond: Option<Beyond<S>>,
+}
+
+/// A law with a wall and a bladder of which at least one is not the ideal braid's.
+#[derive(Clone, Debug, PartialEq)]
+struct Beyond<S> {
     law: Law<S>,
     wall: Option<Wall<S>>,
     bladder: Option<Bladder<S>>,
@@ -64,7 +71,12 @@ pub struct Characteristic<S = f64> {
 impl Characteristic {
     /// A law on a braid without wall or bladder.
     pub fn new(braid: Braid, law: Law) -> Self {
-        Self { braid, law, wall: None, bladder: None }
+        Self::assemble(braid, law, None, None)
+    }
+
+    fn assemble(braid: Braid, law: Law, wall: Option<Wall>, bladder: Option<Bladder>) -> Self {
+        let is_ideal = law == Law::IdealBraid && wall.is_none() && bladder.is_none();
+        Self { braid, beyond: (!is_ideal).then_some(Beyond { law, wall, bladder }) }
     }
 
     /// The same with a wall of `thickness` (m) whose bore is open up to `max_length` (m); the volume is the gas's, and so
@@ -74,18 +86,19 @@ impl Characteristic {
     /// As [`Wall::new`].
     pub fn with_wall(self, thickness: f64, max_length: f64) -> Result<Self, Error> {
         let wall = Wall::new(thickness, &self.braid, max_length)?;
-        Ok(Self { wall: (thickness > 0.0).then_some(wall), ..self })
+        let wall = (thickness > 0.0).then_some(wall);
+        Ok(Self::assemble(self.braid, self.law().clone(), wall, self.bladder().copied()))
     }
 
     /// The same with a bladder.
     pub fn with_bladder(self, bladder: Bladder) -> Self {
-        Self { bladder: Some(bladder), ..self }
+        Self::assemble(self.braid, self.law().clone(), self.wall().copied(), Some(bladder))
     }
 }
 
 impl<S> From<IdealBraid<S>> for Characteristic<S> {
     fn from(ideal: IdealBraid<S>) -> Self {
-        Self { braid: ideal.braid, law: Law::IdealBraid, wall: None, bladder: None }
+        Self { braid: ideal.braid, beyond: None }
     }
 }
 
@@ -93,54 +106,61 @@ impl<S: Scalar> Characteristic<S> {
     /// The same over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Characteristic<T> {
         let braid = self.braid.convert(convert);
-        let law = match &self.law {
-            Law::IdealBraid => Law::IdealBraid,
-            Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
-            Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
-            #[cfg(feature = "alloc")]
-            Law::Map(map) => Law::Map(map.convert(convert)),
-        };
-        let wall = self.wall.map(|wall| wall.convert(&braid, convert));
-        let bladder = self.bladder.map(|bladder| bladder.convert(convert));
-        Characteristic { braid, law, wall, bladder }
+        let beyond = self.beyond.as_ref().map(|Beyond { law, wall, bladder }| Beyond {
+            law: match law {
+                Law::IdealBraid => Law::IdealBraid,
+                Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
+                Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
+                #[cfg(feature = "alloc")]
+                Law::Map(map) => Law::Map(map.convert(convert)),
+            },
+            wall: wall.map(|wall| wall.convert(&braid, convert)),
+            bladder: bladder.map(|bladder| bladder.convert(convert)),
+        });
+        Characteristic { braid, beyond }
     }
 
     /// The law.
     pub fn law(&self) -> &Law<S> {
-        &self.law
+        self.beyond.as_ref().map_or(&Law::IdealBraid, |beyond| &beyond.law)
     }
 
     /// The wall, if it counts.
+    #[inline(always)]
     pub fn wall(&self) -> Option<&Wall<S>> {
-        self.wall.as_ref()
+        self.beyond.as_ref().and_then(|beyond| beyond.wall.as_ref())
     }
 
     /// The bladder, if it counts.
     pub fn bladder(&self) -> Option<&Bladder<S>> {
-        self.bladder.as_ref()
+        self.beyond.as_ref().and_then(|beyond| beyond.bladder.as_ref())
     }
 
     /// Length in m at which the model ends: the braid is straight, or the wall has closed the bore.
     #[inline(always)]
     pub fn end_length(&self) -> S {
-        self.wall.map_or(self.braid.thread_length(), |wall| wall.closed_length())
+        self.wall().map_or(self.braid.thread_length(), Wall::closed_length)
     }
 
     /// Volume of the gas in m³ at a length in m.
     #[inline(always)]
     pub fn volume<T: Over<S>>(&self, length: T) -> T {
-        match &self.wall {
-            None => self.braid.volume(length),
-            Some(wall) => wall.volume(&self.braid, length),
-        }
+        self.volume_and_slope(length)[0]
     }
 
     /// Its slope over length in m²: negative where the gas pulls the ends together.
     #[inline(always)]
     pub fn volume_slope<T: Over<S>>(&self, length: T) -> T {
-        match &self.wall {
-            None => self.braid.volume_slope(length),
-            Some(wall) => wall.volume_slope(&self.braid, length),
+        self.volume_and_slope(length)[1]
+    }
+
+    /// Volume of the gas in m³ and its slope over length in m².
+    #[inline(always)]
+    pub fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2] {
+        let of_braid = [self.braid.volume(length), self.braid.volume_slope(length)];
+        match self.wall() {
+            None => of_braid,
+            Some(wall) => [wall.volume(&self.braid, length), wall.volume_slope(&self.braid, length)],
         }
     }
 
@@ -148,11 +168,12 @@ impl<S: Scalar> Characteristic<S> {
     #[inline(always)]
     #[cfg_attr(not(feature = "alloc"), expect(unused_variables, reason = "only a map has pieces"))]
     pub fn force_in_piece<T: Over<S>>(&self, piece: Piece, length: T, gauge: GaugePressure<T>) -> T {
-        match (&self.law, &self.bladder) {
+        match &self.beyond {
             #[cfg(feature = "alloc")]
-            (Law::Map(map), None) => map.in_piece(piece, length, gauge),
-            #[cfg(feature = "alloc")]
-            (Law::Map(map), Some(bladder)) => map.in_piece(piece, length, gauge) + bladder.tension(length),
+            Some(Beyond { law: Law::Map(map), bladder, .. }) => {
+                let force = map.in_piece(piece, length, gauge);
+                bladder.as_ref().map_or(force, |bladder| force + bladder.tension(length))
+            }
             _ => self.force(length, gauge),
         }
     }
@@ -160,7 +181,7 @@ impl<S: Scalar> Characteristic<S> {
     /// Lengths in m between which a piece of the law holds; `None` where it has no end.
     #[cfg_attr(not(feature = "alloc"), expect(unused_variables, reason = "only a map has pieces"))]
     pub fn length_bounds(&self, piece: usize) -> (Option<S>, Option<S>) {
-        match &self.law {
+        match self.law() {
             #[cfg(feature = "alloc")]
             Law::Map(map) => map.length_bounds(piece),
             _ => (None, None),
@@ -170,7 +191,7 @@ impl<S: Scalar> Characteristic<S> {
     /// Gauge pressures in Pa between which a piece of the law holds; `None` where it has no end.
     #[cfg_attr(not(feature = "alloc"), expect(unused_variables, reason = "only a map has pieces"))]
     pub fn pressure_bounds(&self, piece: usize) -> (Option<S>, Option<S>) {
-        match &self.law {
+        match self.law() {
             #[cfg(feature = "alloc")]
             Law::Map(map) => map.pressure_bounds(piece),
             _ => (None, None),
@@ -179,21 +200,24 @@ impl<S: Scalar> Characteristic<S> {
 
     /// Energy in J that the bladder holds at a length in m.
     pub fn stored_energy<T: Over<S>>(&self, length: T) -> T {
-        self.bladder.as_ref().map_or(T::zero(), |bladder| bladder.stored_energy(length))
+        self.bladder().map_or(T::zero(), |bladder| bladder.stored_energy(length))
     }
 }
 
 impl<S: Scalar> StaticForce<S> for Characteristic<S> {
     #[inline(always)]
     fn force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
-        let force = match &self.law {
-            Law::IdealBraid => -gauge.0 * self.volume_slope(length),
-            Law::TonduLopez(law) => law.force(length, gauge),
-            Law::Sarosi(law) => law.force(length, gauge),
+        let ideal = IdealBraid { braid: self.braid }.force(length, gauge);
+        let Some(beyond) = &self.beyond else { return ideal };
+        let force = match (&beyond.law, &beyond.wall) {
+            (Law::IdealBraid, None) => ideal,
+            (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.volume_slope(&self.braid, length),
+            (Law::TonduLopez(law), _) => law.force(length, gauge),
+            (Law::Sarosi(law), _) => law.force(length, gauge),
             #[cfg(feature = "alloc")]
-            Law::Map(map) => map.force(length, gauge),
+            (Law::Map(map), _) => map.force(length, gauge),
         };
-        match &self.bladder {
+        match &beyond.bladder {
             None => force,
             Some(bladder) => force + bladder.tension(length),
         }
@@ -201,15 +225,17 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
 
     #[inline(always)]
     fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
-        let stiffness = match (&self.law, &self.wall) {
-            (Law::IdealBraid, None) => IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge),
+        let ideal = IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge);
+        let Some(beyond) = &self.beyond else { return ideal };
+        let stiffness = match (&beyond.law, &beyond.wall) {
+            (Law::IdealBraid, None) => ideal,
             (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
             (Law::TonduLopez(law), _) => law.secant_stiffness(length, from, gauge),
             (Law::Sarosi(law), _) => law.secant_stiffness(length, from, gauge),
             #[cfg(feature = "alloc")]
             (Law::Map(map), _) => map.secant_stiffness(length, from, gauge),
         };
-        match &self.bladder {
+        match &beyond.bladder {
             None => stiffness,
             Some(bladder) => stiffness + bladder.secant_stiffness(length, from),
         }
