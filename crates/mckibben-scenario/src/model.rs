@@ -6,7 +6,7 @@ use crate::document::Document;
 use crate::scenario::{
     Command, Effectiveness, Force, InitialLength, Load, Motion, Passage, Process, Run, Scenario, Supply, Valve,
 };
-use mckibben::force::{self, Characteristic, Effective, LengthLimits};
+use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{self, Actuation, Initial, Rig, State};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};

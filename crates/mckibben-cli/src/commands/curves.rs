@@ -21,6 +21,7 @@ use crate::report::{Data, Table, number, typeset};
 use crate::settings::Setting;
 use crate::terminal;
 use clap::ValueEnum;
+use mckibben::force::Statics;
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};

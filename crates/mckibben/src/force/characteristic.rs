@@ -21,7 +21,7 @@
 
 #[cfg(feature = "alloc")]
 use super::ForceMap;
-use super::{Bladder, IdealBraid, Sarosi, StaticForce, TonduLopez, Wall};
+use super::{Bladder, IdealBraid, Sarosi, StaticForce, Statics, TonduLopez, Wall};
 use crate::braid::Braid;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -56,7 +56,7 @@ pub struct Piece {
 pub struct Characteristic<S = f64> {
     /// The braid's geometry.
     pub braid: Braid<S>,
-    /// What makes it more than the ideal braid. The ideal braid is worked out in any case, so that it costs one test.
+    /// What makes it more than the ideal braid: one test tells.
     beyond: Option<Beyond<S>>,
 }
 
@@ -136,32 +136,9 @@ impl<S: Scalar> Characteristic<S> {
         self.beyond.as_ref().and_then(|beyond| beyond.bladder.as_ref())
     }
 
-    /// Length in m at which the model ends: the braid is straight, or the wall has closed the bore.
-    #[inline(always)]
-    pub fn end_length(&self) -> S {
-        self.wall().map_or(self.braid.thread_length(), Wall::closed_length)
-    }
-
-    /// Volume of the gas in m³ at a length in m.
-    #[inline(always)]
-    pub fn volume<T: Over<S>>(&self, length: T) -> T {
-        self.volume_and_slope(length)[0]
-    }
-
-    /// Its slope over length in m²: negative where the gas pulls the ends together.
-    #[inline(always)]
-    pub fn volume_slope<T: Over<S>>(&self, length: T) -> T {
-        self.volume_and_slope(length)[1]
-    }
-
-    /// Volume of the gas in m³ and its slope over length in m².
-    #[inline(always)]
-    pub fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2] {
-        let of_braid = [self.braid.volume(length), self.braid.volume_slope(length)];
-        match self.wall() {
-            None => of_braid,
-            Some(wall) => [wall.volume(&self.braid, length), wall.volume_slope(&self.braid, length)],
-        }
+    /// The ideal braid, if there is nothing else.
+    pub fn ideal(&self) -> Option<IdealBraid<S>> {
+        self.beyond.is_none().then_some(IdealBraid { braid: self.braid })
     }
 
     /// The force in N by the formula of one piece of the law, smoothly continued beyond the piece's bounds.
@@ -207,10 +184,10 @@ impl<S: Scalar> Characteristic<S> {
 impl<S: Scalar> StaticForce<S> for Characteristic<S> {
     #[inline(always)]
     fn force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
-        let ideal = IdealBraid { braid: self.braid }.force(length, gauge);
-        let Some(beyond) = &self.beyond else { return ideal };
+        let ideal = IdealBraid { braid: self.braid };
+        let Some(beyond) = &self.beyond else { return ideal.force(length, gauge) };
         let force = match (&beyond.law, &beyond.wall) {
-            (Law::IdealBraid, None) => ideal,
+            (Law::IdealBraid, None) => ideal.force(length, gauge),
             (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.volume_slope(&self.braid, length),
             (Law::TonduLopez(law), _) => law.force(length, gauge),
             (Law::Sarosi(law), _) => law.force(length, gauge),
@@ -225,10 +202,10 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
 
     #[inline(always)]
     fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
-        let ideal = IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge);
-        let Some(beyond) = &self.beyond else { return ideal };
+        let ideal = IdealBraid { braid: self.braid };
+        let Some(beyond) = &self.beyond else { return ideal.secant_stiffness(length, from, gauge) };
         let stiffness = match (&beyond.law, &beyond.wall) {
-            (Law::IdealBraid, None) => ideal,
+            (Law::IdealBraid, None) => ideal.secant_stiffness(length, from, gauge),
             (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
             (Law::TonduLopez(law), _) => law.secant_stiffness(length, from, gauge),
             (Law::Sarosi(law), _) => law.secant_stiffness(length, from, gauge),
@@ -238,6 +215,22 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
         match &beyond.bladder {
             None => stiffness,
             Some(bladder) => stiffness + bladder.secant_stiffness(length, from),
+        }
+    }
+}
+
+impl<S: Scalar> Statics<S> for Characteristic<S> {
+    /// The braid is straight, or the wall has closed the bore.
+    #[inline(always)]
+    fn end_length(&self) -> S {
+        self.wall().map_or(self.braid.thread_length(), Wall::closed_length)
+    }
+
+    #[inline(always)]
+    fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2] {
+        match self.wall() {
+            None => IdealBraid { braid: self.braid }.volume_and_slope(length),
+            Some(wall) => [wall.volume(&self.braid, length), wall.volume_slope(&self.braid, length)],
         }
     }
 }

@@ -41,6 +41,28 @@ pub trait StaticForce<S: Scalar> {
     fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T;
 }
 
+/// Everything static about an actuator: its law of force, and the volume of its gas.
+pub trait Statics<S: Scalar>: StaticForce<S> {
+    /// Length in m at which the model ends.
+    fn end_length(&self) -> S;
+
+    /// Volume of the gas in m³ at a length in m, and its slope over length in m²: negative where the gas pulls the ends
+    /// together.
+    fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2];
+
+    /// Volume of the gas in m³ at a length in m.
+    #[inline(always)]
+    fn volume<T: Over<S>>(&self, length: T) -> T {
+        self.volume_and_slope(length)[0]
+    }
+
+    /// Slope of that volume over length in m².
+    #[inline(always)]
+    fn volume_slope<T: Over<S>>(&self, length: T) -> T {
+        self.volume_and_slope(length)[1]
+    }
+}
+
 /// `(e^z − 1)/z`, which is 1 at zero: what a secant of an exponential is made of.
 #[inline(always)]
 fn relative_exponential<S: Scalar>(z: S) -> S {

@@ -13,6 +13,7 @@
 
 use super::kernel::{Held, Method};
 use super::rig::Rig;
+use crate::force::Statics;
 use crate::load::Load;
 use crate::scalar::{Mask, Real, Scalar};
 
@@ -186,7 +187,7 @@ struct Turn<R> {
     at_limit: bool,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
     pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {

@@ -15,7 +15,7 @@
 
 use super::mode::Extent;
 use super::trajectory::Trajectory;
-use crate::force::StaticForce;
+use crate::force::{StaticForce, Statics};
 use crate::scalar::Real;
 
 /// Where the work of the gas went, in J, and the air, in kg.

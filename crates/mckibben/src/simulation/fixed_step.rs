@@ -15,6 +15,7 @@ use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::timetable::{Progress, Timetable};
 use crate::error::Error;
+use crate::force::Statics;
 use crate::load::Line;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Ports;

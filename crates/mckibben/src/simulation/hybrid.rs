@@ -20,6 +20,7 @@ use super::system::{GuardForm, Guards, HybridSystem};
 use super::timetable::Progress;
 use crate::air::Process;
 use crate::error::Error;
+use crate::force::Statics;
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};

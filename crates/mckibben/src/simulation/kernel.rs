@@ -24,6 +24,7 @@
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Statics;
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Over, Scalar};
 use crate::valve::Port;
@@ -81,7 +82,7 @@ pub(crate) struct Observed<S> {
     pub(crate) flow: Flow<S>,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Time derivatives of the four states, by selects: whatever the mode.
     #[inline(always)]
     pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {

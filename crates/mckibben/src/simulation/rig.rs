@@ -19,6 +19,7 @@ use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
+use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::load::Load;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -37,8 +38,8 @@ pub struct Actuation<S = f64> {
 
 /// One actuator, what drives its valve, and its load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rig<S = f64> {
-    actuator: Actuator<S>,
+pub struct Rig<S = f64, L = Characteristic<S>> {
+    actuator: Actuator<S, L>,
     actuation: Option<Actuation<S>>,
     load: Load<S>,
 }
@@ -190,9 +191,17 @@ impl<S: Scalar> Rig<S> {
         Rig { actuator: self.actuator.convert(convert), actuation: None, load: self.load.convert(convert) }
     }
 
+    /// The same rig with the ideal braid for its law, if that is its law.
+    pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
+        let actuator = self.actuator.ideal()?;
+        Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone() })
+    }
+}
+
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The actuator.
     #[inline(always)]
-    pub fn actuator(&self) -> &Actuator<S> {
+    pub fn actuator(&self) -> &Actuator<S, L> {
         &self.actuator
     }
 
