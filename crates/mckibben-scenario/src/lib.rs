@@ -65,10 +65,10 @@ pub use choice::{
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
-pub use model::Experiment;
+pub use model::{Experiment, JointExperiment};
 pub use scenario::{
-    Actuator, Air, Bladder, Command, Effectiveness, Force, Friction, Initial, InitialLength, Limit, Load, Motion,
-    Passage, Process, Run, Scenario, Supply, TonduLopezCoefficients, Valve,
+    Actuator, Air, Antagonist, Bladder, Command, Effectiveness, Force, Friction, Initial, InitialAngle, InitialLength,
+    Joint, Limit, Load, Motion, Passage, Process, Pulley, Run, Scenario, Supply, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

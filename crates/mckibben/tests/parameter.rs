@@ -64,6 +64,11 @@ fn units_are_si() {
         "W/K",
         "J/(kg*K)",
         "m^3/(s*Pa)",
+        "rad/s",
+        "kg*m^2",
+        "N*m",
+        "N*m/rad",
+        "N*m*s/rad",
     ];
     for row in TABLE {
         assert!(si.contains(&row.unit), "{}: {:?} is not an SI unit that is known here", row.key, row.unit);

@@ -98,6 +98,12 @@ pub enum EventKind {
     Effectiveness,
     /// The length or the pressure passed a line of a measured force map; the outer ones are its hull.
     ForceMap,
+    /// A joint came to a stop, or pressed it again.
+    StopReached,
+    /// A stop ceased to press while the joint came back.
+    StopRebound,
+    /// The joint left a stop.
+    StopLeft,
 }
 
 impl EventKind {
@@ -119,6 +125,9 @@ impl EventKind {
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
             Self::ForceMap => "force-map",
+            Self::StopReached => "stop",
+            Self::StopRebound => "stop-rebound",
+            Self::StopLeft => "stop-left",
         }
     }
 }
