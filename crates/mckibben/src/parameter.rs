@@ -139,10 +139,10 @@ parameters! {
         "Tondu & Lopez (2000)", "give a factor such as 1.1, or 1 for a cylinder up to its ends";
     END_FACTOR_RISE = "actuator.force.end_factor_rise", "k_r", "", Range::FINITE, Some(0.0),
         "Excess of the end factor at zero gauge pressure over that at high pressure.",
-        "after Tondu & Lopez (2000)", "give zero for an end factor that does not depend on pressure";
+        "assumed", "give zero for an end factor that does not depend on pressure";
     END_FACTOR_PRESSURE = "actuator.force.end_factor_pressure", "P_k", "Pa", Range::POSITIVE, Some(1e5),
         "Gauge pressure over which that excess falls by the factor e.",
-        "after Tondu & Lopez (2000), whose unit is the bar", "give a pressure such as 1 bar";
+        "assumed", "give a pressure such as 1 bar";
     INITIAL_RADIUS = "actuator.force.radius", "r_0", "m", Range::POSITIVE, None,
         "Radius of the muscle at its longest; that of the braid when absent.",
         "Tondu & Lopez (2000)", "give half the diameter at max_length";
@@ -154,7 +154,7 @@ parameters! {
         "Tondu & Lopez (2000)", "give a factor above zero, with `a` and `radius`";
     SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
         "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
-        "Sarosi (2012)", "give six finite numbers";
+        "after Sarosi (2015)", "give six finite numbers";
     MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
         "Gauge pressures of a measured force map, strictly rising.",
         "choice of the measurement", "give 2 to 24 pressures in rising order";
@@ -166,10 +166,10 @@ parameters! {
         "choice of the measurement", "give as many as there are lengths times pressures";
     BLADDER_FORCE = "actuator.bladder.force", "K_0", "N", Range::NON_NEGATIVE, None,
         "Force that the bladder's resistance to contraction is measured by.",
-        "elementary elasticity", "give zero or more";
+        "assumed", "give zero or more";
     BLADDER_SCALE = "actuator.bladder.scale", "s", "", Range::POSITIVE, None,
         "Contraction over which the bladder's resistance saturates or stiffens.",
-        "elementary elasticity", "give a contraction above zero, such as 0.05";
+        "assumed", "give a contraction above zero, such as 0.05";
     EFFECTIVENESS = "actuator.effectiveness.constant", "Eff", "", Range::NON_NEGATIVE, Some(1.0),
         "Measured force over ideal force.",
         "paper, (9); the default is assumed", "give a ratio such as 0.9";

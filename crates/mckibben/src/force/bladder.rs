@@ -17,7 +17,8 @@
 //! back: a braid with a bladder is conservative. It counts on top of any law, and an effectiveness multiplies the sum.
 //! Where it pushes harder than the gas pulls, the tension is zero: a tendon cannot push.
 //!
-//! The forms are the elementary ones; K₀ and s are fitted to the force that is missing at rest.
+//! The forms are assumed, as the simplest of their kind, after no publication; K₀ and s are fitted to the force that is
+//! missing at rest.
 //! Checked by `tests/laws.rs`: transcription, energy against force, closed cycle, limits of `s`, dual against finite
 //! difference, secant.
 

@@ -21,8 +21,10 @@
 //!
 //! A measured map is the gradient of no volume of the gas: the energy audit says what it takes, or gives.
 //!
-//! Source of the monotone condition: R. E. Carlson & F. N. Fritsch, "Monotone piecewise bicubic interpolation", SIAM J.
-//! Numer. Anal. 22, 386–400 (1985), of which the one here is a sufficient form without twists.
+//! Source: monotone bicubic surfaces with conditions on their slopes are R. E. Carlson & F. N. Fritsch's, "Monotone
+//! piecewise bicubic interpolation", SIAM J. Numer. Anal. 22, 386–400 (1985), and "Monotonicity preserving bicubic
+//! interpolation: a progress report", Comput. Aided Geom. Des. 2, 117–121 (1985), doi:10.1016/0167-8396(85)90014-7. The
+//! condition here is derived for surfaces without twists, and is sufficient, not necessary.
 //! Checked by `tests/force_map.rs`: through its nodes, a plane, against the Hermite formula, monotone on random maps,
 //! slopes continuous, derivatives, secant, both engines with its borders as events.
 

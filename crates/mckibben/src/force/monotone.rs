@@ -4,7 +4,8 @@
 //! three-point rule, kept from changing sign and from overshooting.
 //!
 //! Source: F. N. Fritsch & J. Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM J.
-//! Sci. Stat. Comput. 5, 300–304 (1984). Checked by `tests/force.rs`, against SciPy's interpolant.
+//! Sci. Stat. Comput. 5, 300–304 (1984), with the ends of SciPy's `PchipInterpolator`.
+//! Checked by `tests/force.rs`, against SciPy's interpolant.
 
 use crate::scalar::Scalar;
 

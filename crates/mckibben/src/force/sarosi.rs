@@ -13,12 +13,13 @@
 //! | a₃ | `coefficients[2]` | 1/% |
 //! | a₄ | `coefficients[3]` | N/(Pa %) |
 //!
-//! The contraction is in percent, as its source has it. The law holds within the pressures and contractions that its
+//! The contraction is in percent. The law holds within the pressures and contractions that its
 //! coefficients were fitted to, and says nothing of the muscle's volume: no potential of the air gives it, so a cycle in
 //! pressure and length gains or loses energy against the air, and the energy audit says how much.
 //!
-//! Source: J. Sárosi, "New approximation algorithm for the force of fluidic muscles", 7th IEEE International Symposium
-//! on Applied Computational Intelligence and Informatics, 229–233 (2012).
+//! Source: after J. Sárosi, "Elimination of the hysteresis effect of PAM actuator: modelling and experimental studies",
+//! Tehnički vjesnik 22(6), 1489–1494 (2015), doi:10.17559/TV-20140716143627, of which only the abstract was at hand. That
+//! the formula is this one, term by term, is assumed: compare it with the publication that your coefficients are from.
 //! Checked by `tests/laws.rs`: transcription in kPa, dual against finite difference, secant.
 
 use super::{StaticForce, relative_exponential};

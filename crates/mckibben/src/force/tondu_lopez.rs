@@ -9,7 +9,7 @@
 //! With `k = 1` and the `a`, `b` and `r₀` of a braid it is the ideal law, written over contraction. A real muscle
 //! tapers towards its fittings, so that its middle contracts more than its ends show: `k` above 1 says by how much, and
 //! lowers the largest contraction to `(1 − √(b/a))/k`. At low pressure the bladder holds back more than later; then `k`
-//! falls with pressure to its limit, with `P_k` of 1 bar in the source's `e^(−P)`.
+//! falls with pressure to its limit.
 //!
 //! | symbol | name in code | unit |
 //! |---|---|---|
@@ -26,8 +26,9 @@
 //! in pressure and length gains or loses energy against the air, and the energy audit says how much.
 //!
 //! Source: B. Tondu & P. Lopez, "Modeling and control of McKibben artificial muscle robot actuators", IEEE Control
-//! Systems Magazine 20(2), 15–38 (2000). The exponential fall of `k` is quoted after it in the literature on fluidic
-//! muscles with the pressure in bar.
+//! Systems Magazine 20(2), 15–38 (2000), doi:10.1109/37.833638, for the law with `k = 1`, `a` and `b`, which two public
+//! implementations repeat; the article itself was not at hand. Assumed: that `k` stands where it does here, and the
+//! exponential fall with pressure.
 //! Checked by `tests/laws.rs`: transcription, the ideal braid at `k = 1`, its largest contraction, dual against finite
 //! difference, secant.
 

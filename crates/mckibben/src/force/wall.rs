@@ -5,7 +5,7 @@
 //! −dV/dL = (3L² − b²)/(4πn²) + π [t (2D − D₀²/D) − t²]         D₀ = b/(nπ)
 //! ```
 //!
-//! With `D = D₀ sin θ` the second line times `P_g` is the law of Chou & Hannaford,
+//! With `D = D₀ sin θ` the second line times `P_g` is Chou & Hannaford's law of a thick wall,
 //! `F = π D₀² P_g/4 (3 cos² θ − 1) + π P_g [D₀ t (2 sin θ − 1/sin θ) − t²]`.
 //!
 //! | symbol | name in code | unit |
@@ -13,14 +13,15 @@
 //! | t | `thickness` | m |
 //! | D, D₀ | of the [`Braid`], the latter at θ = 90° | m |
 //!
-//! The wall keeps its thickness, as in the source. (Rubber keeps its volume instead; the braid's volume and the gas's
+//! The wall keeps its thickness. (Rubber keeps its volume instead; the braid's volume and the gas's
 //! then differ by a constant and the force is the one without a wall.) The force is the gradient of `P_g V` with the gas's
 //! own volume: virtual work holds.
 //!
 //! Valid while the bore is open, `D > 2t`, which is below `L = √(b² − (2nπt)²)`. There, as where a braid without a wall
 //! is pulled straight, the model ends.
 //! Source: C.-P. Chou & B. Hannaford, "Measurement and modeling of McKibben pneumatic artificial muscles", IEEE
-//! Transactions on Robotics and Automation 12(1), 90–102 (1996), with wall thickness.
+//! Transactions on Robotics and Automation 12(1), 90–102 (1996). The article was not at hand: the force here is derived from
+//! the volume above, and that it is theirs is assumed.
 //! Checked by `tests/laws.rs`: transcription over the braid angle, virtual work, the thin wall, dual against finite
 //! difference, secant.
 
