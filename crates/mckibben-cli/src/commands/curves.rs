@@ -25,7 +25,7 @@ use mckibben::force::Statics;
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
-use mckibben_scenario::{Document, Scenario};
+use mckibben_scenario::{Document, Force, Scenario};
 pub use pressures::{Pressure, Pressures};
 use std::path::{Path, PathBuf};
 
@@ -84,19 +84,20 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let experiment = document.experiment()?;
     let pressures = arguments.pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
+    let notes = [beyond_ideal(&scenario.actuator), assumed(&document)];
+    let notes = notes.into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join(" ");
     if let Some(path) = &arguments.output {
         let csv = curves.data().to_csv().map_err(|error| Failure::output(path, error))?;
         output::write(path, &csv)?;
     }
     if let Some(path) = &arguments.plot {
-        let figure = curves.figure(arguments.over, &assumed(&document));
+        let figure = curves.figure(arguments.over, &notes);
         figure.write(path, Theme::Light).map_err(|error| Failure::output(path, error))?;
     }
     let points = operating_points(&scenario, &experiment.rig, experiment.start.length, pressures)?;
     let mut text = format!("{}\n{}", curves.table().to_text_with_caption(), points);
-    let assumed = assumed(&document);
-    if !assumed.is_empty() {
-        text.push_str(&format!("\n{}\n", terminal::wrap(&assumed, "", terminal::width())));
+    if !notes.is_empty() {
+        text.push_str(&format!("\n{}\n", terminal::wrap(&notes, "", terminal::width())));
     }
     for path in arguments.output.iter().chain(&arguments.plot) {
         text.push_str(&format!("{} {}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
@@ -128,6 +129,29 @@ fn assumed(document: &Document) -> String {
     let words: Vec<String> =
         of_actuator.map(|each| format!("{} = {}", each.parameter.symbol, typeset(&each.text))).collect();
     if words.is_empty() { String::new() } else { format!("Assumed: {}.", words.join(", ")) }
+}
+
+/// What the actuator has beyond the ideal braid as a sentence; empty when that is all.
+fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
+    let law = match &actuator.force {
+        Force::IdealBraid => None,
+        Force::TonduLopez { .. } => Some("law of Tondu & Lopez".to_owned()),
+        Force::Sarosi(_) => Some("law of Sárosi".to_owned()),
+        Force::Map { gauge_pressure, length, .. } => {
+            let span = |list: &[f64], factor: f64, decimals| {
+                let ends =
+                    [list.first(), list.last()].map(|end| number(factor * end.copied().unwrap_or(0.0), decimals));
+                ends.join(" to ")
+            };
+            let (lengths, pressures) = (span(length, 1e3, 1), span(gauge_pressure, 1e-3, 0));
+            Some(format!("force map of {lengths} mm and {pressures} kPa, a plane outside"))
+        }
+    };
+    let bladder = actuator.bladder.map(|bladder| format!("{} bladder", bladder.form.name()));
+    let thickness = actuator.wall_thickness;
+    let wall = (thickness > 0.0).then(|| format!("wall of {} mm", number(1e3 * thickness, 2)));
+    let words: Vec<String> = [law, bladder, wall].into_iter().flatten().collect();
+    if words.is_empty() { String::new() } else { format!("Beyond the ideal braid: {}.", words.join("; ")) }
 }
 
 /// An actuator at several pressures.
@@ -210,7 +234,7 @@ impl Curves<'_> {
         }
     }
 
-    fn figure(&self, over: Over, assumed: &str) -> Figure {
+    fn figure(&self, over: Over, notes: &str) -> Figure {
         let lengths = self.lengths();
         let (axis, x): (Axis, Vec<f64>) = match over {
             Over::Length => (Axis::new("length", "mm"), lengths.iter().map(|length| 1e3 * length).collect()),
@@ -240,7 +264,7 @@ impl Curves<'_> {
         let volume = Panel::new(Axis::new("volume inside", "cm³"))
             .series(Series::line("", x.clone(), inside).colour(Colour::Neutral))
             .height_mm(24.0);
-        Figure::new(axis).caption(assumed).size_mm(120.0, 44.0).panel(force).panel(stiffness).panel(volume)
+        Figure::new(axis).caption(notes).size_mm(120.0, 44.0).panel(force).panel(stiffness).panel(volume)
     }
 }
 
