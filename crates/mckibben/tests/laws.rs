@@ -7,7 +7,7 @@ mod laws;
 
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
 use laws::{BLADDER, COEFFICIENTS, END_FACTOR, WALL, all, bladder, tondu_lopez, walled};
-use mckibben::force::{Bladder, BladderForm, EndFactor, IdealBraid, LengthLimits, Sarosi, StaticForce, Wall};
+use mckibben::force::{Bladder, BladderForm, EndFactor, IdealBraid, LengthLimits, Sarosi, StaticForce, Statics, Wall};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, InitialLength, Method};
 use mckibben::{Braid, Dual, Error, GaugePressure};

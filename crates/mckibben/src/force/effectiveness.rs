@@ -10,7 +10,7 @@
 //! | polynomial | `e₀ + e₁ P_g + e₂ P_g² + …` with `P_g` in Pa | goes on |
 //! | table | monotone cubic through `(P_g, e)` (Fritsch & Carlson), never overshoots | constant |
 //!
-//! The slopes of the table at its knots are the weighted harmonic means of Fritsch & Butland (1984), with their
+//! The slopes of the table at its knots are the weighted harmonic means of Fritsch & Butland (1984), with a
 //! three-point rule at the ends; this is the interpolant that SciPy calls PCHIP.
 //! A factor that depends on pressure at fixed geometry makes the law non-conservative: the energy audit shows by how
 //! much.
