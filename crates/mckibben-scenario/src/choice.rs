@@ -54,6 +54,19 @@ words! {
     HysteresisLaw {
         MaxwellSlip = "maxwell-slip", "Elastic elements that slip: the stop operators of Prandtl and Ishlinskii.";
     }
+    /// The law of static force.
+    ForceLaw {
+        IdealBraid = "ideal-braid", "Virtual work of the gas on the braid: the paper's law.";
+        TonduLopez = "tondu-lopez", "The ideal braid with a factor on the contraction for the taper of the ends.";
+        Sarosi = "sarosi", "A surface of six coefficients through measured forces.";
+        Map = "map", "A smooth monotone surface through tensions measured on a grid.";
+    }
+    /// How the bladder's resistance grows with contraction.
+    BladderForm {
+        Linear = "linear", "In proportion to contraction.";
+        Saturating = "saturating", "Up to a largest force.";
+        Exponential = "exponential", "Ever more steeply.";
+    }
     /// How a valve joins the actuator to supply and exhaust.
     ValveKind {
         ThreeWay = "three-way", "Joined to the supply when energised and to the exhaust when not.";

@@ -1,6 +1,6 @@
 //! The modular actuator: valve state in, force out.
 //!
-//! Everything that one actuator is, composed: static force with effectiveness (9), friction (12), length limits
+//! Everything that one actuator is, composed: a law of static force with effectiveness (9), friction (12), length limits
 //! (10)(14), air (19) and valve (21). Parameters are immutable; the state, and whether the passages are open, belong to
 //! the caller. A robot simulator needs one call:
 //!
@@ -19,7 +19,7 @@ use crate::air::{Air, Chamber, Flow};
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
+use crate::force::{Characteristic, Effective, IdealBraid, LengthLimits, StaticForce, Statics};
 use crate::friction::{Friction, Memory, Pressing, Rubbing, Touch};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -27,9 +27,11 @@ use crate::scalar::{Mask, Over, Scalar};
 use crate::valve::{Beyond, Port, Ports, Valve};
 
 /// One braided pneumatic actuator with its air and, if it has one, its valve.
+///
+/// `L` is what is static about it. Whoever steps many ideal braids may name that law here and spares the choice of law.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Actuator<S = f64> {
-    law: Effective<IdealBraid<S>, S>,
+pub struct Actuator<S = f64, L = Characteristic<S>> {
+    law: Effective<L, S>,
     limits: LengthLimits<S>,
     friction: Friction<S>,
     external_volume: S,
@@ -82,13 +84,14 @@ impl Actuator {
     /// # Errors
     /// [`Error::OutOfRange`] unless `external_volume` (m³) is above zero.
     pub fn new(
-        law: Effective<IdealBraid>,
+        law: Effective<impl Into<Characteristic>>,
         limits: LengthLimits,
         friction: Friction,
         external_volume: f64,
         air: Air,
     ) -> Result<Self, Error> {
         let external_volume = parameter::EXTERNAL_VOLUME.check(external_volume)?;
+        let law = Effective { law: law.law.into(), effectiveness: law.effectiveness };
         Ok(Self { law, limits, friction, external_volume, air, valve: None })
     }
 
@@ -107,7 +110,7 @@ impl<S: Scalar> Actuator<S> {
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuator<T> {
         Actuator {
             law: Effective {
-                law: IdealBraid { braid: self.law.law.braid.convert(convert) },
+                law: self.law.law.convert(convert),
                 effectiveness: self.law.effectiveness.convert(convert),
             },
             limits: self.limits.convert(convert),
@@ -118,9 +121,19 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
+    /// The same actuator with the ideal braid for its law, if that is its law.
+    pub fn ideal(&self) -> Option<Actuator<S, IdealBraid<S>>> {
+        let ideal = self.law.law.ideal()?;
+        let Self { law: Effective { effectiveness, .. }, limits, friction, external_volume, air, valve } = self.clone();
+        let law = Effective { law: ideal, effectiveness };
+        Some(Actuator { law, limits, friction, external_volume, air, valve })
+    }
+}
+
+impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
     /// The static force law with its effectiveness.
     #[inline(always)]
-    pub fn law(&self) -> &Effective<IdealBraid<S>, S> {
+    pub fn law(&self) -> &Effective<L, S> {
         &self.law
     }
 
@@ -200,26 +213,33 @@ impl<S: Scalar> Actuator<S> {
         (least, (middle + bound).larger(T::zero()))
     }
 
-    /// The sum of (12) as the threads rub, for a given taut branch and effectiveness, before it is kept from pushing.
+    /// The sum of (12) as the threads rub, for a given taut branch, and effectiveness and force of the law (N), before it is
+    /// kept from pushing.
     #[inline(always)]
     pub fn signed_force<T: Over<S>>(
         &self,
         [length, velocity, pressure]: [T; 3],
         rubbing: impl Into<Rubbing<T>>,
         taut: S::Mask,
-        effectiveness: T,
+        [effectiveness, law_force]: [T; 2],
     ) -> T {
-        let gauge = self.gauge(pressure);
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
-        let ideal = &self.law.law;
-        let mut force = effectiveness * ideal.force(length, gauge) + limit + self.friction.viscous_force(velocity);
+        let mut force = effectiveness * law_force + limit + self.friction.viscous_force(velocity);
         if self.friction.has_direction() {
-            let secant = ideal.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
+            let gauge = self.gauge(pressure);
+            let secant = self.law.law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
             let rubbing = rubbing.into();
             let pressing = Pressing::new(effectiveness * secant, gauge.0, rubbing.touch);
             force = force + self.friction.dry_force(rubbing, velocity, pressing);
         }
         force
+    }
+
+    /// Effectiveness and force of the law in N, whose product is the static force (9).
+    #[inline(always)]
+    pub fn factors<T: Over<S>>(&self, length: T, pressure: T) -> [T; 2] {
+        let gauge = self.gauge(pressure);
+        [self.law.effectiveness.at(gauge), self.law.law.force(length, gauge)]
     }
 
     /// Force of the hysteresis over the secant stiffness in m, for the ends at `distance` (m), if there is such a law.
@@ -260,23 +280,23 @@ impl<S: Scalar> Actuator<S> {
         let taut =
             T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
         let ends = [self.limits.actuator_length(distance), velocity, pressure];
-        let force = self.signed_force(ends, rubbing, taut, self.law.effectiveness.at(self.gauge(pressure)));
+        let force = self.signed_force(ends, rubbing, taut, self.factors(ends[0], pressure));
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
 
     /// Volume of braid and hose in m³ for the ends at `distance`.
     #[inline(always)]
     pub fn volume<T: Over<S>>(&self, distance: T) -> T {
-        self.law.law.braid.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
+        self.law.law.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
     }
 
     /// The contents at an instant. A slack actuator rests at its shortest: its volume does not change.
     #[inline(always)]
     pub fn chamber<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, mass: T, slack: S::Mask) -> Chamber<T> {
         let length = T::select(slack, T::of(self.limits.min_length()), distance);
-        let braid = &self.law.law.braid;
-        let volume = braid.volume(length) + T::of(self.external_volume);
-        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), braid.volume_slope(length) * velocity))
+        let [volume, slope] = self.law.law.volume_and_slope(length);
+        let volume = volume + T::of(self.external_volume);
+        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), slope * velocity))
     }
 
     /// `dP/dt` in Pa/s for a flow through the valve.

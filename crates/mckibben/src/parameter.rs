@@ -133,6 +133,45 @@ parameters! {
     EXTERNAL_VOLUME = "actuator.external_volume", "V_ext", "m^3", Range::POSITIVE, Some(3e-6),
         "Volume of hose and fittings that shares the actuator's air.",
         "assumed: the paper gives no hose volume", "give the hose's and fittings' volume, for instance 0.01 mL for none to speak of";
+    WALL_THICKNESS = "actuator.wall_thickness", "t", "m", Range::NON_NEGATIVE, Some(0.0),
+        "Thickness of the bladder's wall inside the braid, the same at any length.",
+        "Chou & Hannaford (1996); the paper has none", "give zero or more, below the braid's radius";
+    END_FACTOR = "actuator.force.end_factor", "k", "", Range::POSITIVE, Some(1.0),
+        "Contraction of the middle over that of the whole, which the taper of the ends makes larger than 1.",
+        "Tondu & Lopez (2000)", "give a factor such as 1.1, or 1 for a cylinder up to its ends";
+    END_FACTOR_RISE = "actuator.force.end_factor_rise", "k_r", "", Range::FINITE, Some(0.0),
+        "Excess of the end factor at zero gauge pressure over that at high pressure.",
+        "assumed", "give zero for an end factor that does not depend on pressure";
+    END_FACTOR_PRESSURE = "actuator.force.end_factor_pressure", "P_k", "Pa", Range::POSITIVE, Some(1e5),
+        "Gauge pressure over which that excess falls by the factor e.",
+        "assumed", "give a pressure such as 1 bar";
+    INITIAL_RADIUS = "actuator.force.radius", "r_0", "m", Range::POSITIVE, None,
+        "Radius of the muscle at its longest; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give half the diameter at max_length";
+    TONDU_LOPEZ_A = "actuator.force.a", "a", "", Range::POSITIVE, None,
+        "Factor of the pulling term, 3/tan^2 of the initial braid angle; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give a factor above zero, with `b` and `radius`";
+    TONDU_LOPEZ_B = "actuator.force.b", "b", "", Range::POSITIVE, None,
+        "Factor of the pushing term, 1/sin^2 of the initial braid angle; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give a factor above zero, with `a` and `radius`";
+    SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
+        "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
+        "after Sarosi (2015)", "give six finite numbers";
+    MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
+        "Gauge pressures of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 pressures in rising order";
+    MAP_LENGTH = "actuator.force.length", "L", "m", Range::POSITIVE, None,
+        "Lengths of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 lengths in rising order";
+    MAP_TENSION = "actuator.force.tension", "F", "N", Range::FINITE, None,
+        "Measured tensions: one for each length at the first pressure, then at the next.",
+        "choice of the measurement", "give as many as there are lengths times pressures";
+    BLADDER_FORCE = "actuator.bladder.force", "K_0", "N", Range::NON_NEGATIVE, None,
+        "Force that the bladder's resistance to contraction is measured by.",
+        "assumed", "give zero or more";
+    BLADDER_SCALE = "actuator.bladder.scale", "s", "", Range::POSITIVE, None,
+        "Contraction over which the bladder's resistance saturates or stiffens.",
+        "assumed", "give a contraction above zero, such as 0.05";
     EFFECTIVENESS = "actuator.effectiveness.constant", "Eff", "", Range::NON_NEGATIVE, Some(1.0),
         "Measured force over ideal force.",
         "paper, (9); the default is assumed", "give a ratio such as 0.9";

@@ -240,7 +240,7 @@ fn an_actuator_without_valve_or_volume() {
     let shut = sealed.respond(&state(&stand), stand.length, stand.velocity, SHUT);
     assert_eq!(sealed.respond(&state(&stand), stand.length, stand.velocity, BOTH), shut);
     let paper = Paper::sealed();
-    let law = *paper.actuator().law();
+    let law = paper.actuator().law().clone();
     let limits = *paper.actuator().limits();
     let friction = *paper.actuator().friction();
     let refused = mckibben::Actuator::new(law, limits, friction, 0.0, paper.air());

@@ -15,6 +15,7 @@
 mod body;
 mod course;
 mod drive;
+mod friction;
 mod joint;
 
 pub(crate) use body::GEOMETRY;

@@ -13,6 +13,7 @@
 
 use super::kernel::{Held, Method};
 use super::rig::Rig;
+use crate::force::Statics;
 use crate::load::Load;
 use crate::scalar::{Mask, Real, Scalar};
 
@@ -188,7 +189,7 @@ struct Turn<R> {
     at_limit: bool,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
     pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
@@ -260,7 +261,7 @@ impl<S: Scalar> Rig<S> {
     #[inline(always)]
     pub(crate) fn admissible(&self, state: &[S; 4]) -> S::Mask {
         let [length, velocity, pressure, mass] = *state;
-        let thread = self.actuator().law().law.braid.thread_length();
+        let thread = self.actuator().law().law.end_length();
         // What is infinite or not a number makes the sum so, and that less itself is not zero.
         let sum = (length + velocity) + (pressure + mass);
         (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass)

@@ -1,7 +1,8 @@
 //! The energy audit: where the work of the gas went, and the air.
 //!
 //! ```text
-//! ∫ P_g dV = ∫ (1 − Eff) P_g dV                    what effectiveness takes (or gives)
+//! ∫ P_g dV = ∫ (P_g dV + F_s dx) − ΔU              what the law of force takes (or gives): (1 − Eff) ∫ P_g dV, (9)
+//!          + ΔU                                    the bladder
 //!          + Δ(½ M v²) − W Δx                      the load (or −∫ F dx when its motion is given)
 //!          + Δ(½ K_braid (x − L_max)²)             the taut braid
 //!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
@@ -19,7 +20,7 @@ use super::mode::{Extent, Mode};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
-use crate::force::StaticForce;
+use crate::force::{StaticForce, Statics};
 use crate::friction::Touch;
 use crate::scalar::Real;
 
@@ -28,8 +29,11 @@ use crate::scalar::Real;
 pub struct EnergyAudit {
     /// `∫ P_g dV`, the work of the gas beyond that on the surroundings.
     pub gas_work: f64,
-    /// Work that an effectiveness below 1 takes out of the model, without a place to go.
+    /// Work that an effectiveness below 1 takes out of the model, without a place to go; and with a law of force that is
+    /// not the gradient of `P_g V`, what that law takes, or gives when negative.
     pub effectiveness_loss: f64,
+    /// Energy that the bladder gained.
+    pub bladder_storage: f64,
     /// Energy that the load gained, kinetic and potential; the work on it when its motion is given.
     pub load: f64,
     /// Energy that the taut braid gained.
@@ -59,7 +63,7 @@ pub struct EnergyAudit {
 impl EnergyAudit {
     /// What does not close, in J.
     pub fn residual(&self) -> f64 {
-        let stored = self.load + self.braid_storage + self.hysteresis_storage;
+        let stored = self.load + self.bladder_storage + self.braid_storage + self.hysteresis_storage;
         self.gas_work - self.effectiveness_loss - stored - self.dissipated()
     }
 
@@ -70,7 +74,7 @@ impl EnergyAudit {
 
     /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
     pub fn turnover(&self) -> f64 {
-        let stored = [self.load, self.braid_storage, self.hysteresis_storage];
+        let stored = [self.load, self.bladder_storage, self.braid_storage, self.hysteresis_storage];
         let others = [self.gas_work, self.effectiveness_loss, self.dissipated()];
         stored.iter().chain(&others).map(|term| term.abs()).sum()
     }
@@ -103,10 +107,10 @@ impl EnergyAudit {
             return work_on_ends;
         }
         let gauge = actuator.gauge(sample.pressure.0);
-        let ideal = -(law.law.force(sample.length, gauge) * velocity).value();
+        let gas_power = (gauge.0 * law.law.volume_slope(sample.length) * velocity).value();
         let static_force = law.force(sample.length, gauge);
-        self.gas_work += weight * ideal;
-        self.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
+        self.gas_work += weight * gas_power;
+        self.effectiveness_loss += weight * (gas_power + (static_force * velocity).value());
         let viscous = friction.viscous_force(velocity);
         let direction = R::constant(mode.sliding.direction());
         let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
@@ -129,10 +133,15 @@ impl EnergyAudit {
         work_on_ends
     }
 
-    /// Adds what the taut braid and the air gained between two samples.
+    /// Adds what the bladder, the taut braid and the air gained between two samples.
     pub(super) fn add_gains<R: Real>(&mut self, actuator: &Actuator<R>, start: &Sample<R>, end: &Sample<R>) {
         let limits = actuator.limits();
         self.braid_storage += (limits.stored_energy(end.length) - limits.stored_energy(start.length)).value();
+        let bladder =
+            |sample: &Sample<R>| actuator.law().law.stored_energy(limits.actuator_length(sample.length)).value();
+        let bladder_gain = bladder(end) - bladder(start);
+        self.bladder_storage += bladder_gain;
+        self.effectiveness_loss -= bladder_gain;
         self.air_gain += (end.air_mass - start.air_mass).value();
     }
 }

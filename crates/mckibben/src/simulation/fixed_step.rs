@@ -15,6 +15,7 @@ use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::timetable::{Progress, Timetable};
 use crate::error::Error;
+use crate::force::Statics;
 use crate::friction::Memory;
 use crate::load::Line;
 use crate::scalar::{Real, Scalar};
@@ -105,7 +106,7 @@ impl<R: Real> Walk<R> {
             if !rig.admissible(&self.course.state) {
                 let left = self.course;
                 self.course = before;
-                let thread = rig.actuator().law().law.braid.thread_length().value();
+                let thread = rig.actuator().law().law.end_length().value();
                 return Err(outside(thread, left.time.value(), left.state.map(Real::value)));
             }
             if instant.is_none() {

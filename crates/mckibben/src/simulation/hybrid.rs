@@ -93,6 +93,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             exhaust_zone: None,
             effectiveness_piece: self.member.effectiveness_piece(state[PRESSURE]),
             pressed: self.member.pressed(state[PRESSURE]),
+            force_piece: self.member.force_piece(state[LENGTH], state[PRESSURE]),
             extent: Extent::Free,
             sliding: Sliding::Held,
             clamped: false,

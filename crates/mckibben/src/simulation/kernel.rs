@@ -24,6 +24,7 @@
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Statics;
 use crate::friction::{Memory, Rubbing};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Over, Scalar};
@@ -85,7 +86,7 @@ pub(crate) struct Observed<S> {
     pub(crate) flow: Flow<S>,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Time derivatives of the four states, by selects: whatever the mode.
     #[inline(always)]
     pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {
@@ -105,9 +106,8 @@ impl<S: Scalar> Rig<S> {
             Load::HangingMass { .. } | Load::ConstantForce { .. } => {
                 let Some(inertia) = self.load().inertia() else { return [length, velocity, T::zero()] };
                 let actuator = self.actuator();
-                let effectiveness = actuator.law().effectiveness.at(actuator.gauge(pressure));
-                let rubbing = self.rubbing(length, held);
-                let force = actuator.signed_force(ends, rubbing, held.taut, effectiveness);
+                let factors = actuator.factors(length, pressure);
+                let force = actuator.signed_force(ends, self.rubbing(length, held), held.taut, factors);
                 let tension = T::select(held.slack, T::zero(), force.larger(T::zero()));
                 let acceleration = T::select(held.stuck, T::zero(), inertia.acceleration(tension));
                 [length, T::select(held.stuck, T::zero(), velocity), acceleration]

@@ -6,6 +6,7 @@
 //! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
 //! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
 //! | pressed | yes, no | the gauge pressure passes zero |
+//! | piece of a measured force map | 0, 1, … each way | length or pressure passes a line of the grid |
 //! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | clamped | yes, no | the sum of forces passes zero |
 //!
@@ -21,6 +22,7 @@ use super::sample::Sample;
 use super::system::GuardForm;
 use crate::actuator::Actuator;
 use crate::air::Process;
+use crate::force::Statics;
 use crate::friction::{Branch, Memory, Rubbing, Touch};
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
@@ -100,9 +102,9 @@ impl<'a, R: Real> Member<'a, R> {
         }
     }
 
-    /// Length in m at which the braid would be straight.
+    /// Length in m at which the braid would be straight, or its wall would close the bore.
     pub(super) fn thread_length(&self) -> R {
-        self.actuator.law().law.braid.thread_length()
+        self.actuator.law().law.end_length()
     }
 
     /// `P V/m` of a state, if the process keeps it.
@@ -143,8 +145,10 @@ impl<'a, R: Real> Member<'a, R> {
     #[inline(always)]
     pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
         let actuator = self.actuator;
-        let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(ends[2]));
-        actuator.signed_force(ends, self.rubbing(ends[0], mode, trace), mode.extent == Extent::Taut, effectiveness)
+        let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
+        let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
+        let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
+        actuator.signed_force(ends, self.rubbing(ends[0], mode, trace), mode.extent == Extent::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.
@@ -251,6 +255,10 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
             Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
             Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
+            Guard::MapShorter => length - self.map_length_bound(mode, false).map_or(length, T::of),
+            Guard::MapLonger => self.map_length_bound(mode, true).map_or(length, T::of) - length,
+            Guard::MapDown => pressure - self.map_pressure_bound(mode, false).map_or(pressure, T::of),
+            Guard::MapUp => self.map_pressure_bound(mode, true).map_or(pressure, T::of) - pressure,
             Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
             Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
             Guard::PressDown => pressure - T::of(self.press_bound(true)),
@@ -286,15 +294,27 @@ impl<'a, R: Real> Member<'a, R> {
                 Some(EventKind::Flow)
             }
             Guard::PieceDown | Guard::PieceUp => {
-                let piece = &mut mode.effectiveness_piece;
-                *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
+                step(&mut mode.effectiveness_piece, guard == Guard::PieceUp);
                 Some(EventKind::Effectiveness)
             }
             Guard::PressDown | Guard::PressUp => {
                 mode.pressed = guard == Guard::PressUp;
                 Some(EventKind::Press)
             }
+            Guard::MapShorter | Guard::MapLonger => {
+                step(&mut mode.force_piece.length, guard == Guard::MapLonger);
+                Some(EventKind::ForceMap)
+            }
+            Guard::MapDown | Guard::MapUp => {
+                step(&mut mode.force_piece.pressure, guard == Guard::MapUp);
+                Some(EventKind::ForceMap)
+            }
             _ => None,
         }
     }
+}
+
+/// Goes to the next piece or the one before.
+fn step(piece: &mut usize, up: bool) {
+    *piece = if up { *piece + 1 } else { piece.saturating_sub(1) };
 }

@@ -1,5 +1,6 @@
 //! The discrete state of an actuator on its load: which formulas hold.
 
+use crate::force::Piece;
 use crate::valve::{FlowZone, Ports};
 
 /// Where the distance between the attachments lies, (10) and (14).
@@ -55,6 +56,8 @@ pub struct Mode {
     pub effectiveness_piece: usize,
     /// Whether the gauge pressure presses the threads together, so that they rub; yes where there is no dry friction.
     pub pressed: bool,
+    /// The piece of a measured force map; none other has any.
+    pub force_piece: Piece,
     /// Slack, free or taut.
     pub extent: Extent,
     /// The direction of sliding, or sticking.
@@ -99,6 +102,8 @@ pub enum EventKind {
     Effectiveness,
     /// The gauge pressure passed zero: the threads rub from there on, or no longer.
     Press,
+    /// The length or the pressure passed a line of a measured force map; the outer ones are its hull.
+    ForceMap,
     /// A joint came to a stop, or pressed it again.
     StopReached,
     /// A stop ceased to press while the joint came back.
@@ -127,6 +132,7 @@ impl EventKind {
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
             Self::Press => "press",
+            Self::ForceMap => "force-map",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",
             Self::StopLeft => "stop-left",
@@ -179,4 +185,12 @@ pub enum Guard {
     PressDown,
     /// The gauge pressure rises above zero.
     PressUp,
+    /// The length leaves the piece of a force map downwards.
+    MapShorter,
+    /// The length leaves the piece of a force map upwards.
+    MapLonger,
+    /// The pressure leaves the piece of a force map downwards.
+    MapDown,
+    /// The pressure leaves the piece of a force map upwards.
+    MapUp,
 }

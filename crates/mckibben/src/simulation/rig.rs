@@ -19,6 +19,7 @@ use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
+use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::friction::Rubbing;
 use crate::load::Load;
 use crate::parameter::{self, Parameter};
@@ -38,8 +39,8 @@ pub struct Actuation<S = f64> {
 
 /// One actuator, what drives its valve, and its load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rig<S = f64> {
-    actuator: Actuator<S>,
+pub struct Rig<S = f64, L = Characteristic<S>> {
+    actuator: Actuator<S, L>,
     actuation: Option<Actuation<S>>,
     load: Load<S>,
 }
@@ -164,15 +165,19 @@ impl Rig {
         parameter::INITIAL_VELOCITY.check(initial.velocity)?;
         if let InitialLength::At(length) = initial.length {
             parameter::INITIAL_LENGTH.check(length)?;
-            let thread_length = self.actuator.law().law.braid.thread_length();
-            if length >= thread_length {
+            let law = &self.actuator.law().law;
+            let end_length = law.end_length();
+            if length >= end_length {
                 return Err(Error::Inconsistent {
                     parameter: &parameter::INITIAL_LENGTH,
                     value: length,
                     requirement: Requirement {
                         relation: "must be less than",
-                        other: parameter::THREAD_LENGTH.key,
-                        value: thread_length,
+                        other: match law.wall() {
+                            None => parameter::THREAD_LENGTH.key,
+                            Some(_) => "the length at which the wall closes the bore",
+                        },
+                        value: end_length,
                         unit: "m",
                     },
                     remedy: "start between 0 and the thread length, or at \"equilibrium\"",
@@ -200,9 +205,17 @@ impl<S: Scalar> Rig<S> {
         Rig { actuator: self.actuator.convert(convert), actuation: None, load: self.load.convert(convert) }
     }
 
+    /// The same rig with the ideal braid for its law, if that is its law.
+    pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
+        let actuator = self.actuator.ideal()?;
+        Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone() })
+    }
+}
+
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The actuator.
     #[inline(always)]
-    pub fn actuator(&self) -> &Actuator<S> {
+    pub fn actuator(&self) -> &Actuator<S, L> {
         &self.actuator
     }
 
@@ -278,7 +291,7 @@ impl<S: Real> Rig<S> {
             |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull;
         let at = |length: f64| surplus(S::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
-        let thread = self.actuator.law().law.braid.thread_length().value();
+        let thread = self.actuator.law().law.end_length().value();
         let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
         if at(bracket.1) < 0.0 {
             return Err(Error::Unsupported {

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use mckibben::air::{Air, Process};
-use mckibben::force::{Effective, Effectiveness, IdealBraid, LengthLimits};
+use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
 use mckibben::friction::{Coulomb, Friction, Hysteresis};
 use mckibben::load::Load;
 use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, Trajectory, simulate};
@@ -35,6 +35,8 @@ pub(crate) struct Paper {
     pub(crate) max_length: f64,
     pub(crate) limit_stiffness: f64,
     pub(crate) limit_damping: f64,
+    /// The ideal braid when `None`.
+    pub(crate) characteristic: Option<Characteristic>,
     pub(crate) effectiveness: Effectiveness,
     pub(crate) viscous: f64,
     pub(crate) coulomb_width: f64,
@@ -70,6 +72,7 @@ impl Paper {
             max_length: 3.85 * INCH,
             limit_stiffness: 1.75e5,
             limit_damping: 100.0,
+            characteristic: None,
             effectiveness: Effectiveness::Constant(1.0),
             viscous: 0.02 * LBF / INCH,
             coulomb_width: 0.0044 * INCH,
@@ -167,7 +170,8 @@ impl Paper {
         let limits =
             LengthLimits::new(&braid, self.min_length, self.max_length, self.limit_stiffness, self.limit_damping)
                 .expect("limits");
-        let law = Effective { law: IdealBraid { braid }, effectiveness: self.effectiveness };
+        let law = self.characteristic.clone().unwrap_or(IdealBraid { braid }.into());
+        let law = Effective { law, effectiveness: self.effectiveness };
         let coulomb = self.coulomb.unwrap_or_else(|| Coulomb::new(self.coulomb_width).expect("dry friction"));
         let friction = Friction::with_coulomb(self.viscous, coulomb).expect("a friction");
         let friction = self.hysteresis.map_or(friction, |law| friction.with_hysteresis(law));

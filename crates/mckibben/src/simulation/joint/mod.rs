@@ -36,6 +36,7 @@ use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
+use crate::force::Statics;
 use crate::load::{Joint, SIGN};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -201,7 +202,7 @@ impl<S: Scalar> JointRig<S> {
 
     /// The angles in rad at which the agonist's and the antagonist's braid would be straight: the open range of the angle.
     fn straight(&self) -> [S; 2] {
-        core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.braid.thread_length()))
+        core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.end_length()))
     }
 }
 

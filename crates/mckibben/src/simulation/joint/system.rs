@@ -112,6 +112,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
                 exhaust_zone: None,
                 effectiveness_piece: self.members[i].effectiveness_piece(pressure),
                 pressed: self.members[i].pressed(pressure),
+                force_piece: self.members[i].force_piece(lengths[i], pressure),
                 extent: Extent::Free,
                 sliding: Sliding::Frictionless,
                 clamped: false,
