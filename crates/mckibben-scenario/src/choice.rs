@@ -52,7 +52,9 @@ words! {
     }
     /// How a valve joins the actuator to supply and exhaust.
     ValveKind {
+        TwoWay = "two-way", "Joined to the supply when energised and sealed when not.";
         ThreeWay = "three-way", "Joined to the supply when energised and to the exhaust when not.";
+        ThreeWayNormallyOpen = "three-way-normally-open", "Joined to the exhaust when energised and to the supply when not.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
     }
     /// Whose temperature the air that leaves the actuator has in the flow law.
@@ -64,14 +66,14 @@ words! {
     CommandState {
         Fill = "fill", "Join the actuator to the supply.";
         Hold = "hold", "Close the actuator; not with a three-way valve.";
-        Exhaust = "exhaust", "Join the actuator to the exhaust.";
+        Exhaust = "exhaust", "Join the actuator to the exhaust; not with a two-way valve.";
     }
     /// What makes the valve's command.
     CommandKind {
         Pwm = "pwm", "Pulse-width modulation; the pulse starts each period.";
         Fill = "fill", "Joined to the supply all the time.";
         Hold = "hold", "Closed all the time; not with a three-way valve.";
-        Exhaust = "exhaust", "Joined to the exhaust all the time.";
+        Exhaust = "exhaust", "Joined to the exhaust all the time; not with a two-way valve.";
         Table = "table", "A list of times and what is commanded from each on.";
     }
     /// What the actuator pulls on.

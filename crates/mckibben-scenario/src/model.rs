@@ -80,7 +80,9 @@ impl Scenario {
         if let (Some(valve), Some(supply), Some(command)) = (&self.valve, &self.supply, &self.command) {
             actuator = actuator.with_valve(core_valve(valve, supply, &air)?);
             let kind = match valve.kind {
+                ValveKind::TwoWay => valve::ValveKind::TwoWay,
                 ValveKind::ThreeWay => valve::ValveKind::ThreeWay,
+                ValveKind::ThreeWayNormallyOpen => valve::ValveKind::ThreeWayNormallyOpen,
                 ValveKind::FillHoldExhaust => valve::ValveKind::FillHoldExhaust,
             };
             let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
@@ -153,19 +155,29 @@ impl Scenario {
 }
 
 fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
-    let standard = match valve.passage {
-        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
-            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
-        }
+    let law = |port, passage| {
+        valve::FlowLaw::of_passage(port, flow_standard(passage), valve.efficiency, valve.laminar_ratio, air)
     };
-    let law = valve::FlowLaw::new(standard, valve.efficiency, valve.laminar_ratio, air)?;
+    let inlet = law(valve::Port::Supply, valve.passage)?;
+    let outlet = valve.exhaust.map(|passage| law(valve::Port::Exhaust, passage)).transpose()?;
     let supply = valve::Supply::new(GaugePressure(supply.gauge_pressure), supply.temperature, air)?;
     let exhaust_temperature = match valve.exhaust_temperature {
         ExhaustTemperature::Actuator => valve::ExhaustTemperature::Actuator,
         ExhaustTemperature::Ambient => valve::ExhaustTemperature::Ambient,
     };
-    Ok(valve::Valve::new(law, supply, exhaust_temperature, air))
+    let built = valve::Valve::new(inlet, supply, exhaust_temperature, air);
+    Ok(outlet.map_or(built, |outlet| built.with_exhaust(outlet)))
+}
+
+fn flow_standard(passage: Passage) -> valve::FlowStandard {
+    match passage {
+        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
+        }
+        Passage::Kv { kv, pressure_drop_ratio } => valve::FlowStandard::Kv { kv, pressure_drop_ratio },
+        Passage::Cv { cv, pressure_drop_ratio } => valve::FlowStandard::Cv { cv, pressure_drop_ratio },
+    }
 }
 
 fn core_command(command: &Command) -> Result<valve::Command, Error> {

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `body` | actuator, air |
 //! | `drive` | supply, valve, command |
+//! | `passage` | how much the valve's passages let through |
 //! | `course` | load, initial, run |
 //!
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
@@ -14,6 +15,7 @@
 mod body;
 mod course;
 mod drive;
+pub(crate) mod passage;
 
 pub(crate) use body::GEOMETRY;
 
