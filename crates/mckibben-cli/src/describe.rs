@@ -19,6 +19,9 @@ pub fn load(load: &Load) -> String {
         Load::PrescribedMotion(Motion::Table { time, .. }) => {
             format!("prescribed motion, table of {} points", time.len())
         }
+        Load::AntagonisticJoint(joint) => {
+            format!("antagonistic joint, limb of {} at {}", mass_of(joint.mass), given(joint.distance, "m"))
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{FixedStepper, Sample, SampleTimes, Trajectory, simulate_watched};
-use mckibben_scenario::{Engine, Experiment};
+use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Re
                 let _progress = Progress::begin("choosing the step", None);
                 experiment.step()?
             };
-            let progress = Progress::begin("simulating", Some(rows(experiment)));
+            let progress = Progress::begin("simulating", Some(rows(run)));
             let mut steps = 0;
             let mut row = 0;
             step_through(experiment, step, &mut |sample, recorded| {
@@ -90,9 +90,9 @@ impl Outcome<'_> {
     }
 }
 
-/// How many samples an experiment records.
-pub fn rows(experiment: &Experiment) -> u64 {
-    SampleTimes::new(experiment.run.duration, experiment.run.sample_interval).last() + 1
+/// How many samples a run records.
+pub fn rows(run: &Run) -> u64 {
+    SampleTimes::new(run.duration, run.sample_interval).last() + 1
 }
 
 /// Runs the fixed-step engine and shows every step, and whether it is a recorded sample.

@@ -70,7 +70,7 @@ pub fn write(events: &[Event], path: &Path, out: &mut dyn Write) -> Result<(), F
 }
 
 /// The name of a piece of the flow law.
-fn zone(zone: FlowZone) -> &'static str {
+pub(crate) fn zone(zone: FlowZone) -> &'static str {
     match zone {
         FlowZone::ChokedIn => "choked-in",
         FlowZone::SubsonicIn => "subsonic-in",
@@ -81,7 +81,7 @@ fn zone(zone: FlowZone) -> &'static str {
     }
 }
 
-fn extent(extent: Extent) -> &'static str {
+pub(crate) fn extent(extent: Extent) -> &'static str {
     match extent {
         Extent::Slack => "slack",
         Extent::Free => "free",
@@ -90,7 +90,7 @@ fn extent(extent: Extent) -> &'static str {
     }
 }
 
-fn sliding(sliding: Sliding) -> &'static str {
+pub(crate) fn sliding(sliding: Sliding) -> &'static str {
     match sliding {
         Sliding::Lengthening => "lengthening",
         Sliding::Shortening => "shortening",

@@ -9,6 +9,7 @@
 //! | [`observation`] | the figures of a run |
 //! | [`summary`], [`describe`], [`events`] | a run in words |
 //! | [`record`] | a run as CSV or Parquet |
+//! | [`joint`] | the same for a joint of two actuators |
 //! | [`portrait`], [`plot`] | a run as a figure, and figures in general |
 //! | [`sweep`] | many runs of one scenario |
 //! | [`output`] | files that are whole or not there |
@@ -23,6 +24,7 @@ pub mod describe;
 pub mod engine;
 pub mod events;
 pub mod failure;
+pub mod joint;
 pub mod observation;
 pub mod output;
 pub mod plot;

@@ -18,9 +18,9 @@ pub struct Range {
 }
 
 impl Range {
-    const NONE: Self = Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY };
+    pub(crate) const NONE: Self = Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY };
 
-    fn see(&mut self, value: f64) {
+    pub(crate) fn see(&mut self, value: f64) {
         self.least = self.least.min(value);
         self.greatest = self.greatest.max(value);
     }

@@ -45,7 +45,11 @@ pub fn draw(
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    let figure = figure(experiment, outcome, title)?;
+    figure(experiment, outcome, title).map_err(Failure::from).and_then(|figure| bytes(&figure, (path, format)))
+}
+
+/// A figure as the bytes of a file.
+pub(crate) fn bytes(figure: &Figure, (path, format): (&Path, Format)) -> Result<Vec<u8>, Failure> {
     let failed = |error| Failure::output(path, error);
     match format {
         Format::Svg => figure.to_svg(Theme::Light).map(String::into_bytes).map_err(failed),
@@ -54,7 +58,7 @@ pub fn draw(
 }
 
 /// The fewest points over the duration that show a smooth curve, and the most that a curve needs.
-const POINTS: (f64, f64) = (2000.0, 100_000.0);
+pub(crate) const POINTS: (f64, f64) = (2000.0, 100_000.0);
 /// Marks of one kind above which they are left out: they would hide what they point at.
 const MARKS: u64 = 12;
 /// The events that are marked, what says most first: there are five symbols.
@@ -82,13 +86,13 @@ struct Curves {
 
 /// Intervals in which the passage to the supply is open.
 #[derive(Debug, Default)]
-struct Bands {
-    intervals: Vec<(f64, f64)>,
+pub(crate) struct Bands {
+    pub(crate) intervals: Vec<(f64, f64)>,
     open_since: Option<f64>,
 }
 
 impl Bands {
-    fn see(&mut self, time: f64, open: bool) {
+    pub(crate) fn see(&mut self, time: f64, open: bool) {
         match (self.open_since, open) {
             (None, true) => self.open_since = Some(time),
             (Some(since), false) => {

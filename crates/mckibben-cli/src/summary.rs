@@ -6,8 +6,8 @@ use crate::events;
 use crate::observation::{Observation, Range, Ripple};
 use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
-use mckibben::simulation::EnergyAudit;
 use mckibben::simulation::accuracy::StepError;
+use mckibben::simulation::{Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
 use std::fmt::Write as _;
@@ -66,16 +66,7 @@ impl Summary<'_> {
             page.line("step", &step_of(*step, chosen.as_ref(), run));
         }
         let steps = match self.outcome {
-            Outcome::Located(trajectory) => {
-                let counts = trajectory.counts();
-                let steps = count(counts.explicit_steps + counts.implicit_steps);
-                let implicit = match counts.implicit_steps {
-                    0 => String::new(),
-                    implicit => format!(" ({} of them implicit)", count(implicit)),
-                };
-                let (rejected, evaluations) = (count(counts.rejected_steps), count(counts.evaluations));
-                format!("{steps} steps{implicit}, {rejected} repeated, {evaluations} evaluations")
-            }
+            Outcome::Located(trajectory) => cost(trajectory.counts()),
             Outcome::Stepped { steps, .. } => format!("{} steps", count(*steps)),
         };
         page.line("cost", &format!("{steps}, {}", quantity(self.elapsed.as_secs_f64(), "s")));
@@ -147,6 +138,25 @@ impl Summary<'_> {
     }
 }
 
+/// What a run of the event-located engine cost.
+pub(crate) fn cost(counts: Counts) -> String {
+    let steps = count(counts.explicit_steps + counts.implicit_steps);
+    let implicit = match counts.implicit_steps {
+        0 => String::new(),
+        implicit => format!(" ({} of them implicit)", count(implicit)),
+    };
+    let (rejected, evaluations) = (count(counts.rejected_steps), count(counts.evaluations));
+    format!("{steps} steps{implicit}, {rejected} repeated, {evaluations} evaluations")
+}
+
+/// What does not close of an energy audit, and what share of its turnover that is.
+pub(crate) fn residual(page: &mut Page, residual: f64, turnover: f64) {
+    let relative = if turnover > 0.0 { residual / turnover } else { 0.0 };
+    let share =
+        if relative == 0.0 { "closed to the last bit".to_owned() } else { format!("{relative:.1e} of the turnover") };
+    page.value("residual", &quantity(residual, "J"), &share);
+}
+
 /// The longest step, and on what ground it was taken.
 fn step_of(step: f64, chosen: Option<&StepError>, run: &Run) -> String {
     let Some(error) = chosen else { return format!("at most {}, as given", given(step, "s")) };
@@ -202,14 +212,11 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
             page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
         }
     }
-    let relative = if turnover > 0.0 { audit.residual() / turnover } else { 0.0 };
-    let share =
-        if relative == 0.0 { "closed to the last bit".to_owned() } else { format!("{relative:.1e} of the turnover") };
-    page.value("residual", &quantity(audit.residual(), "J"), &share);
+    residual(page, audit.residual(), turnover);
 }
 
 /// The closing note about numbers that nobody states.
-fn assumptions(assumed: &[Assumed]) -> String {
+pub(crate) fn assumptions(assumed: &[Assumed]) -> String {
     if assumed.is_empty() {
         return String::new();
     }
@@ -245,40 +252,40 @@ fn volume(cubic_metres: f64) -> String {
 
 /// Text with a column of names.
 #[derive(Debug, Default)]
-struct Page {
-    text: String,
+pub(crate) struct Page {
+    pub(crate) text: String,
 }
 
 impl Page {
-    fn heading(&mut self, heading: &str) {
+    pub(crate) fn heading(&mut self, heading: &str) {
         let gap = if self.text.is_empty() { "" } else { "\n" };
         self.put(format_args!("{gap}{}\n", styled(HEADING, heading)));
     }
 
     /// A name and some text, broken where the terminal ends.
-    fn line(&mut self, name: &str, text: &str) {
+    pub(crate) fn line(&mut self, name: &str, text: &str) {
         let indent = " ".repeat(NAMES + 4);
         let text = wrap(&keep_numbers(text), &indent, width()).replace(KEPT, " ");
         self.put(format_args!("  {name:<NAMES$}  {}\n", text.trim_start()));
     }
 
     /// A name, a value at the right of its column, and what it is.
-    fn value(&mut self, name: &str, value: &str, what: &str) {
+    pub(crate) fn value(&mut self, name: &str, value: &str, what: &str) {
         self.put(format_args!("  {name:<NAMES$}{value:>14}  {}\n", styled(FAINT, what)));
     }
 
-    fn head(&mut self, names: [&str; 3]) {
+    pub(crate) fn head(&mut self, names: [&str; 3]) {
         let [a, b, c] = names;
         let line = format!("  {:<NAMES$}{a:>14}{b:>14}{c:>14}", "");
         self.put(format_args!("{}\n", styled(FAINT, line)));
     }
 
-    fn columns(&mut self, name: &str, [a, b, c]: [String; 3]) {
+    pub(crate) fn columns(&mut self, name: &str, [a, b, c]: [String; 3]) {
         self.put(format_args!("  {name:<NAMES$}{a:>14}{b:>14}{c:>14}\n"));
     }
 
     /// Three values under one prefix.
-    fn range(&mut self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
+    pub(crate) fn range(&mut self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
         let values = [end, least, greatest];
         let (factor, prefix) = common_prefix(&values);
         // A remainder of rounding is no value; the largest of the three gives the measure.

@@ -162,4 +162,5 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, sealed, &["--amplitude", "0 mm"], "amplitude");
     refused(&folder, "examples/isometric-charge.toml", &["--load", "5 lb"], "held");
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");
+    refused(&folder, "examples/antagonistic-joint.toml", &[], "antagonistic joint is not supported");
 }

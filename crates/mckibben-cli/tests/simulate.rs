@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Folder, of_repository};
-use mckibben::simulation::simulate;
+use mckibben::simulation::{simulate, simulate_joint};
 use mckibben_scenario::Document;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor as _;
@@ -314,4 +314,65 @@ fn every_command_helps_with_an_example() {
     assert!(run(&folder, &["completions", "bash"]).contains("_mckibben"));
     let schema: serde_json::Value = serde_json::from_str(&run(&folder, &["schema"])).expect("JSON");
     assert_eq!(schema["title"], "mckibben scenario");
+}
+
+/// The agonist's columns are the usual ones; those of the joint and of the antagonist follow, by the same trajectory.
+#[test]
+fn a_joint_adds_its_columns_after_the_usual_ones() {
+    let folder = Folder::new("joint");
+    let file = of_repository("examples/antagonistic-joint.toml");
+    let name = file.to_str().expect("UTF-8");
+    let told = run(
+        &folder,
+        &[
+            "simulate",
+            name,
+            "-o",
+            "run.csv",
+            "--plot",
+            "run.svg",
+            "--events-output",
+            "events.csv",
+            "--set",
+            "run.duration=0.2 s",
+        ],
+    );
+    assert!(told.contains("antagonistic joint") && told.contains("201 rows"), "{told}");
+    let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
+    let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
+    let second = HEADER.split(',').skip(1).map(|column| format!(",antagonist_{column}")).collect::<String>();
+    assert_eq!(header, format!("{HEADER},angle_rad,angular_velocity_rad_s,torque_n_m{second}"));
+    let mut document = Document::load(&file).expect("TOML");
+    document.set_text("run.duration", "\"0.2 s\"").expect("a path");
+    let experiment = document.joint_experiment().expect("good").expect("a joint");
+    let trajectory = simulate_joint(&experiment.rig, experiment.start, 0.2, 1e-8).expect("runs");
+    let records: Vec<_> = reader.records().map(|record| record.expect("a row")).collect();
+    for (record, sample) in records.iter().zip(trajectory.samples(1e-3)) {
+        let number = |column: usize| record[column].parse::<f64>().expect("a number");
+        let numbers = [number(0), number(1), number(10), number(12), number(13), number(19)];
+        let [agonist, antagonist] = sample.actuators;
+        let expected =
+            [sample.time, agonist.length, sample.angle, sample.torque, antagonist.length, antagonist.tension];
+        assert_eq!((numbers, &record[9], &record[21]), (expected, agonist.ports.name(), antagonist.ports.name()));
+    }
+    assert_eq!(records.len(), 201);
+    let events = std::fs::read_to_string(folder.path("events.csv")).expect("the events");
+    assert_eq!(events.lines().count(), 1 + trajectory.events().len());
+    let figure = std::fs::read_to_string(folder.path("run.svg")).expect("the figure");
+    assert!(figure.contains("antagonist"));
+}
+
+#[test]
+fn a_joint_is_refused_by_what_takes_one_actuator() {
+    let folder = Folder::new("joint-refused");
+    let file = of_repository("examples/antagonistic-joint.toml");
+    let name = file.to_str().expect("UTF-8");
+    for (arguments, word) in [
+        (vec!["simulate", name, "--set", "run.engine=fixed-step"], "the fixed-step engine does not take"),
+        (vec!["curves", name], "an antagonistic joint is not supported here yet"),
+    ] {
+        let output = folder.mckibben().args(arguments).output().expect("the program runs");
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && error.contains(word), "{error}");
+    }
 }

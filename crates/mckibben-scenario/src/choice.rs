@@ -82,6 +82,7 @@ words! {
         ConstantForce = "constant-force", "A mass that a constant force pulls.";
         Isometric = "isometric", "The length is fixed at `initial.length`.";
         PrescribedMotion = "prescribed-motion", "The length is a given function of time: a sinusoid or a table.";
+        AntagonisticJoint = "antagonistic-joint", "A joint that this actuator and a second one, `[antagonist]`, turn against each other.";
     }
     /// How the simulation goes through time.
     Engine {

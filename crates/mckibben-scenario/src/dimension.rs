@@ -60,6 +60,12 @@ impl Dimension {
     pub const DAMPING: Self = Self::new(0, 1, -1, 0, 0);
     /// rad/s
     pub const ANGULAR_SPEED: Self = Self::new(0, 0, -1, 0, 1);
+    /// kg·m²
+    pub const INERTIA: Self = Self::new(2, 1, 0, 0, 0);
+    /// N·m/rad
+    pub const ANGULAR_STIFFNESS: Self = Self::new(2, 1, -2, 0, -1);
+    /// N·m·s/rad
+    pub const ANGULAR_DAMPING: Self = Self::new(2, 1, -1, 0, -1);
     /// m³/s
     pub const VOLUME_FLOW: Self = Self::new(3, 0, -1, 0, 0);
     /// m³/(s·Pa)
@@ -105,6 +111,9 @@ impl Dimension {
             Self::STIFFNESS => ("a stiffness", "\"1.75e5 N/m\""),
             Self::DAMPING => ("a damping coefficient", "\"0.02 lbf*s/in\" or \"100 N*s/m\""),
             Self::ANGULAR_SPEED => ("an angular speed", "\"60 rpm\" or \"1 rad/s\""),
+            Self::INERTIA => ("a moment of inertia", "\"1e-3 kg*m^2\""),
+            Self::ANGULAR_STIFFNESS => ("an angular stiffness", "\"500 N*m/rad\""),
+            Self::ANGULAR_DAMPING => ("an angular damping coefficient", "\"0.01 N*m*s/rad\""),
             Self::VOLUME_FLOW => ("a volume flow", "\"100 L/min ANR\""),
             Self::CONDUCTANCE => ("a sonic conductance", "\"0.5 L/(s*bar)\""),
             Self::HEAT_TRANSFER => ("a heat transfer coefficient times an area", "\"0.5 W/K\""),

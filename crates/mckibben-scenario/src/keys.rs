@@ -81,10 +81,12 @@ impl Key {
         }
     }
 
-    /// Whether a sweep can vary it: it holds one value and describes the scenario, not the sweep.
+    /// Whether a sweep can vary it: it holds one value and describes the scenario, not the sweep, and not a
+    /// joint, which sweeps do not take.
     pub fn varies(&self) -> bool {
         let single = matches!(self.kind, Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::Unit(_) | Kind::Choice(_));
-        single && self.section() != SWEEP
+        let of_joint = self.when.is_some_and(|when| when.words == JOINT);
+        single && self.section() != SWEEP && !of_joint
     }
 
     const fn required(self) -> Self {
@@ -115,6 +117,12 @@ pub struct Section {
 pub const EQUILIBRIUM: Choice = Choice {
     name: "equilibrium",
     meaning: "Where the actuator balances the load at the initial pressure, on the taut braid if need be.",
+};
+
+/// The word of `initial.angle` that asks for the angle at which the torques balance.
+pub const BALANCED: Choice = Choice {
+    name: "equilibrium",
+    meaning: "Where the torques of both actuators and the load balance at the initial pressures.",
 };
 
 const fn row(
@@ -206,6 +214,30 @@ pub static FACTOR: Parameter = row(
     ["Geometric standard deviation.", "give a factor above 1, such as 1.5"],
 );
 
+/// The section of the second actuator of a joint.
+pub const ANTAGONIST: &str = "antagonist";
+/// What that section may hold: whole sections, and single keys.
+const OF_ANTAGONIST: (&[&str], &[&str]) = (
+    &["actuator", "supply", "valve", "command"],
+    &["load.pulley_radius", "load.rest_length", "initial.gauge_pressure", "initial.temperature"],
+);
+
+/// Whether a key can be given to the second actuator of a joint, under [`ANTAGONIST`].
+pub fn is_of_antagonist(path: &str) -> bool {
+    let (sections, keys) = OF_ANTAGONIST;
+    keys.contains(&path) || path.split('.').next().is_some_and(|root| path != root && sections.contains(&root))
+}
+
+/// Whether a section can be given to the second actuator of a joint, under [`ANTAGONIST`].
+pub fn is_section_of_antagonist(path: &str) -> bool {
+    section_at(path).is_some() && KEYS.iter().any(|key| key.section() == path && is_of_antagonist(key.path))
+}
+
+/// The path that a path under [`ANTAGONIST`] stands for, of the first actuator.
+pub(crate) fn in_antagonist(path: &str) -> Option<&str> {
+    path.strip_prefix(ANTAGONIST)?.strip_prefix('.')
+}
+
 /// The section that describes a sweep.
 pub const SWEEP: &str = "sweep";
 /// The section whose entries are the paths of other keys.
@@ -224,6 +256,11 @@ pub static SECTIONS: &[Section] = &[
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
+    section(
+        ANTAGONIST,
+        "What differs of the second actuator of an antagonistic joint: the sections above once more, key by key.",
+        false,
+    ),
     section("run", "How long to simulate and what to record.", true),
     section(SWEEP, "Many runs: how their rows are chosen and what is recorded of each.", false),
     section(VARY, "What varies: for the path of each key a list, a range or a distribution.", false),
@@ -260,7 +297,10 @@ const PROCESS: &str = "air.process";
 const COMMAND: &str = "command.kind";
 const LOAD: &str = "load.kind";
 const MOTION: &[&str] = &[LoadKind::PrescribedMotion.name()];
-const MASS_AND_MORE: &[&str] = &[LoadKind::HangingMass.name(), LoadKind::ConstantForce.name()];
+const JOINT: &[&str] = &[LoadKind::AntagonisticJoint.name()];
+const WITH_MASS: &[&str] =
+    &[LoadKind::HangingMass.name(), LoadKind::ConstantForce.name(), LoadKind::AntagonisticJoint.name()];
+const WITH_GRAVITY: &[&str] = &[LoadKind::HangingMass.name(), LoadKind::AntagonisticJoint.name()];
 
 /// Every key in the order of the file.
 pub static KEYS: &[Key] = &[
@@ -363,8 +403,8 @@ pub static KEYS: &[Key] = &[
     .required()
     .when(COMMAND, &["table"]),
     choice(LOAD, LoadKind::CHOICES, "What the actuator pulls on.", "\"hanging-mass\"").required(),
-    quantity(&p::MASS, "\"5 lb\"").required().when(LOAD, MASS_AND_MORE),
-    quantity(&p::GRAVITY, "\"9.80665 m/s^2\"").when(LOAD, &[LoadKind::HangingMass.name()]),
+    quantity(&p::MASS, "\"5 lb\"").required().when(LOAD, WITH_MASS),
+    quantity(&p::GRAVITY, "\"9.80665 m/s^2\"").when(LOAD, WITH_GRAVITY),
     quantity(&p::LOAD_FORCE, "\"5 lbf\"").required().when(LOAD, &[LoadKind::ConstantForce.name()]),
     quantity(&p::MOTION_LENGTH, "\"3.5 in\"").when(LOAD, MOTION),
     quantity(&p::MOTION_AMPLITUDE, "\"0.2 in\"").when(LOAD, MOTION),
@@ -372,6 +412,17 @@ pub static KEYS: &[Key] = &[
     quantity(&p::MOTION_PHASE, "\"0 deg\"").when(LOAD, MOTION),
     list(&p::MOTION_TIME, "[\"0 s\", \"1 s\"]").when(LOAD, MOTION),
     list(&p::MOTION_TABLE_LENGTH, "[\"3.8 in\", \"3.5 in\"]").when(LOAD, MOTION),
+    quantity(&p::PULLEY_RADIUS, "\"15 mm\"").required().when(LOAD, JOINT),
+    quantity(&p::REST_LENGTH, "\"3.3 in\"").required().when(LOAD, JOINT),
+    quantity(&p::LIMB_DISTANCE, "\"100 mm\"").required().when(LOAD, JOINT),
+    quantity(&p::LIMB_INERTIA, "\"1e-3 kg*m^2\"").when(LOAD, JOINT),
+    quantity(&p::HANGING_ANGLE, "\"0 deg\"").when(LOAD, JOINT),
+    quantity(&p::JOINT_TORQUE, "\"0 N*m\"").when(LOAD, JOINT),
+    quantity(&p::JOINT_DAMPING, "\"0.01 N*m*s/rad\"").when(LOAD, JOINT),
+    quantity(&p::MIN_ANGLE, "\"-45 deg\"").when(LOAD, JOINT),
+    quantity(&p::MAX_ANGLE, "\"45 deg\"").when(LOAD, JOINT),
+    quantity(&p::STOP_STIFFNESS, "\"500 N*m/rad\"").when(LOAD, JOINT),
+    quantity(&p::STOP_DAMPING, "\"1 N*m*s/rad\"").when(LOAD, JOINT),
     quantity(&p::INITIAL_GAUGE_PRESSURE, "\"0 psi\""),
     quantity(&p::INITIAL_TEMPERATURE, "\"293.15 K\""),
     key(
@@ -382,6 +433,15 @@ pub static KEYS: &[Key] = &[
     )
     .or("equilibrium"),
     quantity(&p::INITIAL_VELOCITY, "\"0 m/s\""),
+    key(
+        p::INITIAL_ANGLE.key,
+        Kind::QuantityOr(&p::INITIAL_ANGLE, BALANCED),
+        p::INITIAL_ANGLE.meaning,
+        "\"equilibrium\"",
+    )
+    .or("equilibrium")
+    .when(LOAD, JOINT),
+    quantity(&p::INITIAL_ANGULAR_VELOCITY, "\"0 rad/s\"").when(LOAD, JOINT),
     quantity(&p::DURATION, "\"2 s\"").required(),
     quantity(&p::SAMPLE_INTERVAL, "\"1 ms\""),
     choice("run.engine", Engine::CHOICES, "How the simulation goes through time.", "\"event-located\"")
@@ -417,8 +477,11 @@ pub fn section_at(path: &str) -> Option<&'static Section> {
 
 /// The keys and subsections that may stand in a section (`""` for the file itself), by name.
 pub fn names_in(section: &str) -> impl Iterator<Item = &'static str> {
-    let keys = KEYS.iter().map(|key| key.path);
+    let of_second = section == ANTAGONIST || in_antagonist(section).is_some();
+    let section = if of_second { in_antagonist(section).unwrap_or("") } else { section };
+    let keys = KEYS.iter().map(|key| key.path).filter(move |path| !of_second || is_of_antagonist(path));
     let sections = SECTIONS.iter().map(|section| section.path);
+    let sections = sections.filter(move |path| !of_second || is_section_of_antagonist(path));
     let parent = |path: &'static str| path.rsplit_once('.').unwrap_or(("", path));
     keys.chain(sections)
         .map(parent)

@@ -65,10 +65,10 @@ pub use choice::{
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
-pub use model::Experiment;
+pub use model::{Experiment, JointExperiment};
 pub use scenario::{
-    Actuator, Air, Command, Effectiveness, Friction, Initial, InitialLength, Limit, Load, Motion, Passage, Process,
-    Run, Scenario, Supply, Valve,
+    Actuator, Air, Antagonist, Command, Effectiveness, Friction, Initial, InitialAngle, InitialLength, Joint, Limit,
+    Load, Motion, Passage, Process, Pulley, Run, Scenario, Supply, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

@@ -1,14 +1,15 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{CommandState, ExhaustTemperature, Method, ValveKind};
+use crate::choice::{CommandState, Engine, ExhaustTemperature, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
-    Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Run, Scenario, Supply, Valve,
+    self, Antagonist, Command, Effectiveness, InitialAngle, InitialLength, Joint, Load, Motion, Passage, Process, Run,
+    Scenario, Supply, Valve,
 };
 use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
-use mckibben::simulation::{self, Actuation, Initial, Rig, State};
+use mckibben::simulation::{self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, Rig, State};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
 
 /// A scenario ready to run.
@@ -58,6 +59,71 @@ impl Document {
     }
 }
 
+/// A scenario with a joint ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointExperiment {
+    /// The joint with its two actuators.
+    pub rig: JointRig,
+    /// The state at the start.
+    pub start: JointState,
+    /// How long to simulate and what to record.
+    pub run: Run,
+}
+
+impl Document {
+    /// Reads the scenario and builds the joint that it describes, or `None` when its load is another.
+    ///
+    /// # Errors
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    pub fn joint_experiment(&self) -> Result<Option<JointExperiment>, Diagnostics> {
+        let scenario = self.scenario()?;
+        let (Load::AntagonisticJoint(joint), Some(second)) = (&scenario.load, scenario.of_antagonist()) else {
+            return Ok(None);
+        };
+        let failed = |error: Error| Diagnostics::from(self.diagnose(&error));
+        if scenario.run.engine == Engine::FixedStep {
+            let (what, remedy) = (
+                "the fixed-step engine does not take an antagonistic joint yet",
+                "set run.engine = \"event-located\", or leave it out",
+            );
+            return Err(failed(Error::Unsupported { what, remedy }));
+        }
+        let agonist = scenario.driven().map_err(failed)?;
+        let antagonist = second.driven().map_err(|error| self.antagonist().diagnose(&error))?;
+        let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
+        let starts = [scenario.initial, second.initial];
+        let initial = JointInitial {
+            gauge_pressure: starts.map(|start| GaugePressure(start.gauge_pressure)),
+            temperature: starts.map(|start| start.temperature),
+            angle: match joint.angle {
+                InitialAngle::Equilibrium => simulation::InitialAngle::Equilibrium,
+                InitialAngle::At(angle) => simulation::InitialAngle::At(angle),
+            },
+            angular_velocity: joint.angular_velocity,
+        };
+        let start = rig.start(&initial).map_err(failed)?;
+        Ok(Some(JointExperiment { rig, start, run: scenario.run }))
+    }
+}
+
+fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
+    let limb = load::Limb {
+        mass: joint.mass,
+        distance: joint.distance,
+        inertia: joint.inertia,
+        gravity: joint.gravity,
+        hanging_angle: joint.hanging_angle,
+    };
+    let stops = load::Stops {
+        ends: [joint.min_angle, joint.max_angle],
+        stiffness: joint.stop_stiffness,
+        damping: joint.stop_damping,
+    };
+    let pulleys = [joint.pulley, joint.antagonist.pulley]
+        .map(|pulley| load::Pulley { radius: pulley.radius, rest_length: pulley.rest_length });
+    load::Joint::new(limb, pulleys, joint.torque, joint.damping, stops)
+}
+
 impl Scenario {
     /// Builds what the scenario describes.
     ///
@@ -74,6 +140,21 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::experiment`].
     pub fn rig(&self) -> Result<Rig, Error> {
+        if matches!(self.load, Load::AntagonisticJoint(_)) {
+            return Err(Error::Unsupported {
+                what: "an antagonistic joint is not supported here yet: it is a load of two actuators",
+                remedy: "run it with `mckibben simulate`, or choose another load.kind",
+            });
+        }
+        let Driven { actuator, actuation } = self.driven()?;
+        Rig::new(actuator, actuation, self.core_load()?)
+    }
+
+    /// The actuator and what drives its valve; of a joint the agonist.
+    ///
+    /// # Errors
+    /// As [`Scenario::experiment`].
+    pub fn driven(&self) -> Result<Driven, Error> {
         let air = self.core_air()?;
         let mut actuator = self.core_actuator(air)?;
         let mut actuation = None;
@@ -88,7 +169,22 @@ impl Scenario {
             let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
             actuation = Some(Actuation { solenoid, command: core_command(command)? });
         }
-        Rig::new(actuator, actuation, self.core_load()?)
+        Ok(Driven { actuator, actuation })
+    }
+
+    /// The scenario with the second actuator of its joint in place of the first, or `None` when it has no joint.
+    pub fn of_antagonist(&self) -> Option<Self> {
+        let Load::AntagonisticJoint(joint) = &self.load else { return None };
+        let Antagonist { actuator, supply, valve, command, gauge_pressure, temperature, .. } = &*joint.antagonist;
+        let initial = scenario::Initial { gauge_pressure: *gauge_pressure, temperature: *temperature, ..self.initial };
+        Some(Self {
+            actuator: actuator.clone(),
+            supply: *supply,
+            valve: *valve,
+            command: command.clone(),
+            initial,
+            ..self.clone()
+        })
     }
 
     fn core_air(&self) -> Result<air::Air, Error> {
@@ -129,7 +225,8 @@ impl Scenario {
         match &self.load {
             Load::HangingMass { mass, gravity } => load::Load::hanging_mass(*mass, *gravity),
             Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
-            Load::Isometric => Ok(load::Load::Isometric),
+            // A joint is no load of one actuator: `rig` has refused it.
+            Load::Isometric | Load::AntagonisticJoint(_) => Ok(load::Load::Isometric),
             Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
                 load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, thread_length)
                     .map(load::Load::Prescribed)
@@ -147,7 +244,9 @@ impl Scenario {
             temperature: self.initial.temperature,
             length: match self.initial.length {
                 InitialLength::At(length) => simulation::InitialLength::At(length),
-                InitialLength::Equilibrium | InitialLength::OfMotion => simulation::InitialLength::Equilibrium,
+                InitialLength::Equilibrium | InitialLength::OfMotion | InitialLength::OfJoint => {
+                    simulation::InitialLength::Equilibrium
+                }
             },
             velocity: self.initial.velocity,
         }

@@ -6,10 +6,12 @@
 //!
 //! Checked by `tests/diagnostics.rs`, one test for each class of mistake.
 
+mod known;
+
 use crate::choice::{Choice, Word};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::dimension::Dimension;
-use crate::document::{Document, Entry, Node, Table, Value};
+use crate::document::{Document, Entry, Node, Value};
 use crate::keys::{self, KEYS, Key, SECTIONS};
 use crate::nearest::nearest;
 use crate::presets::Preset;
@@ -55,6 +57,10 @@ impl<'d> Reader<'d> {
         self.found.push(diagnostic);
     }
 
+    pub(crate) fn document(&self) -> &'d Document {
+        self.document
+    }
+
     pub(crate) fn entry(&self, path: &str) -> Option<&'d Entry> {
         self.document.entry(path)
     }
@@ -80,82 +86,6 @@ impl<'d> Reader<'d> {
             _ => None,
         }
         .or_else(|| self.value_place(path))
-    }
-
-    fn known(&mut self, table: &'d Table, path: &str) {
-        for entry in &table.0 {
-            let child = if path.is_empty() { entry.name.clone() } else { format!("{path}.{}", entry.name) };
-            if keys::key_at(&child).is_some() {
-                continue;
-            }
-            match (keys::section_at(&child), &entry.node.value) {
-                // What varies is named by paths; the reading of a sweep looks at them.
-                (Some(_), Value::Table(_)) if child == keys::VARY => {}
-                (Some(_), Value::Table(inner)) => self.known(inner, &child),
-                (Some(section), other) => {
-                    let title = format!("`{child}` is a section, not {}", other.noun());
-                    let place = entry.node.place.clone();
-                    let help = format!("write `[{}]` on a line of its own and its keys below", section.path);
-                    self.note(Diagnostic::at(Class::WrongType, place, title, "a section is expected").help(help));
-                }
-                (None, _) => self.unknown(entry, path),
-            }
-        }
-    }
-
-    fn unknown(&mut self, entry: &Entry, section: &str) {
-        let name = entry.name.as_str();
-        let is_section = matches!(entry.node.value, Value::Table(_));
-        let (title, label) = match (section, is_section) {
-            ("", true) => (format!("there is no section [{name}]"), "unknown section"),
-            ("", false) => (format!("`{name}` stands outside every section"), "unknown key"),
-            (_, true) => (format!("there is no section [{section}.{name}]"), "unknown section"),
-            (_, false) => (format!("`{name}` is not a key of [{section}]"), "unknown key"),
-        };
-        let valid: Vec<&str> = keys::names_in(section).collect();
-        let within = valid.iter().copied().find(|known| known.len() > 3 && name.len() > 3 && known.contains(name));
-        let elsewhere: Vec<String> =
-            KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
-        let help = if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
-            self.meant.push(if section.is_empty() { meant.to_owned() } else { format!("{section}.{meant}") });
-            format!("did you mean `{meant}`?")
-        } else if !elsewhere.is_empty() {
-            format!("`{name}` is a key of {}", elsewhere.join(" and "))
-        } else if let Some(meant) = nearest(name, KEYS.iter().map(Key::name)) {
-            let of = KEYS.iter().find(|key| key.name() == meant).map_or("", Key::section);
-            format!("did you mean `{meant}` of [{of}]?")
-        } else {
-            format!("known here: {}", list_of(valid.iter().copied()))
-        };
-        self.note(Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, label).help(help));
-    }
-
-    /// Refuses keys that have no meaning under the choice that was made.
-    fn applies(&mut self, asked: impl Fn(&Key) -> bool) {
-        for key in KEYS.iter().filter(|key| asked(key)) {
-            let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
-            let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
-                Some(Value::String(word)) => Some(word.as_str()),
-                Some(_) => None,
-                None => keys::key_at(when.key).and_then(|selector| selector.default),
-            };
-            // A choice that is absent or no valid word is a mistake of its own and says nothing about this key.
-            let valid = |word: &&str| match keys::key_at(when.key).map(|selector| selector.kind) {
-                Some(keys::Kind::Choice(choices)) => choices.iter().any(|choice| choice.name == *word),
-                _ => false,
-            };
-            let Some(word) = chosen.filter(valid) else { continue };
-            if !when.words.contains(&word) {
-                let title = format!("`{}` has no meaning with `{}` = \"{word}\"", key.path, when.key);
-                let words = list_of(when.words.iter().copied());
-                let choice = self.value_place(when.key);
-                self.note(
-                    Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
-                        .related(choice, "chosen here")
-                        .help(format!("remove it, or set `{}` to {words}", when.key)),
-                );
-            }
-        }
     }
 
     /// Notes that a key is absent, at the header of its section. `because` says why it must be there.

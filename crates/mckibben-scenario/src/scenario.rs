@@ -224,6 +224,80 @@ pub enum Load {
     Isometric,
     /// The length is a given function of time.
     PrescribedMotion(Motion),
+    /// A joint that two actuators turn against each other.
+    AntagonisticJoint(Joint),
+}
+
+/// A joint that the scenario's actuator, the agonist, and a second one turn against each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Mass M of the limb in kg.
+    pub mass: f64,
+    /// Acceleration of gravity g in m/s².
+    pub gravity: f64,
+    /// Distance d in m of the limb's centre of mass from the axis.
+    pub distance: f64,
+    /// Moment of inertia I of the limb about its centre of mass in kg·m².
+    pub inertia: f64,
+    /// Angle θ_0 in rad at which the limb hangs straight down.
+    pub hanging_angle: f64,
+    /// Constant torque W in N·m.
+    pub torque: f64,
+    /// Viscous damping c in N·m·s/rad.
+    pub damping: f64,
+    /// Angle in rad of the lower stop, if there is one.
+    pub min_angle: Option<f64>,
+    /// Angle in rad of the upper stop, if there is one.
+    pub max_angle: Option<f64>,
+    /// Stiffness K_stop of the stops in N·m/rad.
+    pub stop_stiffness: f64,
+    /// Damping C_stop of the stops in N·m·s/rad.
+    pub stop_damping: f64,
+    /// The agonist's pulley.
+    pub pulley: Pulley,
+    /// Angle at the start.
+    pub angle: InitialAngle,
+    /// Angular velocity at the start in rad/s.
+    pub angular_velocity: f64,
+    /// The second actuator.
+    pub antagonist: Box<Antagonist>,
+}
+
+/// The pulley from which an actuator turns a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulley {
+    /// Radius r in m.
+    pub radius: f64,
+    /// Distance in m between the attachments at angle zero.
+    pub rest_length: f64,
+}
+
+/// Angle of a joint at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InitialAngle {
+    /// Where the torques balance at the initial pressures.
+    Equilibrium,
+    /// This angle in rad.
+    At(f64),
+}
+
+/// The second actuator of a joint; what the file does not say of it is as of the first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Antagonist {
+    /// The braided actuator.
+    pub actuator: Actuator,
+    /// The air behind the valve.
+    pub supply: Option<Supply>,
+    /// The valve.
+    pub valve: Option<Valve>,
+    /// What the valve is told.
+    pub command: Option<Command>,
+    /// The pulley.
+    pub pulley: Pulley,
+    /// Gauge pressure at the start in Pa.
+    pub gauge_pressure: f64,
+    /// Temperature of the air at the start in K.
+    pub temperature: f64,
 }
 
 /// A length as a function of time.
@@ -271,6 +345,8 @@ pub enum InitialLength {
     At(f64),
     /// What the prescribed motion says at t = 0; always and only so with that load.
     OfMotion,
+    /// What the joint's angle says; always and only so with an antagonistic joint.
+    OfJoint,
 }
 
 /// How long to simulate and what to record.

@@ -5,7 +5,10 @@
 //! length below the thread length), which the reading does.
 
 use crate::choice::{Choice, Spacing};
-use crate::keys::{COUNT, FACTOR, KEYS, Key, Kind, SECTIONS, SWEEP, Section, VARY};
+use crate::keys::{
+    ANTAGONIST, COUNT, FACTOR, KEYS, Key, Kind, SECTIONS, SWEEP, Section, VARY, is_of_antagonist,
+    is_section_of_antagonist,
+};
 use crate::starter::{default_of, preset_may_give};
 use mckibben::parameter::{Parameter, Range};
 use serde_json::{Map, Value, json};
@@ -71,7 +74,7 @@ fn of_vary(section: &str) -> Map<String, Value> {
         let name = if section.is_empty() { key.path } else { key.name() };
         properties.insert(name.to_owned(), refer(key));
     }
-    for inner in SECTIONS.iter().filter(|inner| !inner.path.starts_with(SWEEP)) {
+    for inner in SECTIONS.iter().filter(|inner| !inner.path.starts_with(SWEEP) && inner.path != ANTAGONIST) {
         let (above, name) = inner.path.rsplit_once('.').unwrap_or(("", inner.path));
         if above == section {
             let inside = json!({ "type": "object", "properties": of_vary(inner.path), "additionalProperties": false });
@@ -90,6 +93,9 @@ fn of_section(section: &Section) -> Value {
             "minProperties": 1,
             "additionalProperties": false,
         });
+    }
+    if section.path == ANTAGONIST {
+        return of_antagonist("", section.meaning);
     }
     let mut properties = Map::new();
     let keys: Vec<&Key> = KEYS.iter().filter(|key| key.section() == section.path).collect();
@@ -117,6 +123,21 @@ fn of_section(section: &Section) -> Value {
         schema["allOf"] = json!(rules);
     }
     schema
+}
+
+/// What the second actuator of a joint takes in a section: each key may be left out, and is then as of the first.
+fn of_antagonist(section: &str, meaning: &str) -> Value {
+    let mut properties = Map::new();
+    for key in KEYS.iter().filter(|key| key.section() == section && is_of_antagonist(key.path)) {
+        properties.insert(key.name().to_owned(), of_key(key));
+    }
+    for inner in SECTIONS.iter().filter(|inner| is_section_of_antagonist(inner.path)) {
+        let (above, name) = inner.path.rsplit_once('.').unwrap_or(("", inner.path));
+        if above == section {
+            properties.insert(name.to_owned(), of_antagonist(inner.path, inner.meaning));
+        }
+    }
+    json!({ "description": meaning, "type": "object", "properties": properties, "additionalProperties": false })
 }
 
 /// For each word of a choice: the keys that it asks for and those that have no meaning with it.

@@ -4,7 +4,7 @@
 //! psi is switched at 25 Hz. Keys that this experiment does not need stand as comments, with a value that would be
 //! valid.
 
-use crate::keys::{KEYS, Key, Kind, SECTIONS, VARY};
+use crate::keys::{ANTAGONIST, KEYS, Key, Kind, SECTIONS, VARY};
 use crate::presets::{ACTUATORS, VALVES};
 use std::fmt::Write;
 
@@ -41,6 +41,12 @@ const VARIED: &str = "\
 # \"actuator.friction.viscous\" = { log-normal = { median = \"0.02 lbf*s/in\", factor = 1.5 } }
 ";
 
+/// What may stand in the section of a joint's second actuator.
+const SECOND: &str = "\
+# command.duty = 0.3
+# initial.gauge_pressure = \"30 psi\"
+";
+
 /// A complete scenario file to start from.
 pub fn starter() -> String {
     let mut text = String::from(
@@ -59,6 +65,9 @@ pub fn starter() -> String {
             let mark = if SET.contains(&key.path) { "" } else { "# " };
             let line = format!("{mark}{} = {}", key.name(), key.example);
             let _ = writeln!(text, "{line:<44}# {}", remark(key));
+        }
+        if section.path == ANTAGONIST {
+            text.push_str(SECOND);
         }
         if section.path == VARY {
             text.push_str(VARIED);

@@ -4,10 +4,12 @@
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
 use crate::choice::{CommandKind, LoadKind, ProcessKind};
-use crate::keys::{self, EQUILIBRIUM};
+use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::read::passage;
-use crate::scenario::{Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Scenario};
+use crate::scenario::{
+    Command, Effectiveness, InitialAngle, InitialLength, Load, Motion, Passage, Process, Pulley, Scenario,
+};
 use mckibben::parameter::{self as p, Parameter};
 use std::fmt::Write;
 
@@ -16,12 +18,15 @@ use std::fmt::Write;
 struct Writer {
     text: String,
     section: String,
+    /// What stands before every path, with its point.
+    prefix: &'static str,
 }
 
 impl Writer {
     /// Writes a line at a path, after the header of its section when that is a new one.
     fn line(&mut self, path: &str, value: &str) {
-        let (section, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let path = format!("{}{path}", self.prefix);
+        let (section, name) = path.rsplit_once('.').unwrap_or(("", &path));
         if section != self.section {
             let gap = if self.text.is_empty() { "" } else { "\n" };
             self.put(format_args!("{gap}[{section}]\n"));
@@ -62,14 +67,17 @@ impl Scenario {
         let w = &mut writer;
         actuator(w, self);
         air(w, self);
-        if let Some(supply) = &self.supply {
-            w.number(&p::SUPPLY_GAUGE_PRESSURE, supply.gauge_pressure);
-            w.number(&p::SUPPLY_TEMPERATURE, supply.temperature);
-        }
-        valve(w, self);
-        command(w, self);
+        drive(w, self);
         load(w, &self.load);
         initial_and_run(w, self);
+        if let (Load::AntagonisticJoint(joint), Some(second)) = (&self.load, self.of_antagonist()) {
+            w.prefix = "antagonist.";
+            actuator(w, &second);
+            drive(w, &second);
+            pulley(w, &joint.antagonist.pulley);
+            w.number(&p::INITIAL_GAUGE_PRESSURE, second.initial.gauge_pressure);
+            w.number(&p::INITIAL_TEMPERATURE, second.initial.temperature);
+        }
         writer.text
     }
 }
@@ -118,6 +126,20 @@ fn air(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::ATMOSPHERIC_PRESSURE, air.atmospheric_pressure);
     w.number(&p::GAS_CONSTANT, air.gas_constant);
     w.number(&p::HEAT_CAPACITY_RATIO, air.heat_capacity_ratio);
+}
+
+fn drive(w: &mut Writer, scenario: &Scenario) {
+    if let Some(supply) = &scenario.supply {
+        w.number(&p::SUPPLY_GAUGE_PRESSURE, supply.gauge_pressure);
+        w.number(&p::SUPPLY_TEMPERATURE, supply.temperature);
+    }
+    valve(w, scenario);
+    command(w, scenario);
+}
+
+fn pulley(w: &mut Writer, pulley: &Pulley) {
+    w.number(&p::PULLEY_RADIUS, pulley.radius);
+    w.number(&p::REST_LENGTH, pulley.rest_length);
 }
 
 fn valve(w: &mut Writer, scenario: &Scenario) {
@@ -181,6 +203,7 @@ fn load(w: &mut Writer, load: &Load) {
         Load::ConstantForce { .. } => LoadKind::ConstantForce,
         Load::Isometric => LoadKind::Isometric,
         Load::PrescribedMotion(_) => LoadKind::PrescribedMotion,
+        Load::AntagonisticJoint(_) => LoadKind::AntagonisticJoint,
     };
     w.word("load.kind", kind.name());
     match load {
@@ -203,6 +226,23 @@ fn load(w: &mut Writer, load: &Load) {
             w.list(&p::MOTION_TIME, time);
             w.list(&p::MOTION_TABLE_LENGTH, length);
         }
+        Load::AntagonisticJoint(joint) => {
+            w.number(&p::MASS, joint.mass);
+            w.number(&p::GRAVITY, joint.gravity);
+            pulley(w, &joint.pulley);
+            w.number(&p::LIMB_DISTANCE, joint.distance);
+            w.number(&p::LIMB_INERTIA, joint.inertia);
+            w.number(&p::HANGING_ANGLE, joint.hanging_angle);
+            w.number(&p::JOINT_TORQUE, joint.torque);
+            w.number(&p::JOINT_DAMPING, joint.damping);
+            for (row, angle) in [(&p::MIN_ANGLE, joint.min_angle), (&p::MAX_ANGLE, joint.max_angle)] {
+                if let Some(angle) = angle {
+                    w.number(row, angle);
+                }
+            }
+            w.number(&p::STOP_STIFFNESS, joint.stop_stiffness);
+            w.number(&p::STOP_DAMPING, joint.stop_damping);
+        }
     }
 }
 
@@ -213,9 +253,16 @@ fn initial_and_run(w: &mut Writer, scenario: &Scenario) {
     match initial.length {
         InitialLength::Equilibrium => w.word(p::INITIAL_LENGTH.key, EQUILIBRIUM.name),
         InitialLength::At(length) => w.number(&p::INITIAL_LENGTH, length),
-        InitialLength::OfMotion => {}
+        InitialLength::OfMotion | InitialLength::OfJoint => {}
     }
-    if initial.length != InitialLength::OfMotion {
+    if let Load::AntagonisticJoint(joint) = &scenario.load {
+        match joint.angle {
+            InitialAngle::Equilibrium => w.word(p::INITIAL_ANGLE.key, BALANCED.name),
+            InitialAngle::At(angle) => w.number(&p::INITIAL_ANGLE, angle),
+        }
+        w.number(&p::INITIAL_ANGULAR_VELOCITY, joint.angular_velocity);
+    }
+    if !matches!(initial.length, InitialLength::OfMotion | InitialLength::OfJoint) {
         w.number(&p::INITIAL_VELOCITY, initial.velocity);
     }
     w.number(&p::DURATION, run.duration);

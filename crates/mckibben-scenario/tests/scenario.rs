@@ -276,3 +276,79 @@ proptest! {
         prop_assert_eq!(Scenario::from_str(&scenario.to_toml(), "again.toml"), Ok(scenario));
     }
 }
+
+const JOINT: &str = r#"
+[supply]
+gauge_pressure = "4 bar"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "antagonistic-joint"
+pulley_radius = "15 mm"
+rest_length = "3.3 in"
+mass = "0.5 kg"
+distance = "100 mm"
+max_angle = "40 deg"
+[initial]
+gauge_pressure = "1 bar"
+[run]
+duration = "1 s"
+"#;
+
+#[test]
+fn an_antagonist_is_as_the_agonist_but_for_what_is_said_of_it() {
+    let same = Scenario::from_str(JOINT, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
+    let Load::AntagonisticJoint(joint) = &same.load else { panic!("{:?}", same.load) };
+    let second = &joint.antagonist;
+    assert_eq!((&second.actuator, &second.valve, &second.command), (&same.actuator, &same.valve, &same.command));
+    assert_eq!((second.pulley, second.gauge_pressure), (joint.pulley, 1e5));
+    assert_eq!((joint.min_angle, joint.max_angle), (None, Some(40_f64.to_radians())));
+
+    let changed = format!(
+        "{JOINT}[antagonist]\nactuator.turns = 3\nload.pulley_radius = \"20 mm\"\ninitial.gauge_pressure = \"2 bar\"\n\
+         [antagonist.command]\nkind = \"table\"\ntime = [\"0.1 s\"]\nstate = [\"fill\"]\n[antagonist.supply]\ngauge_pressure = \"5 bar\"\n"
+    );
+    let scenario = Scenario::from_str(&changed, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
+    let Load::AntagonisticJoint(joint) = &scenario.load else { panic!("{:?}", scenario.load) };
+    let second = &joint.antagonist;
+    assert_eq!((second.actuator.turns, scenario.actuator.turns), (3.0, 2.5));
+    assert_eq!((second.pulley.radius, joint.pulley.radius, second.pulley.rest_length), (0.02, 0.015, 0.08382));
+    assert_eq!((second.gauge_pressure, second.supply.map(|supply| supply.gauge_pressure)), (2e5, Some(5e5)));
+    assert_eq!(second.command, Some(Command::Table { time: vec![0.1], state: vec![CommandState::Fill] }));
+    assert_eq!(second.valve, scenario.valve);
+
+    let again = Scenario::from_str(&scenario.to_toml(), "again.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again, scenario);
+}
+
+#[test]
+fn mistakes_in_a_joint_are_shown_where_they_are() {
+    let told = |text: &str| match Document::parse(text, "joint.toml").expect("TOML").joint_experiment() {
+        Ok(_) => panic!("it is refused:\n{text}"),
+        Err(found) => found.to_string(),
+    };
+    let with = |more: &str| told(&format!("{JOINT}{more}\n"));
+    let error = with("[antagonist]\nactuator.turn = 3");
+    assert!(error.contains("`turn` is not a key of [antagonist.actuator]") && error.contains("`turns`"), "{error}");
+    let error = with("[antagonist.load]\nmass = \"1 kg\"");
+    assert!(error.contains("`mass` is not a key of [antagonist.load]"), "{error}");
+    let error = with("[antagonist.actuator]\nturns = -1");
+    assert!(error.contains("turns") && error.contains("joint.toml:22"), "{error}");
+    let error = with("engine = \"fixed-step\"");
+    assert!(error.contains("does not take an antagonistic joint"), "{error}");
+    let error = told(&JOINT.replace("[initial]", "[initial]\nlength = \"3 in\""));
+    assert!(error.contains("give `initial.angle`"), "{error}");
+    let error = told(&JOINT.replace("100 mm", "0 mm"));
+    assert!(error.contains("load.inertia"), "{error}");
+    let error = told(
+        "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"1 s\"\n[antagonist]\nactuator.turns = 3",
+    );
+    assert!(error.contains("[antagonist] has no meaning"), "{error}");
+    let sweep = format!("{JOINT}[sweep.vary]\n\"command.duty\" = [0.2, 0.4]\n");
+    let error = Document::parse(&sweep, "joint.toml").expect("TOML").sweep().expect_err("refused").to_string();
+    assert!(error.contains("a sweep does not take an antagonistic joint"), "{error}");
+}

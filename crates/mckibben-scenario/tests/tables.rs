@@ -57,6 +57,22 @@ fn surroundings(path: &str) -> &'static str {
         "load.time" | "load.table_length" => {
             "[load]\nkind = \"prescribed-motion\"\ntime = [\"0 s\", \"1 s\"]\ntable_length = [\"9 cm\", \"8 cm\"]"
         }
+        "load.pulley_radius"
+        | "load.rest_length"
+        | "load.distance"
+        | "load.inertia"
+        | "load.hanging_angle"
+        | "load.torque"
+        | "load.damping"
+        | "load.min_angle"
+        | "load.max_angle"
+        | "load.stop_stiffness"
+        | "load.stop_damping"
+        | "initial.angle"
+        | "initial.angular_velocity" => {
+            "[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\npulley_radius = \"15 mm\"\n\
+             rest_length = \"8 cm\""
+        }
         "actuator.effectiveness.polynomial" | "actuator.effectiveness.pressure_unit" => {
             "[actuator.effectiveness]\npolynomial = [1.0]\npressure_unit = \"Pa\""
         }

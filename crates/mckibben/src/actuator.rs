@@ -158,6 +158,16 @@ impl<S: Scalar> Actuator<S> {
         self.friction.coulomb_bound(self.law.secant_stiffness(length, shortest, self.gauge(pressure)))
     }
 
+    /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
+    /// `F_s + F_limit ± Q k_sec`, and any from zero up where it rests on the shortest length.
+    #[inline(always)]
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, on_the_stop: S::Mask) -> (T, T) {
+        let middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
+        let bound = self.coulomb_bound(length, pressure);
+        let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
+        (least, (middle + bound).larger(T::zero()))
+    }
+
     /// The sum of (12) for a given direction of sliding (−1, 0, +1), taut branch and effectiveness, before it is kept from
     /// pushing.
     #[inline(always)]

@@ -238,6 +238,39 @@ parameters! {
     LOAD_FORCE = "load.force", "W", "N", Range::FINITE, None,
         "Constant force that pulls the actuator longer.",
         "elementary mechanics", "give a finite force";
+    PULLEY_RADIUS = "load.pulley_radius", "r", "m", Range::POSITIVE, None,
+        "Radius of the pulley from which the actuator turns the joint.",
+        "elementary mechanics", "give a radius such as 20 mm";
+    REST_LENGTH = "load.rest_length", "L_0", "m", Range::POSITIVE, None,
+        "Distance between the actuator's attachments at joint angle zero.",
+        "choice of the experiment", "give a length between the shortest and the longest of the actuator";
+    LIMB_DISTANCE = "load.distance", "d", "m", Range::NON_NEGATIVE, None,
+        "Distance of the limb's centre of mass from the axis of the joint.",
+        "elementary mechanics", "give zero for a balanced limb, or a distance such as 100 mm";
+    LIMB_INERTIA = "load.inertia", "I", "kg*m^2", Range::NON_NEGATIVE, Some(0.0),
+        "Moment of inertia of the limb about its own centre of mass.",
+        "elementary mechanics", "give zero for a point mass, or a moment of inertia";
+    HANGING_ANGLE = "load.hanging_angle", "theta_0", "rad", Range::FINITE, Some(0.0),
+        "Joint angle at which the limb hangs straight below the axis.",
+        "choice of the experiment", "give a finite angle";
+    JOINT_TORQUE = "load.torque", "W", "N*m", Range::FINITE, Some(0.0),
+        "Constant torque on the joint, positive the way that the first actuator turns it.",
+        "choice of the experiment", "give a finite torque";
+    JOINT_DAMPING = "load.damping", "c", "N*m*s/rad", Range::NON_NEGATIVE, Some(0.0),
+        "Viscous damping of the joint.",
+        "elementary mechanics", "give zero or more";
+    MIN_ANGLE = "load.min_angle", "theta_min", "rad", Range::FINITE, None,
+        "Joint angle at which the lower stop is met; no stop when absent.",
+        "choice of the experiment", "give an angle below max_angle, or leave it out for no stop";
+    MAX_ANGLE = "load.max_angle", "theta_max", "rad", Range::FINITE, None,
+        "Joint angle at which the upper stop is met; no stop when absent.",
+        "choice of the experiment", "give an angle above min_angle, or leave it out for no stop";
+    STOP_STIFFNESS = "load.stop_stiffness", "K_stop", "N*m/rad", Range::POSITIVE, Some(500.0),
+        "Stiffness of the stops of the joint.",
+        "assumed", "give a stiffness much larger than the joint's own";
+    STOP_DAMPING = "load.stop_damping", "C_stop", "N*m*s/rad", Range::NON_NEGATIVE, Some(1.0),
+        "Viscous damping of the stops of the joint.",
+        "assumed", "give zero or more";
     INITIAL_GAUGE_PRESSURE = "initial.gauge_pressure", "P_g(0)", "Pa", Range::FINITE, Some(0.0),
         "Gauge pressure in the actuator at the start.",
         "choice of the experiment", "give a gauge pressure above minus the atmospheric pressure";
@@ -250,6 +283,12 @@ parameters! {
     INITIAL_VELOCITY = "initial.velocity", "v(0)", "m/s", Range::FINITE, Some(0.0),
         "Velocity of lengthening at the start.",
         "choice of the experiment", "give a finite velocity";
+    INITIAL_ANGLE = "initial.angle", "theta(0)", "rad", Range::FINITE, None,
+        "Joint angle at the start.",
+        "choice of the experiment", "give an angle, or \"equilibrium\"";
+    INITIAL_ANGULAR_VELOCITY = "initial.angular_velocity", "omega(0)", "rad/s", Range::FINITE, Some(0.0),
+        "Angular velocity of the joint at the start.",
+        "choice of the experiment", "give a finite angular velocity";
     DURATION = "run.duration", "t_end", "s", Range::POSITIVE, None,
         "Simulated time.",
         "choice of the experiment", "give a time above zero";

@@ -71,6 +71,11 @@ fn units_are_si() {
         "Pa/s",
         "J/(kg*K)",
         "m^3/(s*Pa)",
+        "rad/s",
+        "kg*m^2",
+        "N*m",
+        "N*m/rad",
+        "N*m*s/rad",
     ];
     for row in rows() {
         assert!(si.contains(&row.unit), "{}: {:?} is not an SI unit that is known here", row.key, row.unit);

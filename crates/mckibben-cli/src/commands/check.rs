@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::quantities::{count, given};
 use crate::terminal::{self, GOOD, styled};
 use mckibben_scenario::diagnostic::Class;
-use mckibben_scenario::{Diagnostic, Diagnostics, Document, Experiment, Scenario, Style, Sweep};
+use mckibben_scenario::{Diagnostic, Diagnostics, Document, Scenario, Style, Sweep};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben check` is asked.
@@ -52,7 +52,12 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
     let document = Document::load(path).map_err(listed)?;
-    let single = document.scenario().and_then(|scenario| Ok(told(&scenario, &document.experiment()?)));
+    let single = document.scenario().and_then(|scenario| {
+        if document.joint_experiment()?.is_none() {
+            document.experiment()?;
+        }
+        Ok(told(&scenario))
+    });
     let (sweep, mut mistakes) = match document.sweep() {
         Ok(None) => return single.map_err(listed),
         Ok(Some(sweep)) => (told_of(&sweep), Vec::new()),
@@ -72,9 +77,9 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     }
 }
 
-fn told(scenario: &Scenario, experiment: &Experiment) -> String {
+fn told(scenario: &Scenario) -> String {
     let (load, drive) = (describe::load(&scenario.load), describe::drive(scenario));
-    let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(experiment)));
+    let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(&scenario.run)));
     format!("{load}; {drive}; {duration}, {rows} samples")
 }
 

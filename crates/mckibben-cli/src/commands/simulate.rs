@@ -15,8 +15,11 @@ use crate::settings::Setting;
 use crate::summary::Summary;
 use crate::terminal;
 use mckibben_scenario::{Document, Engine, Experiment, Scenario};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+mod joint;
 
 /// What `mckibben simulate` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -67,6 +70,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         setting.apply(&mut document)?;
     }
     let scenario = document.scenario()?;
+    if let Some(experiment) = document.joint_experiment()? {
+        return joint::run(arguments, &files, &document, &scenario, &experiment);
+    }
     let experiment = document.experiment()?;
     if arguments.events_output.is_some() && experiment.run.engine == Engine::FixedStep {
         return Err(Failure::input(
@@ -101,7 +107,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             assumed: &assumed,
         };
         text.push_str(&summary.render());
-        text.push_str(&files.told(engine::rows(&experiment)));
+        text.push_str(&files.told(engine::rows(&experiment.run)));
     }
     if arguments.events {
         let gap = if text.is_empty() { "" } else { "\n" };
@@ -163,26 +169,45 @@ impl<'a> Files<'a> {
         experiment: &Experiment,
         outcome: &Outcome<'_>,
     ) -> Result<(), Failure> {
+        let interval = experiment.run.sample_interval;
+        self.write_with(
+            arguments,
+            (document, scenario),
+            |provenance, target, out| record::write(outcome, interval, provenance, target, out),
+            |title, target| portrait::draw(experiment, outcome, title, target),
+            |path, out| events::of(outcome).map_or(Ok(()), |log| events::write(log, path, out)),
+        )
+    }
+
+    /// Writes what is asked for by three functions, of the output, the figure's bytes and the events, and lets all files
+    /// take their names when the last is complete.
+    fn write_with(
+        &self,
+        arguments: &SimulateArguments,
+        (document, scenario): (&Document, &Scenario),
+        output: impl FnOnce(&Provenance<'_>, (&Path, record::Format), &mut (dyn Write + Send)) -> Result<(), Failure>,
+        plot: impl FnOnce(&str, (&Path, portrait::Format)) -> Result<Vec<u8>, Failure>,
+        events: impl FnOnce(&Path, &mut dyn Write) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
         let _progress = Progress::begin("writing", None);
         let mut pending = Vec::new();
         if let Some((path, format)) = self.output {
             let set: Vec<String> = arguments.set.iter().map(Setting::to_string).collect();
             let provenance = Provenance { document, set: &set, scenario };
             let mut file = Pending::create(path)?;
-            let interval = experiment.run.sample_interval;
-            record::write(outcome, interval, &provenance, (path, format), file.writer())?;
+            output(&provenance, (path, format), file.writer())?;
             pending.push(file);
         }
         if let Some((path, format)) = self.plot {
             let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let bytes = portrait::draw(experiment, outcome, &title, (path, format))?;
+            let bytes = plot(&title, (path, format))?;
             let mut file = Pending::create(path)?;
             file.writer().write_all(&bytes).map_err(|error| Failure::output(path, error))?;
             pending.push(file);
         }
-        if let (Some(path), Some(log)) = (self.events, events::of(outcome)) {
+        if let Some(path) = self.events {
             let mut file = Pending::create(path)?;
-            events::write(log, path, file.writer())?;
+            events(path, file.writer())?;
             pending.push(file);
         }
         pending.into_iter().try_for_each(Pending::commit)

@@ -1,11 +1,13 @@
 //! The file of a run: the columns, and the two formats they are written in.
 
 mod csv;
+mod field;
 mod parquet;
 
 use crate::engine::Outcome;
 use crate::failure::Failure;
-use mckibben::simulation::Sample;
+use field::Field;
+use mckibben::simulation::{JointSample, JointTrajectory, Sample};
 use mckibben_scenario::{Document, Scenario};
 use std::io::Write;
 use std::path::Path;
@@ -94,8 +96,37 @@ pub fn write(
     (path, format): (&Path, Format),
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
+    let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
+    write_fields(&field::of_actuator(), rows, provenance, (path, format), out)
+}
+
+/// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's.
+///
+/// # Errors
+/// [`Failure::output`], which names `path`, when writing fails.
+pub fn write_joint(
+    trajectory: &JointTrajectory,
+    interval: f64,
+    provenance: &Provenance<'_>,
+    (path, format): (&Path, Format),
+    out: &mut (dyn Write + Send),
+) -> Result<(), Failure> {
+    let rows: Rows<'_, JointSample> = &mut |each| trajectory.samples(interval).try_for_each(|sample| each(&sample));
+    write_fields(&field::of_joint(), rows, provenance, (path, format), out)
+}
+
+/// Hands every sample of a run to what it is given.
+type Rows<'r, S> = &'r mut dyn FnMut(&mut dyn FnMut(&S) -> Result<(), Failure>) -> Result<(), Failure>;
+
+fn write_fields<S>(
+    fields: &[Field<S>],
+    rows: Rows<'_, S>,
+    provenance: &Provenance<'_>,
+    (path, format): (&Path, Format),
+    out: &mut (dyn Write + Send),
+) -> Result<(), Failure> {
     match format {
-        Format::Csv => csv::write(outcome, interval, path, out),
-        Format::Parquet => parquet::write(outcome, interval, provenance, path, out),
+        Format::Csv => csv::write(fields, rows, path, out),
+        Format::Parquet => parquet::write(fields, rows, provenance, path, out),
     }
 }

@@ -11,8 +11,8 @@
 //!
 //! Nothing in a file depends on the clock or the machine: the same run gives the same bytes.
 
-use super::{COLUMNS, Provenance, VALVE};
-use crate::engine::Outcome;
+use super::field::{Field, Value};
+use super::{Provenance, Rows};
 use crate::failure::Failure;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -28,9 +28,9 @@ use std::sync::Arc;
 /// Rows of a row group: what is held in memory at a time.
 const GROUP: usize = 1 << 17;
 
-pub(super) fn write(
-    outcome: &Outcome<'_>,
-    interval: f64,
+pub(super) fn write<S>(
+    fields: &[Field<S>],
+    rows: Rows<'_, S>,
     provenance: &Provenance<'_>,
     path: &Path,
     out: &mut (dyn Write + Send),
@@ -39,67 +39,94 @@ pub(super) fn write(
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_created_by(format!("mckibben {}", env!("CARGO_PKG_VERSION")))
-        .set_key_value_metadata(Some(metadata(provenance)))
+        .set_key_value_metadata(Some(metadata(fields, provenance)))
         .build();
-    let schema = schema().map_err(failed)?;
+    let schema = schema(fields).map_err(failed)?;
     let mut writer = SerializedFileWriter::new(out, schema, Arc::new(properties)).map_err(failed)?;
-    let mut group = Group::default();
-    outcome.each_sample(interval, &mut |sample| {
-        for (column, values) in COLUMNS.iter().zip(&mut group.numbers) {
-            values.push((column.value)(sample));
-        }
-        group.words.push(ByteArray::from(sample.ports.name()));
-        if group.words.len() == GROUP { group.flush(&mut writer).map_err(failed) } else { Ok(()) }
+    let mut group = Group::of(fields);
+    rows(&mut |sample| {
+        group.push(fields, sample);
+        if group.rows == GROUP { group.flush(&mut writer).map_err(failed) } else { Ok(()) }
     })?;
     group.flush(&mut writer).map_err(failed)?;
     writer.close().map_err(failed)?;
     Ok(())
 }
 
-/// Rows that wait to be written.
-#[derive(Debug, Default)]
+/// Rows that wait to be written, column by column.
 struct Group {
-    numbers: [Vec<f64>; COLUMNS.len()],
-    words: Vec<ByteArray>,
+    rows: usize,
+    columns: Vec<Waiting>,
+}
+
+enum Waiting {
+    Numbers(Vec<f64>),
+    Words(Vec<ByteArray>),
 }
 
 impl Group {
+    fn of<S>(fields: &[Field<S>]) -> Self {
+        let columns = fields.iter().map(|field| match field.value {
+            Value::Number(_) => Waiting::Numbers(Vec::new()),
+            Value::Word(_) => Waiting::Words(Vec::new()),
+        });
+        Self { rows: 0, columns: columns.collect() }
+    }
+
+    fn push<S>(&mut self, fields: &[Field<S>], sample: &S) {
+        self.rows += 1;
+        for (field, column) in fields.iter().zip(&mut self.columns) {
+            match (&field.value, column) {
+                (Value::Number(value), Waiting::Numbers(numbers)) => numbers.push(value(sample)),
+                (Value::Word(value), Waiting::Words(words)) => words.push(ByteArray::from(value(sample))),
+                // The columns were made from the fields.
+                _ => {}
+            }
+        }
+    }
+
     fn flush<W: Write + Send>(&mut self, writer: &mut SerializedFileWriter<W>) -> Result<(), ParquetError> {
-        if self.words.is_empty() {
+        if self.rows == 0 {
             return Ok(());
         }
         let mut group = writer.next_row_group()?;
-        for values in &mut self.numbers {
-            if let Some(mut column) = group.next_column()? {
-                column.typed::<DoubleType>().write_batch(values, None, None)?;
-                column.close()?;
+        for waiting in &mut self.columns {
+            let Some(mut column) = group.next_column()? else { continue };
+            match waiting {
+                Waiting::Numbers(values) => {
+                    column.typed::<DoubleType>().write_batch(values, None, None)?;
+                    values.clear();
+                }
+                Waiting::Words(values) => {
+                    column.typed::<ByteArrayType>().write_batch(values, None, None)?;
+                    values.clear();
+                }
             }
-            values.clear();
-        }
-        if let Some(mut column) = group.next_column()? {
-            column.typed::<ByteArrayType>().write_batch(&self.words, None, None)?;
             column.close()?;
         }
-        self.words.clear();
+        self.rows = 0;
         group.close()?;
         Ok(())
     }
 }
 
-fn schema() -> Result<TypePtr, ParquetError> {
-    let required = |name, physical| Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED);
-    let mut fields = Vec::new();
-    for column in &COLUMNS {
-        fields.push(Arc::new(required(column.name, Physical::DOUBLE).build()?));
+fn schema<S>(fields: &[Field<S>]) -> Result<TypePtr, ParquetError> {
+    let mut types = Vec::new();
+    for field in fields {
+        let (physical, logical) = match field.value {
+            Value::Number(_) => (Physical::DOUBLE, None),
+            Value::Word(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        let column = Type::primitive_type_builder(&field.name, physical).with_repetition(Repetition::REQUIRED);
+        types.push(Arc::new(column.with_logical_type(logical).build()?));
     }
-    let words = required(VALVE, Physical::BYTE_ARRAY).with_logical_type(Some(LogicalType::String)).build()?;
-    fields.push(Arc::new(words));
-    Ok(Arc::new(Type::group_type_builder("run").with_fields(fields).build()?))
+    Ok(Arc::new(Type::group_type_builder("run").with_fields(types).build()?))
 }
 
-fn metadata(provenance: &Provenance<'_>) -> Vec<KeyValue> {
+fn metadata<S>(fields: &[Field<S>], provenance: &Provenance<'_>) -> Vec<KeyValue> {
+    let numbers = fields.iter().filter(|field| matches!(field.value, Value::Number(_)));
     let units: serde_json::Map<String, serde_json::Value> =
-        COLUMNS.iter().map(|column| (column.name.to_owned(), column.unit.into())).collect();
+        numbers.map(|field| (field.name.clone(), field.unit.into())).collect();
     let source = provenance.document.source();
     // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
     let name =

@@ -3,7 +3,7 @@
 //! An isometric load takes its length from `initial.length`, which must then be a length; a prescribed motion says its
 //! own length and velocity at the start, so neither may be given.
 
-use super::{alternative, columns, gauge_pressure};
+use super::{alternative, columns, gauge_pressure, joint};
 use crate::choice::{Engine, LoadKind, Method};
 use crate::diagnostic::{Class, Diagnostic};
 use crate::keys::EQUILIBRIUM;
@@ -12,7 +12,7 @@ use crate::reader::{Reader, out_of_range};
 use crate::scenario::{Air, Initial, InitialLength, Load, Motion, Run};
 use mckibben::parameter as p;
 
-pub(super) fn load(r: &mut Reader<'_>) -> Option<Load> {
+pub(super) fn load(r: &mut Reader<'_>, air: &Air) -> Option<Load> {
     let kind: Option<LoadKind> = r.word("load.kind");
     if !r.has("load.kind") {
         r.missing("load.kind", "");
@@ -26,6 +26,7 @@ pub(super) fn load(r: &mut Reader<'_>) -> Option<Load> {
         }
         LoadKind::Isometric => Load::Isometric,
         LoadKind::PrescribedMotion => Load::PrescribedMotion(motion(r)),
+        LoadKind::AntagonisticJoint => Load::AntagonisticJoint(joint::joint(r, air)?),
     })
 }
 
@@ -85,18 +86,24 @@ pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, air: &Air) -> Ini
             }
             given
         }
-        Some(Load::PrescribedMotion(_)) => {
+        Some(load @ (Load::PrescribedMotion(_) | Load::AntagonisticJoint(_))) => {
+            let of_joint = matches!(load, Load::AntagonisticJoint(_));
+            let (what, instead) = if of_joint {
+                ("an antagonistic joint, whose angle says it", "remove it, or give `initial.angle`")
+            } else {
+                ("a prescribed motion, which says it itself", "remove it")
+            };
             for path in [path, p::INITIAL_VELOCITY.key] {
                 if let Some(place) = r.key_place(path) {
-                    let title = format!("`{path}` has no meaning with a prescribed motion, which says it itself");
+                    let title = format!("`{path}` has no meaning with {what}");
                     r.note(
                         Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                             .related(r.value_place("load.kind"), "chosen here")
-                            .help("remove it"),
+                            .help(instead),
                     );
                 }
             }
-            InitialLength::OfMotion
+            if of_joint { InitialLength::OfJoint } else { InitialLength::OfMotion }
         }
         _ => given,
     };

@@ -12,14 +12,42 @@ use crate::reader::Reader;
 use crate::scenario::{Air, Command, Passage, Supply, Valve};
 use mckibben::parameter as p;
 
-pub(super) fn supply(r: &mut Reader<'_>, air: &Air) -> Supply {
+/// Supply, valve and command, which belong together.
+pub(super) fn drive(r: &mut Reader<'_>, air: &Air) -> (Option<Supply>, Option<Valve>, Option<Command>) {
+    let supply = r.has("supply").then(|| supply(r, air));
+    let valve = r.has("valve").then(|| valve(r));
+    if valve.is_some() && supply.is_none() {
+        r.missing_section("supply", Some("valve"));
+    }
+    let command = match (valve.flatten(), r.key_place("command")) {
+        (Some(valve), Some(_)) => command(r, valve.kind),
+        (None, Some(place)) if valve.is_none() => {
+            let title = "there is a [command] but no [valve], so nothing obeys it";
+            r.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "commands no valve")
+                    .help("add a section `[valve]`, or remove `[command]` to seal the actuator"),
+            );
+            None
+        }
+        (_, Some(_)) => command(r, ValveKind::FillHoldExhaust),
+        (_, None) => {
+            if valve.is_some() {
+                r.missing_section("command", Some("valve"));
+            }
+            None
+        }
+    };
+    (supply, valve.flatten(), command)
+}
+
+fn supply(r: &mut Reader<'_>, air: &Air) -> Supply {
     Supply {
         gauge_pressure: gauge_pressure(r, &p::SUPPLY_GAUGE_PRESSURE, air),
         temperature: r.value(&p::SUPPLY_TEMPERATURE, None),
     }
 }
 
-pub(super) fn valve(r: &mut Reader<'_>) -> Option<Valve> {
+fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     let preset = r.chosen("valve.preset", presets::VALVE_CHOICES).and_then(presets::valve);
     let misspelt = r.has("valve.preset") && preset.is_none();
     let kind = match preset.and_then(|preset| preset.word("valve.kind")) {
@@ -55,7 +83,7 @@ pub(super) fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     })
 }
 
-pub(super) fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
+fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
     let kind: Option<CommandKind> = r.word("command.kind");
     if !r.has("command.kind") {
         r.missing("command.kind", "");

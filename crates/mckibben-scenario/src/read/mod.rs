@@ -9,17 +9,18 @@
 //! | `drive` | supply, valve, command |
 //! | `passage` | how much the valve's passages let through |
 //! | `course` | load, initial, run |
+//! | `joint` | load and antagonist of an antagonistic joint |
 //!
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
 
 mod body;
 mod course;
 mod drive;
+mod joint;
 pub(crate) mod passage;
 
 pub(crate) use body::GEOMETRY;
 
-use crate::choice::ValveKind;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::quantity;
@@ -40,36 +41,15 @@ impl Document {
         }
         let actuator = body::actuator(r);
         let air = body::air(r);
-        let supply = r.has("supply").then(|| drive::supply(r, &air));
-        let valve = r.has("valve").then(|| drive::valve(r));
-        if valve.is_some() && supply.is_none() {
-            r.missing_section("supply", Some("valve"));
-        }
-        let command = match (valve.flatten(), r.key_place("command")) {
-            (Some(valve), Some(_)) => drive::command(r, valve.kind),
-            (None, Some(place)) if valve.is_none() => {
-                let title = "there is a [command] but no [valve], so nothing obeys it";
-                r.note(
-                    Diagnostic::at(Class::NotApplicable, place, title, "commands no valve")
-                        .help("add a section `[valve]`, or remove `[command]` to seal the actuator"),
-                );
-                None
-            }
-            (_, Some(_)) => drive::command(r, ValveKind::FillHoldExhaust),
-            (_, None) => {
-                if valve.is_some() {
-                    r.missing_section("command", Some("valve"));
-                }
-                None
-            }
-        };
-        let load = if self.contains("load") { course::load(r) } else { None };
+        let driven = drive::drive(r, &air);
+        let load = if self.contains("load") { course::load(r, &air) } else { None };
         let initial = course::initial(r, load.as_ref(), &air);
         let run = if self.contains("run") { Some(course::run(r)) } else { None };
         reader.finish()?;
         match (load, run) {
             (Some(load), Some(run)) => {
-                Ok(Scenario { actuator, air, supply, valve: valve.flatten(), command, load, initial, run })
+                let (supply, valve, command) = driven;
+                Ok(Scenario { actuator, air, supply, valve, command, load, initial, run })
             }
             // Not reached: a part that could not be read has been noted. Said rather than assumed.
             _ => Err(Diagnostic::whole(Class::Missing, self.source().name(), "the scenario is incomplete").into()),

@@ -16,7 +16,7 @@ use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
 use crate::quantity;
 use crate::reader::Reader;
-use crate::scenario::Scenario;
+use crate::scenario::{Load, Scenario};
 use mckibben::parameter as p;
 
 /// Most combinations of words, each of which is a scenario in memory.
@@ -163,7 +163,7 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
                 rest /= count;
             }
         }
-        let base = document.scenario();
+        let base = document.scenario().and_then(|scenario| of_one_actuator(&document, scenario));
         bases.push(match chosen.is_empty() {
             true => base?,
             false => base.map_err(|found| {
@@ -173,6 +173,21 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
         });
     }
     Ok(bases)
+}
+
+/// Refuses a joint of two actuators, which no sweep takes yet.
+fn of_one_actuator(document: &Document, scenario: Scenario) -> Result<Scenario, Diagnostics> {
+    if !matches!(scenario.load, Load::AntagonisticJoint(_)) {
+        return Ok(scenario);
+    }
+    let title = "a sweep does not take an antagonistic joint yet";
+    let diagnostic = match document.entry("load.kind") {
+        Some(entry) => {
+            Diagnostic::at(Class::NotApplicable, entry.node.place.clone(), title, "a joint of two actuators")
+        }
+        None => Diagnostic::whole(Class::NotApplicable, document.source().name(), title),
+    };
+    Err(diagnostic.help("remove [sweep] and run the file with `mckibben simulate`, or choose another load.kind").into())
 }
 
 /// Rows in a part of the result: as many as hold a manageable amount.

@@ -77,7 +77,7 @@ struct Lane<R> {
 
 impl<R> Lane<R> {
     fn timetable(&self) -> Timetable<'_, f64> {
-        Timetable { actuation: self.actuation.as_ref(), load: &self.load }
+        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
     }
 
     fn look_ahead(&mut self, until: f64) {

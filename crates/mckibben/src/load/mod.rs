@@ -14,10 +14,15 @@
 //! | W | `pull` | N, positive when it stretches the actuator |
 //! | F | tension | N, positive when the actuator pulls |
 //!
+//! A [`Joint`] is turned by two actuators, so it is no [`Load`] of one.
+//!
 //! Source: Colbrunn, Nelson & Quinn (2001), (15) and (16). Checked by `tests/simulation.rs`.
 
+mod joint;
 mod motion;
 
+pub(crate) use joint::SIGN;
+pub use joint::{Joint, Limb, Pulley, Stops};
 pub use motion::{Line, Motion};
 
 use crate::convert::Convert;
@@ -97,6 +102,14 @@ impl<S: Scalar> Load<S> {
             },
             Self::Isometric => Load::Isometric,
             Self::Prescribed(motion) => Load::Prescribed(motion.convert(convert)),
+        }
+    }
+
+    /// The prescribed motion, if it is one.
+    pub fn motion(&self) -> Option<&Motion<S>> {
+        match self {
+            Self::Prescribed(motion) => Some(motion),
+            _ => None,
         }
     }
 

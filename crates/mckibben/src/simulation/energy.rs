@@ -12,8 +12,10 @@
 //! The load and the taut braid are taken from the states, the rest by quadrature over the dense output: that the sum
 //! closes is a test of the simulation, to its tolerance, in every run.
 
-use super::mode::Extent;
+use super::mode::{Extent, Mode};
+use super::sample::Sample;
 use super::trajectory::Trajectory;
+use crate::actuator::Actuator;
 use crate::force::StaticForce;
 use crate::scalar::Real;
 
@@ -70,46 +72,55 @@ impl EnergyAudit {
     }
 }
 
+impl EnergyAudit {
+    /// Adds what happens in an instant of `weight` s: the flows and what is dissipated. Returns the work on the ends in J.
+    pub(super) fn add<R: Real>(&mut self, actuator: &Actuator<R>, weight: f64, sample: &Sample<R>, mode: &Mode) -> f64 {
+        let (limits, friction, law) = (actuator.limits(), actuator.friction(), actuator.law());
+        let velocity = sample.velocity;
+        let slack = mode.extent == Extent::Slack;
+        let chamber = actuator.chamber(sample.length, velocity, sample.pressure.0, sample.air_mass, slack);
+        let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
+        self.air_in += weight * flow.inward.value();
+        self.air_out += weight * flow.outward.value();
+        let work_on_ends = -weight * (sample.tension * velocity).value();
+        if slack {
+            return work_on_ends;
+        }
+        let gauge = actuator.gauge(sample.pressure.0);
+        let ideal = -(law.law.force(sample.length, gauge) * velocity).value();
+        let static_force = law.force(sample.length, gauge);
+        self.gas_work += weight * ideal;
+        self.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
+        let viscous = friction.viscous_force(velocity);
+        let coulomb = R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
+        let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
+        let stretch = (sample.length - limits.max_length()).larger(R::zero());
+        self.viscous += weight * (viscous * velocity).value();
+        self.coulomb += weight * (coulomb * velocity).value();
+        self.braid += weight * ((limit - limits.stiffness() * stretch) * velocity).value();
+        let sum = static_force + viscous + coulomb + limit;
+        self.slack += weight * ((sample.tension - sum) * velocity).value();
+        work_on_ends
+    }
+
+    /// Adds what the taut braid and the air gained between two samples.
+    pub(super) fn add_gains<R: Real>(&mut self, actuator: &Actuator<R>, start: &Sample<R>, end: &Sample<R>) {
+        let limits = actuator.limits();
+        self.braid_storage += (limits.stored_energy(end.length) - limits.stored_energy(start.length)).value();
+        self.air_gain += (end.air_mass - start.air_mass).value();
+    }
+}
+
 impl<R: Real> Trajectory<R> {
     /// The energy and air balance of the whole trajectory.
     pub fn audit(&self) -> EnergyAudit {
         let rig = self.rig();
         let actuator = rig.actuator();
-        let (limits, friction, law) = (actuator.limits(), actuator.friction(), actuator.law());
         let mut audit = EnergyAudit::default();
         let mut work_on_ends = 0.0;
-        self.quadrature(|weight, sample, mode| {
-            let weight = weight.value();
-            let velocity = sample.velocity;
-            let slack = mode.extent == Extent::Slack;
-            let chamber = actuator.chamber(sample.length, velocity, sample.pressure.0, sample.air_mass, slack);
-            let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
-            audit.air_in += weight * flow.inward.value();
-            audit.air_out += weight * flow.outward.value();
-            work_on_ends -= weight * (sample.tension * velocity).value();
-            if slack {
-                return;
-            }
-            let gauge = actuator.gauge(sample.pressure.0);
-            let ideal = -(law.law.force(sample.length, gauge) * velocity).value();
-            let static_force = law.force(sample.length, gauge);
-            audit.gas_work += weight * ideal;
-            audit.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
-            let viscous = friction.viscous_force(velocity);
-            let coulomb =
-                R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
-            let limit =
-                if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
-            let stretch = (sample.length - limits.max_length()).larger(R::zero());
-            audit.viscous += weight * (viscous * velocity).value();
-            audit.coulomb += weight * (coulomb * velocity).value();
-            audit.braid += weight * ((limit - limits.stiffness() * stretch) * velocity).value();
-            let sum = static_force + viscous + coulomb + limit;
-            audit.slack += weight * ((sample.tension - sum) * velocity).value();
-        });
+        self.quadrature(|weight, sample, mode| work_on_ends += audit.add(actuator, weight.value(), sample, mode));
         let (start, end) = (self.at(R::zero()), self.at(self.duration()));
-        audit.braid_storage = (limits.stored_energy(end.length) - limits.stored_energy(start.length)).value();
-        audit.air_gain = (end.air_mass - start.air_mass).value();
+        audit.add_gains(actuator, &start, &end);
         audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
             let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();
             kinetic(end.velocity) - kinetic(start.velocity) - (inertia.pull * (end.length - start.length)).value()

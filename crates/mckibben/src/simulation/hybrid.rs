@@ -1,31 +1,29 @@
 //! The rig as a hybrid system: when each formula of the actuator holds, and what follows when it ends.
 //!
+//! The mode of its [member](super::member), and
+//!
 //! | component of the mode | values | ends when |
 //! |---|---|---|
-//! | passages | supply, exhaust | a seat moves (an instant) |
-//! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
-//! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
-//! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | sliding | lengthening, shortening, stuck, held, frictionless | the velocity comes to zero; the load breaks away |
-//! | clamped | yes, no | the sum of forces passes zero |
 //!
 //! At rest, a tension between `F_s + F_limit − Q k_sec` and `F_s + F_limit + Q k_sec` can be held, and any from zero up
 //! when the actuator rests on its shortest length. The load sticks while its pull lies between.
 
-use super::event::band;
+use super::member::Member;
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::rig::Rig;
 use super::system::{GuardForm, Guards, HybridSystem};
 use super::timetable::Progress;
-use crate::air::Process;
+use crate::air::{Chamber, Flow};
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
-use crate::valve::{FlowZone, Port};
 
 const LENGTH: usize = 0;
 const VELOCITY: usize = 1;
-pub(super) const PRESSURE: usize = 2;
+const PRESSURE: usize = 2;
+const AIR_MASS: usize = 3;
 
 /// The mode with what its clocks remember.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,13 +39,7 @@ pub struct Phase<R = f64> {
 #[derive(Clone, Copy, Debug)]
 pub struct RigSystem<'a, R: Real = f64> {
     rig: &'a Rig<R>,
-    magnitudes: [f64; 4],
-    /// Relative width of a border between agreeing formulas.
-    band: f64,
-    /// The same as a force in N.
-    force_band: f64,
-    /// Scale of the length in m while the braid is taut.
-    taut_scale: f64,
+    member: Member<'a, R>,
     inertia: Option<Inertia<R>>,
     /// `1/M`, or zero when the motion is given.
     per_mass: R,
@@ -56,23 +48,11 @@ pub struct RigSystem<'a, R: Real = f64> {
 impl<'a, R: Real> RigSystem<'a, R> {
     /// A rig whose steps are controlled to `relative_tolerance`.
     pub fn new(rig: &'a Rig<R>, relative_tolerance: f64) -> Self {
-        let actuator = rig.actuator();
-        let (air, limits, braid) = (actuator.air(), actuator.limits(), &actuator.law().law.braid);
-        let atmosphere = air.atmosphere().0.value();
-        let longest = limits.max_length();
-        let volume = actuator.volume(longest).value();
-        let air_mass = atmosphere * volume / (air.gas_constant().value() * ROOM_TEMPERATURE);
         let inertia = rig.load().inertia();
-        let thread = braid.thread_length().value();
-        let gas_force = atmosphere * thread * thread * braid.per_turns().value();
-        let force = inertia.map_or(0.0, |inertia| inertia.pull.value().abs()).max(gas_force);
-        let band = band(relative_tolerance);
+        let pull = inertia.map_or(0.0, |inertia| inertia.pull.value().abs());
         Self {
             rig,
-            magnitudes: [longest.value(), longest.value() * USUAL_RATE, atmosphere, air_mass],
-            band,
-            force_band: band * force,
-            taut_scale: (TAUT * force / limits.stiffness().value()).min(longest.value()),
+            member: Member::new(rig.actuator(), relative_tolerance, pull),
             inertia,
             per_mass: inertia.map_or(R::zero(), |inertia| R::one() / inertia.mass),
         }
@@ -83,15 +63,22 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.rig
     }
 
-    /// Relative width of a border between agreeing formulas.
-    pub(super) fn band(&self) -> f64 {
-        self.band
+    /// The actuator as a member of the system.
+    #[cfg(feature = "alloc")]
+    pub(super) fn member(&self) -> &Member<'a, R> {
+        &self.member
     }
 
     /// The usual size of each state: the longest length, a usual velocity, the atmosphere's pressure, the air at that.
-    #[cfg(feature = "alloc")]
     pub(super) fn magnitudes(&self) -> [f64; 4] {
-        self.magnitudes
+        let Member { longest, atmosphere, air_mass, .. } = self.member;
+        [longest, longest * USUAL_RATE, atmosphere, air_mass]
+    }
+
+    /// Flow through the passages that are open in a mode.
+    #[inline(always)]
+    pub fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
+        self.member.flow(chamber, mode)
     }
 
     /// The phase at t = 0 in a state.
@@ -102,13 +89,17 @@ impl<'a, R: Real> RigSystem<'a, R> {
             ports,
             supply_zone: None,
             exhaust_zone: None,
-            effectiveness_piece: self.effectiveness_piece(state[PRESSURE]),
+            effectiveness_piece: self.member.effectiveness_piece(state[PRESSURE]),
             extent: Extent::Free,
             sliding: Sliding::Held,
             clamped: false,
         };
-        let mut phase = Phase { mode, progress, isothermal: self.isothermal_content(state) };
-        self.enter_ports(state, &mut phase.mode);
+        let mut phase = Phase {
+            mode,
+            progress,
+            isothermal: self.member.isothermal_content(state[LENGTH], [state[PRESSURE], state[AIR_MASS]]),
+        };
+        self.member.enter_ports(state[PRESSURE], &mut phase.mode);
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(R::zero(), state, &mut phase);
         phase
@@ -120,38 +111,16 @@ impl<'a, R: Real> RigSystem<'a, R> {
         if mode.sliding == Sliding::Stuck {
             return self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
         }
-        if mode.extent == Extent::Slack || mode.clamped {
-            return T::zero();
-        }
-        self.signed_force(state, mode)
-    }
-
-    /// The sum of (12) before it is kept from pushing.
-    #[inline(always)]
-    fn signed_force<T: Over<R>>(&self, state: &[T; 4], mode: &Mode) -> T {
-        let [length, velocity, pressure, _] = *state;
-        let actuator = self.rig.actuator();
-        let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(pressure));
-        let direction = T::constant(mode.sliding.direction());
-        actuator.signed_force([length, velocity, pressure], direction, mode.extent == Extent::Taut, effectiveness)
+        self.member.tension(ends(state), mode)
     }
 
     /// The extent of a state that may lie on a limit: then the velocity, or at rest the balance, decides.
     fn enter_extent(&self, state: &[R; 4], mode: &mut Mode) {
         let limits = self.rig.actuator().limits();
-        let [length, velocity] = [state[LENGTH].value(), state[VELOCITY].value()];
-        let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
+        let [length, velocity, ..] = *state;
+        let above = [limits.min_length(), limits.max_length()].map(|limit| length.value() - limit.value());
         let pushed_up = self.inertia.is_some_and(|inertia| inertia.pull.value() < 0.0);
-        mode.extent = if length < shortest || (length == shortest && (velocity < 0.0 || (velocity == 0.0 && pushed_up)))
-        {
-            Extent::Slack
-        } else if length < longest || (length == longest && velocity <= 0.0) {
-            Extent::Free
-        } else if limits.taut_force(state[LENGTH], state[VELOCITY]).value() >= 0.0 {
-            Extent::Taut
-        } else {
-            Extent::Rebound
-        };
+        mode.extent = self.member.extent_at([length, velocity], above, pushed_up);
     }
 
     /// The direction of sliding in a state that may be at rest, and whether the force is clamped.
@@ -179,9 +148,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
         }
         let (least, most) = self.rig.holdable(state[LENGTH], state[PRESSURE]);
         let (least, most, pull) = (least.value(), most.value(), inertia.pull.value());
-        if pull > most + self.force_band {
+        if pull > most + self.member.force_band {
             self.rig.sliding(1.0)
-        } else if pull < least - self.force_band {
+        } else if pull < least - self.member.force_band {
             if on_the_stop {
                 mode.extent = Extent::Slack;
             }
@@ -192,8 +161,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     fn enter_clamp(&self, state: &[R; 4], mode: &mut Mode) {
-        let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
-        mode.clamped = moves && self.signed_force(state, mode).value() < 0.0;
+        self.member.enter_clamp(ends(state), mode);
     }
 
     /// Whether the load, arriving at the shortest length, comes to rest there: it can be held, and it would bounce less
@@ -204,7 +172,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
         let most = self.rig.holdable(state[LENGTH], state[PRESSURE]).1.value();
         let acceleration = pull.min(most - pull) / mass;
         let velocity = state[VELOCITY].value();
-        acceleration > 0.0 && velocity * velocity <= 2.0 * acceleration * self.band * self.magnitudes[LENGTH]
+        acceleration > 0.0 && velocity * velocity <= 2.0 * acceleration * self.member.band * self.member.longest
     }
 }
 
@@ -212,10 +180,12 @@ impl<'a, R: Real> RigSystem<'a, R> {
 const USUAL_RATE: f64 = 1.0;
 /// The part of that scale below which an error in velocity counts absolutely.
 const SLOW: f64 = 0.1;
-/// Part of the stretch under the usual force that a taut length is measured by.
-const TAUT: f64 = 0.5;
-/// Temperature in K at which the scale of the air mass is taken.
-const ROOM_TEMPERATURE: f64 = 293.15;
+
+/// Length, velocity and pressure of a state.
+#[inline(always)]
+fn ends<T: Copy>(state: &[T; 4]) -> [T; 3] {
+    [state[LENGTH], state[VELOCITY], state[PRESSURE]]
+}
 
 impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     type Mode = Phase<R>;
@@ -225,7 +195,6 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
     #[inline(always)]
     fn rates<T: Over<R>>(&self, time: T, state: &[T; 4], phase: &Phase<R>) -> [T; 4] {
         let mode = &phase.mode;
-        let actuator = self.rig.actuator();
         let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
         match self.rig.load() {
             Load::Prescribed(motion) => ends = motion.at(time, phase.progress.corners_passed),
@@ -238,22 +207,27 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             }
         }
         let [length, velocity, acceleration] = ends;
-        let slack = mode.extent == Extent::Slack;
-        let chamber = actuator.chamber(length, velocity, state[PRESSURE], state[3], slack);
-        let flow = self.flow(&chamber, mode);
-        [velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()]
+        let [pressure_rate, air_rate] =
+            self.member.air_rates([length, velocity, state[PRESSURE], state[AIR_MASS]], mode);
+        [velocity, acceleration, pressure_rate, air_rate]
     }
 
     fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
-        self.damping_rate(&phase.mode).max(self.pressure_settling_rate(time, state, phase))
+        let rate = |pressure: Dual<R, 1>| {
+            let mut seeded = state.map(Dual::<R, 1>::of);
+            seeded[PRESSURE] = pressure;
+            self.rates(Dual::of(time), &seeded, phase)[PRESSURE]
+        };
+        let settling = self.member.pressure_settling_rate(state[PRESSURE], &phase.mode, rate);
+        (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling)
     }
 
     fn scales(&self, state: &[R; 4], phase: &Phase<R>) -> [f64; 4] {
-        let [longest, _, atmosphere, air_mass] = self.magnitudes;
+        let Member { longest, atmosphere, air_mass, taut_scale, .. } = self.member;
         let [length, velocity, pressure, mass] = state.map(|value| value.value().abs());
         // On the taut braid a length counts by the force that an error in it makes.
         let length = match phase.mode.extent {
-            Extent::Taut | Extent::Rebound => self.taut_scale,
+            Extent::Taut | Extent::Rebound => taut_scale,
             Extent::Slack | Extent::Free => length.max(longest),
         };
         [length, velocity + self.slow(), pressure + 0.1 * atmosphere, mass + 0.1 * air_mass]
@@ -267,7 +241,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         let ports = self.rig.timetable().pass_seats(&mut phase.progress, time);
         if ports != phase.mode.ports {
             phase.mode.ports = ports;
-            self.enter_ports(state, &mut phase.mode);
+            self.member.enter_ports(state[PRESSURE], &mut phase.mode);
             return Ok(EventKind::Valve);
         }
         phase.progress.corners_passed += 1;
@@ -279,26 +253,17 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 
     fn guards(&self, phase: &Phase<R>) -> Guards<Guard> {
         let mode = &phase.mode;
-        let limits = self.rig.actuator().limits();
         let mut guards = Guards::new();
         let above = |index, bound: R| GuardForm::Above { index, bound: bound.value() };
         let below = |index, bound: R| GuardForm::Below { index, bound: bound.value() };
         let moves = !matches!(self.rig.load(), Load::Isometric) && mode.sliding != Sliding::Stuck;
         if moves {
-            match mode.extent {
-                Extent::Slack => guards.add(Guard::Tight, below(LENGTH, limits.min_length())),
-                Extent::Free => {
-                    guards.add(Guard::Slack, above(LENGTH, limits.min_length()));
-                    guards.add(Guard::Taut, below(LENGTH, limits.max_length()));
-                }
-                Extent::Taut => {
-                    guards.add(Guard::ThreadLength, below(LENGTH, self.thread_length()));
-                    guards.add(Guard::Rebound, GuardForm::Function);
-                }
-                Extent::Rebound => {
-                    guards.add(Guard::Untaut, above(LENGTH, limits.max_length()));
-                    guards.add(Guard::Retaut, GuardForm::Function);
-                }
+            let (by_length, by_force) = self.member.extent_guards(mode.extent);
+            for (guard, bound, lasts_above) in by_length.into_iter().flatten() {
+                guards.add(guard, if lasts_above { above(LENGTH, bound) } else { below(LENGTH, bound) });
+            }
+            if let Some(guard) = by_force {
+                guards.add(guard, GuardForm::Function);
             }
         }
         match mode.sliding {
@@ -314,44 +279,21 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             }
             _ => {}
         }
-        if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
-            guards.add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
-        }
-        self.zone_guards(mode, &mut guards);
-        self.piece_guards(mode, &mut guards);
+        self.member.each_other_guard(mode, PRESSURE, &mut |guard, form| guards.add(guard, form));
         guards
     }
 
     fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; 4], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
-        let limits = self.rig.actuator().limits();
         let [length, velocity, pressure, _] = *state;
-        let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
-        let band = T::constant(self.force_band);
+        let band = T::constant(self.member.force_band);
         let pull = || self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
-        let bound = |port, zone: Option<FlowZone>, up| {
-            zone.and_then(|zone| self.zone_bound(port, zone, up)).map_or(pressure, T::of)
-        };
         match guard {
-            Guard::ThreadLength => T::of(self.thread_length()) - length,
-            Guard::Slack => length - shortest,
-            Guard::Tight => shortest - length,
-            Guard::Taut => longest - length,
-            Guard::Untaut => length - longest,
-            Guard::Rebound => limits.taut_force(length, velocity) + band,
-            Guard::Retaut => band - limits.taut_force(length, velocity),
             Guard::Rest if mode.sliding == Sliding::Shortening => T::constant(self.rest_band()) - velocity,
             Guard::Rest => T::constant(self.rest_band()) + velocity,
             Guard::BreakLonger => self.rig.holdable(length, pressure).1 + band - pull(),
             Guard::BreakShorter => pull() - self.rig.holdable(length, pressure).0 + band,
-            Guard::TensionZero => self.signed_force(state, mode) + band,
-            Guard::TensionBack => band - self.signed_force(state, mode),
-            Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),
-            Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
-            Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
-            Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
-            Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
-            Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
+            _ => self.member.guard(guard, ends(state), mode),
         }
     }
 
@@ -392,11 +334,6 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
                 self.enter_clamp(state, &mut phase.mode);
                 Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
             }
-            Guard::Rebound | Guard::Retaut => {
-                let taut = guard == Guard::Retaut;
-                phase.mode.extent = if taut { Extent::Taut } else { Extent::Rebound };
-                Ok(if taut { EventKind::Taut } else { EventKind::Rebound })
-            }
             Guard::Rest => {
                 if inertial {
                     state[VELOCITY] = R::zero();
@@ -411,23 +348,7 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
                 self.enter_clamp(state, &mut phase.mode);
                 Ok(EventKind::BreakAway)
             }
-            Guard::TensionZero | Guard::TensionBack => {
-                phase.mode.clamped = guard == Guard::TensionZero;
-                Ok(if phase.mode.clamped { EventKind::TensionZero } else { EventKind::TensionBack })
-            }
-            Guard::SupplyDown | Guard::SupplyUp => {
-                Self::move_zone(&mut phase.mode.supply_zone, guard == Guard::SupplyUp);
-                Ok(EventKind::Flow)
-            }
-            Guard::ExhaustDown | Guard::ExhaustUp => {
-                Self::move_zone(&mut phase.mode.exhaust_zone, guard == Guard::ExhaustUp);
-                Ok(EventKind::Flow)
-            }
-            Guard::PieceDown | Guard::PieceUp => {
-                let piece = &mut phase.mode.effectiveness_piece;
-                *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
-                Ok(EventKind::Effectiveness)
-            }
+            _ => Member::<R>::cross(guard, &mut phase.mode).ok_or_else(|| self.stuck(time, state, phase)),
         }
     }
 
@@ -456,33 +377,12 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 impl<R: Real> RigSystem<'_, R> {
     /// The velocity in m/s by which zero must be passed before it is a turn: what a few steps may err.
     fn rest_band(&self) -> f64 {
-        10.0 * self.band * self.slow()
+        10.0 * self.member.band * self.slow()
     }
 
     /// The velocity in m/s below which its error counts absolutely.
     fn slow(&self) -> f64 {
-        SLOW * self.magnitudes[VELOCITY]
-    }
-
-    /// `P V/m` of a state, if the process keeps it.
-    fn isothermal_content(&self, state: &[R; 4]) -> Option<R> {
-        let actuator = self.rig.actuator();
-        let content = || state[PRESSURE] * actuator.volume(state[LENGTH]) / state[3];
-        matches!(actuator.air().process(), Process::Isothermal).then(content)
-    }
-
-    fn thread_length(&self) -> R {
-        self.rig.actuator().law().law.braid.thread_length()
-    }
-
-    /// Rate in 1/s at which friction and the taut braid damp the load.
-    fn damping_rate(&self, mode: &Mode) -> f64 {
-        let actuator = self.rig.actuator();
-        if mode.extent == Extent::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
-            return 0.0;
-        }
-        let taut = if mode.extent == Extent::Taut { actuator.limits().damping().value() } else { 0.0 };
-        (actuator.friction().viscous().value() + taut) * self.per_mass.value()
+        SLOW * self.magnitudes()[VELOCITY]
     }
 
     /// The velocity has come to zero: stick, or go the other way.

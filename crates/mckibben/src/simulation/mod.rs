@@ -4,6 +4,8 @@
 //!   reference that everything is compared with. Its rules for events are in [`event`].
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
 //!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
+//!
+//! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other.
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
@@ -16,11 +18,15 @@ mod explicit;
 pub(crate) mod fixed_step;
 mod hybrid;
 mod integrator;
+mod joint;
 pub(crate) mod kernel;
+mod member;
 mod mode;
 pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;
+#[cfg(feature = "alloc")]
+mod stored;
 pub mod system;
 pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
@@ -33,6 +39,12 @@ pub use energy::EnergyAudit;
 pub use fixed_step::FixedStepper;
 pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
+pub use joint::{
+    Contact, Driven, End, InitialAngle, JointEventKind, JointGuard, JointInitial, JointMode, JointPhase, JointRig,
+    JointState, JointSystem, Turning,
+};
+#[cfg(feature = "alloc")]
+pub use joint::{JointAudit, JointEvent, JointSample, JointTrajectory, simulate_joint, simulate_joint_watched};
 pub use kernel::{Held, Method};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};

@@ -93,6 +93,12 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
+    /// A joint came to a stop, or pressed it again.
+    StopReached,
+    /// A stop ceased to press while the joint came back.
+    StopRebound,
+    /// The joint left a stop.
+    StopLeft,
 }
 
 impl EventKind {
@@ -113,6 +119,9 @@ impl EventKind {
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
+            Self::StopReached => "stop",
+            Self::StopRebound => "stop-rebound",
+            Self::StopLeft => "stop-left",
         }
     }
 }

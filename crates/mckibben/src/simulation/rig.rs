@@ -103,6 +103,40 @@ impl<S: Scalar> Initial<S> {
     }
 }
 
+/// That something drives the valve if there is one, and that the valve can do what it is asked.
+pub(super) fn check_drive(actuator: &Actuator, actuation: Option<&Actuation>) -> Result<(), Error> {
+    match (actuation, actuator.valve()) {
+        (None, Some(_)) => Err(Error::Unsupported {
+            what: "the actuator has a valve, but no command drives it",
+            remedy: "give a command, or leave the valve out for a sealed actuator",
+        }),
+        (Some(_), None) => Err(Error::Unsupported {
+            what: "a command is given, but the actuator has no valve",
+            remedy: "give the actuator a valve, or leave the command out",
+        }),
+        (Some(Actuation { solenoid, command }), Some(_)) => solenoid.check(command),
+        (None, None) => Ok(()),
+    }
+}
+
+impl<S: Scalar> Actuation<S> {
+    /// The same over another scalar.
+    pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
+        Actuation { solenoid: self.solenoid.convert(convert), command: self.command.convert(convert) }
+    }
+}
+
+/// That an initial gauge pressure and temperature (K) are physical.
+pub(super) fn check_air(actuator: &Actuator, gauge: GaugePressure, temperature: f64) -> Result<(), Error> {
+    parameter::INITIAL_GAUGE_PRESSURE.check(gauge.0)?;
+    parameter::INITIAL_TEMPERATURE.check(temperature)?;
+    let air = actuator.air();
+    if gauge.absolute(air.atmosphere()).0 <= 0.0 {
+        return Err(crate::valve::below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, gauge, air));
+    }
+    Ok(())
+}
+
 impl Rig {
     /// An actuator with its load, and with what drives its valve if it has one.
     ///
@@ -110,21 +144,8 @@ impl Rig {
     /// [`Error::Unsupported`] when the actuator has a valve and nothing drives it, the other way round, or the valve
     /// cannot do what the command asks.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
-        match (&actuation, actuator.valve()) {
-            (None, Some(_)) => Err(Error::Unsupported {
-                what: "the actuator has a valve, but no command drives it",
-                remedy: "give a command, or leave the valve out for a sealed actuator",
-            }),
-            (Some(_), None) => Err(Error::Unsupported {
-                what: "a command is given, but the actuator has no valve",
-                remedy: "give the actuator a valve, or leave the command out",
-            }),
-            (Some(Actuation { solenoid, command }), Some(_)) => {
-                solenoid.check(command)?;
-                Ok(Self { actuator, actuation, load })
-            }
-            (None, None) => Ok(Self { actuator, actuation, load }),
-        }
+        check_drive(&actuator, actuation.as_ref())?;
+        Ok(Self { actuator, actuation, load })
     }
 
     /// The same rig with another load.
@@ -138,13 +159,8 @@ impl Rig {
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Unsupported`] when an
     /// equilibrium is asked for and there is none.
     pub fn start(&self, initial: &Initial) -> Result<State, Error> {
-        let air = self.actuator.air();
-        parameter::INITIAL_GAUGE_PRESSURE.check(initial.gauge_pressure.0)?;
-        parameter::INITIAL_TEMPERATURE.check(initial.temperature)?;
+        check_air(&self.actuator, initial.gauge_pressure, initial.temperature)?;
         parameter::INITIAL_VELOCITY.check(initial.velocity)?;
-        if initial.gauge_pressure.absolute(air.atmosphere()).0 <= 0.0 {
-            return Err(crate::valve::below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure, air));
-        }
         if let InitialLength::At(length) = initial.length {
             parameter::INITIAL_LENGTH.check(length)?;
             let thread_length = self.actuator.law().law.braid.thread_length();
@@ -174,10 +190,7 @@ impl<S: Scalar> Rig<S> {
 
     fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
         let mut rig = self.undriven(convert);
-        rig.actuation = self.actuation.as_ref().map(|actuation| Actuation {
-            solenoid: actuation.solenoid.convert(convert),
-            command: actuation.command.convert(convert),
-        });
+        rig.actuation = self.actuation.as_ref().map(|actuation| actuation.convert(convert));
         rig
     }
 
@@ -207,19 +220,15 @@ impl<S: Scalar> Rig<S> {
     /// `F_s + F_limit ± Q k_sec`, and any from zero up on the shortest length.
     #[inline(always)]
     pub fn holdable<T: Over<S>>(&self, length: T, pressure: T) -> (T, T) {
-        let actuator = &self.actuator;
-        let middle = actuator.static_force(length, pressure) + actuator.limits().force(length, T::zero());
-        let bound = actuator.coulomb_bound(length, pressure);
-        let on_the_stop = length.le(T::of(actuator.limits().min_length()));
-        let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
-        (least, (middle + bound).larger(T::zero()))
+        let on_the_stop = length.le(T::of(self.actuator.limits().min_length()));
+        self.actuator.holdable(length, pressure, on_the_stop)
     }
 }
 
 impl<S: Real> Rig<S> {
     /// Where instants come from.
     pub(crate) fn timetable(&self) -> Timetable<'_, S> {
-        Timetable { actuation: self.actuation.as_ref(), load: &self.load }
+        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
     }
 
     /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.

@@ -2,7 +2,7 @@
 //! batches ask here.
 
 use super::rig::Actuation;
-use crate::load::{Line, Load};
+use crate::load::{Line, Motion};
 use crate::scalar::Real;
 use crate::valve::{Ports, SeatClock, is_due};
 
@@ -10,7 +10,7 @@ use crate::valve::{Ports, SeatClock, is_due};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timetable<'a, S> {
     pub(crate) actuation: Option<&'a Actuation<S>>,
-    pub(crate) load: &'a Load<S>,
+    pub(crate) motion: Option<&'a Motion<S>>,
 }
 
 /// How far along its timetable a rig is.
@@ -52,16 +52,10 @@ impl<S: Real> Timetable<'_, S> {
 
     /// The straight line that a prescribed motion is on.
     pub(crate) fn line(&self, progress: &Progress<S>) -> Line<S> {
-        match self.load {
-            Load::Prescribed(motion) => motion.line(progress.corners_passed),
-            _ => Line::resting(S::zero()),
-        }
+        self.motion.map_or(Line::resting(S::zero()), |motion| motion.line(progress.corners_passed))
     }
 
     fn corner(&self, index: usize) -> Option<S> {
-        match self.load {
-            Load::Prescribed(motion) => motion.corner(index),
-            _ => None,
-        }
+        self.motion?.corner(index)
     }
 }

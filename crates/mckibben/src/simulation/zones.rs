@@ -1,9 +1,9 @@
 //! The pieces of the flow law and of a tabulated effectiveness as components of the mode: which one holds, and when the
 //! pressure leaves it.
 
-use super::hybrid::{PRESSURE, Phase, RigSystem};
+use super::member::Member;
 use super::mode::{Guard, Mode};
-use super::system::{GuardForm, Guards, HybridSystem};
+use super::system::GuardForm;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::scalar::{Over, Real};
@@ -12,11 +12,11 @@ use crate::valve::{FlowZone, Port};
 /// Rate of settling for which two pressures that would meet in a second count.
 const MEETING: f64 = 4.0;
 
-impl<R: Real> RigSystem<'_, R> {
+impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode.
     #[inline(always)]
-    pub fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
-        let Some(valve) = self.rig().actuator().valve() else { return Flow::none() };
+    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
+        let Some(valve) = self.actuator.valve() else { return Flow::none() };
         match (mode.supply_zone, mode.exhaust_zone) {
             (Some(zone), None) => valve.flow_in_zone(Port::Supply, zone, chamber),
             (None, Some(zone)) => valve.flow_in_zone(Port::Exhaust, zone, chamber),
@@ -29,12 +29,12 @@ impl<R: Real> RigSystem<'_, R> {
         }
     }
 
-    pub(super) fn enter_ports(&self, state: &[R; 4], mode: &mut Mode) {
+    pub(super) fn enter_ports(&self, pressure: R, mode: &mut Mode) {
         let zone = |port| {
-            let valve = self.rig().actuator().valve()?;
+            let valve = self.actuator.valve()?;
             let beyond = valve.port_pressure(port);
-            let below_end = |zone: &FlowZone| match valve.law.bounds(*zone, beyond).1 {
-                Some(end) => state[PRESSURE].value() <= end.value(),
+            let below_end = |zone: &FlowZone| match valve.law_of(port).bounds(*zone, beyond).1 {
+                Some(end) => pressure.value() <= end.value(),
                 None => true,
             };
             FlowZone::RISING.into_iter().find(below_end)
@@ -53,15 +53,15 @@ impl<R: Real> RigSystem<'_, R> {
 
     /// The bound of a zone in Pa on one side, passed by the band.
     pub(super) fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
-        let valve = self.rig().actuator().valve()?;
-        let (low, high) = valve.law.bounds(zone, valve.port_pressure(port));
+        let valve = self.actuator.valve()?;
+        let (low, high) = valve.law_of(port).bounds(zone, valve.port_pressure(port));
         // A subsonic piece ends before the pressures are equal, where its root would.
-        let band = self.band().min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
+        let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
         if up { high.map(|bound| widened(bound, 1.0 + band)) } else { low.map(|bound| widened(bound, 1.0 - band)) }
     }
 
-    pub(super) fn zone_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
+    pub(super) fn zone_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
         let sides = [
             (Port::Supply, mode.supply_zone, Guard::SupplyDown, Guard::SupplyUp),
             (Port::Exhaust, mode.exhaust_zone, Guard::ExhaustDown, Guard::ExhaustUp),
@@ -69,36 +69,40 @@ impl<R: Real> RigSystem<'_, R> {
         for (port, zone, down, up) in sides {
             let Some(zone) = zone else { continue };
             if let Some(bound) = self.zone_bound(port, zone, false) {
-                guards.add(down, GuardForm::Above { index: PRESSURE, bound: bound.value() });
+                add(down, GuardForm::Above { index, bound: bound.value() });
             }
             if let Some(bound) = self.zone_bound(port, zone, true) {
-                guards.add(up, GuardForm::Below { index: PRESSURE, bound: bound.value() });
+                add(up, GuardForm::Below { index, bound: bound.value() });
             }
         }
     }
 
-    /// Rate in 1/s at which the pressure settles to that of an open port; zero while the flow does not depend on it.
-    pub(super) fn pressure_settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
+    /// Rate in 1/s at which the pressure settles to that of an open port; zero while the flow does not depend on it. `rate`
+    /// is `dP/dt` at a pressure.
+    pub(super) fn pressure_settling_rate(
+        &self,
+        pressure: R,
+        mode: &Mode,
+        rate: impl FnOnce(Dual<R, 1>) -> Dual<R, 1>,
+    ) -> f64 {
         let choked = |zone| matches!(zone, FlowZone::ChokedIn | FlowZone::ChokedOut);
-        let Some(valve) = self.rig().actuator().valve() else { return 0.0 };
-        let zones = [(Port::Supply, phase.mode.supply_zone), (Port::Exhaust, phase.mode.exhaust_zone)];
+        let Some(valve) = self.actuator.valve() else { return 0.0 };
+        let zones = [(Port::Supply, mode.supply_zone), (Port::Exhaust, mode.exhaust_zone)];
         let follows = |(port, zone): (Port, Option<FlowZone>)| Some((port, zone.filter(|&zone| !choked(zone))?));
         let Some((port, zone)) = zones.into_iter().find_map(follows) else { return 0.0 };
-        let mut seeded = state.map(Dual::<R, 1>::of);
-        seeded[PRESSURE] = Dual::variable(state[PRESSURE], 0);
-        let rate = self.rates(Dual::of(time), &seeded, phase)[PRESSURE];
+        let rate = rate(Dual::variable(pressure, 0));
         let settling = (-rate.slope[0].value()).max(0.0);
         if matches!(zone, FlowZone::LaminarIn | FlowZone::LaminarOut) {
             return settling;
         }
         // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
-        let gap = (valve.port_pressure(port) - state[PRESSURE]).value();
-        settling.max(MEETING * rate.value() / gap)
+        let gap = (valve.port_pressure(port) - pressure).value();
+        settling.max(MEETING * rate.value.value() / gap)
     }
 
     /// The piece of the effectiveness at an absolute pressure.
     pub(super) fn effectiveness_piece(&self, pressure: R) -> usize {
-        let actuator = self.rig().actuator();
+        let actuator = self.actuator;
         let gauge = actuator.gauge(pressure).0.value();
         let bounds = |piece| actuator.law().effectiveness.piece_bounds(piece).1;
         (0..).find(|&piece| bounds(piece).is_none_or(|end| gauge <= end.value())).unwrap_or(0)
@@ -106,19 +110,19 @@ impl<R: Real> RigSystem<'_, R> {
 
     /// The absolute pressure in Pa at which a piece of the effectiveness ends on one side, passed by the band.
     pub(super) fn piece_bound(&self, mode: &Mode, up: bool) -> Option<R> {
-        let actuator = self.rig().actuator();
+        let actuator = self.actuator;
         let (low, high) = actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece);
-        let factor = if up { 1.0 + self.band() } else { 1.0 - self.band() };
+        let factor = if up { 1.0 + self.band } else { 1.0 - self.band };
         let bound = if up { high } else { low };
         bound.map(|gauge| (gauge + actuator.air().atmosphere().0) * R::constant(factor))
     }
 
-    pub(super) fn piece_guards(&self, mode: &Mode, guards: &mut Guards<Guard>) {
+    pub(super) fn piece_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
         if let Some(bound) = self.piece_bound(mode, false) {
-            guards.add(Guard::PieceDown, GuardForm::Above { index: PRESSURE, bound: bound.value() });
+            add(Guard::PieceDown, GuardForm::Above { index, bound: bound.value() });
         }
         if let Some(bound) = self.piece_bound(mode, true) {
-            guards.add(Guard::PieceUp, GuardForm::Below { index: PRESSURE, bound: bound.value() });
+            add(Guard::PieceUp, GuardForm::Below { index, bound: bound.value() });
         }
     }
 }

@@ -1,0 +1,94 @@
+//! The log of a joint's events: as a table for people, and as CSV.
+//!
+//! The columns of the CSV are `time_s,event,actuator,turning,contact` and, for each actuator with its name before them,
+//! `valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; `actuator` is empty for what happens to the joint
+//! itself, and what stands behind it holds from then on.
+
+use super::NAMES;
+use crate::events::{extent, sliding, zone};
+use crate::failure::Failure;
+use crate::terminal::{FAINT, styled};
+use mckibben::simulation::{Contact, End, EventKind, JointEvent, JointMode, Turning};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::Path;
+
+/// The columns of each actuator.
+const OF_ACTUATOR: [&str; 6] = ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
+
+/// How many events of each kind there are.
+pub fn counts(events: &[JointEvent]) -> BTreeMap<EventKind, u64> {
+    let mut counts = BTreeMap::new();
+    for event in events {
+        *counts.entry(event.kind.kind).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// The log as a table for people.
+pub fn table(events: &[JointEvent]) -> String {
+    let mut text = styled(FAINT, format!("{:>16}  {:<12}  {:<10}  {}", "time (s)", "event", "of", "then")) + "\n";
+    for event in events {
+        let whose = event.kind.actuator.map_or("joint", |index| NAMES[index]);
+        let (kind, then) = (event.kind.kind.name(), then(event.kind.actuator, &event.after));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:>16.9}  {kind:<12}  {whose:<10}  {then}", event.time);
+    }
+    text
+}
+
+/// What holds after an event for whom it happened to.
+fn then(actuator: Option<usize>, mode: &JointMode) -> String {
+    let Some(index) = actuator else { return format!("{}, {}", turning(mode.turning), contact(mode.contact)) };
+    let mode = &mode.actuators[index];
+    let mut then = vec![mode.ports.name()];
+    then.extend(mode.supply_zone.or(mode.exhaust_zone).map(zone));
+    then.push(extent(mode.extent));
+    then.extend(mode.clamped.then_some("tension kept at zero"));
+    then.join(", ")
+}
+
+/// Writes the log as CSV.
+///
+/// # Errors
+/// [`Failure::output`], which names `path`, when writing fails.
+pub fn write(events: &[JointEvent], path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
+    let failed = |error: csv::Error| Failure::output(path, error);
+    let mut writer = csv::Writer::from_writer(out);
+    let own = ["time_s", "event", "actuator", "turning", "contact"].map(str::to_owned);
+    let names = NAMES.iter().flat_map(|name| OF_ACTUATOR.map(|column| format!("{name}_{column}")));
+    writer.write_record(own.into_iter().chain(names)).map_err(failed)?;
+    for event in events {
+        let after = &event.after;
+        let time = format!("{:?}", event.time);
+        let whose = event.kind.actuator.map_or("", |index| NAMES[index]);
+        let own = [time.as_str(), event.kind.kind.name(), whose, turning(after.turning), contact(after.contact)];
+        let of_actuators = after.actuators.iter().flat_map(|mode| {
+            let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
+            let clamped = if mode.clamped { "true" } else { "false" };
+            [mode.ports.name(), supply, exhaust, extent(mode.extent), sliding(mode.sliding), clamped]
+        });
+        writer.write_record(own.into_iter().chain(of_actuators)).map_err(failed)?;
+    }
+    writer.flush().map_err(|error| Failure::output(path, error))
+}
+
+fn turning(turning: Turning) -> &'static str {
+    match turning {
+        Turning::Forward => "forward",
+        Turning::Backward => "backward",
+        Turning::Stuck => "stuck",
+        Turning::Frictionless => "frictionless",
+    }
+}
+
+fn contact(contact: Contact) -> &'static str {
+    match contact {
+        Contact::None => "none",
+        Contact::Pressed(End::Lower) => "lower-pressed",
+        Contact::Pressed(End::Upper) => "upper-pressed",
+        Contact::Rebound(End::Lower) => "lower-rebound",
+        Contact::Rebound(End::Upper) => "upper-rebound",
+    }
+}

@@ -1,0 +1,8 @@
+//! The run of a joint that two actuators turn: in words, as a log of events and as a figure.
+
+pub mod events;
+pub mod portrait;
+pub mod summary;
+
+/// What the two actuators are called.
+pub const NAMES: [&str; 2] = ["agonist", "antagonist"];

@@ -1,0 +1,128 @@
+//! What the run of a joint came to, as text for people.
+
+use super::{NAMES, events};
+use crate::describe;
+use crate::observation::{AirUse, Range};
+use crate::quantities::{count, digits, given, quantity};
+use crate::summary::{Page, assumptions, cost, residual};
+use crate::terminal::{FAINT, styled};
+use mckibben::simulation::{JointAudit, JointSample, JointTrajectory};
+use mckibben_scenario::{Assumed, Scenario};
+use std::time::Duration;
+
+/// Samples in which extremes are looked for at least.
+const LEAST_SAMPLES: f64 = 5000.0;
+
+/// Everything that the summary tells about.
+#[derive(Clone, Copy, Debug)]
+pub struct Summary<'a> {
+    /// The name of the scenario file.
+    pub name: &'a str,
+    /// The scenario as it was understood, and as it stands for the antagonist.
+    pub scenarios: [&'a Scenario; 2],
+    /// The run.
+    pub trajectory: &'a JointTrajectory,
+    /// How long the computer took.
+    pub elapsed: Duration,
+    /// The assumed values in force.
+    pub assumed: &'a [Assumed],
+}
+
+impl Summary<'_> {
+    /// The summary, with colours.
+    pub fn render(&self) -> String {
+        let mut page = Page::default();
+        self.what_ran(&mut page);
+        self.events(&mut page);
+        self.states(&mut page);
+        self.air(&mut page);
+        energy(&mut page, &self.trajectory.audit());
+        page.text + &assumptions(self.assumed)
+    }
+
+    fn what_ran(&self, page: &mut Page) {
+        let [scenario, _] = self.scenarios;
+        let run = &scenario.run;
+        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+        page.line("load", &describe::load(&scenario.load));
+        for (name, scenario) in NAMES.into_iter().zip(self.scenarios) {
+            page.line(name, &describe::drive(scenario));
+        }
+        page.line("air", &describe::air(&scenario.air.process));
+        page.line("engine", &describe::engine(run));
+        let steps = cost(self.trajectory.counts());
+        page.line("cost", &format!("{steps}, {}", quantity(self.elapsed.as_secs_f64(), "s")));
+    }
+
+    fn events(&self, page: &mut Page) {
+        page.heading("Events");
+        let log = self.trajectory.events();
+        let kinds: Vec<String> = events::counts(log)
+            .iter()
+            .map(|(kind, number)| format!("{}\u{a0}{}", kind.name(), count(*number)))
+            .collect();
+        match kinds.as_slice() {
+            [] => page.line("", "none"),
+            kinds => page.line(&count(log.len() as u64), &kinds.join(", ")),
+        }
+    }
+
+    fn states(&self, page: &mut Page) {
+        let trajectory = self.trajectory;
+        let end = trajectory.duration();
+        let last = trajectory.at(end);
+        let interval = self.scenarios[0].run.sample_interval.min(end / LEAST_SAMPLES);
+        let range = |value: &dyn Fn(&JointSample) -> f64| {
+            let mut range = Range::NONE;
+            trajectory.quadrature(|_, sample, _| range.see(value(sample)));
+            trajectory.samples(interval).for_each(|sample| range.see(value(&sample)));
+            range
+        };
+        page.heading("State");
+        page.head(["at the end", "least", "greatest"]);
+        let mut tell = |name: &str, unit: &str, value: &dyn Fn(&JointSample) -> f64| {
+            page.range(name, value(&last), range(value), unit);
+        };
+        tell("angle", "rad", &|sample| sample.angle);
+        tell("angular vel.", "rad/s", &|sample| sample.angular_velocity);
+        tell("torque", "N*m", &|sample| sample.torque);
+        for (index, name) in NAMES.into_iter().enumerate() {
+            let driven = &trajectory.rig().driven()[index];
+            let atmosphere = driven.actuator.air().atmosphere().0;
+            page.line("", name);
+            let mut tell = |name: &str, unit: &str, value: &dyn Fn(&JointSample) -> f64| {
+                page.range(name, value(&last), range(value), unit);
+            };
+            tell("length", "m", &|sample| sample.actuators[index].length);
+            tell("tension", "N", &|sample| sample.actuators[index].tension);
+            tell("gauge pressure", "Pa", &|sample| sample.actuators[index].pressure.0 - atmosphere);
+        }
+    }
+
+    fn air(&self, page: &mut Page) {
+        let mut used = [AirUse::default(); 2];
+        self.trajectory.quadrature(|weight, sample, mode| {
+            for (index, air) in used.iter_mut().enumerate() {
+                let actuator = &self.trajectory.rig().driven()[index].actuator;
+                air.see(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
+            }
+        });
+        page.heading("Air");
+        for (name, air) in NAMES.into_iter().zip(used) {
+            let (from, to) = (quantity(air.from_supply, "kg"), quantity(air.to_surroundings, "kg"));
+            page.line(name, &format!("{from} from the supply, {to} to the exhaust"));
+        }
+    }
+}
+
+fn energy(page: &mut Page, audit: &JointAudit) {
+    page.heading("Energy");
+    let [first, second] = &audit.actuators;
+    let joules = |value: f64| format!("{} J", digits(value));
+    page.value("gas work", &joules(first.gas_work), "by the agonist's gauge pressure");
+    page.value("", &joules(second.gas_work), "by the antagonist's");
+    page.value("to the limb", &joules(audit.gain), "kinetic and potential, pressed stops included");
+    page.value("dissipated", &joules(first.dissipated() + second.dissipated()), "in both actuators");
+    page.value("", &joules(audit.damping + audit.stops), "in the joint and its stops");
+    residual(page, audit.residual(), audit.turnover());
+}

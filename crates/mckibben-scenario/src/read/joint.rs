@@ -1,0 +1,101 @@
+//! An antagonistic joint: the load of two actuators, and the second of them.
+//!
+//! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
+//! said of it is as of the first. What is said in several keys is taken whole: an effectiveness; a valve or command that
+//! names its `kind` or `preset`; an actuator that names its `preset`.
+
+use super::{body, drive, gauge_pressure};
+use crate::document::{Document, Entry, Node, Table, Value};
+use crate::keys::{self, ANTAGONIST, BALANCED};
+use crate::presets;
+use crate::reader::Reader;
+use crate::scenario::{Air, Antagonist, InitialAngle, Joint, Pulley};
+use mckibben::parameter as p;
+
+pub(super) fn joint(r: &mut Reader<'_>, air: &Air) -> Option<Joint> {
+    let angle_path = p::INITIAL_ANGLE.key;
+    let balanced = !r.has(angle_path) || r.says(angle_path, BALANCED.name);
+    let angle = if balanced { None } else { r.number_or(&p::INITIAL_ANGLE, BALANCED.name) };
+    let joint = Joint {
+        mass: r.value(&p::MASS, None),
+        gravity: r.value(&p::GRAVITY, None),
+        distance: r.value(&p::LIMB_DISTANCE, None),
+        inertia: r.value(&p::LIMB_INERTIA, None),
+        hanging_angle: r.value(&p::HANGING_ANGLE, None),
+        torque: r.value(&p::JOINT_TORQUE, None),
+        damping: r.value(&p::JOINT_DAMPING, None),
+        min_angle: r.number(&p::MIN_ANGLE),
+        max_angle: r.number(&p::MAX_ANGLE),
+        stop_stiffness: r.value(&p::STOP_STIFFNESS, None),
+        stop_damping: r.value(&p::STOP_DAMPING, None),
+        pulley: pulley(r),
+        angle: angle.map_or(InitialAngle::Equilibrium, InitialAngle::At),
+        angular_velocity: r.value(&p::INITIAL_ANGULAR_VELOCITY, None),
+        antagonist: Box::new(antagonist(r, air)?),
+    };
+    Some(joint)
+}
+
+fn pulley(r: &mut Reader<'_>) -> Pulley {
+    Pulley { radius: r.value(&p::PULLEY_RADIUS, None), rest_length: r.value(&p::REST_LENGTH, None) }
+}
+
+/// The second actuator; `None` when there is a mistake in what is said of it, which has been noted.
+fn antagonist(r: &mut Reader<'_>, air: &Air) -> Option<Antagonist> {
+    let document = r.document().antagonist();
+    let mut reader = Reader::new(&document);
+    let of = &mut reader;
+    let actuator = body::actuator(of);
+    let (supply, valve, command) = drive::drive(of, air);
+    let pulley = pulley(of);
+    let gauge_pressure = gauge_pressure(of, &p::INITIAL_GAUGE_PRESSURE, air);
+    let temperature = of.value(&p::INITIAL_TEMPERATURE, None);
+    match reader.finish() {
+        Ok(()) => Some(Antagonist { actuator, supply, valve, command, pulley, gauge_pressure, temperature }),
+        Err(found) => {
+            found.iter().for_each(|diagnostic| r.note(diagnostic.clone()));
+            None
+        }
+    }
+}
+
+impl Document {
+    /// The document as it stands for the second actuator of a joint: the keys of `[antagonist]` in place of its own.
+    pub(crate) fn antagonist(&self) -> Self {
+        let mut document = self.clone();
+        document.remove(ANTAGONIST);
+        if let Some(Entry { key, node, .. }) = self.entry(ANTAGONIST)
+            && let Value::Table(table) = &node.value
+        {
+            document.lay_over(table, "");
+            // Where the first is the default preset for want of a word, the second is that with its own keys.
+            let unnamed = !self.contains("actuator.preset") && !body::GEOMETRY.iter().any(|row| self.contains(row.key));
+            if let Some(preset) =
+                presets::ACTUATORS.first().filter(|_| unnamed && !document.contains("actuator.preset"))
+            {
+                let value = Value::String(preset.name.to_owned());
+                document.put("actuator.preset", key, &Node { place: key.clone(), value });
+            }
+        }
+        document
+    }
+
+    fn lay_over(&mut self, table: &Table, section: &str) {
+        let whole = match section {
+            "actuator.effectiveness" => true,
+            "valve" | "command" => table.get("kind").is_some() || table.get("preset").is_some(),
+            "actuator" => table.get("preset").is_some(),
+            _ => false,
+        };
+        if whole {
+            self.remove(section);
+        }
+        for Entry { name, key, node } in &table.0 {
+            let path = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
+            match &node.value {
+                Value::Table(inner) if keys::section_at(&path).is_some() => self.lay_over(inner, &path),
+                _ => self.put(&path, key, node),
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Whether every section and key is known, and has a meaning beside what else is chosen.
+
+use super::{Reader, list_of};
+use crate::choice::LoadKind;
+use crate::diagnostic::{Class, Diagnostic};
+use crate::document::{Entry, Table, Value};
+use crate::keys::{self, KEYS, Key};
+use crate::nearest::nearest;
+
+impl<'d> Reader<'d> {
+    /// Refuses keys and sections that there are not, and values where a section belongs.
+    pub(super) fn known(&mut self, table: &'d Table, path: &str) {
+        for entry in &table.0 {
+            let child = if path.is_empty() { entry.name.clone() } else { format!("{path}.{}", entry.name) };
+            let (is_key, section) = match keys::in_antagonist(&child) {
+                Some(of_first) => (
+                    keys::key_at(of_first).is_some() && keys::is_of_antagonist(of_first),
+                    keys::section_at(of_first).filter(|_| keys::is_section_of_antagonist(of_first)),
+                ),
+                None => (keys::key_at(&child).is_some(), keys::section_at(&child)),
+            };
+            if is_key {
+                continue;
+            }
+            match (section, &entry.node.value) {
+                // What varies is named by paths; the reading of a sweep looks at them.
+                (Some(_), Value::Table(_)) if child == keys::VARY => {}
+                (Some(_), Value::Table(inner)) => self.known(inner, &child),
+                (Some(_), other) => {
+                    let title = format!("`{child}` is a section, not {}", other.noun());
+                    let place = entry.node.place.clone();
+                    let help = format!("write `[{child}]` on a line of its own and its keys below");
+                    self.note(Diagnostic::at(Class::WrongType, place, title, "a section is expected").help(help));
+                }
+                (None, _) => self.unknown(entry, path),
+            }
+        }
+    }
+
+    fn unknown(&mut self, entry: &Entry, section: &str) {
+        let name = entry.name.as_str();
+        let is_section = matches!(entry.node.value, Value::Table(_));
+        let (title, label) = match (section, is_section) {
+            ("", true) => (format!("there is no section [{name}]"), "unknown section"),
+            ("", false) => (format!("`{name}` stands outside every section"), "unknown key"),
+            (_, true) => (format!("there is no section [{section}.{name}]"), "unknown section"),
+            (_, false) => (format!("`{name}` is not a key of [{section}]"), "unknown key"),
+        };
+        let valid: Vec<&str> = keys::names_in(section).collect();
+        let within = valid.iter().copied().find(|known| known.len() > 3 && name.len() > 3 && known.contains(name));
+        let elsewhere: Vec<String> =
+            KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
+        let help = if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
+            self.meant.push(if section.is_empty() { meant.to_owned() } else { format!("{section}.{meant}") });
+            format!("did you mean `{meant}`?")
+        } else if !elsewhere.is_empty() {
+            format!("`{name}` is a key of {}", elsewhere.join(" and "))
+        } else if let Some(meant) = nearest(name, KEYS.iter().map(Key::name)) {
+            let of = KEYS.iter().find(|key| key.name() == meant).map_or("", Key::section);
+            format!("did you mean `{meant}` of [{of}]?")
+        } else {
+            format!("known here: {}", list_of(valid.iter().copied()))
+        };
+        self.note(Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, label).help(help));
+    }
+
+    /// Refuses keys that have no meaning under the choice that was made.
+    pub(super) fn applies(&mut self, asked: impl Fn(&Key) -> bool) {
+        let joint = LoadKind::AntagonisticJoint.name();
+        if let Some(place) = self.key_place(keys::ANTAGONIST).filter(|_| !self.says("load.kind", joint)) {
+            let title = format!("[{}] has no meaning without `load.kind` = \"{joint}\"", keys::ANTAGONIST);
+            self.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                    .related(self.value_place("load.kind"), "chosen here")
+                    .help(format!("remove it, or set `load.kind` to `{joint}`")),
+            );
+        }
+        for key in KEYS.iter().filter(|key| asked(key)) {
+            let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
+            let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
+                Some(Value::String(word)) => Some(word.as_str()),
+                Some(_) => None,
+                None => keys::key_at(when.key).and_then(|selector| selector.default),
+            };
+            // A choice that is absent or no valid word is a mistake of its own and says nothing about this key.
+            let valid = |word: &&str| match keys::key_at(when.key).map(|selector| selector.kind) {
+                Some(keys::Kind::Choice(choices)) => choices.iter().any(|choice| choice.name == *word),
+                _ => false,
+            };
+            let Some(word) = chosen.filter(valid) else { continue };
+            if !when.words.contains(&word) {
+                let title = format!("`{}` has no meaning with `{}` = \"{word}\"", key.path, when.key);
+                let words = list_of(when.words.iter().copied());
+                let choice = self.value_place(when.key);
+                self.note(
+                    Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                        .related(choice, "chosen here")
+                        .help(format!("remove it, or set `{}` to {words}", when.key)),
+                );
+            }
+        }
+    }
+}

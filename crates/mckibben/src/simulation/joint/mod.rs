@@ -1,0 +1,274 @@
+//! Two actuators that turn a joint against each other: a system of six states.
+//!
+//! ```text
+//! dθ/dt = ω
+//! dω/dt = (r₁ F₁ − r₂ F₂ + W − M g d sin(θ − θ₀) − c ω − S)/J        (see `load::Joint`)
+//! dP/dt, dm/dt of each actuator by its process (19) and its valve (21)
+//! ```
+//!
+//! | state | name in code | unit |
+//! |---|---|---|
+//! | θ | `angle`, growing the way that the first actuator turns | rad |
+//! | ω | `angular_velocity` | rad/s |
+//! | P₁, P₂ | `pressure`, absolute | Pa |
+//! | m₁, m₂ | `air_mass` | kg |
+//!
+//! The event-located engine alone goes through time here. Checked by `tests/joint.rs`.
+
+#[cfg(feature = "alloc")]
+mod energy;
+mod mode;
+mod system;
+#[cfg(feature = "alloc")]
+mod trajectory;
+mod turning;
+
+#[cfg(feature = "alloc")]
+pub use energy::JointAudit;
+pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
+pub use system::{JointPhase, JointSystem};
+#[cfg(feature = "alloc")]
+pub use trajectory::{JointEvent, JointSample, JointTrajectory, simulate_joint, simulate_joint_watched};
+
+use super::rig::{Actuation, check_air, check_drive};
+use super::timetable::Timetable;
+use crate::actuator::Actuator;
+use crate::convert::{Anew, Convert};
+use crate::dual::Dual;
+use crate::error::{Error, Requirement};
+use crate::load::{Joint, SIGN};
+use crate::parameter::{self, Parameter};
+use crate::pressure::{AbsolutePressure, GaugePressure};
+use crate::root;
+use crate::scalar::{Over, Real, Scalar};
+
+/// An actuator and what drives its valve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driven<S = f64> {
+    /// The actuator.
+    pub actuator: Actuator<S>,
+    /// What drives its valve; there exactly when it has one.
+    pub actuation: Option<Actuation<S>>,
+}
+
+/// A joint with the two actuators that turn it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointRig<S = f64> {
+    driven: [Driven<S>; 2],
+    joint: Joint<S>,
+}
+
+/// The six states; of two, the agonist's is first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointState<S = f64> {
+    /// Angle in rad.
+    pub angle: S,
+    /// Angular velocity in rad/s.
+    pub angular_velocity: S,
+    /// Absolute pressures of the air.
+    pub pressure: [AbsolutePressure<S>; 2],
+    /// Masses of the air in kg.
+    pub air_mass: [S; 2],
+}
+
+impl<S: Scalar> JointState<S> {
+    #[cfg(feature = "alloc")]
+    fn to_array(self) -> [S; 6] {
+        let Self { angle, angular_velocity, pressure, air_mass } = self;
+        [angle, angular_velocity, pressure[0].0, air_mass[0], pressure[1].0, air_mass[1]]
+    }
+}
+
+/// Where the angle starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InitialAngle<S = f64> {
+    /// Where the torques balance at the initial pressures, without friction.
+    Equilibrium,
+    /// An angle in rad.
+    At(S),
+}
+
+/// The start of an experiment with a joint; of two, the agonist's is first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointInitial<S = f64> {
+    /// Gauge pressures in the actuators.
+    pub gauge_pressure: [GaugePressure<S>; 2],
+    /// Temperatures in K, which fix the masses of air.
+    pub temperature: [S; 2],
+    /// The angle.
+    pub angle: InitialAngle<S>,
+    /// Angular velocity in rad/s.
+    pub angular_velocity: S,
+}
+
+impl JointRig {
+    /// A joint with its agonist and its antagonist.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
+    /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
+    pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
+        for Driven { actuator, actuation } in &driven {
+            check_drive(actuator, actuation.as_ref())?;
+        }
+        let rig = Self { driven, joint };
+        let [low, high] = rig.straight();
+        if low < high {
+            return Ok(rig);
+        }
+        let [first, second] = rig.joint.pulleys();
+        Err(Error::Inconsistent {
+            parameter: &parameter::REST_LENGTH,
+            value: second.rest_length,
+            requirement: Requirement {
+                relation: "must leave an angle at which both actuators are shorter than their threads, beside",
+                other: "the agonist's rest length",
+                value: first.rest_length,
+                unit: "m",
+            },
+            remedy: "shorten load.rest_length of either actuator",
+        })
+    }
+
+    /// The state at the start.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Unsupported`] when an
+    /// equilibrium is asked for and there is none.
+    pub fn start(&self, initial: &JointInitial) -> Result<JointState, Error> {
+        for i in 0..2 {
+            check_air(&self.driven[i].actuator, initial.gauge_pressure[i], initial.temperature[i])?;
+        }
+        parameter::INITIAL_ANGULAR_VELOCITY.check(initial.angular_velocity)?;
+        if let InitialAngle::At(angle) = initial.angle {
+            parameter::INITIAL_ANGLE.check(angle)?;
+            let [low, high] = self.straight();
+            let beyond = |relation, value| Error::Inconsistent {
+                parameter: &parameter::INITIAL_ANGLE,
+                value: angle,
+                requirement: Requirement {
+                    relation,
+                    other: "the angle at which a braid is straight,",
+                    value,
+                    unit: "rad",
+                },
+                remedy: "start where both actuators are shorter than their threads, or at \"equilibrium\"",
+            };
+            if angle <= low {
+                return Err(beyond("must be greater than", low));
+            }
+            if angle >= high {
+                return Err(beyond("must be less than", high));
+            }
+        }
+        self.begin(initial)
+    }
+}
+
+impl<S: Scalar> JointRig<S> {
+    /// The same rig over another scalar; `function` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> JointRig<T> {
+        self.convert(&mut Anew(function))
+    }
+
+    fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> JointRig<T> {
+        let driven = self.driven.each_ref().map(|driven| Driven {
+            actuator: driven.actuator.convert(convert),
+            actuation: driven.actuation.as_ref().map(|actuation| actuation.convert(convert)),
+        });
+        JointRig { driven, joint: self.joint.convert(convert) }
+    }
+
+    /// Agonist and antagonist.
+    pub fn driven(&self) -> &[Driven<S>; 2] {
+        &self.driven
+    }
+
+    /// The joint.
+    pub fn joint(&self) -> &Joint<S> {
+        &self.joint
+    }
+
+    fn actuators(&self) -> [&Actuator<S>; 2] {
+        self.driven.each_ref().map(|driven| &driven.actuator)
+    }
+
+    /// The angles in rad at which the agonist's and the antagonist's braid would be straight: the open range of the angle.
+    fn straight(&self) -> [S; 2] {
+        core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.braid.thread_length()))
+    }
+}
+
+impl<S: Real> JointRig<S> {
+    fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
+        Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None }
+    }
+
+    /// The state at a start that has been checked, over any scalar with one value.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when an equilibrium is asked for and there is none.
+    pub fn begin(&self, initial: &JointInitial<S>) -> Result<JointState<S>, Error> {
+        let actuators = self.actuators();
+        let pressure = core::array::from_fn(|i| initial.gauge_pressure[i].absolute(actuators[i].air().atmosphere()));
+        let angle = match initial.angle {
+            InitialAngle::At(angle) => angle,
+            InitialAngle::Equilibrium => self.equilibrium(pressure)?,
+        };
+        let lengths = self.joint.lengths(angle);
+        let air_mass = core::array::from_fn(|i| {
+            actuators[i].air().mass(pressure[i], actuators[i].volume(lengths[i]), initial.temperature[i])
+        });
+        Ok(JointState { angle, angular_velocity: initial.angular_velocity, pressure, air_mass })
+    }
+
+    /// Torque in N·m at rest without friction, of actuators, load and stops; a tendon on its shortest length is slack.
+    fn static_torque<T: Over<S>>(&self, angle: T, pressure: [S; 2]) -> T {
+        let (lengths, actuators) = (self.joint.lengths(angle), self.actuators());
+        let tensions = core::array::from_fn(|i| {
+            let (actuator, length) = (actuators[i], lengths[i]);
+            let force = actuator.static_force(length, T::of(pressure[i])) + actuator.limits().force(length, T::zero());
+            let slack = length.le(T::of(actuator.limits().min_length()));
+            T::select(slack, T::zero(), force.larger(T::zero()))
+        });
+        let stops = (0..2).fold(T::zero(), |sum, end| {
+            sum - T::constant(SIGN[end]) * self.joint.stop_torque(end, angle, T::zero()).larger(T::zero())
+        });
+        self.joint.torque_of(tensions) + self.joint.other_torque(angle, T::zero()) + stops
+    }
+
+    /// The angle in rad at which the torques balance at two pressures, without friction; where an actuator has come to its
+    /// shortest length if it turns the joint no further than that. Of several such angles, one.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the load would pull a braid straight.
+    pub fn equilibrium(&self, pressure: [AbsolutePressure<S>; 2]) -> Result<S, Error> {
+        let pressure = pressure.map(|pressure| pressure.0);
+        let torque = |angle: S| self.static_torque(angle, pressure);
+        let at = |angle: f64| torque(S::constant(angle)).value();
+        let [low, high] = self.straight();
+        for (i, actuator) in self.actuators().into_iter().enumerate() {
+            let shortest = actuator.limits().min_length();
+            let angle = self.joint.angle_at(i, shortest);
+            let within = low.value() < angle.value() && angle.value() < high.value();
+            // Slack, the actuator lets the joint come back; at its shortest length it may pull with all its force.
+            let pull = actuator.static_force(shortest, pressure[i]).larger(S::zero()) * self.joint.pulleys()[i].radius;
+            let back = S::constant(SIGN[i]) * torque(angle);
+            if within && back.value() >= 0.0 && back.value() <= pull.value() {
+                return Ok(angle);
+            }
+        }
+        let (low, high) = (low.value(), high.value());
+        if at(low) < 0.0 || at(high) > 0.0 {
+            return Err(Error::Unsupported {
+                what: "the load would pull a braid straight: there is no angle at which the joint is in equilibrium",
+                remedy: "lighten the load, stiffen actuator.limit.stiffness or give the joint stops",
+            });
+        }
+        let root = S::constant(root::bracketed(low, high, 1e-16, at));
+        // One Newton step over the scalar: it polishes the value and carries the derivatives.
+        let slope: Dual<S, 1> = self.static_torque(Dual::variable(root, 0), pressure);
+        let step = torque(root) / slope.slope[0];
+        Ok(if step.value().abs() < 1e-9 { root - step } else { root })
+    }
+}

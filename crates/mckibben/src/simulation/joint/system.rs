@@ -1,0 +1,493 @@
+//! A joint as a hybrid system: when each formula holds, and what follows when it ends.
+//!
+//! The modes of its two [members](crate::simulation::member), and
+//!
+//! | component of the mode | values | ends when |
+//! |---|---|---|
+//! | turning | forward, backward, stuck, frictionless | the angular velocity comes to zero; the joint breaks away |
+//! | contact | none, pressed, rebound at either stop | the angle passes a stop; the stop's torque passes zero |
+//!
+//! Sliding is decided once for the joint, in [`turning`](super::turning).
+
+use super::JointRig;
+use super::mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
+#[cfg(feature = "alloc")]
+use super::trajectory::JointSample;
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::load::{Joint, SIGN};
+use crate::scalar::{Over, Real};
+use crate::simulation::member::Member;
+use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
+use crate::simulation::system::{GuardForm, Guards, HybridSystem};
+use crate::simulation::timetable::Progress;
+
+pub(super) const ANGLE: usize = 0;
+pub(super) const VELOCITY: usize = 1;
+/// Places of the pressures among the states; each is followed by the mass of the air.
+pub(super) const PRESSURE: [usize; 2] = [2, 4];
+
+/// Angle in rad and time in s by which the joint's motion is measured.
+const USUAL_ANGLE: f64 = 1.0;
+const USUAL_TIME: f64 = 1.0;
+/// The part of the usual angular velocity below which an error in it counts absolutely.
+const SLOW: f64 = 0.1;
+/// Part of the depth under the usual torque by which a pressed stop is measured.
+const PRESSED: f64 = 0.5;
+
+/// The mode with what its clocks remember.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointPhase<R = f64> {
+    /// Which formulas hold.
+    pub mode: JointMode,
+    progress: [Progress<R>; 2],
+    /// `P V/m` of isothermal processes, which nothing changes.
+    isothermal: [Option<R>; 2],
+}
+
+/// A joint with the tolerance to which its events are told from rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct JointSystem<'a, R: Real = f64> {
+    rig: &'a JointRig<R>,
+    pub(super) members: [Member<'a, R>; 2],
+    /// Angles at which each actuator is at its shortest and at its longest, and its braid straight.
+    pub(super) limits: [[R; 3]; 2],
+    slopes: [R; 2],
+    /// `1/J`.
+    pub(super) per_inertia: R,
+    /// Width as a torque in N·m of a border between agreeing formulas.
+    pub(super) torque_band: f64,
+    /// Scale of the angle in rad, in general and while a stop is touched.
+    pub(super) angle_scales: [f64; 2],
+}
+
+impl<'a, R: Real> JointSystem<'a, R> {
+    /// A joint whose steps are controlled to `relative_tolerance`.
+    pub fn new(rig: &'a JointRig<R>, relative_tolerance: f64) -> Self {
+        let joint = rig.joint();
+        let load = joint.weight().value().abs() + joint.torque().value().abs();
+        let slopes = joint.slopes();
+        let arms = slopes.map(|slope| slope.value().abs());
+        let actuators = rig.actuators();
+        let member = |i: usize| Member::new(actuators[i], relative_tolerance, load / arms[i]);
+        let members = [member(0), member(1)];
+        let limits = core::array::from_fn(|i| {
+            let limits = actuators[i].limits();
+            [limits.min_length(), limits.max_length(), members[i].thread_length()]
+                .map(|length| joint.angle_at(i, length))
+        });
+        let torque_band = arms[0] * members[0].force_band + arms[1] * members[1].force_band;
+        let angle = (0..2).fold(USUAL_ANGLE, |least, i| least.min(members[i].longest / arms[i]));
+        let depth = PRESSED * torque_band / (members[0].band * joint.stops().stiffness.value());
+        Self {
+            rig,
+            members,
+            limits,
+            slopes,
+            per_inertia: R::one() / joint.inertia(),
+            torque_band,
+            angle_scales: [angle, depth.min(angle)],
+        }
+    }
+
+    /// The rig.
+    pub fn rig(&self) -> &JointRig<R> {
+        self.rig
+    }
+
+    pub(super) fn joint(&self) -> &Joint<R> {
+        self.rig.joint()
+    }
+
+    /// The phase at t = 0 in a state.
+    pub fn begin(&self, state: &[R; 6]) -> JointPhase<R> {
+        let mut progress = [Progress::none(); 2];
+        let ports = [0, 1].map(|i| self.rig.timetable(i).pass(&mut progress[i], R::zero()));
+        let lengths = self.joint().lengths(state[ANGLE]);
+        let actuators = [0, 1].map(|i| {
+            let pressure = state[PRESSURE[i]];
+            let mut mode = Mode {
+                ports: ports[i],
+                supply_zone: None,
+                exhaust_zone: None,
+                effectiveness_piece: self.members[i].effectiveness_piece(pressure),
+                extent: Extent::Free,
+                sliding: Sliding::Frictionless,
+                clamped: false,
+            };
+            self.members[i].enter_ports(pressure, &mut mode);
+            mode
+        });
+        let isothermal = [0, 1]
+            .map(|i| self.members[i].isothermal_content(lengths[i], [state[PRESSURE[i]], state[PRESSURE[i] + 1]]));
+        let mut mode = JointMode { actuators, turning: Turning::Frictionless, contact: self.contact_at(state) };
+        for i in 0..2 {
+            let above = [0, 1].map(|limit| SIGN[i] * (state[ANGLE].value() - self.limits[i][limit].value()));
+            let [length, velocity, _] = self.ends(i, state);
+            mode.actuators[i].extent = self.members[i].extent_at([length, velocity], above, false);
+        }
+        self.enter_turning(state, &mut mode);
+        JointPhase { mode, progress, isothermal }
+    }
+
+    /// Length, velocity and pressure of an actuator.
+    #[inline(always)]
+    pub(super) fn ends<T: Over<R>>(&self, i: usize, state: &[T; 6]) -> [T; 3] {
+        let length = self.joint().lengths(state[ANGLE])[i];
+        [length, T::of(self.slopes[i]) * state[VELOCITY], state[PRESSURE[i]]]
+    }
+
+    /// Tensions in N of both actuators in a mode.
+    pub fn tensions(&self, state: &[R; 6], mode: &JointMode) -> [R; 2] {
+        if mode.turning != Turning::Stuck {
+            return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i]));
+        }
+        self.shared_tensions(state, mode)
+    }
+
+    /// The sample of a state in a mode.
+    #[cfg(feature = "alloc")]
+    pub(super) fn sample(&self, time: R, state: &[R; 6], mode: &JointMode) -> JointSample<R> {
+        let tensions = self.tensions(state, mode);
+        let actuators = [0, 1].map(|i| {
+            let [length, velocity, pressure] = self.ends(i, state);
+            let of_member = [length, velocity, pressure, state[PRESSURE[i] + 1]];
+            self.members[i].sample(time, &of_member, tensions[i], &mode.actuators[i])
+        });
+        let torque = self.joint().torque_of(actuators.map(|actuator| actuator.tension));
+        JointSample { time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
+    }
+
+    /// Torque in N·m of everything but the actuators.
+    #[inline(always)]
+    pub(super) fn load_torque<T: Over<R>>(&self, angle: T, velocity: T, contact: Contact) -> T {
+        let joint = self.joint();
+        let load = joint.other_torque(angle, velocity);
+        match contact {
+            Contact::Pressed(end) => {
+                let outwards = T::constant(SIGN[end.index()]);
+                load - outwards * joint.stop_torque(end.index(), angle, velocity)
+            }
+            _ => load,
+        }
+    }
+
+    fn contact_at(&self, state: &[R; 6]) -> Contact {
+        let velocity = state[VELOCITY];
+        for end in End::BOTH {
+            let Some(stop) = self.joint().stops().ends[end.index()] else { continue };
+            let outwards = SIGN[end.index()];
+            let beyond = outwards * (state[ANGLE] - stop).value();
+            if beyond > 0.0 || (beyond == 0.0 && outwards * velocity.value() > 0.0) {
+                let presses = self.joint().stop_torque(end.index(), state[ANGLE], velocity).value() >= 0.0;
+                return if presses { Contact::Pressed(end) } else { Contact::Rebound(end) };
+            }
+        }
+        Contact::None
+    }
+
+    /// The angular velocity in rad/s by which zero must be passed before it is a turn: what a few steps may err.
+    pub(super) fn rest_band(&self) -> f64 {
+        10.0 * self.members[0].band * self.slow()
+    }
+
+    /// The angular velocity in rad/s below which its error counts absolutely.
+    fn slow(&self) -> f64 {
+        SLOW * self.angle_scales[0] / USUAL_TIME
+    }
+
+    /// The angle in rad at which a length of an actuator that ends an extent is reached.
+    fn limit_angle(&self, i: usize, guard: Guard) -> Option<(R, bool)> {
+        let (limit, lasts_above) = match guard {
+            Guard::Slack => (0, true),
+            Guard::Tight => (0, false),
+            Guard::Untaut => (1, true),
+            Guard::Taut => (1, false),
+            Guard::ThreadLength => (2, false),
+            _ => return None,
+        };
+        Some((self.limits[i][limit], lasts_above == (SIGN[i] > 0.0)))
+    }
+
+    fn rates_of_member<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> [T; 2] {
+        let [length, velocity, pressure] = self.ends(i, state);
+        let velocity = if mode.turning == Turning::Stuck { T::zero() } else { velocity };
+        self.members[i].air_rates([length, velocity, pressure, state[PRESSURE[i] + 1]], &mode.actuators[i])
+    }
+}
+
+impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
+    type Mode = JointPhase<R>;
+    type Guard = JointGuard;
+    type Kind = JointEventKind;
+
+    fn rates<T: Over<R>>(&self, _time: T, state: &[T; 6], phase: &JointPhase<R>) -> [T; 6] {
+        let mode = &phase.mode;
+        let [agonist, antagonist] = [0, 1].map(|i| self.rates_of_member(i, state, mode));
+        let [velocity, acceleration] = if mode.turning == Turning::Stuck {
+            [T::zero(); 2]
+        } else {
+            let tensions = [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i]));
+            let load = self.load_torque(state[ANGLE], state[VELOCITY], mode.contact);
+            [state[VELOCITY], (self.joint().torque_of(tensions) + load) * T::of(self.per_inertia)]
+        };
+        [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
+    }
+
+    fn settling_rate(&self, _time: R, state: &[R; 6], phase: &JointPhase<R>) -> f64 {
+        let mode = &phase.mode;
+        let mut damping = 0.0;
+        if mode.turning != Turning::Stuck {
+            let joint = self.joint();
+            damping = joint.damping().value();
+            if matches!(mode.contact, Contact::Pressed(_)) {
+                damping += joint.stops().damping.value();
+            }
+            for i in 0..2 {
+                let arm = self.slopes[i].value();
+                damping += arm * arm * self.members[i].damping(&mode.actuators[i]);
+            }
+        }
+        (0..2).fold(damping * self.per_inertia.value(), |fastest, i| {
+            let rate = |pressure: Dual<R, 1>| {
+                let mut seeded = state.map(Dual::<R, 1>::of);
+                seeded[PRESSURE[i]] = pressure;
+                self.rates_of_member(i, &seeded, mode)[0]
+            };
+            fastest.max(self.members[i].pressure_settling_rate(state[PRESSURE[i]], &mode.actuators[i], rate))
+        })
+    }
+
+    fn scales(&self, state: &[R; 6], phase: &JointPhase<R>) -> [f64; 6] {
+        let [angle, velocity, pressure, mass, other_pressure, other_mass] = state.map(|value| value.value().abs());
+        let mode = &phase.mode;
+        // Where a stop or a taut braid is stiff, an angle counts by the torque that an error in it makes.
+        let mut scale =
+            if mode.contact == Contact::None { angle.max(self.angle_scales[0]) } else { self.angle_scales[1] };
+        for (i, member) in self.members.iter().enumerate() {
+            if matches!(mode.actuators[i].extent, Extent::Taut | Extent::Rebound) {
+                scale = scale.min(member.taut_scale / self.slopes[i].value().abs());
+            }
+        }
+        let [first, second] = &self.members;
+        [
+            scale,
+            velocity + self.slow(),
+            pressure + 0.1 * first.atmosphere,
+            mass + 0.1 * first.air_mass,
+            other_pressure + 0.1 * second.atmosphere,
+            other_mass + 0.1 * second.air_mass,
+        ]
+    }
+
+    fn next_instant(&self, phase: &JointPhase<R>, until: R) -> Option<R> {
+        let next = [0, 1].map(|i| self.rig.timetable(i).next(&phase.progress[i], until));
+        next.into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+    }
+
+    fn pass_instant(&self, time: R, state: &mut [R; 6], phase: &mut JointPhase<R>) -> Result<JointEventKind, Error> {
+        // Of two seats that move in one instant the agonist's is first; the other's is the next event, at the same time.
+        let due = |i: usize| self.rig.timetable(i).next(&phase.progress[i], time).is_some();
+        let i = usize::from(!due(0));
+        let ports = self.rig.timetable(i).pass_seats(&mut phase.progress[i], time);
+        let member = &mut phase.mode.actuators[i];
+        member.ports = ports;
+        self.members[i].enter_ports(state[PRESSURE[i]], member);
+        Ok(JointEventKind { actuator: Some(i), kind: EventKind::Valve })
+    }
+
+    fn guards(&self, phase: &JointPhase<R>) -> Guards<JointGuard> {
+        let mode = &phase.mode;
+        let mut guards = Guards::new();
+        let linear = |index, bound: R, above: bool| {
+            let bound = bound.value();
+            if above { GuardForm::Above { index, bound } } else { GuardForm::Below { index, bound } }
+        };
+        let moves = mode.turning != Turning::Stuck;
+        for i in 0..2 {
+            let (by_length, by_force) = self.members[i].extent_guards(mode.actuators[i].extent);
+            for (guard, ..) in by_length.into_iter().flatten().filter(|_| moves) {
+                if let Some((angle, above)) = self.limit_angle(i, guard) {
+                    guards.add(JointGuard::Of(i, guard), linear(ANGLE, angle, above));
+                }
+            }
+            if let Some(guard) = by_force.filter(|_| moves) {
+                guards.add(JointGuard::Of(i, guard), GuardForm::Function);
+            }
+        }
+        if moves {
+            match mode.contact {
+                Contact::None => {
+                    for end in End::BOTH {
+                        if let Some(stop) = self.joint().stops().ends[end.index()] {
+                            guards.add(JointGuard::Reach(end), linear(ANGLE, stop, end == End::Lower));
+                        }
+                    }
+                }
+                Contact::Pressed(end) => guards.add(JointGuard::Rebound(end), GuardForm::Function),
+                Contact::Rebound(end) => {
+                    if let Some(stop) = self.joint().stops().ends[end.index()] {
+                        guards.add(JointGuard::Leave(end), linear(ANGLE, stop, end == End::Upper));
+                    }
+                    guards.add(JointGuard::Press(end), GuardForm::Function);
+                }
+            }
+        }
+        let rest = R::constant(self.rest_band());
+        match mode.turning {
+            Turning::Forward => guards.add(JointGuard::Rest, linear(VELOCITY, -rest, true)),
+            Turning::Backward => guards.add(JointGuard::Rest, linear(VELOCITY, rest, false)),
+            Turning::Stuck => {
+                guards.add(JointGuard::BreakForward, GuardForm::Function);
+                guards.add(JointGuard::BreakBackward, GuardForm::Function);
+            }
+            Turning::Frictionless => {}
+        }
+        for i in 0..2 {
+            let add = &mut |guard, form| guards.add(JointGuard::Of(i, guard), form);
+            self.members[i].each_other_guard(&mode.actuators[i], PRESSURE[i], add);
+        }
+        guards
+    }
+
+    fn guard<T: Over<R>>(&self, guard: JointGuard, _time: T, state: &[T; 6], phase: &JointPhase<R>) -> T {
+        let mode = &phase.mode;
+        let joint = self.joint();
+        let (angle, velocity) = (state[ANGLE], state[VELOCITY]);
+        let band = T::constant(self.torque_band);
+        let beyond = |end: End| {
+            let stop = joint.stops().ends[end.index()].map_or(angle, T::of);
+            T::constant(SIGN[end.index()]) * (angle - stop)
+        };
+        let press = |end: End| joint.stop_torque(end.index(), angle, velocity);
+        match guard {
+            JointGuard::Of(i, guard) => match self.limit_angle(i, guard) {
+                Some((limit, true)) => angle - T::of(limit),
+                Some((limit, false)) => T::of(limit) - angle,
+                None => self.members[i].guard(guard, self.ends(i, state), &mode.actuators[i]),
+            },
+            JointGuard::Reach(end) => -beyond(end),
+            JointGuard::Leave(end) => beyond(end),
+            JointGuard::Rebound(end) => press(end) + band,
+            JointGuard::Press(end) => band - press(end),
+            JointGuard::Rest => T::constant(self.rest_band()) + T::constant(mode.turning.direction()) * velocity,
+            JointGuard::BreakForward => band - self.torques_at_rest(state, mode).0,
+            JointGuard::BreakBackward => band + self.torques_at_rest(state, mode).1,
+        }
+    }
+
+    fn cross(
+        &self,
+        guard: JointGuard,
+        time: R,
+        state: &mut [R; 6],
+        phase: &mut JointPhase<R>,
+    ) -> Result<JointEventKind, Error> {
+        let mode = &mut phase.mode;
+        let of_joint = |kind| Ok(JointEventKind { actuator: None, kind });
+        let stop = |end: End| self.joint().stops().ends[end.index()];
+        match guard {
+            JointGuard::Of(i, guard) => self.cross_member(i, guard, time, state, phase),
+            JointGuard::Reach(end) => {
+                state[ANGLE] = stop(end).unwrap_or(state[ANGLE]);
+                mode.contact = Contact::Pressed(end);
+                of_joint(EventKind::StopReached)
+            }
+            JointGuard::Press(end) => {
+                mode.contact = Contact::Pressed(end);
+                of_joint(EventKind::StopReached)
+            }
+            JointGuard::Rebound(end) => {
+                mode.contact = Contact::Rebound(end);
+                of_joint(EventKind::StopRebound)
+            }
+            JointGuard::Leave(end) => {
+                state[ANGLE] = stop(end).unwrap_or(state[ANGLE]);
+                mode.contact = Contact::None;
+                of_joint(EventKind::StopLeft)
+            }
+            JointGuard::Rest => {
+                state[VELOCITY] = R::zero();
+                self.enter_turning(state, mode);
+                of_joint(if mode.turning == Turning::Stuck { EventKind::Stick } else { EventKind::Reversal })
+            }
+            JointGuard::BreakForward | JointGuard::BreakBackward => {
+                self.head(state, mode, if guard == JointGuard::BreakForward { 1.0 } else { -1.0 });
+                of_joint(EventKind::BreakAway)
+            }
+        }
+    }
+
+    fn project(&self, _time: R, state: &mut [R; 6], phase: &JointPhase<R>) {
+        let lengths = self.joint().lengths(state[ANGLE]);
+        for i in 0..2 {
+            if let Some(content) = phase.isothermal[i] {
+                let volume = self.members[i].actuator.volume(lengths[i]);
+                state[PRESSURE[i]] = content * state[PRESSURE[i] + 1] / volume;
+            }
+        }
+    }
+
+    fn stuck(&self, time: R, state: &[R; 6], _phase: &JointPhase<R>) -> Error {
+        Error::Stopped {
+            time: time.value(),
+            reason: "no step is short enough for the tolerance",
+            quantity: "joint angle",
+            value: state[ANGLE].value(),
+            unit: "rad",
+            remedy: "loosen run.relative_tolerance, or check that inertia, volumes and flow area are of usual size",
+        }
+    }
+}
+
+impl<R: Real> JointSystem<'_, R> {
+    /// Crosses a guard of an actuator.
+    fn cross_member(
+        &self,
+        i: usize,
+        guard: Guard,
+        time: R,
+        state: &mut [R; 6],
+        phase: &mut JointPhase<R>,
+    ) -> Result<JointEventKind, Error> {
+        let mode = &mut phase.mode;
+        let of_member = |kind| Ok(JointEventKind { actuator: Some(i), kind });
+        if let Some((limit, _)) = self.limit_angle(i, guard)
+            && guard != Guard::ThreadLength
+        {
+            state[ANGLE] = limit;
+        }
+        match guard {
+            Guard::ThreadLength => Err(Error::Stopped {
+                time: time.value(),
+                reason: "the joint pulled a braid straight",
+                quantity: "joint angle",
+                value: state[ANGLE].value(),
+                unit: "rad",
+                remedy: "lighten the load, stiffen actuator.limit.stiffness or give the joint stops",
+            }),
+            Guard::Slack | Guard::Tight if self.rests_on_the_shortest(i, state, mode) => {
+                state[VELOCITY] = R::zero();
+                mode.actuators[i].extent = Extent::Free;
+                self.turn(state, mode, Turning::Stuck);
+                Ok(JointEventKind { actuator: None, kind: EventKind::Stick })
+            }
+            Guard::Slack | Guard::Tight => {
+                let slack = guard == Guard::Slack;
+                mode.actuators[i].extent = if slack { Extent::Slack } else { Extent::Free };
+                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i]);
+                of_member(if slack { EventKind::Slack } else { EventKind::Tight })
+            }
+            Guard::Taut | Guard::Untaut => {
+                let taut = guard == Guard::Taut;
+                mode.actuators[i].extent = if taut { Extent::Taut } else { Extent::Free };
+                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i]);
+                of_member(if taut { EventKind::Taut } else { EventKind::Untaut })
+            }
+            _ => match Member::<R>::cross(guard, &mut mode.actuators[i]) {
+                Some(kind) => of_member(kind),
+                None => Err(self.stuck(time, state, phase)),
+            },
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! A stored run of a joint: samples at any time and the log of events.
+
+use super::mode::{JointEventKind, JointMode};
+use super::system::{JointPhase, JointSystem};
+use super::{JointRig, JointState};
+use crate::error::Error;
+use crate::scalar::Real;
+use crate::simulation::integrator::{Counts, PieceOf};
+use crate::simulation::sample::{Sample, SampleTimes};
+use crate::simulation::stored::{self, Stored};
+use alloc::vec::Vec;
+
+/// A change of mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointEvent<R = f64> {
+    /// When, in s.
+    pub time: R,
+    /// What happened, and to whom.
+    pub kind: JointEventKind,
+    /// The mode before.
+    pub before: JointMode,
+    /// The mode after.
+    pub after: JointMode,
+}
+
+/// Everything that is known at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSample<R = f64> {
+    /// Time in s.
+    pub time: R,
+    /// Angle in rad.
+    pub angle: R,
+    /// Angular velocity in rad/s.
+    pub angular_velocity: R,
+    /// Torque of both actuators in N·m, `r₁ F₁ − r₂ F₂`.
+    pub torque: R,
+    /// Agonist and antagonist.
+    pub actuators: [Sample<R>; 2],
+}
+
+/// A simulated stretch of time.
+#[derive(Clone, Debug)]
+pub struct JointTrajectory<R: Real = f64> {
+    rig: JointRig<R>,
+    relative_tolerance: f64,
+    stored: Stored<R, JointPhase<R>, JointEventKind, 6>,
+    events: Vec<JointEvent<R>>,
+}
+
+/// Simulates a joint from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for a duration or tolerance outside its range; [`Error::Stopped`] when the simulation cannot
+/// reach its end: it says when, where and what to change.
+pub fn simulate_joint<R: Real>(
+    rig: &JointRig<R>,
+    start: JointState<R>,
+    duration: R,
+    relative_tolerance: f64,
+) -> Result<JointTrajectory<R>, Error> {
+    simulate_joint_watched(rig, start, duration, relative_tolerance, |_| ())
+}
+
+/// The same as [`simulate_joint`], calling `watch` with the time in s that has been reached, now and then.
+///
+/// # Errors
+/// As [`simulate_joint`].
+pub fn simulate_joint_watched<R: Real>(
+    rig: &JointRig<R>,
+    start: JointState<R>,
+    duration: R,
+    relative_tolerance: f64,
+    watch: impl FnMut(f64),
+) -> Result<JointTrajectory<R>, Error> {
+    let system = JointSystem::new(rig, relative_tolerance);
+    let state = start.to_array();
+    let phase = system.begin(&state);
+    let mut events = Vec::new();
+    let see = |piece: &PieceOf<R, JointSystem<'_, R>, 6>| {
+        if let Some((kind, after)) = piece.event {
+            events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
+        }
+    };
+    let stored = stored::run(&system, (state, phase), duration, relative_tolerance, see, watch)?;
+    Ok(JointTrajectory { rig: rig.clone(), relative_tolerance, stored, events })
+}
+
+impl<R: Real> JointTrajectory<R> {
+    /// The rig that was simulated.
+    pub fn rig(&self) -> &JointRig<R> {
+        &self.rig
+    }
+
+    /// The events in order of time.
+    pub fn events(&self) -> &[JointEvent<R>] {
+        &self.events
+    }
+
+    /// Steps, evaluations and events.
+    pub fn counts(&self) -> Counts {
+        self.stored.counts()
+    }
+
+    /// End of the trajectory in s.
+    pub fn duration(&self) -> R {
+        self.stored.duration()
+    }
+
+    /// The sample at `time` in s, by dense output; at the instant of an event, after it. Times before the start and
+    /// after the end give the first and the last sample.
+    pub fn at(&self, time: R) -> JointSample<R> {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        let (time, state, phase) = self.stored.at(&system, self.stored.begun(time.value()), time);
+        system.sample(time, &state, &phase.mode)
+    }
+
+    /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
+    pub fn samples(&self, interval: f64) -> impl Iterator<Item = JointSample<R>> + '_ {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        let times = SampleTimes::new(self.duration().value(), interval);
+        let mut place = 0;
+        (0..=times.last()).map(move |index| {
+            let time = times.time(index);
+            place = self.stored.begun_after(place, time);
+            let (time, state, phase) = self.stored.at(&system, place, R::constant(time));
+            system.sample(time, &state, &phase.mode)
+        })
+    }
+
+    /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
+    /// integral of f over the trajectory, to the order of the dense output.
+    pub fn quadrature(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointMode)) {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        self.stored.quadrature(&system, |weight, time, state, phase| {
+            visit(weight, &system.sample(time, state, &phase.mode), &phase.mode);
+        });
+    }
+}

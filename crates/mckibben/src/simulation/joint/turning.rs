@@ -1,0 +1,123 @@
+//! How the joint turns: whether it sticks, and which way it goes when it does not.
+//!
+//! Sliding is decided once for the joint: at rest each actuator can hold any tension from its least to its largest, and so
+//! the two together any torque from `r₁ F₁,least − r₂ F₂,most` to `r₁ F₁,most − r₂ F₂,least`. The joint sticks while the
+//! rest of the torque is balanced by one between; with free tendons that is within `r₁ Q₁ k₁ + r₂ Q₂ k₂` of the balance
+//! without friction. Stuck, both use the same share of what they can hold: the tensions themselves are indeterminate.
+
+use super::mode::{JointMode, Turning};
+use super::system::{ANGLE, JointSystem, VELOCITY};
+use crate::load::SIGN;
+use crate::scalar::{Over, Real};
+use crate::simulation::mode::Extent;
+
+impl<R: Real> JointSystem<'_, R> {
+    /// Tensions in N of both actuators while the joint sticks: of what each can hold, the share that balances the joint.
+    pub(super) fn shared_tensions(&self, state: &[R; 6], mode: &JointMode) -> [R; 2] {
+        let held = [0, 1].map(|i| self.holdable(i, state, mode));
+        let (least, most) = self.torques_at_rest(state, mode);
+        let width = most - least;
+        let share = if width.value() > 0.0 { -least / width } else { R::constant(0.5) };
+        let share = share.larger(R::zero()).smaller(R::one());
+        let [(least, most), (other_least, other_most)] = held;
+        [least + share * (most - least), other_most - share * (other_most - other_least)]
+    }
+
+    /// The least and the largest tension in N that an actuator can hold at rest.
+    fn holdable<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> (T, T) {
+        if mode.actuators[i].extent == Extent::Slack {
+            return (T::zero(), T::zero());
+        }
+        let [length, _, pressure] = self.ends(i, state);
+        let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
+        self.members[i].actuator.holdable(length, pressure, above.le(T::zero()))
+    }
+
+    /// The least and the largest torque in N·m on the joint at rest.
+    pub(super) fn torques_at_rest<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode) -> (T, T) {
+        let [(least, most), (other_least, other_most)] = [0, 1].map(|i| self.holdable(i, state, mode));
+        let load = self.load_torque(state[ANGLE], T::zero(), mode.contact);
+        let joint = self.joint();
+        (joint.torque_of([least, other_most]) + load, joint.torque_of([most, other_least]) + load)
+    }
+
+    fn has_coulomb(&self, i: usize) -> bool {
+        self.members[i].actuator.friction().has_coulomb()
+    }
+
+    /// Whether an actuator rests, or could rest, on its shortest length.
+    fn on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
+        mode.actuators[i].extent != Extent::Slack && state[ANGLE].value() == self.limits[i][0].value()
+    }
+
+    /// Sets how the joint turns, and with it how both actuators slide.
+    pub(super) fn turn(&self, state: &[R; 6], mode: &mut JointMode, turning: Turning) {
+        mode.turning = turning;
+        for i in 0..2 {
+            let member = &mut mode.actuators[i];
+            member.sliding = turning.sliding(self.has_coulomb(i), SIGN[i]);
+            self.members[i].enter_clamp(self.ends(i, state), member);
+        }
+    }
+
+    /// Sets the joint turning the way that the sign of `heading` says; an actuator on its shortest length that this would
+    /// shorten falls slack.
+    pub(super) fn head(&self, state: &[R; 6], mode: &mut JointMode, heading: f64) {
+        for i in 0..2 {
+            if heading * SIGN[i] < 0.0 && self.on_the_shortest(i, state, mode) {
+                mode.actuators[i].extent = Extent::Slack;
+            }
+        }
+        let turning = match (self.has_coulomb(0) || self.has_coulomb(1), heading < 0.0) {
+            (false, _) => Turning::Frictionless,
+            (true, true) => Turning::Backward,
+            (true, false) => Turning::Forward,
+        };
+        self.turn(state, mode, turning);
+    }
+
+    /// How a joint turns in a state that may be at rest: from there it sticks if the torque can be held.
+    pub(super) fn enter_turning(&self, state: &[R; 6], mode: &mut JointMode) {
+        let velocity = state[VELOCITY].value();
+        if velocity != 0.0 {
+            return self.head(state, mode, velocity);
+        }
+        let holds = |i: usize| {
+            let slack = mode.actuators[i].extent == Extent::Slack;
+            !slack && (self.has_coulomb(i) || self.on_the_shortest(i, state, mode))
+        };
+        let can_stick = holds(0) || holds(1);
+        let (least, most) = self.torques_at_rest(state, mode);
+        let middle = 0.5 * (least.value() + most.value());
+        if !can_stick {
+            self.head(state, mode, middle);
+        } else if most.value() < -self.torque_band {
+            self.head(state, mode, -1.0);
+        } else if least.value() > self.torque_band {
+            self.head(state, mode, 1.0);
+        } else {
+            self.turn(state, mode, Turning::Stuck);
+        }
+    }
+
+    /// Whether the joint, arriving where an actuator is at its shortest, comes to rest there: the torque can be held, and
+    /// it turns too slowly to be told from rest, or would bounce less than the tolerance of its angle.
+    pub(super) fn rests_on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
+        let with = |extent| {
+            let mut mode = *mode;
+            mode.actuators[i].extent = extent;
+            let (least, most) = self.torques_at_rest(state, &mode);
+            (least.value(), most.value())
+        };
+        let (slack, free) = (with(Extent::Slack), with(Extent::Free));
+        if free.0 > 0.0 || free.1 < 0.0 {
+            return false;
+        }
+        let velocity = state[VELOCITY].value();
+        // Back as it is slack, and against as it pulls with all its force, whatever the friction of the other.
+        let (back, against) = if SIGN[i] > 0.0 { (slack.0, -free.0) } else { (-slack.1, free.1) };
+        let acceleration = back.min(against) * self.per_inertia.value();
+        let bounce = 2.0 * acceleration * self.members[i].band * self.angle_scales[0];
+        velocity.abs() <= self.rest_band() || (acceleration > 0.0 && velocity * velocity <= bounce)
+    }
+}

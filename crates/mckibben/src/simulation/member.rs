@@ -1,0 +1,231 @@
+//! One actuator as a member of a hybrid system: its part of the mode, and what ends it.
+//!
+//! | component of the mode | values | ends when |
+//! |---|---|---|
+//! | passages | supply, exhaust | a seat moves (an instant) |
+//! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
+//! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
+//! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
+//! | clamped | yes, no | the sum of forces passes zero |
+//!
+//! How the ends move, and so the sliding, is the load's to say: the [rig](super::hybrid) for one member, the
+//! [joint](super::joint) for two. The flow zones and the pieces are in [`zones`](super::zones).
+
+use super::event::band;
+#[cfg(feature = "alloc")]
+use super::kernel::Observed;
+use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
+#[cfg(feature = "alloc")]
+use super::sample::Sample;
+use super::system::GuardForm;
+use crate::actuator::Actuator;
+use crate::air::Process;
+use crate::scalar::{Over, Real};
+use crate::valve::{FlowZone, Port};
+
+/// Temperature in K at which the scale of the air mass is taken.
+const ROOM_TEMPERATURE: f64 = 293.15;
+/// Part of the stretch under the usual force that a taut length is measured by.
+const TAUT: f64 = 0.5;
+
+/// An actuator with the tolerance to which its events are told from rounding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member<'a, R: Real> {
+    pub(super) actuator: &'a Actuator<R>,
+    /// Usual sizes: the longest length, the atmosphere's pressure, the air at that.
+    pub(super) longest: f64,
+    pub(super) atmosphere: f64,
+    pub(super) air_mass: f64,
+    /// Relative width of a border between agreeing formulas.
+    pub(super) band: f64,
+    /// The same as a force in N.
+    pub(super) force_band: f64,
+    /// Scale of the length in m while the braid is taut.
+    pub(super) taut_scale: f64,
+}
+
+/// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
+pub(super) type LengthGuard<R> = (Guard, R, bool);
+
+impl<'a, R: Real> Member<'a, R> {
+    /// An actuator against a usual force of `pull` N whose steps are controlled to `relative_tolerance`.
+    pub(super) fn new(actuator: &'a Actuator<R>, relative_tolerance: f64, pull: f64) -> Self {
+        let (air, limits, braid) = (actuator.air(), actuator.limits(), &actuator.law().law.braid);
+        let atmosphere = air.atmosphere().0.value();
+        let longest = limits.max_length();
+        let volume = actuator.volume(longest).value();
+        let air_mass = atmosphere * volume / (air.gas_constant().value() * ROOM_TEMPERATURE);
+        let thread = braid.thread_length().value();
+        let gas_force = atmosphere * thread * thread * braid.per_turns().value();
+        let force = pull.max(gas_force);
+        let band = band(relative_tolerance);
+        Self {
+            actuator,
+            longest: longest.value(),
+            atmosphere,
+            air_mass,
+            band,
+            force_band: band * force,
+            taut_scale: (TAUT * force / limits.stiffness().value()).min(longest.value()),
+        }
+    }
+
+    /// Length in m at which the braid would be straight.
+    pub(super) fn thread_length(&self) -> R {
+        self.actuator.law().law.braid.thread_length()
+    }
+
+    /// `P V/m` of a state, if the process keeps it.
+    pub(super) fn isothermal_content(&self, length: R, [pressure, mass]: [R; 2]) -> Option<R> {
+        let content = || pressure * self.actuator.volume(length) / mass;
+        matches!(self.actuator.air().process(), Process::Isothermal).then(content)
+    }
+
+    /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
+    #[inline(always)]
+    pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode) -> T {
+        let actuator = self.actuator;
+        let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(ends[2]));
+        let direction = T::constant(mode.sliding.direction());
+        actuator.signed_force(ends, direction, mode.extent == Extent::Taut, effectiveness)
+    }
+
+    /// Tension in N while the ends move: what the load feels.
+    #[inline(always)]
+    pub(super) fn tension<T: Over<R>>(&self, ends: [T; 3], mode: &Mode) -> T {
+        if mode.extent == Extent::Slack || mode.clamped {
+            return T::zero();
+        }
+        self.signed_force(ends, mode)
+    }
+
+    /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air.
+    #[inline(always)]
+    pub(super) fn air_rates<T: Over<R>>(&self, [length, velocity, pressure, mass]: [T; 4], mode: &Mode) -> [T; 2] {
+        let chamber = self.actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+        let flow = self.flow(&chamber, mode);
+        [self.actuator.pressure_rate(&chamber, &flow), flow.net()]
+    }
+
+    /// The sample of length, velocity, pressure and air mass with the tension (N) that goes with them.
+    #[cfg(feature = "alloc")]
+    pub(super) fn sample(&self, time: R, state: &[R; 4], tension: R, mode: &Mode) -> Sample<R> {
+        let [length, velocity, pressure, mass] = *state;
+        let slack = mode.extent == Extent::Slack;
+        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
+        let temperature = self.actuator.air().temperature(&chamber);
+        let observed = Observed { tension, volume: chamber.volume, temperature, flow: self.flow(&chamber, mode) };
+        Sample::new(time, state, &observed, mode.ports)
+    }
+
+    /// Rate of the force in N with the velocity, from friction and the taut braid, while the ends move.
+    pub(super) fn damping(&self, mode: &Mode) -> f64 {
+        if mode.extent == Extent::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
+            return 0.0;
+        }
+        let taut = if mode.extent == Extent::Taut { self.actuator.limits().damping().value() } else { 0.0 };
+        self.actuator.friction().viscous().value() + taut
+    }
+
+    /// The extent at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
+    /// limit the velocity, or at rest the balance, decides: `pushed` says whether the ends are pushed together.
+    pub(super) fn extent_at(&self, ends: [R; 2], [above_shortest, above_longest]: [f64; 2], pushed: bool) -> Extent {
+        let velocity = ends[1].value();
+        if above_shortest < 0.0 || (above_shortest == 0.0 && (velocity < 0.0 || (velocity == 0.0 && pushed))) {
+            Extent::Slack
+        } else if above_longest < 0.0 || (above_longest == 0.0 && velocity <= 0.0) {
+            Extent::Free
+        } else if self.actuator.limits().taut_force(ends[0], ends[1]).value() >= 0.0 {
+            Extent::Taut
+        } else {
+            Extent::Rebound
+        }
+    }
+
+    /// Decides anew whether the force is kept from pushing.
+    pub(super) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode) {
+        let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
+        mode.clamped = moves && self.signed_force(ends, mode).value() < 0.0;
+    }
+
+    /// The guards that end an extent: by length, and by the force of the taut braid.
+    pub(super) fn extent_guards(&self, extent: Extent) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
+        let limits = self.actuator.limits();
+        let (shortest, longest) = (limits.min_length(), limits.max_length());
+        match extent {
+            Extent::Slack => ([Some((Guard::Tight, shortest, false)), None], None),
+            Extent::Free => ([Some((Guard::Slack, shortest, true)), Some((Guard::Taut, longest, false))], None),
+            Extent::Taut => ([Some((Guard::ThreadLength, self.thread_length(), false)), None], Some(Guard::Rebound)),
+            Extent::Rebound => ([Some((Guard::Untaut, longest, true)), None], Some(Guard::Retaut)),
+        }
+    }
+
+    /// The guards of the tension and of the air, in the order in which they are crossed; `pressure` is its place among the
+    /// states.
+    pub(super) fn each_other_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+        if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
+            add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
+        }
+        self.zone_guards(mode, pressure, add);
+        self.piece_guards(mode, pressure, add);
+    }
+
+    /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
+    pub(super) fn guard<T: Over<R>>(&self, guard: Guard, ends: [T; 3], mode: &Mode) -> T {
+        let limits = self.actuator.limits();
+        let [length, velocity, pressure] = ends;
+        let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
+        let band = T::constant(self.force_band);
+        let bound = |port, zone: Option<FlowZone>, up| {
+            zone.and_then(|zone| self.zone_bound(port, zone, up)).map_or(pressure, T::of)
+        };
+        match guard {
+            Guard::ThreadLength => T::of(self.thread_length()) - length,
+            Guard::Slack => length - shortest,
+            Guard::Tight => shortest - length,
+            Guard::Taut => longest - length,
+            Guard::Untaut => length - longest,
+            Guard::Rebound => limits.taut_force(length, velocity) + band,
+            Guard::Retaut => band - limits.taut_force(length, velocity),
+            Guard::TensionZero => self.signed_force(ends, mode) + band,
+            Guard::TensionBack => band - self.signed_force(ends, mode),
+            Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),
+            Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
+            Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
+            Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
+            Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
+            Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
+            // The load's, not the member's: they never end what a member knows of.
+            Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
+        }
+    }
+
+    /// Crosses a guard that changes nothing but the member's mode; `None` for one that is the load's.
+    pub(super) fn cross(guard: Guard, mode: &mut Mode) -> Option<EventKind> {
+        match guard {
+            Guard::Rebound | Guard::Retaut => {
+                let taut = guard == Guard::Retaut;
+                mode.extent = if taut { Extent::Taut } else { Extent::Rebound };
+                Some(if taut { EventKind::Taut } else { EventKind::Rebound })
+            }
+            Guard::TensionZero | Guard::TensionBack => {
+                mode.clamped = guard == Guard::TensionZero;
+                Some(if mode.clamped { EventKind::TensionZero } else { EventKind::TensionBack })
+            }
+            Guard::SupplyDown | Guard::SupplyUp => {
+                Self::move_zone(&mut mode.supply_zone, guard == Guard::SupplyUp);
+                Some(EventKind::Flow)
+            }
+            Guard::ExhaustDown | Guard::ExhaustUp => {
+                Self::move_zone(&mut mode.exhaust_zone, guard == Guard::ExhaustUp);
+                Some(EventKind::Flow)
+            }
+            Guard::PieceDown | Guard::PieceUp => {
+                let piece = &mut mode.effectiveness_piece;
+                *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
+                Some(EventKind::Effectiveness)
+            }
+            _ => None,
+        }
+    }
+}
