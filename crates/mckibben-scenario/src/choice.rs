@@ -55,6 +55,10 @@ words! {
         TwoWay = "two-way", "Joined to the supply when energised and sealed when not.";
         ThreeWay = "three-way", "Joined to the supply when energised and to the exhaust when not.";
         ThreeWayNormallyOpen = "three-way-normally-open", "Joined to the exhaust when energised and to the supply when not.";
+        FiveWay = "five-way", "5/2: fills output A and exhausts B when energised, and the other way round when not.";
+        FiveWayClosed = "five-way-closed", "5/3: as 5/2 with a coil for each way; shut when neither is energised.";
+        FiveWayExhausted = "five-way-exhausted", "5/3 that exhausts both outputs when neither coil is energised.";
+        FiveWayPressurised = "five-way-pressurised", "5/3 that fills both outputs when neither coil is energised.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
     }
     /// Whose temperature the air that leaves the actuator has in the flow law.
@@ -111,5 +115,17 @@ words! {
     Spacing {
         Linear = "linear", "Evenly.";
         Logarithmic = "logarithmic", "Evenly in the logarithm.";
+    }
+}
+
+impl ValveKind {
+    /// Whether it has two outputs in opposition.
+    pub fn has_two_outputs(self) -> bool {
+        matches!(self, Self::FiveWay | Self::FiveWayClosed | Self::FiveWayExhausted | Self::FiveWayPressurised)
+    }
+
+    /// Whether it has a third position, so that a pulse and what lies between pulses are to be chosen.
+    pub(crate) fn has_three_positions(self) -> bool {
+        self == Self::FillHoldExhaust || (self.has_two_outputs() && self != Self::FiveWay)
     }
 }

@@ -252,7 +252,11 @@ pub static SECTIONS: &[Section] = &[
     section("air", "The gas in the actuator and around it.", false),
     section("supply", "The air that the valve joins the actuator to.", false),
     section("valve", "The valve; without it the actuator is sealed.", false),
-    section("valve.exhaust", "The valve's passage to the surroundings, where it differs from the one to the supply.", false),
+    section(
+        "valve.exhaust",
+        "The valve's passage to the surroundings, where it differs from the one to the supply.",
+        false,
+    ),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
@@ -380,7 +384,7 @@ pub static KEYS: &[Key] = &[
     choice(
         "command.pulse",
         CommandState::CHOICES,
-        "State during the pulse, with a fill-hold-exhaust valve.",
+        "State during the pulse, with a valve that has a third position.",
         "\"fill\"",
     )
     .or("fill")
@@ -388,7 +392,7 @@ pub static KEYS: &[Key] = &[
     choice(
         "command.rest",
         CommandState::CHOICES,
-        "State between pulses, with a fill-hold-exhaust valve.",
+        "State between pulses, with a valve that has a third position.",
         "\"exhaust\"",
     )
     .or("exhaust")

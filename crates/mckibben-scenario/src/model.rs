@@ -89,7 +89,8 @@ impl Document {
             return Err(failed(Error::Unsupported { what, remedy }));
         }
         let agonist = scenario.driven().map_err(failed)?;
-        let antagonist = second.driven().map_err(|error| self.antagonist().diagnose(&error))?;
+        let output = opposite_output(&scenario, &second).map_err(failed)?;
+        let antagonist = second.driven_by(output).map_err(|error| self.antagonist().diagnose(&error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
         let starts = [scenario.initial, second.initial];
         let initial = JointInitial {
@@ -104,6 +105,23 @@ impl Document {
         let start = rig.start(&initial).map_err(failed)?;
         Ok(Some(JointExperiment { rig, start, run: scenario.run }))
     }
+}
+
+/// The output of the second actuator's valve that drives it: B where both hang on one five-way valve.
+fn opposite_output(first: &Scenario, second: &Scenario) -> Result<usize, Error> {
+    let two = |scenario: &Scenario| scenario.valve.is_some_and(|valve| valve.kind.has_two_outputs());
+    if !(two(first) && two(second)) {
+        return Ok(0);
+    }
+    let kind = |scenario: &Scenario| scenario.valve.map(|valve| valve.kind);
+    if kind(first) != kind(second) || first.command != second.command {
+        return Err(Error::Unsupported {
+            what: "one five-way valve drives both actuators of a joint, and the antagonist is given another of its own",
+            remedy: "remove the kind from [antagonist.valve] and the section [antagonist.command], or give the antagonist a \
+                     valve of another kind",
+        });
+    }
+    Ok(1)
 }
 
 fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
@@ -155,19 +173,17 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::experiment`].
     pub fn driven(&self) -> Result<Driven, Error> {
+        self.driven_by(0)
+    }
+
+    /// The same by one output of the valve, 0 or 1: only a five-way valve has the second.
+    fn driven_by(&self, output: usize) -> Result<Driven, Error> {
         let air = self.core_air()?;
         let mut actuator = self.core_actuator(air)?;
         let mut actuation = None;
         if let (Some(valve), Some(supply), Some(command)) = (&self.valve, &self.supply, &self.command) {
             actuator = actuator.with_valve(core_valve(valve, supply, &air)?);
-            let kind = match valve.kind {
-                ValveKind::TwoWay => valve::ValveKind::TwoWay,
-                ValveKind::ThreeWay => valve::ValveKind::ThreeWay,
-                ValveKind::ThreeWayNormallyOpen => valve::ValveKind::ThreeWayNormallyOpen,
-                ValveKind::FillHoldExhaust => valve::ValveKind::FillHoldExhaust,
-            };
-            let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
-            actuation = Some(Actuation { solenoid, command: core_command(command)? });
+            actuation = Some(core_actuation(valve, command, output)?);
         }
         Ok(Driven { actuator, actuation })
     }
@@ -251,6 +267,29 @@ impl Scenario {
             velocity: self.initial.velocity,
         }
     }
+}
+
+/// What drives one output of a valve.
+fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
+    let command = core_command(command)?;
+    let (opening, closing) = (valve.opening_delay, valve.closing_delay);
+    let one = |kind| valve::Solenoid::new(kind, opening, closing);
+    let five_way = |rest| {
+        let [a, b] = valve::FiveWay::new(rest, opening, closing)?.outputs(&command)?;
+        let valve::FiveWayOutput { solenoid, command } = if output == 0 { a } else { b };
+        Ok(Actuation { solenoid, command })
+    };
+    let solenoid = match valve.kind {
+        ValveKind::TwoWay => one(valve::ValveKind::TwoWay)?,
+        ValveKind::ThreeWay => one(valve::ValveKind::ThreeWay)?,
+        ValveKind::ThreeWayNormallyOpen => one(valve::ValveKind::ThreeWayNormallyOpen)?,
+        ValveKind::FillHoldExhaust => one(valve::ValveKind::FillHoldExhaust)?,
+        ValveKind::FiveWay => return five_way(valve::FiveWayRest::Returned),
+        ValveKind::FiveWayClosed => return five_way(valve::FiveWayRest::Closed),
+        ValveKind::FiveWayExhausted => return five_way(valve::FiveWayRest::Exhausted),
+        ValveKind::FiveWayPressurised => return five_way(valve::FiveWayRest::Pressurised),
+    };
+    Ok(Actuation { solenoid, command })
 }
 
 fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {

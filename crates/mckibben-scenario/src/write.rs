@@ -175,7 +175,7 @@ fn passage(w: &mut Writer, rows: &passage::Rows, passage: Passage) {
 }
 
 fn command(w: &mut Writer, scenario: &Scenario) {
-    let chooses = scenario.valve.is_some_and(|valve| valve.kind == crate::ValveKind::FillHoldExhaust);
+    let chooses = scenario.valve.is_some_and(|valve| valve.kind.has_three_positions());
     match &scenario.command {
         None => {}
         Some(Command::Constant(state)) => w.word("command.kind", state.name()),

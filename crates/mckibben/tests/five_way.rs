@@ -51,11 +51,9 @@ fn the_outputs_of_a_spring_returned_valve_are_always_opposite() {
 #[test]
 fn the_middle_of_a_valve_of_three_positions() {
     let command = table(&[0.1, 0.2, 0.3], &[Request::Fill, Request::Hold, Request::Exhaust]);
-    for (rest, middle) in [
-        (FiveWayRest::Closed, Ports::CLOSED),
-        (FiveWayRest::Exhausted, EXHAUST),
-        (FiveWayRest::Pressurised, SUPPLY),
-    ] {
+    for (rest, middle) in
+        [(FiveWayRest::Closed, Ports::CLOSED), (FiveWayRest::Exhausted, EXHAUST), (FiveWayRest::Pressurised, SUPPLY)]
+    {
         let [a, b] = outputs(rest, &command);
         // Where each output stands in the middle of each stage: before, filled, held, exhausted.
         let at = |output: &FiveWayOutput, time: f64| {

@@ -61,7 +61,13 @@ fn a_pulse_passes_what_the_page_says() {
     let steps = 60;
     let at = |n: i32| {
         let time = grid * f64::from(n);
-        if time < opening_delay { 0.0 } else if time < released { up.opening(time) } else { down.opening(time) }
+        if time < opening_delay {
+            0.0
+        } else if time < released {
+            up.opening(time)
+        } else {
+            down.opening(time)
+        }
     };
     let area: f64 = (0..steps).map(|n| 0.5 * grid * (at(n) + at(n + 1))).sum();
     assert_close(area, width - opening_delay + closing_delay - (RISE - FALL) / 2.0, 1e-12);

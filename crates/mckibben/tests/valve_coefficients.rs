@@ -92,9 +92,8 @@ fn sonic_conductance(law: &FlowLaw) -> f64 {
 fn c_from_cv_is_within_a_quarter_of_what_a_catalogue_states() {
     let air = air(286.99, 1.4);
     let stated = [(1.1, 0.29), (2.8, 0.90), (4.5, 1.4), (10.0, 2.5)];
-    let ratios = stated.map(|(c, cv)| {
-        sonic_conductance(&law(FlowStandard::Cv { cv, pressure_drop_ratio: 0.7 }, &air)) / c
-    });
+    let ratios =
+        stated.map(|(c, cv)| sonic_conductance(&law(FlowStandard::Cv { cv, pressure_drop_ratio: 0.7 }, &air)) / c);
     // What the module's page tells the reader: 2 to 25 %.
     for (ratio, told) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.98]) {
         assert_within(ratio, told, 0.006);
@@ -175,9 +174,8 @@ fn an_exhaust_of_its_own_serves_its_port_alone() {
     let vented = |actuator: &mckibben::Actuator| {
         actuator.respond(&state, 0.09, 0.0, Ports { supply: false, exhaust: true }).mass_flow
     };
-    let doubled = actuator.map(|row, value| {
-        if row.key == "valve.exhaust.sonic_conductance" { 2.0 * value } else { value }
-    });
+    let doubled =
+        actuator.map(|row, value| if row.key == "valve.exhaust.sonic_conductance" { 2.0 * value } else { value });
     assert_close(vented(&doubled), 2.0 * vented(&actuator), 1e-14);
     let tripled = actuator.map(|row, value| if row.key == "valve.flow_area" { 3.0 * value } else { value });
     assert_eq!(vented(&tripled), vented(&actuator));

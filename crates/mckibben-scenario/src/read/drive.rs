@@ -88,21 +88,23 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
     if !r.has("command.kind") {
         r.missing("command.kind", "");
     }
-    let chooses = valve == ValveKind::FillHoldExhaust;
+    let chooses = valve.has_three_positions();
     let impossible = match valve {
-        ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => Some(CommandState::Hold),
         ValveKind::TwoWay => Some(CommandState::Exhaust),
-        ValveKind::FillHoldExhaust => None,
+        _ if chooses => None,
+        _ => Some(CommandState::Hold),
     };
     match kind? {
         CommandKind::Pwm => {
             for path in ["command.pulse", "command.rest"] {
                 if let Some(place) = r.key_place(path).filter(|_| !chooses) {
-                    let title = format!("`{path}` is for a fill-hold-exhaust valve");
+                    let title = format!("`{path}` is for a valve with a third position, such as fill-hold-exhaust");
                     let chosen = r.value_place("valve.kind");
                     let help = match valve {
-                        ValveKind::TwoWay => "remove it: a two-way valve fills during the pulse and holds between pulses",
-                        _ => "remove it: a three-way valve fills during the pulse and exhausts between pulses",
+                        ValveKind::TwoWay => {
+                            "remove it: a two-way valve fills during the pulse and holds between pulses"
+                        }
+                        _ => "remove it: this valve fills during the pulse and exhausts between pulses",
                     };
                     r.note(
                         Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
@@ -158,6 +160,9 @@ fn cannot(r: &mut Reader<'_>, place: Place, valve: ValveKind) {
     let (title, label, kind, help) = if valve == ValveKind::TwoWay {
         let help = "set `valve.kind` to `three-way` or `fill-hold-exhaust`, or command `fill` and `hold` only";
         ("a two-way valve cannot exhaust", "needs a passage to the exhaust", "two-way valve", help)
+    } else if valve == ValveKind::FiveWay {
+        let help = "set `valve.kind` to `five-way-closed`, or command `fill` and `exhaust` only";
+        ("a 5/2 valve cannot hold", "needs a valve that closes", "five-way valve of two positions", help)
     } else {
         let help = "set `valve.kind` to `fill-hold-exhaust`, or command `fill` and `exhaust` only";
         ("a three-way valve cannot hold", "needs a valve that closes", "three-way valve", help)

@@ -58,9 +58,16 @@ pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) 
         let needed = way.iter().filter(|row| r.has(row.key) || !whole(way));
         needed.map(|row| row.key).collect::<Vec<_>>()
     });
-    let chosen = alternative(r, &groups.each_ref().map(Vec::as_slice)).or_else(|| ways.iter().position(|way| whole(way)));
+    let chosen =
+        alternative(r, &groups.each_ref().map(Vec::as_slice)).or_else(|| ways.iter().position(|way| whole(way)));
+    let by_water = matches!(chosen, Some(2 | 3));
+    if let Some(place) = r.key_place(rows.pressure_drop_ratio.key).filter(|_| !by_water) {
+        let title =
+            format!("`{}` goes with `kv` or `cv`", rows.pressure_drop_ratio.key);
+        r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
+    }
     let mut number = |row| if by_preset(row) { r.value(row, preset) } else { r.noted(row) };
-    let passage = match chosen? {
+    Some(match chosen? {
         0 => Passage::FlowArea(number(rows.flow_area)),
         1 => Passage::Iso6358 {
             sonic_conductance: number(rows.sonic_conductance),
@@ -69,15 +76,10 @@ pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) 
         way => {
             let coefficient = number(if way == 2 { rows.kv } else { rows.cv });
             let pressure_drop_ratio = r.value(rows.pressure_drop_ratio, preset);
-            return Some(match way {
+            match way {
                 2 => Passage::Kv { kv: coefficient, pressure_drop_ratio },
                 _ => Passage::Cv { cv: coefficient, pressure_drop_ratio },
-            });
+            }
         }
-    };
-    if let Some(place) = r.key_place(rows.pressure_drop_ratio.key) {
-        let title = format!("`{}` goes with `kv` or `cv`, and the passage is stated otherwise", rows.pressure_drop_ratio.key);
-        r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
-    }
-    Some(passage)
+    })
 }

@@ -30,8 +30,8 @@ pub use flow::{FlowLaw, FlowStandard, FlowZone, REFERENCE_DENSITY};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Regulated, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
-pub use spool::{Spool, SpoolMotion};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
+pub use spool::{Spool, SpoolMotion};
 
 use crate::air::{Air, Chamber, Flow};
 use crate::convert::Convert;
