@@ -62,8 +62,7 @@ pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) 
         alternative(r, &groups.each_ref().map(Vec::as_slice)).or_else(|| ways.iter().position(|way| whole(way)));
     let by_water = matches!(chosen, Some(2 | 3));
     if let Some(place) = r.key_place(rows.pressure_drop_ratio.key).filter(|_| !by_water) {
-        let title =
-            format!("`{}` goes with `kv` or `cv`", rows.pressure_drop_ratio.key);
+        let title = format!("`{}` goes with `kv` or `cv`", rows.pressure_drop_ratio.key);
         r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
     }
     let mut number = |row| if by_preset(row) { r.value(row, preset) } else { r.noted(row) };
