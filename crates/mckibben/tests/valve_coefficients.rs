@@ -94,7 +94,7 @@ fn c_from_cv_is_within_a_quarter_of_what_a_catalogue_states() {
     let stated = [(1.1, 0.29), (2.8, 0.90), (4.5, 1.4), (10.0, 2.5)];
     let ratios =
         stated.map(|(c, cv)| sonic_conductance(&law(FlowStandard::Cv { cv, pressure_drop_ratio: 0.7 }, &air)) / c);
-    // What the module's page tells the reader: 2 to 25 %.
+    // What `docs/valves.md` tells the reader.
     for (ratio, told) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.98]) {
         assert_within(ratio, told, 0.006);
     }

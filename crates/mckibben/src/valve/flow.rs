@@ -28,7 +28,7 @@
 //! | Y | expansion factor, ⅔ when choked | – |
 //!
 //! Kv and Cv say nothing of where the flow chokes; x_T does, and few data sheets of small valves give it. With the usual 0.7
-//! the sonic conductance that SMC states for its SY3000 to SY9000 beside their Cv is met within 2 to 25 % (`docs/valves.md`):
+//! the sonic conductance that SMC states for its SY3000 to SY9000 beside their Cv is met within 25 % (`docs/valves.md`):
 //! prefer C and b where they are known. The piping around the valve and laminar flow through it are left out, `F_P = F_R = 1`.
 //!
 //! All forms of ψ are `√(1−r)·g(r)` with g analytic on `[r_c, 1]`, so g is a polynomial fitted when the law is made:
