@@ -255,6 +255,11 @@ pub static SECTIONS: &[Section] = &[
     section("air", "The gas in the actuator and around it.", false),
     section("supply", "The air that the valve joins the actuator to.", false),
     section("valve", "The valve; without it the actuator is sealed.", false),
+    section(
+        "valve.exhaust",
+        "The valve's passage to the surroundings, where it differs from the one to the supply.",
+        false,
+    ),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
@@ -392,6 +397,9 @@ pub static KEYS: &[Key] = &[
     quantity(&p::FLOW_AREA, "\"1.8e-5 ft^2\""),
     quantity(&p::SONIC_CONDUCTANCE, "\"20 L/(min*bar) ANR\""),
     quantity(&p::CRITICAL_RATIO, "0.3"),
+    quantity(&p::KV, "\"0.05 m^3/h\""),
+    quantity(&p::CV, "0.06"),
+    quantity(&p::PRESSURE_DROP_RATIO, "0.7"),
     quantity(&p::EFFICIENCY, "0.85"),
     quantity(&p::OPENING_DELAY, "\"4 ms\""),
     quantity(&p::CLOSING_DELAY, "\"1 ms\""),
@@ -403,13 +411,19 @@ pub static KEYS: &[Key] = &[
         "\"actuator\"",
     )
     .or("actuator"),
+    quantity(&p::EXHAUST_FLOW_AREA, "\"1.8e-5 ft^2\""),
+    quantity(&p::EXHAUST_SONIC_CONDUCTANCE, "\"25 L/(min*bar) ANR\""),
+    quantity(&p::EXHAUST_CRITICAL_RATIO, "0.3"),
+    quantity(&p::EXHAUST_KV, "\"0.06 m^3/h\""),
+    quantity(&p::EXHAUST_CV, "0.07"),
+    quantity(&p::EXHAUST_PRESSURE_DROP_RATIO, "0.7"),
     choice(COMMAND, CommandKind::CHOICES, "What makes the valve's command.", "\"pwm\"").required(),
     quantity(&p::PWM_FREQUENCY, "\"25 Hz\"").required().when(COMMAND, &["pwm"]),
     quantity(&p::DUTY, "0.5").required().when(COMMAND, &["pwm"]),
     choice(
         "command.pulse",
         CommandState::CHOICES,
-        "State during the pulse, with a fill-hold-exhaust valve.",
+        "State during the pulse, with a valve that has a third position.",
         "\"fill\"",
     )
     .or("fill")
@@ -417,7 +431,7 @@ pub static KEYS: &[Key] = &[
     choice(
         "command.rest",
         CommandState::CHOICES,
-        "State between pulses, with a fill-hold-exhaust valve.",
+        "State between pulses, with a valve that has a third position.",
         "\"exhaust\"",
     )
     .or("exhaust")

@@ -89,7 +89,8 @@ impl Document {
             return Err(failed(Error::Unsupported { what, remedy }));
         }
         let agonist = scenario.driven().map_err(failed)?;
-        let antagonist = second.driven().map_err(|error| self.antagonist().diagnose(&error))?;
+        let output = opposite_output(&scenario, &second).map_err(failed)?;
+        let antagonist = second.driven_by(output).map_err(|error| self.antagonist().diagnose(&error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
         let starts = [scenario.initial, second.initial];
         let initial = JointInitial {
@@ -118,6 +119,23 @@ fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
         }
         None => Ok(friction),
     }
+}
+
+/// The output of the second actuator's valve that drives it: B where both hang on one five-way valve.
+fn opposite_output(first: &Scenario, second: &Scenario) -> Result<usize, Error> {
+    let two = |scenario: &Scenario| scenario.valve.is_some_and(|valve| valve.kind.has_two_outputs());
+    if !(two(first) && two(second)) {
+        return Ok(0);
+    }
+    let kind = |scenario: &Scenario| scenario.valve.map(|valve| valve.kind);
+    if kind(first) != kind(second) || first.command != second.command {
+        return Err(Error::Unsupported {
+            what: "one five-way valve drives both actuators of a joint, and the antagonist is given another of its own",
+            remedy: "remove the kind from [antagonist.valve] and the section [antagonist.command], or give the antagonist a \
+                     valve of another kind",
+        });
+    }
+    Ok(1)
 }
 
 fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
@@ -170,17 +188,17 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::experiment`].
     pub fn driven(&self) -> Result<Driven, Error> {
+        self.driven_by(0)
+    }
+
+    /// The same by one output of the valve, 0 or 1: only a five-way valve has the second.
+    fn driven_by(&self, output: usize) -> Result<Driven, Error> {
         let air = self.core_air()?;
         let mut actuator = self.core_actuator(air)?;
         let mut actuation = None;
         if let (Some(valve), Some(supply), Some(command)) = (&self.valve, &self.supply, &self.command) {
             actuator = actuator.with_valve(core_valve(valve, supply, &air)?);
-            let kind = match valve.kind {
-                ValveKind::ThreeWay => valve::ValveKind::ThreeWay,
-                ValveKind::FillHoldExhaust => valve::ValveKind::FillHoldExhaust,
-            };
-            let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
-            actuation = Some(Actuation { solenoid, command: core_command(command)? });
+            actuation = Some(core_actuation(valve, command, output)?);
         }
         Ok(Driven { actuator, actuation })
     }
@@ -289,20 +307,53 @@ impl Scenario {
     }
 }
 
-fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
-    let standard = match valve.passage {
-        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
-            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
-        }
+/// What drives one output of a valve.
+fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
+    let command = core_command(command)?;
+    let (opening, closing) = (valve.opening_delay, valve.closing_delay);
+    let one = |kind| valve::Solenoid::new(kind, opening, closing);
+    let five_way = |rest| {
+        let [a, b] = valve::FiveWay::new(rest, opening, closing)?.outputs(&command)?;
+        let valve::FiveWayOutput { solenoid, command } = if output == 0 { a } else { b };
+        Ok(Actuation { solenoid, command })
     };
-    let law = valve::FlowLaw::new(standard, valve.efficiency, valve.laminar_ratio, air)?;
+    let solenoid = match valve.kind {
+        ValveKind::TwoWay => one(valve::ValveKind::TwoWay)?,
+        ValveKind::ThreeWay => one(valve::ValveKind::ThreeWay)?,
+        ValveKind::ThreeWayNormallyOpen => one(valve::ValveKind::ThreeWayNormallyOpen)?,
+        ValveKind::FillHoldExhaust => one(valve::ValveKind::FillHoldExhaust)?,
+        ValveKind::FiveWay => return five_way(valve::FiveWayRest::Returned),
+        ValveKind::FiveWayClosed => return five_way(valve::FiveWayRest::Closed),
+        ValveKind::FiveWayExhausted => return five_way(valve::FiveWayRest::Exhausted),
+        ValveKind::FiveWayPressurised => return five_way(valve::FiveWayRest::Pressurised),
+    };
+    Ok(Actuation { solenoid, command })
+}
+
+fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
+    let law = |port, passage| {
+        valve::FlowLaw::of_passage(port, flow_standard(passage), valve.efficiency, valve.laminar_ratio, air)
+    };
+    let inlet = law(valve::Port::Supply, valve.passage)?;
+    let outlet = valve.exhaust.map(|passage| law(valve::Port::Exhaust, passage)).transpose()?;
     let supply = valve::Supply::new(GaugePressure(supply.gauge_pressure), supply.temperature, air)?;
     let exhaust_temperature = match valve.exhaust_temperature {
         ExhaustTemperature::Actuator => valve::ExhaustTemperature::Actuator,
         ExhaustTemperature::Ambient => valve::ExhaustTemperature::Ambient,
     };
-    Ok(valve::Valve::new(law, supply, exhaust_temperature, air))
+    let built = valve::Valve::new(inlet, supply, exhaust_temperature, air);
+    Ok(outlet.map_or(built, |outlet| built.with_exhaust(outlet)))
+}
+
+fn flow_standard(passage: Passage) -> valve::FlowStandard {
+    match passage {
+        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
+        }
+        Passage::Kv { kv, pressure_drop_ratio } => valve::FlowStandard::Kv { kv, pressure_drop_ratio },
+        Passage::Cv { cv, pressure_drop_ratio } => valve::FlowStandard::Cv { cv, pressure_drop_ratio },
+    }
 }
 
 fn core_command(command: &Command) -> Result<valve::Command, Error> {

@@ -215,6 +215,8 @@ pub struct Valve {
     pub kind: ValveKind,
     /// How much it lets through.
     pub passage: Passage,
+    /// How much the passage to the surroundings lets through, where it differs.
+    pub exhaust: Option<Passage>,
     /// Factor η on the calculated mass flow.
     pub efficiency: f64,
     /// Time t_open in s from energising the coil to the seat's motion.
@@ -227,7 +229,7 @@ pub struct Valve {
     pub exhaust_temperature: ExhaustTemperature,
 }
 
-/// The two standard ways to state how much a valve lets through.
+/// The usual ways to state how much a valve lets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// Effective area A_p C_q in m².
@@ -238,6 +240,20 @@ pub enum Passage {
         sonic_conductance: f64,
         /// Critical back-pressure ratio b.
         critical_ratio: f64,
+    },
+    /// IEC 60534-2-1, by Kv.
+    Kv {
+        /// Flow of water Kv in m³/s at a pressure drop of 1 bar.
+        kv: f64,
+        /// Pressure drop ratio x_T at which air chokes.
+        pressure_drop_ratio: f64,
+    },
+    /// IEC 60534-2-1, by Cv.
+    Cv {
+        /// Flow of water Cv in US gallons per minute at a pressure drop of 1 psi.
+        cv: f64,
+        /// Pressure drop ratio x_T at which air chokes.
+        pressure_drop_ratio: f64,
     },
 }
 

@@ -6,6 +6,7 @@
 use crate::choice::{BladderForm, CommandKind, ForceLaw, HysteresisLaw, LoadKind, ProcessKind};
 use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
+use crate::read::passage;
 use crate::scenario::{
     Actuator, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load, Motion, Passage,
     Process, Pulley, Scenario,
@@ -203,22 +204,37 @@ fn pulley(w: &mut Writer, pulley: &Pulley) {
 fn valve(w: &mut Writer, scenario: &Scenario) {
     let Some(valve) = &scenario.valve else { return };
     w.word("valve.kind", valve.kind.name());
-    match valve.passage {
-        Passage::FlowArea(area) => w.number(&p::FLOW_AREA, area),
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
-            w.number(&p::SONIC_CONDUCTANCE, sonic_conductance);
-            w.number(&p::CRITICAL_RATIO, critical_ratio);
-        }
-    }
+    passage(w, &passage::SUPPLY, valve.passage);
     w.number(&p::EFFICIENCY, valve.efficiency);
     w.number(&p::OPENING_DELAY, valve.opening_delay);
     w.number(&p::CLOSING_DELAY, valve.closing_delay);
     w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);
     w.word("valve.exhaust_temperature", valve.exhaust_temperature.name());
+    if let Some(exhaust) = valve.exhaust {
+        passage(w, &passage::EXHAUST, exhaust);
+    }
+}
+
+fn passage(w: &mut Writer, rows: &passage::Rows, passage: Passage) {
+    match passage {
+        Passage::FlowArea(area) => w.number(rows.flow_area, area),
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            w.number(rows.sonic_conductance, sonic_conductance);
+            w.number(rows.critical_ratio, critical_ratio);
+        }
+        Passage::Kv { kv, pressure_drop_ratio } => {
+            w.number(rows.kv, kv);
+            w.number(rows.pressure_drop_ratio, pressure_drop_ratio);
+        }
+        Passage::Cv { cv, pressure_drop_ratio } => {
+            w.number(rows.cv, cv);
+            w.number(rows.pressure_drop_ratio, pressure_drop_ratio);
+        }
+    }
 }
 
 fn command(w: &mut Writer, scenario: &Scenario) {
-    let three_way = scenario.valve.is_some_and(|valve| valve.kind == crate::ValveKind::ThreeWay);
+    let chooses = scenario.valve.is_some_and(|valve| valve.kind.has_three_positions());
     match &scenario.command {
         None => {}
         Some(Command::Constant(state)) => w.word("command.kind", state.name()),
@@ -226,7 +242,7 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             w.word("command.kind", CommandKind::Pwm.name());
             w.number(&p::PWM_FREQUENCY, *frequency);
             w.number(&p::DUTY, *duty);
-            if !three_way {
+            if chooses {
                 w.word("command.pulse", pulse.name());
                 w.word("command.rest", rest.name());
             }

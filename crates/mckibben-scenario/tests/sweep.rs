@@ -165,6 +165,21 @@ fn surroundings(path: &str) -> String {
         let iso = "kind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5";
         base = base.replace("preset = \"matrix-eight-channel\"", iso);
     }
+    let stated = match path {
+        "valve.kv" => "kv = \"1 m^3/h\"",
+        "valve.cv" => "cv = 0.3",
+        "valve.pressure_drop_ratio" => "cv = 0.3\npressure_drop_ratio = 0.6",
+        "valve.exhaust.flow_area" => "cv = 0.3\nexhaust.flow_area = \"1 mm^2\"",
+        "valve.exhaust.sonic_conductance" | "valve.exhaust.critical_ratio" => {
+            "cv = 0.3\nexhaust.sonic_conductance = \"1 L/(s*bar)\"\nexhaust.critical_ratio = 0.5"
+        }
+        "valve.exhaust.kv" => "cv = 0.3\nexhaust.kv = \"1 m^3/h\"",
+        "valve.exhaust.cv" | "valve.exhaust.pressure_drop_ratio" => "cv = 0.3\nexhaust.cv = 0.4",
+        _ => "",
+    };
+    if !stated.is_empty() {
+        base = base.replace("preset = \"matrix-eight-channel\"", &format!("kind = \"three-way\"\n{stated}"));
+    }
     let mass = "kind = \"hanging-mass\"\nmass = \"5 lb\"";
     if path == "load.force" {
         base = base.replace(mass, "kind = \"constant-force\"\nmass = \"1 kg\"\nforce = \"1 N\"");

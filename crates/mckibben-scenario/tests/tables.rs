@@ -100,6 +100,21 @@ fn surroundings(path: &str) -> &'static str {
             "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n\
              [valve]\nkind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5"
         }
+        "valve.kv" | "valve.pressure_drop_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n\
+             [valve]\nkind = \"two-way\"\nkv = \"1 m^3/h\""
+        }
+        "valve.cv" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n[valve]\nkind = \"three-way\"\ncv = 1"
+        }
+        "valve.exhaust.sonic_conductance" | "valve.exhaust.critical_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n[valve]\nkind = \"three-way\"\ncv = 1\n\
+             [valve.exhaust]\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5"
+        }
+        "valve.exhaust.pressure_drop_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n[valve]\nkind = \"three-way\"\ncv = 1\n\
+             [valve.exhaust]\ncv = 2"
+        }
         "sweep.rows" | "sweep.seed" => "[sweep]\ndesign = \"random\"\nrows = 2",
         "sweep.design" => "[sweep]\nrows = 2",
         "sweep.sample_times" => "[sweep]\nrecord = \"samples\"",

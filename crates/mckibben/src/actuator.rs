@@ -24,7 +24,7 @@ use crate::friction::{Friction, Memory, Pressing, Rubbing, Touch};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::{Beyond, Port, Ports, Valve};
+use crate::valve::{Ports, Valve};
 
 /// One braided pneumatic actuator with its air and, if it has one, its valve.
 ///
@@ -310,11 +310,7 @@ impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
         let Some(valve) = &self.valve else { return Flow::none() };
-        // One evaluation serves whichever passage is open; a second one only while two seats overlap.
-        let one = Beyond::select(supply, valve.beyond(Port::Supply), valve.beyond(Port::Exhaust));
-        let flow = valve.flow_from(one, chamber).where_open(supply | exhaust);
-        let both = supply & exhaust;
-        if both.any() { flow.and(valve.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
+        valve.open_flow(chamber, supply, exhaust)
     }
 
     /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at

@@ -238,6 +238,33 @@ parameters! {
     CRITICAL_RATIO = "valve.critical_ratio", "b", "", Range { low: 0.0, low_included: true, high: 1.0, high_included: false }, None,
         "Critical back-pressure ratio below which the flow is choked.",
         "ISO 6358-1", "give a ratio such as 0.3";
+    KV = "valve.kv", "Kv", "m^3/s", Range::POSITIVE, None,
+        "Flow coefficient Kv: the flow of water at a pressure drop of 1 bar.",
+        "IEC 60534-2-1", "give a flow of water with its unit, such as 0.05 m^3/h or 0.8 L/min";
+    CV = "valve.cv", "Cv", "", Range::POSITIVE, None,
+        "Flow coefficient Cv: the flow of water in US gallons per minute at a pressure drop of 1 psi.",
+        "ISA-75.01", "give the number of the data sheet, such as 0.05";
+    PRESSURE_DROP_RATIO = "valve.pressure_drop_ratio", "x_T", "", Range::open(0.0, 1.0), Some(0.7),
+        "Pressure drop over upstream pressure at which air chokes in a valve stated by Kv or Cv.",
+        "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
+    EXHAUST_FLOW_AREA = "valve.exhaust.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
+        "Effective area of the passage to the surroundings, where it differs.",
+        "paper, section 3.2", "give an area such as 1.8e-5 ft^2";
+    EXHAUST_SONIC_CONDUCTANCE = "valve.exhaust.sonic_conductance", "C", "m^3/(s*Pa)", Range::POSITIVE, None,
+        "Sonic conductance of the passage to the surroundings, where it differs.",
+        "ISO 6358-1", "give a conductance such as 0.5 L/(s*bar)";
+    EXHAUST_CRITICAL_RATIO = "valve.exhaust.critical_ratio", "b", "", Range { low: 0.0, low_included: true, high: 1.0, high_included: false }, None,
+        "Critical back-pressure ratio of the passage to the surroundings.",
+        "ISO 6358-1", "give a ratio such as 0.3";
+    EXHAUST_KV = "valve.exhaust.kv", "Kv", "m^3/s", Range::POSITIVE, None,
+        "Flow coefficient Kv of the passage to the surroundings, where it differs.",
+        "IEC 60534-2-1", "give a flow of water with its unit, such as 0.05 m^3/h or 0.8 L/min";
+    EXHAUST_CV = "valve.exhaust.cv", "Cv", "", Range::POSITIVE, None,
+        "Flow coefficient Cv of the passage to the surroundings, where it differs.",
+        "ISA-75.01", "give the number of the data sheet, such as 0.05";
+    EXHAUST_PRESSURE_DROP_RATIO = "valve.exhaust.pressure_drop_ratio", "x_T", "", Range::open(0.0, 1.0), Some(0.7),
+        "Pressure drop over upstream pressure at which air chokes in the passage to the surroundings.",
+        "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
     EFFICIENCY = "valve.efficiency", "eta", "", Range::POSITIVE, Some(1.0),
         "Factor on the calculated mass flow.",
         "paper, section 3.3: 0.85", "give a factor such as 0.85";
@@ -254,7 +281,7 @@ parameters! {
         "Frequency of the pulse-width modulation.",
         "paper, section 3.3: 25 and 50 Hz", "give a frequency such as 25 Hz";
     DUTY = "command.duty", "d", "", Range::FRACTION, None,
-        "Commanded duty cycle, the share of each period in which the coil is energised.",
+        "Commanded duty cycle, the share of each period that the pulse lasts; of a three-way valve, in which it is to fill.",
         "paper, section 3.3: 0.5", "give a number from 0 to 1";
     COMMAND_TIME = "command.time", "t", "s", Range::NON_NEGATIVE, None,
         "Times at which a table command changes, strictly rising.",
@@ -423,4 +450,36 @@ parameters! {
     CONTROL_TEMPERATURE = "controller.temperature", "T", "K", Range::POSITIVE, Some(293.15),
         "Temperature of the air that the controller reckons with.",
         "choice of the experiment", "give an absolute temperature above zero, such as 20 degC";
+}
+
+parameters! {
+    /// Rows of laws that no key of a scenario file selects yet.
+    LAWS:
+    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from shut to open once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from open to shut once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
+        "Undamped natural frequency of the spool with its drive.",
+        "manufacturer's data sheet", "give a frequency such as 100 Hz";
+    SPOOL_DAMPING_RATIO = "valve.spool.damping_ratio", "zeta", "", Range::POSITIVE, None,
+        "Damping ratio of the spool with its drive.",
+        "manufacturer's data sheet", "give a ratio such as 0.7";
+    SUPPLY_OVERLAP = "valve.spool.supply_overlap", "o_s", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the supply's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    REGULATOR_TIME_CONSTANT = "valve.regulator.time_constant", "tau", "s", Range::POSITIVE, None,
+        "Time constant with which the regulated pressure follows the setpoint.",
+        "manufacturer's data sheet", "give a time above zero, such as 30 ms";
+    REGULATOR_DEAD_TIME = "valve.regulator.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time from a change of the setpoint to the first answer of the regulated pressure.",
+        "manufacturer's data sheet", "give zero or more";
+    REGULATOR_RATE_LIMIT = "valve.regulator.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
+        "Largest rate of the regulated pressure.",
+        "manufacturer's data sheet", "give a rate above zero, such as 20 bar/s";
 }

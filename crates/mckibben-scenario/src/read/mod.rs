@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `body` | actuator, air |
 //! | `drive` | supply, valve, command |
+//! | `passage` | how much the valve's passages let through |
 //! | `course` | load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
 //!
@@ -17,6 +18,7 @@ mod course;
 mod drive;
 mod friction;
 mod joint;
+pub(crate) mod passage;
 
 pub(crate) use body::GEOMETRY;
 

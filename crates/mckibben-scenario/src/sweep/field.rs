@@ -69,18 +69,18 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::HEAT_CAPACITY_RATIO, |s| Some(&mut s.air.heat_capacity_ratio)),
     (&p::SUPPLY_GAUGE_PRESSURE, |s| Some(&mut s.supply.as_mut()?.gauge_pressure)),
     (&p::SUPPLY_TEMPERATURE, |s| Some(&mut s.supply.as_mut()?.temperature)),
-    (&p::FLOW_AREA, |s| match &mut s.valve.as_mut()?.passage {
-        Passage::FlowArea(area) => Some(area),
-        Passage::Iso6358 { .. } => None,
-    }),
-    (&p::SONIC_CONDUCTANCE, |s| match &mut s.valve.as_mut()?.passage {
-        Passage::Iso6358 { sonic_conductance, .. } => Some(sonic_conductance),
-        Passage::FlowArea(_) => None,
-    }),
-    (&p::CRITICAL_RATIO, |s| match &mut s.valve.as_mut()?.passage {
-        Passage::Iso6358 { critical_ratio, .. } => Some(critical_ratio),
-        Passage::FlowArea(_) => None,
-    }),
+    (&p::FLOW_AREA, |s| flow_area(supply(s)?)),
+    (&p::SONIC_CONDUCTANCE, |s| sonic_conductance(supply(s)?)),
+    (&p::CRITICAL_RATIO, |s| critical_ratio(supply(s)?)),
+    (&p::KV, |s| kv(supply(s)?)),
+    (&p::CV, |s| cv(supply(s)?)),
+    (&p::PRESSURE_DROP_RATIO, |s| pressure_drop_ratio(supply(s)?)),
+    (&p::EXHAUST_FLOW_AREA, |s| flow_area(exhaust(s)?)),
+    (&p::EXHAUST_SONIC_CONDUCTANCE, |s| sonic_conductance(exhaust(s)?)),
+    (&p::EXHAUST_CRITICAL_RATIO, |s| critical_ratio(exhaust(s)?)),
+    (&p::EXHAUST_KV, |s| kv(exhaust(s)?)),
+    (&p::EXHAUST_CV, |s| cv(exhaust(s)?)),
+    (&p::EXHAUST_PRESSURE_DROP_RATIO, |s| pressure_drop_ratio(exhaust(s)?)),
     (&p::EFFICIENCY, |s| Some(&mut s.valve.as_mut()?.efficiency)),
     (&p::OPENING_DELAY, |s| Some(&mut s.valve.as_mut()?.opening_delay)),
     (&p::CLOSING_DELAY, |s| Some(&mut s.valve.as_mut()?.closing_delay)),
@@ -140,6 +140,41 @@ fn tondu_lopez(scenario: &mut Scenario) -> Option<&mut TonduLopezCoefficients> {
     match &mut scenario.actuator.force {
         Force::TonduLopez { coefficients, .. } => coefficients.as_mut(),
         _ => None,
+    }
+}
+
+fn supply(scenario: &mut Scenario) -> Option<&mut Passage> {
+    Some(&mut scenario.valve.as_mut()?.passage)
+}
+
+fn exhaust(scenario: &mut Scenario) -> Option<&mut Passage> {
+    scenario.valve.as_mut()?.exhaust.as_mut()
+}
+
+fn flow_area(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::FlowArea(area) = passage { Some(area) } else { None }
+}
+
+fn sonic_conductance(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Iso6358 { sonic_conductance, .. } = passage { Some(sonic_conductance) } else { None }
+}
+
+fn critical_ratio(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Iso6358 { critical_ratio, .. } = passage { Some(critical_ratio) } else { None }
+}
+
+fn kv(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Kv { kv, .. } = passage { Some(kv) } else { None }
+}
+
+fn cv(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Cv { cv, .. } = passage { Some(cv) } else { None }
+}
+
+fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
+    match passage {
+        Passage::Kv { pressure_drop_ratio, .. } | Passage::Cv { pressure_drop_ratio, .. } => Some(pressure_drop_ratio),
+        Passage::FlowArea(_) | Passage::Iso6358 { .. } => None,
     }
 }
 

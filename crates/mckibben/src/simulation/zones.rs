@@ -34,7 +34,7 @@ impl<R: Real> Member<'_, R> {
         let zone = |port| {
             let valve = self.actuator.valve()?;
             let beyond = valve.port_pressure(port);
-            let below_end = |zone: &FlowZone| match valve.law.bounds(*zone, beyond).1 {
+            let below_end = |zone: &FlowZone| match valve.law_of(port).bounds(*zone, beyond).1 {
                 Some(end) => pressure.value() <= end.value(),
                 None => true,
             };
@@ -55,7 +55,7 @@ impl<R: Real> Member<'_, R> {
     /// The bound of a zone in Pa on one side, passed by the band.
     pub(super) fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
         let valve = self.actuator.valve()?;
-        let (low, high) = valve.law.bounds(zone, valve.port_pressure(port));
+        let (low, high) = valve.law_of(port).bounds(zone, valve.port_pressure(port));
         // A subsonic piece ends before the pressures are equal, where its root would.
         let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);

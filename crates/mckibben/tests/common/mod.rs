@@ -7,7 +7,7 @@ use mckibben::friction::{Coulomb, Friction, Hysteresis};
 use mckibben::load::Load;
 use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, Trajectory, simulate};
 use mckibben::valve::{
-    Command, ExhaustTemperature, FlowLaw, FlowStandard, Request, Solenoid, Supply, Valve, ValveKind,
+    Command, ExhaustTemperature, FlowLaw, FlowStandard, Port, Request, Solenoid, Supply, Valve, ValveKind,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure};
 
@@ -49,6 +49,7 @@ pub(crate) struct Paper {
     pub(crate) supply_gauge: f64,
     pub(crate) supply_temperature: f64,
     pub(crate) standard: FlowStandard,
+    pub(crate) exhaust: Option<FlowStandard>,
     pub(crate) efficiency: f64,
     pub(crate) laminar_ratio: f64,
     pub(crate) exhaust_temperature: ExhaustTemperature,
@@ -85,6 +86,7 @@ impl Paper {
             supply_gauge: 100.0 * PSI,
             supply_temperature: ROOM,
             standard: FlowStandard::Orifice { flow_area: 1.8e-5 * 0.3048 * 0.3048 },
+            exhaust: None,
             efficiency: 0.85,
             laminar_ratio: 0.999,
             exhaust_temperature: ExhaustTemperature::Actuator,
@@ -161,7 +163,9 @@ impl Paper {
     pub(crate) fn valve(&self) -> Valve {
         let air = self.air();
         let supply = Supply::new(GaugePressure(self.supply_gauge), self.supply_temperature, &air).expect("a supply");
-        Valve::new(self.flow_law(), supply, self.exhaust_temperature, &air)
+        let valve = Valve::new(self.flow_law(), supply, self.exhaust_temperature, &air);
+        let own = |standard| FlowLaw::of_passage(Port::Exhaust, standard, self.efficiency, self.laminar_ratio, &air);
+        self.exhaust.map_or(valve, |standard| valve.with_exhaust(own(standard).expect("a flow law")))
     }
 
     /// The actuator, with its valve when there is a command.
