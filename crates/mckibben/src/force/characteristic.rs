@@ -25,6 +25,7 @@ use super::{Bladder, IdealBraid, Sarosi, StaticForce, Statics, TonduLopez, Wall}
 use crate::braid::Braid;
 use crate::convert::Convert;
 use crate::error::Error;
+use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Scalar};
 
@@ -134,6 +135,14 @@ impl<S: Scalar> Characteristic<S> {
     /// The bladder, if it counts.
     pub fn bladder(&self) -> Option<&Bladder<S>> {
         self.beyond.as_ref().and_then(|beyond| beyond.bladder.as_ref())
+    }
+
+    /// What the end length is, by the key of the parameter where there is one.
+    pub(crate) fn end_name(&self) -> &'static str {
+        match self.wall() {
+            None => parameter::THREAD_LENGTH.key,
+            Some(_) => "the length at which the wall closes the bore",
+        }
     }
 
     /// The ideal braid, if there is nothing else.

@@ -173,10 +173,7 @@ impl Rig {
                     value: length,
                     requirement: Requirement {
                         relation: "must be less than",
-                        other: match law.wall() {
-                            None => parameter::THREAD_LENGTH.key,
-                            Some(_) => "the length at which the wall closes the bore",
-                        },
+                        other: law.end_name(),
                         value: end_length,
                         unit: "m",
                     },
