@@ -29,6 +29,7 @@
 //! | [`valve`] | flow law, solenoid, commands |
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
+//! | [`control`] | controllers that sample the state at a stated rate |
 //! | [`simulation`] | two ways through time |
 //! | [`linearize`] | the rig near an operating point, and the valve under PWM on average |
 //! | [`ring_down`] | damping from the peaks of a ring-down |
@@ -47,6 +48,7 @@ extern crate std;
 pub mod air;
 #[cfg(feature = "batch")]
 pub mod batch;
+pub mod control;
 pub mod force;
 pub mod friction;
 #[cfg(feature = "alloc")]
