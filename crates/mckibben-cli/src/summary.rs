@@ -224,8 +224,7 @@ pub(crate) fn assumptions(assumed: &[Assumed]) -> String {
         assumed.iter().map(|value| format!("{} = {}", value.parameter.key, value.text).replace(' ', KEPT)).collect();
     let mut presets: Vec<&str> = assumed.iter().filter_map(|value| value.preset).collect();
     presets.dedup();
-    let commands: Vec<String> =
-        presets.iter().map(|preset| format!("`mckibben{KEPT}presets{KEPT}{preset}`")).collect();
+    let commands: Vec<String> = presets.iter().map(|preset| format!("`mckibben{KEPT}presets{KEPT}{preset}`")).collect();
     let from = if commands.is_empty() { String::new() } else { format!("; see {}", commands.join(" and ")) };
     let note = wrap(&format!("{}{from}.", named.join(", ")), "  ", width()).replace(KEPT, " ");
     format!("\n{}\n{note}\n", styled(NOTABLE, "Assumed, stated by no source and not set in the file"))
