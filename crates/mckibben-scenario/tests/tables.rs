@@ -92,6 +92,9 @@ fn surroundings(path: &str) -> &'static str {
             "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"1 bar\", \"2 bar\"]\n\
              length = [\"7 cm\", \"8 cm\"]\ntension = [\"1 N\", \"2 N\", \"3 N\", \"4 N\"]"
         }
+        _ if path.starts_with("actuator.friction.hysteresis") => {
+            "[actuator.friction.hysteresis]\nreach = [\"0.1 mm\", \"1 mm\"]\nstiffness_ratio = [0.5, 0.1]"
+        }
         _ if path.starts_with("actuator.bladder.s") => {
             "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1"
         }
