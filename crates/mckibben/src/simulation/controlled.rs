@@ -76,7 +76,7 @@ pub struct ControlledStepper<'c, R: Real<Time = R>, C: Controller<R>> {
     method: Method,
     walk: Walk<R>,
     closed_loop: ClosedLoop<'c, R, C>,
-    decision: Option<Decision<R>>,
+    decisions: Vec<Decision<R>>,
 }
 
 impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
@@ -94,7 +94,7 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
         let (closed_loop, rig) = ClosedLoop::begin(rig, controller, sampling, sensors)?;
         let mut walk = Walk::new(&rig, start.to_array());
         walk.pass(&rig, &rig.timetable());
-        let mut stepper = Self { rig, method, walk, closed_loop, decision: None };
+        let mut stepper = Self { rig, method, walk, closed_loop, decisions: Vec::new() };
         stepper.take_due()?;
         Ok(stepper)
     }
@@ -104,9 +104,9 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
         self.walk.sample(&self.rig)
     }
 
-    /// The last decision.
-    pub fn decision(&self) -> Option<&Decision<R>> {
-        self.decision.as_ref()
+    /// What has been decided, in order of time.
+    pub fn decisions(&self) -> &[Decision<R>] {
+        &self.decisions
     }
 
     /// The rig; its command is the table of all that the controller has asked for.
@@ -135,7 +135,7 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
     fn take_due(&mut self) -> Result<(), Error> {
         if is_due(self.closed_loop.next(), self.walk.course.time) {
             let truth = self.sample();
-            self.decision = Some(self.closed_loop.sample(&truth, &mut self.rig)?);
+            self.decisions.push(self.closed_loop.sample(&truth, &mut self.rig)?);
             self.walk.pass(&self.rig, &self.rig.timetable());
         }
         Ok(())
