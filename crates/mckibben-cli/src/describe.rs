@@ -45,6 +45,7 @@ pub fn drive(scenario: &Scenario) -> String {
         }
         Command::Constant(state) => format!("{} all the time", state.name()),
         Command::Table { time, .. } => format!("table of {} commands", time.len()),
+        Command::Controller(of) => format!("controller at {}", given(of.rate, "Hz")),
     };
     let supply = given(supply.gauge_pressure, "Pa");
     format!("{} valve, {command}, supply at {supply} gauge", valve.kind.name())

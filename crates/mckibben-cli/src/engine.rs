@@ -29,6 +29,8 @@ pub enum Outcome<'e> {
         chosen: Option<StepError>,
         /// How many steps that takes.
         steps: u64,
+        /// Times in s at which steps are divided besides: the sampling instants of a controller.
+        divisions: Vec<f64>,
     },
 }
 
@@ -54,21 +56,33 @@ pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Re
                 let _progress = Progress::begin("choosing the step", None);
                 experiment.step()?
             };
-            let progress = Progress::begin("simulating", Some(rows(run)));
-            let mut steps = 0;
-            let mut row = 0;
-            step_through(experiment, step, &mut |sample, recorded| {
-                watch(sample);
-                steps += 1;
-                row += u64::from(recorded);
-                if recorded {
-                    progress.at(row);
-                }
-                Ok(())
-            })?;
-            Ok(Outcome::Stepped { experiment, step, chosen, steps: steps - 1 })
+            run_steps(experiment, (step, chosen), Vec::new(), watch)
         }
     }
+}
+
+/// Runs an experiment by the fixed-step engine with steps of at most `step` s that are divided at `divisions` (s, rising).
+///
+/// # Errors
+/// As [`run`].
+pub fn run_steps<'e>(
+    experiment: &'e Experiment,
+    (step, chosen): (f64, Option<StepError>),
+    divisions: Vec<f64>,
+    watch: &mut dyn FnMut(&Sample),
+) -> Result<Outcome<'e>, Error> {
+    let progress = Progress::begin("simulating", Some(rows(&experiment.run)));
+    let (mut steps, mut row) = (0, 0);
+    step_through(experiment, step, &divisions, &mut |sample, recorded| {
+        watch(sample);
+        steps += 1;
+        row += u64::from(recorded);
+        if recorded {
+            progress.at(row);
+        }
+        Ok::<_, Error>(())
+    })?;
+    Ok(Outcome::Stepped { experiment, step, chosen, steps: steps - 1, divisions })
 }
 
 impl Outcome<'_> {
@@ -83,8 +97,10 @@ impl Outcome<'_> {
     ) -> Result<(), F> {
         match self {
             Self::Located(trajectory) => trajectory.samples(interval).try_for_each(|sample| each(&sample)),
-            Self::Stepped { experiment, step, .. } => {
-                step_through(experiment, *step, &mut |sample, recorded| if recorded { each(sample) } else { Ok(()) })
+            Self::Stepped { experiment, step, divisions, .. } => {
+                step_through(experiment, *step, divisions, &mut |sample, recorded| {
+                    if recorded { each(sample) } else { Ok(()) }
+                })
             }
         }
     }
@@ -99,12 +115,17 @@ pub fn rows(run: &Run) -> u64 {
 fn step_through<F: From<Error>>(
     experiment: &Experiment,
     step: f64,
+    divisions: &[f64],
     each: &mut dyn FnMut(&Sample, bool) -> Result<(), F>,
 ) -> Result<(), F> {
     let run = &experiment.run;
     let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
     each(&stepper.sample(), true)?;
+    let mut divisions = divisions.iter().peekable();
     for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
+        while let Some(division) = divisions.next_if(|division| **division < time) {
+            stepper.advance_to(*division)?;
+        }
         stepper.advance_to(time)?;
         each(&stepper.sample(), recorded)?;
     }

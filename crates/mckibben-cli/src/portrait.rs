@@ -3,9 +3,10 @@
 use crate::engine::Outcome;
 use crate::events;
 use crate::failure::Failure;
-use crate::plot::{Axis, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
+use crate::plot::{Axis, Dash, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
 use mckibben::Error;
-use mckibben::simulation::{EventKind, Sample};
+use mckibben::control::Quantity;
+use mckibben::simulation::{Decision, EventKind, Sample};
 use mckibben_scenario::Experiment;
 use std::path::Path;
 
@@ -56,8 +57,23 @@ pub fn draw(
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
+    draw_controlled(experiment, outcome, &[], over, title, (path, format))
+}
+
+/// The same with the set point that the decisions of a controller had, as a broken line.
+///
+/// # Errors
+/// As [`draw`].
+pub fn draw_controlled(
+    experiment: &Experiment,
+    outcome: &Outcome<'_>,
+    decisions: &[Decision],
+    over: Over,
+    title: &str,
+    (path, format): (&Path, Format),
+) -> Result<Vec<u8>, Failure> {
     let figure = match over {
-        Over::Time => figure(experiment, outcome, title),
+        Over::Time => figure(experiment, outcome, decisions, title),
         Over::Length => loops(experiment, outcome, title),
     };
     figure.map_err(Failure::from).and_then(|figure| bytes(&figure, (path, format)))
@@ -96,6 +112,7 @@ struct Curves {
     length: Vec<f64>,
     pressure: Vec<f64>,
     tension: Vec<f64>,
+    air_mass: Vec<f64>,
     supply: Bands,
 }
 
@@ -119,7 +136,12 @@ impl Bands {
     }
 }
 
-fn figure(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {
+fn figure(
+    experiment: &Experiment,
+    outcome: &Outcome<'_>,
+    decisions: &[Decision],
+    title: &str,
+) -> Result<Figure, Error> {
     let duration = experiment.run.duration;
     let curves = curves(experiment, outcome)?;
     let limits = experiment.rig.actuator().limits();
@@ -138,19 +160,31 @@ fn figure(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result
     for marks in marks(outcome) {
         length = length.marks(marks);
     }
-    let panels = [
-        (length, curves.length, 1e3),
-        (Panel::new(Axis::new("gauge pressure", unit)), curves.pressure, per_pascal),
-        (Panel::new(Axis::new("tension", "N")), curves.tension, 1.0),
+    let mut panels = vec![
+        (length, curves.length, 1e3, Quantity::Length),
+        (Panel::new(Axis::new("gauge pressure", unit)), curves.pressure, per_pascal, Quantity::Pressure),
+        (Panel::new(Axis::new("tension", "N")), curves.tension, 1.0, Quantity::Force),
     ];
+    let aims: Vec<(f64, Quantity, f64)> = decisions
+        .iter()
+        .filter_map(|decision| decision.aim.map(|(quantity, target)| (decision.seen.time, quantity, target)))
+        .collect();
+    if aims.iter().any(|(_, quantity, _)| *quantity == Quantity::AirMass) {
+        panels.push((Panel::new(Axis::new("mass of air", "mg")), curves.air_mass, 1e6, Quantity::AirMass));
+    }
     let mut figure = Figure::new(Axis::new("time", "s").starting_at(0.0).ending_at(duration)).title(title);
-    for (index, (panel, values, factor)) in panels.into_iter().enumerate() {
+    for (index, (panel, values, factor, shown)) in panels.into_iter().enumerate() {
         let values = values.into_iter().map(|value| value * factor).collect();
         // One entry in a legend names the bands of all panels.
         let name = if index == 0 { "supply open" } else { "" };
         let mut panel = panel.series(Series::line("", curves.time.clone(), values));
         if !curves.supply.intervals.is_empty() {
             panel = panel.span(Span::intervals(name, curves.supply.intervals.clone()));
+        }
+        let (at, wanted): (Vec<f64>, Vec<f64>) =
+            aims.iter().filter(|(_, of, _)| *of == shown).map(|(time, _, target)| (*time, target * factor)).unzip();
+        if !at.is_empty() {
+            panel = panel.series(Series::steps("set point", at, wanted).dash(Dash::Dashed));
         }
         figure = figure.panel(panel);
     }
@@ -173,6 +207,7 @@ fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Erro
         curves.length.push(sample.length);
         curves.pressure.push(sample.pressure.0 - atmosphere);
         curves.tension.push(sample.tension);
+        curves.air_mass.push(sample.air_mass);
     };
     match outcome {
         Outcome::Located(trajectory) => {

@@ -96,6 +96,19 @@ words! {
         Hold = "hold", "Closed all the time; not with a three-way valve.";
         Exhaust = "exhaust", "Joined to the exhaust all the time; not with a two-way valve.";
         Table = "table", "A list of times and what is commanded from each on.";
+        Controllers = "controllers", "What the controller decides, `[controller]`.";
+    }
+    /// The law of a controller.
+    ControllerKind {
+        BangBang = "bang-bang", "Fill or exhaust outside a dead band about the set point.";
+        Pid = "pid", "Pulses whose duty cycle is proportional, integral and derivative action on the error.";
+        FeedForward = "feed-forward", "Regulates the pressure that the static model needs for a force at a length.";
+        AirMass = "air-mass", "Regulates the mass of air that the static model needs for a force at a length.";
+    }
+    /// What lies between the rows of a set point given as a table.
+    SetPointTable {
+        Steps = "steps", "Each value from its time on.";
+        Lines = "lines", "Straight lines.";
     }
     /// What the actuator pulls on.
     LoadKind {

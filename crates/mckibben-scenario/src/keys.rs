@@ -8,8 +8,8 @@
 //! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
 
 use crate::choice::{
-    BladderForm, Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, ForceLaw, HysteresisLaw,
-    LoadKind, Method, ProcessKind, RecordKind, ValveKind,
+    BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
+    HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, ValveKind,
 };
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
@@ -28,6 +28,10 @@ pub enum Kind {
     Whole(&'static Parameter),
     /// A unit of the same dimension as this one.
     Unit(&'static str),
+    /// A quantity, or a list of them at the times of a table.
+    Course(&'static Parameter),
+    /// A quantity in the unit of what the controller regulates.
+    Regulated,
     /// One of these words.
     Choice(&'static [Choice]),
     /// A list of these words.
@@ -76,17 +80,21 @@ impl Key {
     /// The row of the parameter table, when the key is a quantity or a list of them.
     pub fn parameter(&self) -> Option<&'static Parameter> {
         match self.kind {
-            Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) | Kind::Whole(row) => Some(row),
-            Kind::Unit(_) | Kind::Choice(_) | Kind::Choices(_) => None,
+            Kind::Quantity(row)
+            | Kind::QuantityOr(row, _)
+            | Kind::Quantities(row)
+            | Kind::Whole(row)
+            | Kind::Course(row) => Some(row),
+            Kind::Regulated | Kind::Unit(_) | Kind::Choice(_) | Kind::Choices(_) => None,
         }
     }
 
     /// Whether a sweep can vary it: it holds one value and describes the scenario, not the sweep, and not a
-    /// joint, which sweeps do not take.
+    /// joint or a controller, which sweeps do not take.
     pub fn varies(&self) -> bool {
         let single = matches!(self.kind, Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::Unit(_) | Kind::Choice(_));
         let of_joint = self.when.is_some_and(|when| when.words == JOINT);
-        single && self.section() != SWEEP && !of_joint
+        single && ![SWEEP, CONTROLLER].contains(&self.section()) && !of_joint
     }
 
     const fn required(self) -> Self {
@@ -238,6 +246,8 @@ pub(crate) fn in_antagonist(path: &str) -> Option<&str> {
     path.strip_prefix(ANTAGONIST)?.strip_prefix('.')
 }
 
+/// The section that describes a controller.
+pub const CONTROLLER: &str = "controller";
 /// The section that describes a sweep.
 pub const SWEEP: &str = "sweep";
 /// The section whose entries are the paths of other keys.
@@ -261,6 +271,7 @@ pub static SECTIONS: &[Section] = &[
         false,
     ),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
+    section(CONTROLLER, "The controller; given exactly when `command.kind` is `controllers`.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
     section(
@@ -289,6 +300,14 @@ const fn list(row: &'static Parameter, example: &'static str) -> Key {
     key(row.key, Kind::Quantities(row), row.meaning, example)
 }
 
+const fn course(row: &'static Parameter, example: &'static str) -> Key {
+    key(row.key, Kind::Course(row), row.meaning, example)
+}
+
+const fn regulated(path: &'static str, meaning: &'static str, example: &'static str) -> Key {
+    key(path, Kind::Regulated, meaning, example)
+}
+
 const fn whole(row: &'static Parameter, example: &'static str) -> Key {
     key(row.key, Kind::Whole(row), row.meaning, example)
 }
@@ -309,6 +328,12 @@ const BLADDER: &str = "actuator.bladder.form";
 const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponential.name()];
 const PROCESS: &str = "air.process";
 const COMMAND: &str = "command.kind";
+const CONTROL: &str = "controller.kind";
+const TRACKING: &[&str] = &[ControllerKind::BangBang.name(), ControllerKind::Pid.name()];
+const BY_MODEL: &[&str] = &[ControllerKind::FeedForward.name(), ControllerKind::AirMass.name()];
+const RELAYS: &[&str] =
+    &[ControllerKind::BangBang.name(), ControllerKind::FeedForward.name(), ControllerKind::AirMass.name()];
+const PIDS: &[&str] = &[ControllerKind::Pid.name(), ControllerKind::FeedForward.name(), ControllerKind::AirMass.name()];
 const LOAD: &str = "load.kind";
 const MOTION: &[&str] = &[LoadKind::PrescribedMotion.name()];
 const JOINT: &[&str] = &[LoadKind::AntagonisticJoint.name()];
@@ -445,6 +470,51 @@ pub static KEYS: &[Key] = &[
     )
     .required()
     .when(COMMAND, &["table"]),
+    choice(CONTROL, ControllerKind::CHOICES, "The law of the controller.", "\"pid\"").required(),
+    course(&p::SET_GAUGE_PRESSURE, "\"3 bar\"").when(CONTROL, TRACKING),
+    course(&p::SET_LENGTH, "\"85 mm\""),
+    course(&p::SET_AIR_MASS, "\"0.05 g\"").when(CONTROL, TRACKING),
+    course(&p::SET_FORCE, "\"20 N\""),
+    regulated("controller.amplitude", "Amplitude of a sinusoidal set point.", "\"0.5 bar\"").when(CONTROL, TRACKING),
+    quantity(&p::SET_FREQUENCY, "\"0.5 Hz\"").when(CONTROL, TRACKING),
+    quantity(&p::SET_PHASE, "\"0 deg\"").when(CONTROL, TRACKING),
+    list(&p::SET_TIME, "[\"0 s\", \"1 s\"]"),
+    choice("controller.table", SetPointTable::CHOICES, "What lies between the rows of a table.", "\"lines\"")
+        .or("steps"),
+    quantity(&p::CONTROL_RATE, "\"200 Hz\"").required(),
+    whole(&p::CONTROL_DELAY, "1"),
+    quantity(&p::PULSE_FREQUENCY, "\"50 Hz\""),
+    regulated(
+        "controller.resolution",
+        "Step between two values that the sensor can show; zero for a perfect sensor.",
+        "\"10 mbar\"",
+    ),
+    regulated(
+        "controller.dead_band",
+        "Error, either way, within which a bang-bang controller asks for nothing.",
+        "\"50 mbar\"",
+    )
+    .when(CONTROL, RELAYS),
+    regulated(
+        "controller.hysteresis",
+        "Part of the dead band that the error must come back before a bang-bang controller lets go.",
+        "\"20 mbar\"",
+    )
+    .when(CONTROL, RELAYS),
+    regulated(
+        "controller.proportional_band",
+        "Error at which the proportional action alone gives the full output; the gain is 1/B.",
+        "\"4 bar\"",
+    )
+    .when(CONTROL, PIDS),
+    quantity(&p::INTEGRAL_TIME, "\"0.2 s\"").when(CONTROL, PIDS),
+    quantity(&p::DERIVATIVE_TIME, "\"10 ms\"").when(CONTROL, PIDS),
+    quantity(&p::DERIVATIVE_FILTER, "10").when(CONTROL, PIDS),
+    quantity(&p::SET_POINT_WEIGHT, "1.0").when(CONTROL, PIDS),
+    quantity(&p::TRACKING_TIME, "\"0.2 s\"").when(CONTROL, PIDS),
+    quantity(&p::BIAS, "0.0").when(CONTROL, PIDS),
+    quantity(&p::HIGHEST_GAUGE_PRESSURE, "\"5 bar\"").required().when(CONTROL, BY_MODEL),
+    quantity(&p::CONTROL_TEMPERATURE, "\"20 degC\"").when(CONTROL, &[ControllerKind::AirMass.name()]),
     choice(LOAD, LoadKind::CHOICES, "What the actuator pulls on.", "\"hanging-mass\"").required(),
     quantity(&p::MASS, "\"5 lb\"").required().when(LOAD, WITH_MASS),
     quantity(&p::GRAVITY, "\"9.80665 m/s^2\"").when(LOAD, WITH_GRAVITY),

@@ -39,6 +39,7 @@
 
 mod assumed;
 mod choice;
+mod controlled;
 mod diagnose;
 pub mod diagnostic;
 mod dimension;
@@ -59,17 +60,18 @@ mod write;
 
 pub use assumed::Assumed;
 pub use choice::{
-    BladderForm, Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, ForceLaw, HysteresisLaw,
-    LoadKind, Method, ProcessKind, RecordKind, Spacing, ValveKind,
+    BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
+    HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, Spacing, ValveKind,
 };
+pub use controlled::{ControlLaw, ControlledExperiment};
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use scenario::{
-    Actuator, Air, Antagonist, Bladder, Command, Effectiveness, Force, Friction, Hysteresis, Initial, InitialAngle,
-    InitialLength, Joint, Limit, Load, Motion, Passage, Process, Pulley, Run, Scenario, Supply, TonduLopezCoefficients,
-    Valve,
+    Actuator, Aim, Air, Antagonist, Bladder, Command, Controller, Effectiveness, Force, Friction, Hysteresis, Initial,
+    InitialAngle, InitialLength, Joint, Limit, Load, Motion, Passage, Process, Pulley, Regulator, Run, Scenario,
+    Supply, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

@@ -365,6 +365,10 @@ fn core_command(command: &Command) -> Result<valve::Command, Error> {
         Command::Table { time, state } => {
             valve::Command::table(time.clone(), state.iter().copied().map(request).collect())
         }
+        Command::Controller(_) => Err(Error::Unsupported {
+            what: "a controller is not supported here yet",
+            remedy: "run one actuator with a controller by `mckibben simulate`, or choose another command.kind",
+        }),
     }
 }
 

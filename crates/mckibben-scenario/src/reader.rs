@@ -387,7 +387,8 @@ pub(crate) fn out_of_range(place: Place, row: &Parameter, value: f64, admissible
 }
 
 fn example_of(row: &Parameter, expected: Dimension) -> Option<String> {
-    let example = keys::key_at(row.key).map(|key| key.example).or(expected.example())?;
+    let example =
+        keys::key_at(row.key).filter(|key| key.parameter().is_some()).map(|key| key.example).or(expected.example())?;
     Some(format!("write it as in `{} = {example}`", row.key.rsplit('.').next().unwrap_or(row.key)))
 }
 

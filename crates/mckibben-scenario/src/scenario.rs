@@ -8,6 +8,7 @@
 use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
+use mckibben::control::{Quantity, SetPoint};
 use std::path::Path;
 
 /// One experiment: what is built, what drives it, what is recorded.
@@ -279,6 +280,88 @@ pub enum Command {
         time: Vec<f64>,
         /// The state commanded from each time on.
         state: Vec<CommandState>,
+    },
+    /// What a controller decides.
+    Controller(Box<Controller>),
+}
+
+/// A controller.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Controller {
+    /// What it regulates and where that is to be.
+    pub aim: Aim,
+    /// From an error to what the valve is to do.
+    pub regulator: Regulator,
+    /// Samples a second in Hz.
+    pub rate: f64,
+    /// Sampling instants between a measurement and its effect.
+    pub delay: usize,
+    /// Frequency of the pulses in Hz, where it is not the rate.
+    pub pulse_frequency: Option<f64>,
+    /// Step between two values that the sensor of the regulated quantity can show, in its unit.
+    pub resolution: f64,
+}
+
+/// What a controller regulates and where that is to be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Aim {
+    /// A quantity at its set point.
+    Track {
+        /// Gauge pressure, length, air mass or tension.
+        quantity: Quantity,
+        /// Where it is to be, in its unit.
+        set_point: SetPoint,
+    },
+    /// What the static model needs for a force at a length.
+    Model {
+        /// The force in N.
+        force: SetPoint,
+        /// The length in m; the measured one, when absent.
+        length: Option<SetPoint>,
+        /// Highest gauge pressure in Pa.
+        highest_gauge_pressure: f64,
+        /// Regulates the mass of air at this temperature in K, or the pressure when absent.
+        temperature: Option<f64>,
+    },
+}
+
+impl Aim {
+    /// What is regulated.
+    pub fn regulated(&self) -> Quantity {
+        match self {
+            Self::Track { quantity, .. } => *quantity,
+            Self::Model { temperature: Some(_), .. } => Quantity::AirMass,
+            Self::Model { temperature: None, .. } => Quantity::Pressure,
+        }
+    }
+}
+
+/// From an error to what the valve is to do; numbers without a unit named are in the regulated quantity's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Regulator {
+    /// Bang-bang with a dead band.
+    Relay {
+        /// Error within which nothing is asked.
+        dead_band: f64,
+        /// Part of it that the error must come back.
+        hysteresis: f64,
+    },
+    /// Pulses by proportional, integral and derivative action.
+    Pid {
+        /// Error at which the proportional action gives the full output.
+        proportional_band: f64,
+        /// Time of the integral in s, if there is one.
+        integral_time: Option<f64>,
+        /// Time of the derivative in s.
+        derivative_time: f64,
+        /// Largest gain of the derivative over the proportional gain.
+        derivative_filter: f64,
+        /// Share of the set point that the proportional action sees.
+        set_point_weight: f64,
+        /// Time in s in which the integral is drawn back, where it is not the customary one.
+        tracking_time: Option<f64>,
+        /// Output at no error.
+        bias: f64,
     },
 }
 

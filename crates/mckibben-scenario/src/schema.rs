@@ -175,6 +175,11 @@ fn of_key(key: &Key) -> Value {
             json!({ "anyOf": [of_quantity(row), { "const": word.name, "description": word.meaning }] })
         }
         Kind::Quantities(row) => json!({ "type": "array", "minItems": 1, "items": of_quantity(row) }),
+        Kind::Course(row) => {
+            let one = of_quantity(row);
+            json!({ "anyOf": [one, { "type": "array", "minItems": 1, "items": one }] })
+        }
+        Kind::Regulated => json!({ "type": "string", "pattern": WITH_UNIT }),
         Kind::Whole(row) => of_whole(row),
         Kind::Unit(_) => json!({ "type": "string", "pattern": UNIT }),
         Kind::Choice(choices) => of_words(choices),

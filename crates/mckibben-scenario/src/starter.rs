@@ -83,10 +83,12 @@ fn remark(key: &Key) -> String {
     let mut notes = Vec::new();
     match key.kind {
         Kind::Choice(choices) | Kind::Choices(choices) => notes.push(words(choices)),
-        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Quantities(row) | Kind::Whole(row) => {
-            notes.push(row.symbol.to_owned())
-        }
-        Kind::Unit(_) => {}
+        Kind::Quantity(row)
+        | Kind::QuantityOr(row, _)
+        | Kind::Quantities(row)
+        | Kind::Whole(row)
+        | Kind::Course(row) => notes.push(row.symbol.to_owned()),
+        Kind::Regulated | Kind::Unit(_) => {}
     }
     if let Some(when) = key.when {
         notes.push(format!("with {} = {}", when.key, when.words.join(" or ")));

@@ -3,14 +3,17 @@
 //! The text reads back to an equal [`Scenario`], bit for bit: numbers are written in the shortest digits that
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
-use crate::choice::{BladderForm, CommandKind, ForceLaw, HysteresisLaw, LoadKind, ProcessKind};
+use crate::choice::{
+    BladderForm, CommandKind, ControllerKind, ForceLaw, HysteresisLaw, LoadKind, ProcessKind, SetPointTable,
+};
 use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
-    Actuator, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load, Motion, Passage,
-    Process, Pulley, Scenario,
+    Actuator, Aim, Command, Controller, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load,
+    Motion, Passage, Process, Pulley, Regulator, Scenario,
 };
+use mckibben::control::{Quantity, SetPoint};
 use mckibben::parameter::{self as p, Parameter};
 use std::fmt::Write;
 
@@ -253,6 +256,86 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             let states: Vec<String> = state.iter().map(|state| format!("\"{}\"", state.name())).collect();
             w.line("command.state", &format!("[{}]", states.join(", ")));
         }
+        Some(Command::Controller(of)) => {
+            w.word("command.kind", CommandKind::Controllers.name());
+            controller(w, of);
+        }
+    }
+}
+
+fn controller(w: &mut Writer, of: &Controller) {
+    let kind = match (&of.aim, of.regulator) {
+        (Aim::Model { temperature: None, .. }, _) => ControllerKind::FeedForward,
+        (Aim::Model { .. }, _) => ControllerKind::AirMass,
+        (Aim::Track { .. }, Regulator::Relay { .. }) => ControllerKind::BangBang,
+        (Aim::Track { .. }, Regulator::Pid { .. }) => ControllerKind::Pid,
+    };
+    w.word("controller.kind", kind.name());
+    let rows = of.aim.regulated().rows();
+    match &of.aim {
+        Aim::Track { quantity, set_point } => course(w, *quantity, set_point, true),
+        Aim::Model { force, length, highest_gauge_pressure, temperature } => {
+            course(w, Quantity::Force, force, true);
+            if let Some(length) = length {
+                // Both lists have the times of one table.
+                course(w, Quantity::Length, length, matches!(force, SetPoint::Constant(_)));
+            }
+            w.number(&p::HIGHEST_GAUGE_PRESSURE, *highest_gauge_pressure);
+            if let Some(temperature) = temperature {
+                w.number(&p::CONTROL_TEMPERATURE, *temperature);
+            }
+        }
+    }
+    w.number(&p::CONTROL_RATE, of.rate);
+    w.line(p::CONTROL_DELAY.key, &of.delay.to_string());
+    if let Some(frequency) = of.pulse_frequency {
+        w.number(&p::PULSE_FREQUENCY, frequency);
+    }
+    w.number(&rows.resolution, of.resolution);
+    match of.regulator {
+        Regulator::Relay { dead_band, hysteresis } => {
+            w.number(&rows.dead_band, dead_band);
+            w.number(&rows.hysteresis, hysteresis);
+        }
+        Regulator::Pid {
+            proportional_band,
+            integral_time,
+            derivative_time,
+            derivative_filter,
+            set_point_weight,
+            tracking_time,
+            bias,
+        } => {
+            w.number(&rows.proportional_band, proportional_band);
+            let times = [(&p::INTEGRAL_TIME, integral_time), (&p::TRACKING_TIME, tracking_time)];
+            for (row, time) in times.into_iter().filter_map(|(row, time)| Some((row, time?))) {
+                w.number(row, time);
+            }
+            w.number(&p::DERIVATIVE_TIME, derivative_time);
+            w.number(&p::DERIVATIVE_FILTER, derivative_filter);
+            w.number(&p::SET_POINT_WEIGHT, set_point_weight);
+            w.number(&p::BIAS, bias);
+        }
+    }
+}
+
+fn course(w: &mut Writer, quantity: Quantity, set_point: &SetPoint, with_times: bool) {
+    let rows = quantity.rows();
+    let (time, value, between) = match set_point {
+        SetPoint::Constant(value) => return w.number(rows.set_point, *value),
+        SetPoint::Sinusoid { mean, amplitude, frequency, phase } => {
+            w.number(rows.set_point, *mean);
+            w.number(&rows.amplitude, *amplitude);
+            w.number(&p::SET_FREQUENCY, *frequency);
+            return w.number(&p::SET_PHASE, *phase);
+        }
+        SetPoint::Lines { time, value } => (time, value, SetPointTable::Lines),
+        SetPoint::Steps { time, value } => (time, value, SetPointTable::Steps),
+    };
+    w.list(rows.set_point, value);
+    if with_times {
+        w.list(&p::SET_TIME, time);
+        w.word("controller.table", between.name());
     }
 }
 

@@ -1,7 +1,7 @@
 //! The tables agree with each other: every row of the core's parameter table has its key, every example and every
 //! number of a preset is accepted, the schema is a valid schema that accepts what the reading accepts.
 
-use mckibben::parameter::TABLE;
+use mckibben::parameter::{self as p, TABLE};
 use mckibben_scenario::keys::{KEYS, SECTIONS, key_at};
 use mckibben_scenario::presets::{ACTUATORS, COLBRUNN_2001, VALVES};
 use mckibben_scenario::{Document, quantity, schema, starter};
@@ -9,7 +9,9 @@ use serde_json::{Value, json};
 
 #[test]
 fn every_parameter_has_its_key() {
-    for row in TABLE {
+    let of_joint = [&p::SET_ANGLE, &p::SET_TORQUE, &p::SET_STIFFNESS, &p::PULLEY_ARM];
+    let of_controllers = p::CONTROL.iter().filter(|row| of_joint.iter().all(|other| other.key != row.key));
+    for row in TABLE.iter().chain(of_controllers) {
         let key = key_at(row.key).unwrap_or_else(|| panic!("{} has no key", row.key));
         assert!(key.parameter().is_some_and(|of| std::ptr::eq(of, *row)), "{}", row.key);
     }
@@ -38,7 +40,30 @@ fn every_unit_of_the_tables_parses_with_size_one() {
 }
 
 /// A file in which a key applies, for trying its example.
-fn surroundings(path: &str) -> &'static str {
+fn surroundings(path: &str) -> String {
+    if let Some(key) = path.strip_prefix("controller.") {
+        let of = match key {
+            "length" => "kind = \"pid\"\nlength = \"9 cm\"\nproportional_band = \"1 mm\"",
+            "air_mass" => "kind = \"pid\"\nair_mass = \"1 g\"\nproportional_band = \"1 g\"",
+            "force" => "kind = \"pid\"\nforce = \"1 N\"\nproportional_band = \"1 N\"",
+            "dead_band" | "hysteresis" => "kind = \"bang-bang\"\ngauge_pressure = \"1 bar\"\ndead_band = \"50 mbar\"",
+            "highest_gauge_pressure" | "temperature" => {
+                "kind = \"air-mass\"\nforce = \"1 N\"\nhighest_gauge_pressure = \"1 bar\"\ndead_band = \"1 mg\""
+            }
+            _ => {
+                "kind = \"pid\"\ngauge_pressure = \"1 bar\"\namplitude = \"1 mbar\"\nfrequency = \"1 Hz\"\n\
+                 proportional_band = \"1 bar\""
+            }
+        };
+        return format!(
+            "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
+             [command]\nkind = \"controllers\"\n[controller]\nrate = \"10 Hz\"\n{of}"
+        );
+    }
+    surroundings_of(path).to_owned()
+}
+
+fn surroundings_of(path: &str) -> &'static str {
     match path {
         "air.polytropic_index" => "[air]\nprocess = \"polytropic\"",
         "air.heat_transfer" | "air.wall_temperature" => "[air]\nprocess = \"energy-balance\"",
@@ -263,7 +288,6 @@ fn presets_are_in_range_and_follow_the_paper() {
         }
     }
     let of = |row| COLBRUNN_2001.get(row).and_then(|value| value.value()).expect("the preset has it");
-    use mckibben::parameter as p;
     let (b, n, longest) = (of(&p::THREAD_LENGTH), of(&p::TURNS), of(&p::MAX_LENGTH));
     let from_diameter = (longest * longest + (0.25 * 0.0254 * std::f64::consts::PI * n).powi(2)).sqrt();
     assert!((b / from_diameter - 1.0).abs() < 1e-4, "{b} {from_diameter}");

@@ -19,6 +19,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+mod controlled;
 mod joint;
 
 /// What `mckibben simulate` is asked.
@@ -82,7 +83,11 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         }
         return joint::run(arguments, &files, &document, &scenario, &experiment);
     }
-    let experiment = document.experiment()?;
+    let controlled = document.controlled_experiment()?;
+    let experiment = match &controlled {
+        Some(of) => of.experiment.clone(),
+        None => document.experiment()?,
+    };
     if arguments.events_output.is_some() && experiment.run.engine == Engine::FixedStep {
         return Err(Failure::input(
             "--events-output: the fixed-step engine keeps no log of events",
@@ -92,12 +97,35 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     files.probe()?;
 
     let started = Instant::now();
+    let failed = |error| Failure::of_core(&error, &document);
+    let closed = controlled.as_ref().map(controlled::close).transpose().map_err(failed)?;
+    let experiment = closed.as_ref().map_or(experiment, |closed| closed.experiment.clone());
     let mut observer = Observer::new(&experiment);
-    let outcome = engine::run(&experiment, &mut |sample| observer.see(sample))
-        .map_err(|error| Failure::of_core(&error, &document))?;
+    let mut watch = |sample: &_| observer.see(sample);
+    let outcome = match &closed {
+        Some(closed) => closed.outcome(&experiment, &mut watch),
+        None => engine::run(&experiment, &mut watch),
+    }
+    .map_err(failed)?;
     let elapsed = started.elapsed();
 
-    files.write(arguments, &document, &scenario, &experiment, &outcome)?;
+    let interval = experiment.run.sample_interval;
+    match (&controlled, &closed) {
+        (Some(of), Some(closed)) => files.write_with(
+            arguments,
+            (&document, &scenario),
+            |provenance, target, out| {
+                let of = (of.regulated, &closed.decisions[..]);
+                record::write_controlled(&outcome, of, interval, provenance, target, out)
+            },
+            |title, target| {
+                let decisions = &closed.decisions;
+                portrait::draw_controlled(&experiment, &outcome, decisions, arguments.over, title, target)
+            },
+            |path, out| events::of(&outcome).map_or(Ok(()), |log| events::write(log, path, out)),
+        )?,
+        _ => files.write(arguments, &document, &scenario, &experiment, &outcome)?,
+    }
     if arguments.quiet && !arguments.events {
         return Ok(());
     }

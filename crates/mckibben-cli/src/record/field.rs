@@ -1,7 +1,9 @@
 //! The columns of a file as functions of a sample, for an actuator and for a joint.
 
 use super::{COLUMNS, VALVE};
-use mckibben::simulation::{JointSample, Sample};
+use mckibben::control::Quantity;
+use mckibben::simulation::{Decision, JointSample, Sample};
+use std::rc::Rc;
 
 /// A column of a file over samples `S`.
 pub(super) struct Field<S> {
@@ -21,6 +23,25 @@ pub(super) enum Value<S> {
 pub(super) fn of_actuator() -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
     numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect()
+}
+
+/// The columns of one actuator under a controller: what it regulates follows, as of the last sampling instant.
+pub(super) fn of_controlled(regulated: Quantity, decisions: &[Decision]) -> Vec<Field<Sample>> {
+    let unit = regulated.rows().set_point.unit;
+    let decisions: Rc<[Decision]> = decisions.into();
+    let column = |name: &str, value: fn(&Decision, Quantity) -> Option<f64>| {
+        let decisions = Rc::clone(&decisions);
+        number(&format!("{name}_{}", unit.to_lowercase()), unit, move |sample: &Sample| {
+            // A sampling instant and the sample's time that differ by rounding are one.
+            let begun = decisions.partition_point(|decision| decision.seen.time <= sample.time * (1.0 + 1e-14));
+            let last = begun.checked_sub(1).and_then(|index| decisions.get(index));
+            last.and_then(|decision| value(decision, regulated)).unwrap_or(f64::NAN)
+        })
+    };
+    let mut fields = of_actuator();
+    fields.push(column("set_point", |decision, _| decision.aim.map(|(_, target)| target)));
+    fields.push(column("measured", |decision, regulated| regulated.of(&decision.seen)));
+    fields
 }
 
 /// The columns of a joint in their order.

@@ -4,9 +4,10 @@
 //! valve that can close.
 
 use super::passage::{EXHAUST, SUPPLY, passage};
-use super::{columns, gauge_pressure};
+use super::{columns, controller, gauge_pressure};
 use crate::choice::{CommandKind, CommandState, ExhaustTemperature, ValveKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
+use crate::keys::CONTROLLER;
 use crate::presets;
 use crate::reader::Reader;
 use crate::scenario::{Air, Command, Passage, Supply, Valve};
@@ -85,6 +86,14 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
 
 fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
     let kind: Option<CommandKind> = r.word("command.kind");
+    if let Some(place) = r.key_place(CONTROLLER).filter(|_| kind.is_some_and(|kind| kind != CommandKind::Controllers)) {
+        let title = "there is a [controller], but `command.kind` does not ask for it";
+        r.note(
+            Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                .related(r.value_place("command.kind"), "chosen here")
+                .help("set `command.kind` to `controllers`, or remove the section"),
+        );
+    }
     if !r.has("command.kind") {
         r.missing("command.kind", "");
     }
@@ -139,6 +148,11 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
             let (time, state) = columns(r, &p::COMMAND_TIME, time, "command.state", state);
             Some(Command::Table { time, state })
         }
+        CommandKind::Controllers if !r.has(CONTROLLER) => {
+            r.missing_section(CONTROLLER, Some("command"));
+            None
+        }
+        CommandKind::Controllers => controller::controller(r).map(|of| Command::Controller(Box::new(of))),
     }
 }
 

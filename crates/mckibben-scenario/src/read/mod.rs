@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `body` | actuator, air |
 //! | `drive` | supply, valve, command |
+//! | `controller` | controller |
 //! | `passage` | how much the valve's passages let through |
 //! | `course` | load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
@@ -14,6 +15,7 @@
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
 
 mod body;
+mod controller;
 mod course;
 mod drive;
 mod friction;

@@ -1,0 +1,163 @@
+//! From a controller in a file to the core's: the same numbers, in the core's types.
+
+use crate::choice::{CommandState, Engine, ValveKind};
+use crate::diagnostic::Diagnostics;
+use crate::document::Document;
+use crate::model::Experiment;
+use crate::scenario::{Aim, Command, Controller, Load, Regulator, Scenario};
+use mckibben::control::{
+    self, AirMass, Between, Drive, FeedForward, Measurement, Output, Pid, Place, Quantity, RegulatorMemory, Relay,
+    Sampling, Sensor, Sensors, StaticAim, Tracker,
+};
+use mckibben::{Error, GaugePressure};
+
+/// A scenario with a controller ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlledExperiment {
+    /// What is controlled; nothing is asked of its valve but by the controller.
+    pub experiment: Experiment,
+    /// The controller.
+    pub law: ControlLaw,
+    /// When it samples.
+    pub sampling: Sampling,
+    /// What it sees.
+    pub sensors: Sensors,
+    /// What it regulates.
+    pub regulated: Quantity,
+}
+
+/// The controller of a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ControlLaw {
+    /// A quantity is kept at its set point.
+    Tracker(Tracker),
+    /// The pressure that the model needs.
+    FeedForward(Box<FeedForward>),
+    /// The mass of air that the model needs.
+    AirMass(Box<AirMass>),
+}
+
+impl control::Controller for ControlLaw {
+    type Memory = RegulatorMemory;
+
+    fn begin(&self) -> RegulatorMemory {
+        match self {
+            Self::Tracker(law) => law.begin(),
+            Self::FeedForward(law) => law.begin(),
+            Self::AirMass(law) => law.begin(),
+        }
+    }
+
+    fn decide(&self, seen: &Measurement, memory: &mut RegulatorMemory) -> Drive {
+        match self {
+            Self::Tracker(law) => law.decide(seen, memory),
+            Self::FeedForward(law) => law.decide(seen, memory),
+            Self::AirMass(law) => law.decide(seen, memory),
+        }
+    }
+
+    fn aim(&self, seen: &Measurement) -> Option<(Quantity, f64)> {
+        match self {
+            Self::Tracker(law) => law.aim(seen),
+            Self::FeedForward(law) => law.aim(seen),
+            Self::AirMass(law) => law.aim(seen),
+        }
+    }
+}
+
+impl Document {
+    /// Reads the scenario and builds what it describes and its controller, or `None` when it has none.
+    ///
+    /// # Errors
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    pub fn controlled_experiment(&self) -> Result<Option<ControlledExperiment>, Diagnostics> {
+        let scenario = self.scenario()?;
+        let Some(Command::Controller(controller)) = &scenario.command else { return Ok(None) };
+        controlled(&scenario, controller).map(Some).map_err(|error| self.diagnose(&error).into())
+    }
+}
+
+fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
+    let unsupported = |what, remedy| Err(Error::Unsupported { what, remedy });
+    if matches!(scenario.load, Load::AntagonisticJoint(_)) {
+        return unsupported(
+            "a controller of an antagonistic joint is not supported yet",
+            "choose another load.kind, or another command.kind",
+        );
+    }
+    if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
+        return unsupported(
+            "the fixed-step engine cannot choose its step under a controller yet",
+            "give run.step, such as \"0.1 ms\"",
+        );
+    }
+    let (between, output) = match scenario.valve.map(|valve| valve.kind) {
+        Some(ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen) => (Between::Keep, Output::FillExhaust),
+        Some(ValveKind::FillHoldExhaust) => (Between::Hold, Output::FillHoldExhaust),
+        _ => {
+            return unsupported(
+                "a controller drives a three-way or a fill-hold-exhaust valve, and no other yet",
+                "set valve.kind to one of these",
+            );
+        }
+    };
+    let open = Scenario { command: Some(Command::Constant(CommandState::Exhaust)), ..scenario.clone() };
+    let experiment = open.experiment()?;
+    let regulated = of.aim.regulated();
+    let regulator = core_regulator(&of.regulator, regulated, between, output)?;
+    let law = match &of.aim {
+        Aim::Track { quantity, set_point } => {
+            ControlLaw::Tracker(Tracker::new(*quantity, set_point.clone(), regulator)?)
+        }
+        Aim::Model { force, length, highest_gauge_pressure, temperature } => {
+            let place = length.clone().map_or(Place::Measured, Place::Wanted);
+            let highest = GaugePressure(*highest_gauge_pressure);
+            let aim = StaticAim::new(experiment.rig.actuator().clone(), force.clone(), place, highest)?;
+            match temperature {
+                Some(temperature) => ControlLaw::AirMass(Box::new(AirMass::new(aim, *temperature, regulator)?)),
+                None => ControlLaw::FeedForward(Box::new(FeedForward { aim, regulator })),
+            }
+        }
+    };
+    let sampling = Sampling::new(of.rate, of.delay)?;
+    let sampling = of.pulse_frequency.map_or(Ok(sampling), |frequency| sampling.with_pulse_frequency(frequency))?;
+    let sensor = Sensor::new(regulated, of.resolution, None)?;
+    let mut sensors = Sensors::perfect();
+    match regulated {
+        Quantity::Pressure => sensors.pressure = sensor,
+        Quantity::Length => sensors.length = sensor,
+        Quantity::AirMass => sensors.air_mass = sensor,
+        _ => sensors.tension = sensor,
+    }
+    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated })
+}
+
+fn core_regulator(
+    of: &Regulator,
+    regulated: Quantity,
+    between: Between,
+    output: Output,
+) -> Result<control::Regulator, Error> {
+    match *of {
+        Regulator::Relay { dead_band, hysteresis } => {
+            Relay::new(regulated, dead_band, hysteresis, between).map(control::Regulator::Relay)
+        }
+        Regulator::Pid {
+            proportional_band,
+            integral_time,
+            derivative_time,
+            derivative_filter,
+            set_point_weight,
+            tracking_time,
+            bias,
+        } => {
+            let pid = Pid::new(regulated, proportional_band, output)?
+                .with_derivative(derivative_time, derivative_filter)?
+                .with_set_point_weight(set_point_weight)?
+                .with_bias(bias)?;
+            let pid = integral_time.map_or(Ok(pid), |time| pid.with_integral(time))?;
+            let pid = tracking_time.map_or(Ok(pid), |time| pid.with_tracking(time))?;
+            Ok(control::Regulator::Pid(pid))
+        }
+    }
+}

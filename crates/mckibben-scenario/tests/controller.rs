@@ -1,0 +1,72 @@
+//! A controller in a file: read, written, built, and refused where it cannot be run.
+
+use mckibben::control::{Quantity, SetPoint};
+use mckibben_scenario::{Aim, Command, Document, Regulator, Scenario};
+
+const START: &str = "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"KIND\"\nflow_area = \"0.2 mm^2\"\n\
+    [command]\nkind = \"controllers\"\n[load]\nkind = \"hanging-mass\"\nmass = \"2 kg\"\n\
+    [run]\nduration = \"1 s\"\n[controller]\nrate = \"100 Hz\"\n";
+
+fn document(controller: &str, kind: &str) -> Document {
+    Document::parse(&(START.replace("KIND", kind) + controller), "controller.toml").expect("TOML")
+}
+
+const LAWS: [&str; 5] = [
+    "kind = \"bang-bang\"\ngauge_pressure = \"2 bar\"\ndead_band = \"0.1 bar\"\nhysteresis = \"0.05 bar\"",
+    "kind = \"pid\"\nlength = \"9 cm\"\namplitude = \"2 mm\"\nfrequency = \"1 Hz\"\nproportional_band = \"1 cm\"\ndelay = 2",
+    "kind = \"pid\"\nforce = [\"9 N\", \"12 N\"]\ntime = [\"0 s\", \"1 s\"]\ntable = \"lines\"\nproportional_band = \"1 N\"\n\
+     integral_time = \"1 s\"\npulse_frequency = \"50 Hz\"",
+    "kind = \"feed-forward\"\nforce = \"20 N\"\nlength = \"9 cm\"\nhighest_gauge_pressure = \"5 bar\"\n\
+     proportional_band = \"2 bar\"",
+    "kind = \"air-mass\"\nforce = \"20 N\"\nhighest_gauge_pressure = \"5 bar\"\ndead_band = \"1 mg\"",
+];
+
+#[test]
+fn what_is_written_reads_back_the_same_and_can_be_run() {
+    for law in LAWS {
+        let scenario = document(law, "fill-hold-exhaust").scenario().unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(Scenario::from_str(&scenario.to_toml(), "again.toml"), Ok(scenario.clone()), "{law}");
+        for kind in ["fill-hold-exhaust", "three-way"] {
+            let built = document(law, kind).controlled_experiment().unwrap_or_else(|error| panic!("{law}\n{error}"));
+            assert_eq!(built.expect("a controller").sampling.rate(), 100.0);
+        }
+    }
+}
+
+#[test]
+fn numbers_arrive_in_the_unit_of_what_is_regulated() {
+    let scenario = document(LAWS[1], "three-way").scenario().expect("a scenario");
+    let Some(Command::Controller(of)) = scenario.command else { panic!("a controller") };
+    let set_point = SetPoint::Sinusoid { mean: 0.09, amplitude: 0.002, frequency: 1.0, phase: 0.0 };
+    assert_eq!(of.aim, Aim::Track { quantity: Quantity::Length, set_point });
+    assert!(matches!(of.regulator, Regulator::Pid { proportional_band: 0.01, integral_time: None, .. }));
+    assert_eq!((of.delay, of.rate, of.resolution), (2, 100.0, 0.0));
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let pid = "kind = \"pid\"\n";
+    for (kind, text, part) in [
+        ("three-way", pid.to_owned() + "proportional_band = \"1 bar\"", "`controller.gauge_pressure`"),
+        ("three-way", pid.to_owned() + "length = \"9 cm\"\nproportional_band = \"1 bar\"", "is a pressure"),
+        ("three-way", pid.to_owned() + "length = \"9 cm\"\nforce = \"1 N\"\nproportional_band = \"1 cm\"", "two ways"),
+        ("three-way", pid.to_owned() + "length = \"9 cm\"", "`controller.proportional_band`"),
+        ("three-way", LAWS[0].replace("0.05 bar", "1 bar"), "controller.hysteresis"),
+        ("three-way", LAWS[1].replace("2 mm", "10 cm"), "controller.length"),
+        ("three-way", LAWS[4].to_owned() + "\nbias = 0.1", "`controller.bias` has no meaning"),
+        ("two-way", LAWS[0].to_owned(), "a three-way or a fill-hold-exhaust valve"),
+    ] {
+        let error = document(&text, kind).controlled_experiment().expect_err("refused").to_string();
+        assert!(error.contains(part), "{part}:\n{error}");
+    }
+}
+
+#[test]
+fn where_controllers_are_not_supported_it_is_said() {
+    let document = document(LAWS[0], "three-way");
+    let error = document.experiment().expect_err("refused").to_string();
+    assert!(error.contains("a controller is not supported here yet"), "{error}");
+    let start = START.replace("KIND", "three-way").replace("controllers", "fill");
+    let error = Document::parse(&(start + LAWS[0]), "controller.toml").expect("TOML").scenario().expect_err("refused");
+    assert!(error.to_string().contains("`command.kind` does not ask for it"), "{error}");
+}
