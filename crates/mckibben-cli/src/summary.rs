@@ -199,11 +199,18 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
         ("gas work", audit.gas_work, "by the gauge pressure"),
         ("to the load", audit.load, "kinetic and potential, or the work on a prescribed motion"),
         ("stored", audit.braid_storage, "in the taut braid"),
+        ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
+        ("bladder", audit.bladder_storage, "stored in the bladder"),
         ("viscous", audit.viscous, "dissipated by viscous friction"),
         ("Coulomb", audit.coulomb, "dissipated by Coulomb friction"),
+        ("slip", audit.slip, "dissipated by the elements of the hysteresis that slip"),
         ("braid damping", audit.braid, "dissipated by the taut braid"),
         ("slack", audit.slack, "correction of friction while a tendon cannot push"),
-        ("effectiveness", audit.effectiveness_loss, "taken by an effectiveness other than 1"),
+        (
+            "effectiveness",
+            audit.effectiveness_loss,
+            "taken by an effectiveness other than 1, or a law beside virtual work",
+        ),
     ];
     let turnover = audit.turnover();
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));

@@ -72,6 +72,8 @@ impl Document {
             path if path == p::EFFECTIVENESS.key => {
                 ![&keys::POLYNOMIAL, &keys::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
             }
+            // Without a fall there is no velocity over which friction falls.
+            path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
             path if path.starts_with("valve.") => self.is_in_force(path),
             // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
             path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),

@@ -50,6 +50,23 @@ words! {
         Polytropic = "polytropic", "Between the two, with an exponent of its own.";
         EnergyBalance = "energy-balance", "The first law, with the supply's temperature and heat through the wall.";
     }
+    /// The law of hysteresis.
+    HysteresisLaw {
+        MaxwellSlip = "maxwell-slip", "Elastic elements that slip: the stop operators of Prandtl and Ishlinskii.";
+    }
+    /// The law of static force.
+    ForceLaw {
+        IdealBraid = "ideal-braid", "Virtual work of the gas on the braid: the paper's law.";
+        TonduLopez = "tondu-lopez", "The ideal braid with a factor on the contraction for the taper of the ends.";
+        Sarosi = "sarosi", "A surface of six coefficients through measured forces.";
+        Map = "map", "A smooth monotone surface through tensions measured on a grid.";
+    }
+    /// How the bladder's resistance grows with contraction.
+    BladderForm {
+        Linear = "linear", "In proportion to contraction.";
+        Saturating = "saturating", "Up to a largest force.";
+        Exponential = "exponential", "Ever more steeply.";
+    }
     /// How a valve joins the actuator to supply and exhaust.
     ValveKind {
         TwoWay = "two-way", "Joined to the supply when energised and sealed when not.";

@@ -1,13 +1,13 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{CommandState, Engine, ExhaustTemperature, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
-    self, Antagonist, Command, Effectiveness, InitialAngle, InitialLength, Joint, Load, Motion, Passage, Process, Run,
-    Scenario, Supply, Valve,
+    self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
+    Motion, Passage, Process, Run, Scenario, Supply, Valve,
 };
-use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
+use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, Rig, State};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
@@ -107,6 +107,20 @@ impl Document {
     }
 }
 
+fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
+    let coulomb = friction::Coulomb::new(of.coulomb_width)?
+        .with_force(of.coulomb_force, of.coulomb_force_per_pressure)?
+        .with_stribeck(of.static_ratio, of.stribeck_velocity)?;
+    let friction = friction::Friction::with_coulomb(of.viscous, coulomb)?;
+    match &of.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
+            let elements = friction::MaxwellSlip::new(reach, stiffness_ratio)?;
+            Ok(friction.with_hysteresis(friction::Hysteresis::MaxwellSlip(elements)))
+        }
+        None => Ok(friction),
+    }
+}
+
 /// The output of the second actuator's valve that drives it: B where both hang on one five-way valve.
 fn opposite_output(first: &Scenario, second: &Scenario) -> Result<usize, Error> {
     let two = |scenario: &Scenario| scenario.valve.is_some_and(|valve| valve.kind.has_two_outputs());
@@ -165,7 +179,8 @@ impl Scenario {
             });
         }
         let Driven { actuator, actuation } = self.driven()?;
-        Rig::new(actuator, actuation, self.core_load()?)
+        let load = self.core_load(actuator.law().law.end_length())?;
+        Rig::new(actuator, actuation, load)
     }
 
     /// The actuator and what drives its valve; of a joint the agonist.
@@ -231,24 +246,47 @@ impl Scenario {
             Effectiveness::Polynomial(coefficients) => force::Effectiveness::polynomial(coefficients)?,
             Effectiveness::Table { gauge_pressure, value } => force::Effectiveness::table(gauge_pressure, value)?,
         };
-        let friction = friction::Friction::new(actuator.friction.viscous, actuator.friction.coulomb_width)?;
-        let law = Effective { law: IdealBraid { braid }, effectiveness };
+        let friction = core_friction(&actuator.friction)?;
+        let law = Effective { law: self.core_characteristic(braid)?, effectiveness };
         Actuator::new(law, limits, friction, actuator.external_volume, air)
     }
 
-    fn core_load(&self) -> Result<load::Load, Error> {
-        let thread_length = self.actuator.thread_length;
+    fn core_characteristic(&self, braid: Braid) -> Result<Characteristic, Error> {
+        let actuator = &self.actuator;
+        let longest = actuator.max_length;
+        let law = match &actuator.force {
+            Force::IdealBraid => force::Law::IdealBraid,
+            Force::TonduLopez { end_factor, end_factor_rise, end_factor_pressure, coefficients } => {
+                let end_factor = force::EndFactor::falling(*end_factor, *end_factor_rise, *end_factor_pressure)?;
+                let given = coefficients.map(|of| force::Coefficients { radius: of.radius, a: of.a, b: of.b });
+                force::Law::TonduLopez(force::TonduLopez::new(&braid, longest, end_factor, given)?)
+            }
+            Force::Map { gauge_pressure, length, tension } => {
+                force::Law::Map(force::ForceMap::new(gauge_pressure, length, tension)?)
+            }
+            Force::Sarosi(coefficients) => force::Law::Sarosi(force::Sarosi::new(longest, *coefficients)?),
+        };
+        let characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;
+        let Some(bladder) = actuator.bladder else { return Ok(characteristic) };
+        let form = match bladder.form {
+            BladderForm::Linear => force::BladderForm::Linear,
+            BladderForm::Saturating => force::BladderForm::Saturating,
+            BladderForm::Exponential => force::BladderForm::Exponential,
+        };
+        Ok(characteristic.with_bladder(force::Bladder::new(form, longest, bladder.force, bladder.scale)?))
+    }
+
+    fn core_load(&self, end_length: f64) -> Result<load::Load, Error> {
         match &self.load {
             Load::HangingMass { mass, gravity } => load::Load::hanging_mass(*mass, *gravity),
             Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
             // A joint is no load of one actuator: `rig` has refused it.
             Load::Isometric | Load::AntagonisticJoint(_) => Ok(load::Load::Isometric),
             Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
-                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, thread_length)
-                    .map(load::Load::Prescribed)
+                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, end_length).map(load::Load::Prescribed)
             }
             Load::PrescribedMotion(Motion::Table { time, length }) => {
-                load::Motion::table(time.clone(), length.clone(), thread_length).map(load::Load::Prescribed)
+                load::Motion::table(time.clone(), length.clone(), end_length).map(load::Load::Prescribed)
             }
         }
     }

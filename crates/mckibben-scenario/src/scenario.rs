@@ -5,7 +5,7 @@
 //! (whether the braid's lengths fit each other, say) is judged by the constructors of the core, whose errors
 //! [`Document::diagnose`](crate::Document::diagnose) shows in the file.
 
-use crate::choice::{CommandState, Engine, ExhaustTemperature, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use std::path::Path;
@@ -44,12 +44,69 @@ pub struct Actuator {
     pub min_length: f64,
     /// Volume V_ext of hose and fittings in m³.
     pub external_volume: f64,
+    /// Thickness t in m of the bladder's wall.
+    pub wall_thickness: f64,
+    /// The law of static force.
+    pub force: Force,
+    /// The bladder, where its elasticity counts.
+    pub bladder: Option<Bladder>,
     /// Measured force over ideal force.
     pub effectiveness: Effectiveness,
     /// Friction between threads and bladder.
     pub friction: Friction,
     /// The taut braid.
     pub limit: Limit,
+}
+
+/// The law of static force.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Force {
+    /// Virtual work of the gas on the braid.
+    IdealBraid,
+    /// The law of Tondu & Lopez.
+    TonduLopez {
+        /// End factor k at high pressure.
+        end_factor: f64,
+        /// Excess of the end factor at zero gauge pressure.
+        end_factor_rise: f64,
+        /// Gauge pressure in Pa over which that excess falls by the factor e.
+        end_factor_pressure: f64,
+        /// Its coefficients, where they are not those of the braid.
+        coefficients: Option<TonduLopezCoefficients>,
+    },
+    /// Sárosi's law: coefficients for pressures in Pa, contractions in percent and forces in N.
+    Sarosi([f64; 6]),
+    /// A measured force map.
+    Map {
+        /// Gauge pressures in Pa, strictly increasing.
+        gauge_pressure: Vec<f64>,
+        /// Lengths in m, strictly increasing.
+        length: Vec<f64>,
+        /// Tensions in N: one for each length at the first pressure, then at the next.
+        tension: Vec<f64>,
+    },
+}
+
+/// Measured coefficients of the law of Tondu & Lopez.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TonduLopezCoefficients {
+    /// Radius r_0 in m of the muscle at its longest.
+    pub radius: f64,
+    /// Factor a of the pulling term.
+    pub a: f64,
+    /// Factor b of the pushing term.
+    pub b: f64,
+}
+
+/// An elastic bladder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bladder {
+    /// How its resistance grows with contraction.
+    pub form: BladderForm,
+    /// Its force K_0 in N.
+    pub force: f64,
+    /// Contraction s over which it saturates or stiffens; without effect when linear.
+    pub scale: f64,
 }
 
 /// Measured force over ideal force, as a law over gauge pressure.
@@ -69,12 +126,34 @@ pub enum Effectiveness {
 }
 
 /// Friction of the actuator.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Viscous damping coefficient c in N·s/m.
     pub viscous: f64,
     /// Coulomb friction Q as a length in m.
     pub coulomb_width: f64,
+    /// Dry friction F_0 in N that is the same at any length and pressure.
+    pub coulomb_force: f64,
+    /// Dry friction A in m² for the gauge pressure.
+    pub coulomb_force_per_pressure: f64,
+    /// Dry friction ρ at break-away over that in motion.
+    pub static_ratio: f64,
+    /// Velocity v_s in m/s over which it falls from the one to the other.
+    pub stribeck_velocity: f64,
+    /// Hysteresis that remembers the turns of the length.
+    pub hysteresis: Option<Hysteresis>,
+}
+
+/// Hysteresis that remembers the turns of the length.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hysteresis {
+    /// Elastic elements that slip.
+    MaxwellSlip {
+        /// Deflections in m at which the elements slip.
+        reach: Vec<f64>,
+        /// Stiffness of each over the actuator's secant stiffness.
+        stiffness_ratio: Vec<f64>,
+    },
 }
 
 /// The taut braid at full stretch.

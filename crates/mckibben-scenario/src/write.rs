@@ -3,12 +3,13 @@
 //! The text reads back to an equal [`Scenario`], bit for bit: numbers are written in the shortest digits that
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
-use crate::choice::{CommandKind, LoadKind, ProcessKind};
+use crate::choice::{BladderForm, CommandKind, ForceLaw, HysteresisLaw, LoadKind, ProcessKind};
 use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
-    Command, Effectiveness, InitialAngle, InitialLength, Load, Motion, Passage, Process, Pulley, Scenario,
+    Actuator, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load, Motion, Passage,
+    Process, Pulley, Scenario,
 };
 use mckibben::parameter::{self as p, Parameter};
 use std::fmt::Write;
@@ -89,6 +90,8 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::MAX_LENGTH, actuator.max_length);
     w.number(&p::MIN_LENGTH, actuator.min_length);
     w.number(&p::EXTERNAL_VOLUME, actuator.external_volume);
+    w.number(&p::WALL_THICKNESS, actuator.wall_thickness);
+    force(w, actuator);
     match &actuator.effectiveness {
         Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
         Effectiveness::Polynomial(coefficients) => {
@@ -100,10 +103,66 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
             w.list(&keys::EFFECTIVENESS_VALUE, value);
         }
     }
-    w.number(&p::VISCOUS, actuator.friction.viscous);
-    w.number(&p::COULOMB_WIDTH, actuator.friction.coulomb_width);
+    friction(w, &actuator.friction);
     w.number(&p::LIMIT_STIFFNESS, actuator.limit.stiffness);
     w.number(&p::LIMIT_DAMPING, actuator.limit.damping);
+}
+
+fn friction(w: &mut Writer, friction: &Friction) {
+    w.number(&p::VISCOUS, friction.viscous);
+    w.number(&p::COULOMB_WIDTH, friction.coulomb_width);
+    w.number(&p::COULOMB_FORCE, friction.coulomb_force);
+    w.number(&p::COULOMB_FORCE_PER_PRESSURE, friction.coulomb_force_per_pressure);
+    w.number(&p::STATIC_RATIO, friction.static_ratio);
+    w.number(&p::STRIBECK_VELOCITY, friction.stribeck_velocity);
+    match &friction.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
+            w.word("actuator.friction.hysteresis.law", HysteresisLaw::MaxwellSlip.name());
+            w.list(&p::HYSTERESIS_REACH, reach);
+            w.list(&p::HYSTERESIS_STIFFNESS_RATIO, stiffness_ratio);
+        }
+        None => {}
+    }
+}
+
+fn force(w: &mut Writer, actuator: &Actuator) {
+    let law = match &actuator.force {
+        Force::IdealBraid => ForceLaw::IdealBraid,
+        Force::TonduLopez { .. } => ForceLaw::TonduLopez,
+        Force::Sarosi(_) => ForceLaw::Sarosi,
+        Force::Map { .. } => ForceLaw::Map,
+    };
+    w.word("actuator.force.law", law.name());
+    match &actuator.force {
+        Force::IdealBraid => {}
+        Force::TonduLopez { end_factor, end_factor_rise, end_factor_pressure, coefficients } => {
+            w.number(&p::END_FACTOR, *end_factor);
+            w.number(&p::END_FACTOR_RISE, *end_factor_rise);
+            w.number(&p::END_FACTOR_PRESSURE, *end_factor_pressure);
+            if let Some(given) = coefficients {
+                w.number(&p::INITIAL_RADIUS, given.radius);
+                w.number(&p::TONDU_LOPEZ_A, given.a);
+                w.number(&p::TONDU_LOPEZ_B, given.b);
+            }
+        }
+        Force::Sarosi(coefficients) => {
+            w.list(&p::SAROSI_COEFFICIENTS, coefficients);
+            w.word("actuator.force.pressure_unit", "Pa");
+            w.word("actuator.force.force_unit", "N");
+        }
+        Force::Map { gauge_pressure, length, tension } => {
+            w.list(&p::MAP_PRESSURE, gauge_pressure);
+            w.list(&p::MAP_LENGTH, length);
+            w.list(&p::MAP_TENSION, tension);
+        }
+    }
+    if let Some(bladder) = &actuator.bladder {
+        w.word("actuator.bladder.form", bladder.form.name());
+        w.number(&p::BLADDER_FORCE, bladder.force);
+        if bladder.form != BladderForm::Linear {
+            w.number(&p::BLADDER_SCALE, bladder.scale);
+        }
+    }
 }
 
 fn air(w: &mut Writer, scenario: &Scenario) {

@@ -149,6 +149,15 @@ fn surroundings(path: &str) -> String {
         "actuator.thread_length" | "actuator.turns" | "actuator.max_length" => {
             "[actuator]\npreset = \"colbrunn-2001\"\n"
         }
+        "actuator.force.end_factor" | "actuator.force.end_factor_rise" | "actuator.force.end_factor_pressure" => {
+            "[actuator.force]\nlaw = \"tondu-lopez\"\n"
+        }
+        "actuator.force.radius" | "actuator.force.a" | "actuator.force.b" => {
+            "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3 mm\"\na = 11.0\nb = 4.0\n"
+        }
+        _ if path.starts_with("actuator.bladder") => {
+            "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1\n"
+        }
         _ => "",
     };
     let mut base = BASE.to_owned();

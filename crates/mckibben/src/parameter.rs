@@ -133,6 +133,45 @@ parameters! {
     EXTERNAL_VOLUME = "actuator.external_volume", "V_ext", "m^3", Range::POSITIVE, Some(3e-6),
         "Volume of hose and fittings that shares the actuator's air.",
         "assumed: the paper gives no hose volume", "give the hose's and fittings' volume, for instance 0.01 mL for none to speak of";
+    WALL_THICKNESS = "actuator.wall_thickness", "t", "m", Range::NON_NEGATIVE, Some(0.0),
+        "Thickness of the bladder's wall inside the braid, the same at any length.",
+        "Chou & Hannaford (1996); the paper has none", "give zero or more, below the braid's radius";
+    END_FACTOR = "actuator.force.end_factor", "k", "", Range::POSITIVE, Some(1.0),
+        "Contraction of the middle over that of the whole, which the taper of the ends makes larger than 1.",
+        "Tondu & Lopez (2000)", "give a factor such as 1.1, or 1 for a cylinder up to its ends";
+    END_FACTOR_RISE = "actuator.force.end_factor_rise", "k_r", "", Range::FINITE, Some(0.0),
+        "Excess of the end factor at zero gauge pressure over that at high pressure.",
+        "assumed", "give zero for an end factor that does not depend on pressure";
+    END_FACTOR_PRESSURE = "actuator.force.end_factor_pressure", "P_k", "Pa", Range::POSITIVE, Some(1e5),
+        "Gauge pressure over which that excess falls by the factor e.",
+        "assumed", "give a pressure such as 1 bar";
+    INITIAL_RADIUS = "actuator.force.radius", "r_0", "m", Range::POSITIVE, None,
+        "Radius of the muscle at its longest; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give half the diameter at max_length";
+    TONDU_LOPEZ_A = "actuator.force.a", "a", "", Range::POSITIVE, None,
+        "Factor of the pulling term, 3/tan^2 of the initial braid angle; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give a factor above zero, with `b` and `radius`";
+    TONDU_LOPEZ_B = "actuator.force.b", "b", "", Range::POSITIVE, None,
+        "Factor of the pushing term, 1/sin^2 of the initial braid angle; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give a factor above zero, with `a` and `radius`";
+    SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
+        "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
+        "after Sarosi (2015)", "give six finite numbers";
+    MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
+        "Gauge pressures of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 pressures in rising order";
+    MAP_LENGTH = "actuator.force.length", "L", "m", Range::POSITIVE, None,
+        "Lengths of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 lengths in rising order";
+    MAP_TENSION = "actuator.force.tension", "F", "N", Range::FINITE, None,
+        "Measured tensions: one for each length at the first pressure, then at the next.",
+        "choice of the measurement", "give as many as there are lengths times pressures";
+    BLADDER_FORCE = "actuator.bladder.force", "K_0", "N", Range::NON_NEGATIVE, None,
+        "Force that the bladder's resistance to contraction is measured by.",
+        "assumed", "give zero or more";
+    BLADDER_SCALE = "actuator.bladder.scale", "s", "", Range::POSITIVE, None,
+        "Contraction over which the bladder's resistance saturates or stiffens.",
+        "assumed", "give a contraction above zero, such as 0.05";
     EFFECTIVENESS = "actuator.effectiveness.constant", "Eff", "", Range::NON_NEGATIVE, Some(1.0),
         "Measured force over ideal force.",
         "paper, (9); the default is assumed", "give a ratio such as 0.9";
@@ -142,6 +181,24 @@ parameters! {
     COULOMB_WIDTH = "actuator.friction.coulomb_width", "Q", "m", Range::NON_NEGATIVE, Some(0.0),
         "Coulomb friction between bladder and braid as a length, mu N/k.",
         "paper, (12) and (24); its average is 0.0044 in", "give zero or more";
+    COULOMB_FORCE = "actuator.friction.coulomb_force", "F_0", "N", Range::NON_NEGATIVE, Some(0.0),
+        "Dry friction that is the same at any length and pressure.",
+        "textbook; the paper has none", "give zero or more";
+    COULOMB_FORCE_PER_PRESSURE = "actuator.friction.coulomb_force_per_pressure", "A", "m^2", Range::NON_NEGATIVE, Some(0.0),
+        "Dry friction for the gauge pressure, at any length.",
+        "textbook; the paper has none", "give zero or more, such as 1 mm^2";
+    STATIC_RATIO = "actuator.friction.static_ratio", "rho", "", Range { low: 1.0, low_included: true, high: f64::INFINITY, high_included: false }, Some(1.0),
+        "Dry friction at break-away over that in motion.",
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994); 1 is Coulomb's law", "give 1 or more, such as 1.3";
+    STRIBECK_VELOCITY = "actuator.friction.stribeck_velocity", "v_s", "m/s", Range::POSITIVE, Some(0.01),
+        "Velocity over which dry friction falls from its value at break-away to that in motion.",
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994); the value is assumed", "give a velocity above zero, such as 10 mm/s";
+    HYSTERESIS_REACH = "actuator.friction.hysteresis.reach", "r_i", "m", Range::POSITIVE, None,
+        "Deflections at which the elements of the hysteresis slip.",
+        "Iwan (1966)", "give lengths above zero, such as 0.1 mm";
+    HYSTERESIS_STIFFNESS_RATIO = "actuator.friction.hysteresis.stiffness_ratio", "w_i", "", Range::POSITIVE, None,
+        "Stiffnesses of the elements over the actuator's secant stiffness.",
+        "Iwan (1966), scaled by (13)", "give numbers above zero, such as 0.1";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";
@@ -325,38 +382,6 @@ parameters! {
 }
 
 parameters! {
-    /// Rows of laws that no key of a scenario file selects yet.
-    LAWS:
-    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from shut to open once it moves.",
-        "manufacturer's data sheet", "give zero or more";
-    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from open to shut once it moves.",
-        "manufacturer's data sheet", "give zero or more";
-    SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
-        "Undamped natural frequency of the spool with its drive.",
-        "manufacturer's data sheet", "give a frequency such as 100 Hz";
-    SPOOL_DAMPING_RATIO = "valve.spool.damping_ratio", "zeta", "", Range::POSITIVE, None,
-        "Damping ratio of the spool with its drive.",
-        "manufacturer's data sheet", "give a ratio such as 0.7";
-    SUPPLY_OVERLAP = "valve.spool.supply_overlap", "o_s", "", Range::open(-1.0, 1.0), Some(0.0),
-        "Share of the stroke by which the spool covers the supply's edge in the middle; below zero for underlap.",
-        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
-    EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
-        "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
-        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
-    REGULATOR_TIME_CONSTANT = "valve.regulator.time_constant", "tau", "s", Range::POSITIVE, None,
-        "Time constant with which the regulated pressure follows the setpoint.",
-        "manufacturer's data sheet", "give a time above zero, such as 30 ms";
-    REGULATOR_DEAD_TIME = "valve.regulator.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time from a change of the setpoint to the first answer of the regulated pressure.",
-        "manufacturer's data sheet", "give zero or more";
-    REGULATOR_RATE_LIMIT = "valve.regulator.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
-        "Largest rate of the regulated pressure.",
-        "manufacturer's data sheet", "give a rate above zero, such as 20 bar/s";
-}
-
-parameters! {
     /// The rows of controllers. What has the unit of the controlled quantity is in [`crate::control::Quantity::rows`].
     CONTROL:
     CONTROL_RATE = "controller.rate", "f_s", "Hz", Range::POSITIVE, None,
@@ -425,4 +450,36 @@ parameters! {
     CONTROL_TEMPERATURE = "controller.temperature", "T", "K", Range::POSITIVE, Some(293.15),
         "Temperature of the air that the controller reckons with.",
         "choice of the experiment", "give an absolute temperature above zero, such as 20 degC";
+}
+
+parameters! {
+    /// Rows of laws that no key of a scenario file selects yet.
+    LAWS:
+    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from shut to open once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from open to shut once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
+        "Undamped natural frequency of the spool with its drive.",
+        "manufacturer's data sheet", "give a frequency such as 100 Hz";
+    SPOOL_DAMPING_RATIO = "valve.spool.damping_ratio", "zeta", "", Range::POSITIVE, None,
+        "Damping ratio of the spool with its drive.",
+        "manufacturer's data sheet", "give a ratio such as 0.7";
+    SUPPLY_OVERLAP = "valve.spool.supply_overlap", "o_s", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the supply's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    REGULATOR_TIME_CONSTANT = "valve.regulator.time_constant", "tau", "s", Range::POSITIVE, None,
+        "Time constant with which the regulated pressure follows the setpoint.",
+        "manufacturer's data sheet", "give a time above zero, such as 30 ms";
+    REGULATOR_DEAD_TIME = "valve.regulator.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time from a change of the setpoint to the first answer of the regulated pressure.",
+        "manufacturer's data sheet", "give zero or more";
+    REGULATOR_RATE_LIMIT = "valve.regulator.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
+        "Largest rate of the regulated pressure.",
+        "manufacturer's data sheet", "give a rate above zero, such as 20 bar/s";
 }

@@ -170,7 +170,7 @@ fn an_exhaust_of_its_own_serves_its_port_alone() {
 
     // And in the actuator's answer, with the rows of the two passages told apart.
     let actuator = paper.actuator().with_valve(own);
-    let state = ActuatorState { pressure: AbsolutePressure(3e5), air_mass: 1e-4 };
+    let state = ActuatorState::new(AbsolutePressure(3e5), 1e-4, 0.08);
     let vented = |actuator: &mckibben::Actuator| {
         actuator.respond(&state, 0.09, 0.0, Ports { supply: false, exhaust: true }).mass_flow
     };

@@ -2,7 +2,8 @@
 //!
 //! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
 //! said of it is as of the first. What is said in several keys is taken whole: an effectiveness; a valve or command that
-//! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`.
+//! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
+//! names its `law`, a bladder its `form`.
 
 use super::{body, drive, gauge_pressure, passage};
 use crate::document::{Document, Entry, Node, Table, Value};
@@ -85,6 +86,8 @@ impl Document {
             "actuator.effectiveness" | "valve.exhaust" => true,
             "valve" | "command" => table.get("kind").is_some() || table.get("preset").is_some(),
             "actuator" => table.get("preset").is_some(),
+            "actuator.force" => table.get("law").is_some(),
+            "actuator.bladder" => table.get("form").is_some(),
             _ => false,
         };
         if whole {

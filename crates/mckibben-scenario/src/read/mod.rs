@@ -16,6 +16,7 @@
 mod body;
 mod course;
 mod drive;
+mod friction;
 mod joint;
 pub(crate) mod passage;
 

@@ -3,7 +3,10 @@
 //! Checked by `tests/sweep.rs`: for every key that holds one quantity, setting it here and reading it from text give
 //! equal scenarios.
 
-use crate::scenario::{Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Scenario};
+use crate::choice::BladderForm;
+use crate::scenario::{
+    Command, Effectiveness, Force, InitialLength, Load, Motion, Passage, Process, Scenario, TonduLopezCoefficients,
+};
 use mckibben::parameter::{self as p, Parameter};
 
 /// The place of a number in a scenario, or `None` when the scenario has no such number.
@@ -16,12 +19,37 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::MAX_LENGTH, |s| Some(&mut s.actuator.max_length)),
     (&p::MIN_LENGTH, |s| Some(&mut s.actuator.min_length)),
     (&p::EXTERNAL_VOLUME, |s| Some(&mut s.actuator.external_volume)),
+    (&p::WALL_THICKNESS, |s| Some(&mut s.actuator.wall_thickness)),
+    (&p::END_FACTOR, |s| match &mut s.actuator.force {
+        Force::TonduLopez { end_factor, .. } => Some(end_factor),
+        _ => None,
+    }),
+    (&p::END_FACTOR_RISE, |s| match &mut s.actuator.force {
+        Force::TonduLopez { end_factor_rise, .. } => Some(end_factor_rise),
+        _ => None,
+    }),
+    (&p::END_FACTOR_PRESSURE, |s| match &mut s.actuator.force {
+        Force::TonduLopez { end_factor_pressure, .. } => Some(end_factor_pressure),
+        _ => None,
+    }),
+    (&p::INITIAL_RADIUS, |s| Some(&mut tondu_lopez(s)?.radius)),
+    (&p::TONDU_LOPEZ_A, |s| Some(&mut tondu_lopez(s)?.a)),
+    (&p::TONDU_LOPEZ_B, |s| Some(&mut tondu_lopez(s)?.b)),
+    (&p::BLADDER_FORCE, |s| Some(&mut s.actuator.bladder.as_mut()?.force)),
+    (&p::BLADDER_SCALE, |s| {
+        let bladder = s.actuator.bladder.as_mut().filter(|bladder| bladder.form != BladderForm::Linear)?;
+        Some(&mut bladder.scale)
+    }),
     (&p::EFFECTIVENESS, |s| match &mut s.actuator.effectiveness {
         Effectiveness::Constant(ratio) => Some(ratio),
         _ => None,
     }),
     (&p::VISCOUS, |s| Some(&mut s.actuator.friction.viscous)),
     (&p::COULOMB_WIDTH, |s| Some(&mut s.actuator.friction.coulomb_width)),
+    (&p::COULOMB_FORCE, |s| Some(&mut s.actuator.friction.coulomb_force)),
+    (&p::COULOMB_FORCE_PER_PRESSURE, |s| Some(&mut s.actuator.friction.coulomb_force_per_pressure)),
+    (&p::STATIC_RATIO, |s| Some(&mut s.actuator.friction.static_ratio)),
+    (&p::STRIBECK_VELOCITY, |s| Some(&mut s.actuator.friction.stribeck_velocity)),
     (&p::LIMIT_STIFFNESS, |s| Some(&mut s.actuator.limit.stiffness)),
     (&p::LIMIT_DAMPING, |s| Some(&mut s.actuator.limit.damping)),
     (&p::POLYTROPIC_INDEX, |s| match &mut s.air.process {
@@ -106,6 +134,14 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::STEP, |s| s.run.step.as_mut()),
     (&p::ACCURACY, |s| Some(&mut s.run.accuracy)),
 ];
+
+/// The coefficients of the law of Tondu & Lopez, where they are given.
+fn tondu_lopez(scenario: &mut Scenario) -> Option<&mut TonduLopezCoefficients> {
+    match &mut scenario.actuator.force {
+        Force::TonduLopez { coefficients, .. } => coefficients.as_mut(),
+        _ => None,
+    }
+}
 
 fn supply(scenario: &mut Scenario) -> Option<&mut Passage> {
     Some(&mut scenario.valve.as_mut()?.passage)

@@ -13,6 +13,7 @@
 
 use super::kernel::{Held, Method};
 use super::rig::Rig;
+use crate::force::Statics;
 use crate::load::Load;
 use crate::scalar::{Mask, Real, Scalar};
 
@@ -58,6 +59,7 @@ impl<R: Real> Course<R> {
 
     fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: [R; 4]) {
         self.state = end;
+        rig.actuator().remember(&mut self.held.memory, end[0]);
         self.time = self.time.larger(until);
         if rig.load().inertia().is_none() {
             self.slide(rig);
@@ -90,12 +92,13 @@ impl<R: Real> Course<R> {
 
     /// Decides anew how the load slides.
     fn slide(&mut self, rig: &Rig<R>) {
-        (self.held.sliding, self.held.stuck) = rig.slides(&self.state);
+        (self.held.sliding, self.held.stuck) = rig.slides(&self.held, &self.state);
     }
 
     /// Goes to a turn and through it.
     fn turn(&mut self, rig: &Rig<R>, turn: &Turn<R>) {
         self.state = turn.state;
+        rig.actuator().remember(&mut self.held.memory, self.state[0]);
         self.time = self.time + turn.part.to_time();
         if turn.at_limit {
             let limits = rig.actuator().limits();
@@ -114,7 +117,7 @@ impl<R: Real> Course<R> {
             && self.held.stuck
             && let Some(inertia) = rig.load().inertia()
         {
-            let (least, most) = rig.holdable(self.state[0], self.state[2]);
+            let (least, most) = rig.held_tensions(&self.held, &self.state);
             let longer = (most - inertia.pull).lt(inertia.pull - least);
             self.held.sliding = R::select(longer, R::one(), -R::one());
             self.held.stuck = false;
@@ -186,7 +189,7 @@ struct Turn<R> {
     at_limit: bool,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
     pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
@@ -194,6 +197,12 @@ impl<S: Scalar> Rig<S> {
             Load::Isometric => [S::constant(f64::INFINITY); 2],
             _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
         }
+    }
+
+    /// The least and the largest tension in N that can be held at rest in a state.
+    #[inline(always)]
+    fn held_tensions(&self, held: &Held<S>, state: &[S; 4]) -> (S, S) {
+        self.holdable(state[0], state[2], self.rubbing(state[0], held))
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
@@ -208,7 +217,7 @@ impl<S: Scalar> Rig<S> {
         if !held.stuck.any() {
             return along;
         }
-        let (least, most) = self.holdable(state[0], state[2]);
+        let (least, most) = self.held_tensions(held, state);
         S::select(held.stuck, (most - inertia.pull).smaller(inertia.pull - least), along)
     }
 
@@ -226,8 +235,8 @@ impl<S: Scalar> Rig<S> {
 
     /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
     #[inline(always)]
-    pub(crate) fn slides(&self, state: &[S; 4]) -> (S, S::Mask) {
-        let [length, velocity, pressure, _] = *state;
+    pub(crate) fn slides(&self, held: &Held<S>, state: &[S; 4]) -> (S, S::Mask) {
+        let [length, velocity, ..] = *state;
         let nowhere = S::Mask::splat(false);
         if !self.actuator().friction().has_coulomb() {
             return (S::zero(), nowhere);
@@ -238,7 +247,7 @@ impl<S: Scalar> Rig<S> {
         if !at_rest.any() {
             return (by_velocity, nowhere);
         }
-        let (least, most) = self.holdable(length, pressure);
+        let (least, most) = self.held_tensions(held, state);
         let (longer, shorter) = (most.lt(inertia.pull), inertia.pull.lt(least));
         let slack = self.actuator().limits().is_slack(length);
         let falling = S::select(inertia.pull.lt(S::zero()), -S::one(), S::one());
@@ -252,7 +261,7 @@ impl<S: Scalar> Rig<S> {
     #[inline(always)]
     pub(crate) fn admissible(&self, state: &[S; 4]) -> S::Mask {
         let [length, velocity, pressure, mass] = *state;
-        let thread = self.actuator().law().law.braid.thread_length();
+        let thread = self.actuator().law().law.end_length();
         // What is infinite or not a number makes the sum so, and that less itself is not zero.
         let sum = (length + velocity) + (pressure + mass);
         (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass)

@@ -15,6 +15,8 @@ use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::timetable::{Progress, Timetable};
 use crate::error::Error;
+use crate::force::Statics;
+use crate::friction::Memory;
 use crate::load::Line;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Ports;
@@ -30,7 +32,7 @@ pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
 impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let mut walk = Walk::new(start.to_array());
+        let mut walk = Walk::new(rig, start.to_array());
         walk.pass(rig, &rig.timetable());
         Self { rig, method, walk }
     }
@@ -48,6 +50,11 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Which passages are open at that time.
     pub fn ports(&self) -> Ports {
         self.walk.ports
+    }
+
+    /// What the hysteresis remembers at that time.
+    pub fn memory(&self) -> &Memory<R> {
+        &self.walk.course.held.memory
     }
 
     /// Everything that is known at that time.
@@ -75,8 +82,9 @@ pub(crate) struct Walk<R: Real> {
 
 impl<R: Real> Walk<R> {
     /// At t = 0, before what is due then has been passed.
-    pub(crate) fn new(state: [R; 4]) -> Self {
-        let course = Course { time: R::Time::zero(), state, held: Held::nothing() };
+    fn new(rig: &Rig<R>, state: [R; 4]) -> Self {
+        let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
+        let course = Course { time: R::Time::zero(), state, held: Held { memory, ..Held::nothing() } };
         Self { course, progress: Progress::none(), ports: Ports::CLOSED }
     }
 
@@ -98,7 +106,7 @@ impl<R: Real> Walk<R> {
             if !rig.admissible(&self.course.state) {
                 let left = self.course;
                 self.course = before;
-                let thread = rig.actuator().law().law.braid.thread_length().value();
+                let thread = rig.actuator().law().law.end_length().value();
                 return Err(outside(thread, left.time.value(), left.state.map(Real::value)));
             }
             if instant.is_none() {

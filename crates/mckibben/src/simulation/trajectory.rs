@@ -133,13 +133,17 @@ impl<R: Real> Trajectory<R> {
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
+        self.visit(|weight, sample, phase| visit(weight, sample, &phase.mode));
+    }
+
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>)) {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         self.stored.quadrature(&system, |weight, time, state, phase| {
-            visit(weight, &sample(&system, time, state, phase), &phase.mode);
+            visit(weight, &sample(&system, time, state, phase), phase);
         });
     }
 }
 
 fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &Phase<R>) -> Sample<R> {
-    system.member().sample(time, state, system.tension(state, &phase.mode), &phase.mode)
+    system.member().sample(time, state, system.tension(state, phase), &phase.mode)
 }

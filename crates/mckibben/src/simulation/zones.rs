@@ -1,11 +1,12 @@
-//! The pieces of the flow law and of a tabulated effectiveness as components of the mode: which one holds, and when the
-//! pressure leaves it.
+//! The pieces of the flow law, of a tabulated effectiveness and of a force map as components of the mode: which one holds,
+//! and when the state leaves it.
 
 use super::member::Member;
 use super::mode::{Guard, Mode};
 use super::system::GuardForm;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Piece;
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
@@ -104,17 +105,65 @@ impl<R: Real> Member<'_, R> {
     pub(super) fn effectiveness_piece(&self, pressure: R) -> usize {
         let actuator = self.actuator;
         let gauge = actuator.gauge(pressure).0.value();
-        let bounds = |piece| actuator.law().effectiveness.piece_bounds(piece).1;
-        (0..).find(|&piece| bounds(piece).is_none_or(|end| gauge <= end.value())).unwrap_or(0)
+        piece_of(gauge, |piece| actuator.law().effectiveness.piece_bounds(piece).1)
+    }
+
+    /// The piece of a force map at a length and an absolute pressure.
+    pub(super) fn force_piece(&self, length: R, pressure: R) -> Piece {
+        let (law, gauge) = (&self.actuator.law().law, self.actuator.gauge(pressure));
+        Piece {
+            length: piece_of(length.value(), |piece| law.length_bounds(piece).1),
+            pressure: piece_of(gauge.0.value(), |piece| law.pressure_bounds(piece).1),
+        }
+    }
+
+    /// The length in m at which a piece of a force map ends on one side, passed by the band.
+    pub(super) fn map_length_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        self.passed(self.actuator.law().law.length_bounds(mode.force_piece.length), up)
+    }
+
+    /// The absolute pressure in Pa at which a piece of a force map ends on one side, passed by the band.
+    pub(super) fn map_pressure_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        self.passed(self.absolute(self.actuator.law().law.pressure_bounds(mode.force_piece.pressure)), up)
+    }
+
+    /// One of two bounds, passed by the band.
+    fn passed(&self, (low, high): (Option<R>, Option<R>), up: bool) -> Option<R> {
+        let factor = if up { 1.0 + self.band } else { 1.0 - self.band };
+        let bound = if up { high } else { low };
+        bound.map(|bound| bound * R::constant(factor))
+    }
+
+    /// Absolute pressures in Pa from gauge pressures.
+    fn absolute(&self, (low, high): (Option<R>, Option<R>)) -> (Option<R>, Option<R>) {
+        let absolute = |gauge: R| gauge + self.actuator.air().atmosphere().0;
+        (low.map(absolute), high.map(absolute))
     }
 
     /// The absolute pressure in Pa at which a piece of the effectiveness ends on one side, passed by the band.
     pub(super) fn piece_bound(&self, mode: &Mode, up: bool) -> Option<R> {
-        let actuator = self.actuator;
-        let (low, high) = actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece);
-        let factor = if up { 1.0 + self.band } else { 1.0 - self.band };
-        let bound = if up { high } else { low };
-        bound.map(|gauge| (gauge + actuator.air().atmosphere().0) * R::constant(factor))
+        self.passed(self.absolute(self.actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece)), up)
+    }
+
+    /// Whether the gas presses the threads together at an absolute pressure, as far as that matters.
+    pub(super) fn pressed(&self, pressure: R) -> bool {
+        !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
+    }
+
+    /// The absolute pressure in Pa at which the threads begin or cease to be pressed, passed by the band.
+    pub(super) fn press_bound(&self, pressed: bool) -> R {
+        let factor = if pressed { 1.0 - self.band } else { 1.0 + self.band };
+        self.actuator.air().atmosphere().0 * R::constant(factor)
+    }
+
+    pub(super) fn press_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+        if self.actuator.friction().has_direction() {
+            let bound = self.press_bound(mode.pressed).value();
+            match mode.pressed {
+                true => add(Guard::PressDown, GuardForm::Above { index: pressure, bound }),
+                false => add(Guard::PressUp, GuardForm::Below { index: pressure, bound }),
+            }
+        }
     }
 
     pub(super) fn piece_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
@@ -124,5 +173,22 @@ impl<R: Real> Member<'_, R> {
         if let Some(bound) = self.piece_bound(mode, true) {
             add(Guard::PieceUp, GuardForm::Below { index, bound: bound.value() });
         }
+        if let Some(bound) = self.map_pressure_bound(mode, false) {
+            add(Guard::MapDown, GuardForm::Above { index, bound: bound.value() });
+        }
+        if let Some(bound) = self.map_pressure_bound(mode, true) {
+            add(Guard::MapUp, GuardForm::Below { index, bound: bound.value() });
+        }
+        // Not everyone's length is a state.
+        for (guard, up) in [(Guard::MapShorter, false), (Guard::MapLonger, true)] {
+            if self.map_length_bound(mode, up).is_some() {
+                add(guard, GuardForm::Function);
+            }
+        }
     }
+}
+
+/// The first piece that a number lies in, by the upper ends of the pieces.
+fn piece_of<R: Real>(number: f64, end: impl Fn(usize) -> Option<R>) -> usize {
+    (0..).find(|&piece| end(piece).is_none_or(|end| number <= end.value())).unwrap_or(0)
 }

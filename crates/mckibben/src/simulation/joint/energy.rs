@@ -62,7 +62,7 @@ impl<R: Real> JointTrajectory<R> {
             for i in 0..2 {
                 let actuator = &self.rig().driven()[i].actuator;
                 let of = &mut audit.actuators[i];
-                of.load += of.add(actuator, weight, &sample.actuators[i], &mode.actuators[i]);
+                of.load += of.add(actuator, weight, &sample.actuators[i], &mode.actuators[i], &None);
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();
