@@ -6,6 +6,7 @@ use crate::events;
 use crate::observation::{Observation, Range, Ripple};
 use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
+use mckibben::air::Process;
 use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
@@ -52,7 +53,7 @@ impl Summary<'_> {
         if let Outcome::Located(trajectory) = self.outcome {
             energy(&mut page, &trajectory.audit());
             if let Some(audit) = trajectory.circuit() {
-                circuit(&mut page, &audit);
+                circuit(&mut page, &audit, trajectory.rig().actuator().air().process());
             }
         }
         page.text + &assumptions(self.assumed)
@@ -226,11 +227,11 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
 }
 
 /// Where the exergy of the air from the supply went.
-fn circuit(page: &mut Page, audit: &CircuitAudit) {
+fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
     page.heading("Exergy of the supply's air");
-    let heat = match audit.heat {
-        gained if gained < 0.0 => "by heat that the process implies; negative: gained",
-        _ => "lost through heat",
+    let heat = match process {
+        Process::Isentropic | Process::Polytropic { .. } => "lost through heat that the process implies, from nowhere",
+        Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
     };
     let work = audit.work.gas_work;
     let named = [

@@ -45,7 +45,7 @@ fn every_example_of_the_repository_has_a_figure() {
     ] {
         let stem = name.rsplit('/').next().unwrap();
         let path = examples.join(format!("{name}.toml"));
-        let whole = format!("mckibben {command} {} --plot {stem}.svg", path.display());
+        let whole = format!("mckibben {command} {}</span> <span>--plot {stem}.svg", path.display());
         assert!(page.contains(&whole), "{whole}");
     }
     assert!(page.contains("--over length"), "a prescribed motion is drawn over length");

@@ -12,6 +12,7 @@ main, nav ol { max-width: 84rem; }
 .cards h3 { margin: 0 0 .75rem; text-wrap: pretty; }
 .cards figure { margin: 0; }
 .cards img { display: block; width: 100%; height: auto; }
+.cards code span + span { white-space: nowrap; }
 .cards pre { white-space: pre-wrap; overflow-wrap: anywhere; }
 .failed { border-left: .25rem solid var(--differs); color: var(--differs); background: var(--differs-ground); }
 ";
@@ -81,7 +82,9 @@ fn card(out: &mut String, entry: &Entry) {
         Ok((command, note)) => {
             put!(out, "<figure>\n<a href=\"{address}.svg\">");
             put!(out, "<img src=\"{address}.svg\" alt=\"{title}\" loading=\"lazy\"></a>\n");
-            put!(out, "<figcaption>{text}<br><code>{}</code>", escaped(command));
+            // A line may end between two options, not within one.
+            let command = escaped(command).replace(" --", "</span> <span>--");
+            put!(out, "<figcaption>{text}<br><code><span>{command}</span></code>");
             if !note.is_empty() {
                 put!(out, "<br>{}", escaped(note));
             }

@@ -37,7 +37,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         let rows = sweep.rows();
         match sweep.record() {
             Record::Reductions(_) if rows <= RUNS => return picture(sweep::svg(&sweep, Theme::Auto)?, "sweep", ""),
-            _ => note = format!("One run; `mckibben sweep {}` does the {rows} of its sweep.", file.display()),
+            _ => note = format!("One run; mckibben sweep {} does the {rows} of its sweep.", file.display()),
         }
     }
     match first_command(text) {
