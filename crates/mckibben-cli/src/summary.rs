@@ -230,7 +230,9 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
 fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
     page.heading("Exergy of the supply's air");
     let heat = match process {
-        Process::Isentropic | Process::Polytropic { .. } => "lost through heat that the process implies, from nowhere",
+        Process::Isentropic | Process::Polytropic { .. } => {
+            "lost through heat that the process implies; negative: gained"
+        }
         Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
     };
     let work = audit.work.gas_work;

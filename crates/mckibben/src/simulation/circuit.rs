@@ -28,7 +28,7 @@ use super::mode::{Extent, Mode};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::valve::Valve;
 
 /// Where the exergy of the air from the supply went, in J.
@@ -104,13 +104,13 @@ impl Exergy {
 
     /// `R T_0 ln(a/b)` in J/kg: what a throttle from one pressure to another destroys.
     fn throttle(&self, a: f64, b: f64) -> f64 {
-        self.gas_constant * self.temperature * (a / b).ln()
+        self.gas_constant * self.temperature * Scalar::ln(a / b)
     }
 
     /// Exergy of a stream in J/kg at a temperature and an absolute pressure.
     fn stream(&self, temperature: f64, pressure: f64) -> f64 {
         let relative = temperature / self.temperature;
-        self.heat_capacity * self.temperature * (relative - 1.0 - relative.ln())
+        self.heat_capacity * self.temperature * (relative - 1.0 - Scalar::ln(relative))
             + self.throttle(pressure, self.pressure)
     }
 
@@ -149,7 +149,7 @@ impl CircuitAudit {
             + from_outside * exergy.throttle(exergy.pressure, pressure);
         let relative = inflow / temperature;
         let inward = from_supply + from_outside;
-        self.mixed += inward * exergy.heat_capacity * exergy.temperature * (relative - 1.0 - relative.ln());
+        self.mixed += inward * exergy.heat_capacity * exergy.temperature * (relative - 1.0 - Scalar::ln(relative));
 
         // The heat is what the first law asks for: dU = dQ − P dV + h_in dm_in − h dm_out, with U = P V c_v/R.
         let flow = supply.and(surroundings);
