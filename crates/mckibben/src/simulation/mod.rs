@@ -10,6 +10,8 @@
 #[cfg(feature = "alloc")]
 pub mod accuracy;
 mod arc;
+#[cfg(feature = "alloc")]
+mod circuit;
 pub(crate) mod course;
 #[cfg(feature = "alloc")]
 mod energy;
@@ -34,6 +36,8 @@ mod trajectory;
 mod zones;
 
 pub use arc::Arc;
+#[cfg(feature = "alloc")]
+pub use circuit::CircuitAudit;
 #[cfg(feature = "alloc")]
 pub use energy::EnergyAudit;
 pub use fixed_step::FixedStepper;
