@@ -59,8 +59,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
 
     /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        let Course { time, state, held } = &self.walk.course;
-        Sample::new(*time, state, &self.rig.observe(state, held), self.walk.ports)
+        self.walk.sample(self.rig)
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -80,9 +79,17 @@ pub(crate) struct Walk<R: Real> {
     pub(crate) ports: Ports,
 }
 
+impl<R: Real<Time = R>> Walk<R> {
+    /// Everything that is known at the time that has been reached.
+    pub(super) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
+        let Course { time, state, held } = &self.course;
+        Sample::new(*time, state, &rig.observe(state, held), self.ports)
+    }
+}
+
 impl<R: Real> Walk<R> {
     /// At t = 0, before what is due then has been passed.
-    fn new(rig: &Rig<R>, state: [R; 4]) -> Self {
+    pub(super) fn new(rig: &Rig<R>, state: [R; 4]) -> Self {
         let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
         let course = Course { time: R::Time::zero(), state, held: Held { memory, ..Held::nothing() } };
         Self { course, progress: Progress::none(), ports: Ports::CLOSED }

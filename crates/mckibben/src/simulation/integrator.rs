@@ -33,6 +33,20 @@ pub struct Counts {
     pub events: u64,
 }
 
+#[cfg(feature = "alloc")]
+impl Counts {
+    /// The cost of one after the other.
+    pub(super) fn and(self, next: Self) -> Self {
+        Self {
+            explicit_steps: self.explicit_steps + next.explicit_steps,
+            implicit_steps: self.implicit_steps + next.implicit_steps,
+            rejected_steps: self.rejected_steps + next.rejected_steps,
+            evaluations: self.evaluations + next.evaluations,
+            events: self.events + next.events,
+        }
+    }
+}
+
 /// A stretch of time within one mode: one step, cut where an event ended it.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<R, M, K, const N: usize> {

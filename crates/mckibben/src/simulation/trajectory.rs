@@ -7,6 +7,7 @@ use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
 use super::stored::{self, Stored};
 use crate::error::Error;
+use crate::parameter;
 use crate::scalar::Real;
 use alloc::vec::Vec;
 
@@ -61,13 +62,55 @@ pub fn simulate_watched<R: Real>(
     let state = start.to_array();
     let phase = system.begin(&state);
     let mut events = Vec::new();
-    let see = |piece: &PieceOf<R, RigSystem<'_, R>, 4>| {
-        if let Some((kind, after)) = piece.event {
-            events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
-        }
-    };
-    let stored = stored::run(&system, (state, phase), duration, relative_tolerance, see, watch)?;
+    let stored =
+        stored::run(&system, (state, phase), duration, relative_tolerance, |piece| log(&mut events, piece), watch)?;
     Ok(Trajectory { rig: rig.clone(), relative_tolerance, stored, events })
+}
+
+/// Writes what ended a piece into a log.
+fn log<R: Real>(events: &mut Vec<Event<R>>, piece: &PieceOf<R, RigSystem<'_, R>, 4>) {
+    if let Some((kind, after)) = piece.event {
+        events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
+    }
+}
+
+/// A trajectory in the making, in parts between which the rig's command may be continued.
+#[derive(Debug)]
+pub(super) struct Growing<R: Real> {
+    pub(super) rig: Rig<R>,
+    relative_tolerance: f64,
+    stored: Stored<R, Phase<R>, EventKind, 4>,
+    events: Vec<Event<R>>,
+}
+
+impl<R: Real> Growing<R> {
+    /// Nothing yet, at t = 0 in a state.
+    pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
+        parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+        let state = start.to_array();
+        let phase = RigSystem::new(&rig, relative_tolerance).begin(&state);
+        Ok(Self { rig, relative_tolerance, stored: Stored::begin(state, phase), events: Vec::new() })
+    }
+
+    /// Goes on to `until` s.
+    pub(super) fn extend(&mut self, until: R, watch: impl FnMut(f64)) -> Result<(), Error> {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let events = &mut self.events;
+        self.stored.extend(&system, until, self.relative_tolerance, |piece| log(events, piece), watch)
+    }
+
+    /// The sample at the time that has been reached.
+    pub(super) fn sample(&self) -> Sample<R> {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let (time, state, phase) = self.stored.reached();
+        sample(&system, *time, state, phase)
+    }
+
+    /// The trajectory up to the time that has been reached.
+    pub(super) fn finish(self) -> Trajectory<R> {
+        let Self { rig, relative_tolerance, stored, events } = self;
+        Trajectory { rig, relative_tolerance, stored, events }
+    }
 }
 
 impl<R: Real> Trajectory<R> {
