@@ -13,6 +13,7 @@ pub mod accuracy;
 mod arc;
 #[cfg(feature = "alloc")]
 mod circuit;
+#[cfg(feature = "alloc")]
 mod closed_loop;
 #[cfg(feature = "alloc")]
 mod controlled;
@@ -42,6 +43,7 @@ mod zones;
 pub use arc::Arc;
 #[cfg(feature = "alloc")]
 pub use circuit::CircuitAudit;
+#[cfg(feature = "alloc")]
 pub use closed_loop::Decision;
 #[cfg(feature = "alloc")]
 pub use controlled::{Controlled, ControlledStepper, simulate_controlled, simulate_controlled_watched};
