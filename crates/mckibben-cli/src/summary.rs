@@ -51,8 +51,9 @@ impl Summary<'_> {
         self.states(&mut page);
         self.air(&mut page);
         if let Outcome::Located(trajectory) = self.outcome {
-            energy(&mut page, &trajectory.audit());
-            if let Some(audit) = trajectory.circuit() {
+            let of_circuit = trajectory.circuit();
+            energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
+            if let Some(audit) = of_circuit {
                 circuit(&mut page, &audit, trajectory.rig().actuator().air().process());
             }
         }

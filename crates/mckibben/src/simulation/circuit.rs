@@ -58,10 +58,7 @@ impl CircuitAudit {
     /// What does not close in J, the audit of the work included.
     pub fn residual(&self) -> f64 {
         let lost = self.exhaust + self.throttled + self.mixed + self.heat;
-        let EnergyAudit { load, bladder_storage, braid_storage, hysteresis_storage, effectiveness_loss, .. } =
-            self.work;
-        let stored = self.stored + bladder_storage + braid_storage + hysteresis_storage;
-        self.drawn - stored - lost - load - effectiveness_loss - self.work.dissipated()
+        self.drawn - self.stored - lost - self.work.accounted()
     }
 
     /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
