@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod arguments;
+mod closed_loop;
 pub mod commands;
 pub mod describe;
 pub mod engine;

@@ -46,25 +46,11 @@ pub enum Over {
     Length,
 }
 
-/// Draws a run; the bytes of the file.
+/// Draws a run, with the set point that the decisions of a controller had as a broken line; the bytes of the file.
 ///
 /// # Errors
 /// [`Failure::output`], which names `path`, when the figure cannot be drawn.
 pub fn draw(
-    experiment: &Experiment,
-    outcome: &Outcome<'_>,
-    over: Over,
-    title: &str,
-    (path, format): (&Path, Format),
-) -> Result<Vec<u8>, Failure> {
-    draw_controlled(experiment, outcome, &[], over, title, (path, format))
-}
-
-/// The same with the set point that the decisions of a controller had, as a broken line.
-///
-/// # Errors
-/// As [`draw`].
-pub fn draw_controlled(
     experiment: &Experiment,
     outcome: &Outcome<'_>,
     decisions: &[Decision],
@@ -72,11 +58,24 @@ pub fn draw_controlled(
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    let figure = match over {
-        Over::Time => figure(experiment, outcome, decisions, title),
+    bytes(&figure(experiment, outcome, decisions, over, title)?, (path, format))
+}
+
+/// The figure of a run.
+///
+/// # Errors
+/// What the core finds when a fixed-step run is repeated.
+pub fn figure(
+    experiment: &Experiment,
+    outcome: &Outcome<'_>,
+    decisions: &[Decision],
+    over: Over,
+    title: &str,
+) -> Result<Figure, Error> {
+    match over {
+        Over::Time => courses(experiment, outcome, decisions, title),
         Over::Length => loops(experiment, outcome, title),
-    };
-    figure.map_err(Failure::from).and_then(|figure| bytes(&figure, (path, format)))
+    }
 }
 
 /// A figure as the bytes of a file.
@@ -136,7 +135,7 @@ impl Bands {
     }
 }
 
-fn figure(
+fn courses(
     experiment: &Experiment,
     outcome: &Outcome<'_>,
     decisions: &[Decision],

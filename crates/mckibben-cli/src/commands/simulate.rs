@@ -3,6 +3,7 @@
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
 //! them takes its name.
 
+use crate::closed_loop;
 use crate::engine::{self, Outcome};
 use crate::events;
 use crate::failure::Failure;
@@ -19,7 +20,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-mod controlled;
 mod joint;
 
 /// What `mckibben simulate` is asked.
@@ -98,7 +98,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
     let started = Instant::now();
     let failed = |error| Failure::of_core(&error, &document);
-    let closed = controlled.as_ref().map(controlled::close).transpose().map_err(failed)?;
+    let closed = controlled.as_ref().map(closed_loop::close).transpose().map_err(failed)?;
     let experiment = closed.as_ref().map_or(experiment, |closed| closed.experiment.clone());
     let mut observer = Observer::new(&experiment);
     let mut watch = |sample: &_| observer.see(sample);
@@ -120,7 +120,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             },
             |title, target| {
                 let decisions = &closed.decisions;
-                portrait::draw_controlled(&experiment, &outcome, decisions, arguments.over, title, target)
+                portrait::draw(&experiment, &outcome, decisions, arguments.over, title, target)
             },
             |path, out| events::of(&outcome).map_or(Ok(()), |log| events::write(log, path, out)),
         )?,
@@ -211,7 +211,7 @@ impl<'a> Files<'a> {
             arguments,
             (document, scenario),
             |provenance, target, out| record::write(outcome, interval, provenance, target, out),
-            |title, target| portrait::draw(experiment, outcome, arguments.over, title, target),
+            |title, target| portrait::draw(experiment, outcome, &[], arguments.over, title, target),
             |path, out| events::of(outcome).map_or(Ok(()), |log| events::write(log, path, out)),
         )
     }

@@ -23,9 +23,8 @@ use super::system::GuardForm;
 use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::force::Statics;
-use crate::friction::{Branch, Memory, Rubbing, Touch};
+use crate::friction::{Branch, Memory, Rubbing};
 use crate::scalar::{Over, Real};
-use crate::valve::{FlowZone, Port};
 
 /// Temperature in K at which the scale of the air mass is taken.
 const ROOM_TEMPERATURE: f64 = 293.15;
@@ -136,9 +135,8 @@ impl<'a, R: Real> Member<'a, R> {
     /// How the threads rub at an actuator length.
     #[inline(always)]
     pub(super) fn rubbing<T: Over<R>>(&self, length: T, mode: &Mode, trace: &Option<Trace<R>>) -> Rubbing<T> {
-        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
         let width = trace.as_ref().map(|trace| trace.width(length));
-        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch }
+        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch: mode.touch() }
     }
 
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
@@ -227,9 +225,7 @@ impl<'a, R: Real> Member<'a, R> {
         if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
             add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
-        self.zone_guards(mode, pressure, add);
         self.piece_guards(mode, pressure, add);
-        self.press_guard(mode, pressure, add);
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
@@ -238,9 +234,12 @@ impl<'a, R: Real> Member<'a, R> {
         let [length, velocity, pressure] = ends;
         let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
         let band = T::constant(self.force_band);
-        let bound = |port, zone: Option<FlowZone>, up| {
-            zone.and_then(|zone| self.zone_bound(port, zone, up)).map_or(pressure, T::of)
+        let within = |number: T, (bound, lasts_above): (R, bool)| {
+            if lasts_above { number - T::of(bound) } else { T::of(bound) - number }
         };
+        if let Some(limit) = self.pressure_limit(guard, mode) {
+            return within(pressure, limit);
+        }
         match guard {
             Guard::ThreadLength => T::of(self.thread_length()) - length,
             Guard::Slack => length - shortest,
@@ -251,24 +250,14 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::Retaut => band - limits.taut_force(length, velocity),
             Guard::TensionZero => self.signed_force(ends, mode, trace) + band,
             Guard::TensionBack => band - self.signed_force(ends, mode, trace),
-            Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),
-            Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
-            Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
-            Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
-            Guard::MapShorter => length - self.map_length_bound(mode, false).map_or(length, T::of),
-            Guard::MapLonger => self.map_length_bound(mode, true).map_or(length, T::of) - length,
-            Guard::MapDown => pressure - self.map_pressure_bound(mode, false).map_or(pressure, T::of),
-            Guard::MapUp => self.map_pressure_bound(mode, true).map_or(pressure, T::of) - pressure,
-            Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
-            Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
-            Guard::PressDown => pressure - T::of(self.press_bound(true)),
-            Guard::PressUp => T::of(self.press_bound(false)) - pressure,
-            Guard::Slip => match trace.as_ref().and_then(Trace::end) {
-                Some((end, true)) => length - T::of(end),
-                Some((end, false)) => T::of(end) - length,
-                None => T::one(),
-            },
-            // The load's, not the member's: they never end what a member knows of.
+            Guard::Slip => trace.as_ref().and_then(Trace::end).map_or(T::one(), |end| within(length, end)),
+            Guard::MapShorter | Guard::MapLonger => {
+                self.map_length_limit(guard, mode).map_or(T::one(), |limit| within(length, limit))
+            }
+            // An end that the mode has not, or the load's: they never end what a member knows of.
+            Guard::SupplyDown | Guard::SupplyUp | Guard::ExhaustDown | Guard::ExhaustUp => T::one(),
+            Guard::PieceDown | Guard::PieceUp | Guard::MapDown | Guard::MapUp => T::one(),
+            Guard::PressDown | Guard::PressUp => T::one(),
             Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
         }
     }

@@ -12,6 +12,8 @@
 pub mod accuracy;
 mod arc;
 #[cfg(feature = "alloc")]
+mod circuit;
+#[cfg(feature = "alloc")]
 mod closed_loop;
 #[cfg(feature = "alloc")]
 mod controlled;
@@ -39,6 +41,8 @@ mod trajectory;
 mod zones;
 
 pub use arc::Arc;
+#[cfg(feature = "alloc")]
+pub use circuit::CircuitAudit;
 #[cfg(feature = "alloc")]
 pub use closed_loop::Decision;
 #[cfg(feature = "alloc")]

@@ -57,12 +57,12 @@ impl<R: Real> JointTrajectory<R> {
     pub fn audit(&self) -> JointAudit {
         let joint = self.rig().joint();
         let mut audit = JointAudit::default();
-        self.quadrature(|weight, sample, mode| {
-            let weight = weight.value();
+        self.visit(|weight, sample, phase| {
+            let (weight, mode) = (weight.value(), &phase.mode);
             for i in 0..2 {
                 let actuator = &self.rig().driven()[i].actuator;
                 let of = &mut audit.actuators[i];
-                of.load += of.add(actuator, weight, &sample.actuators[i], &mode.actuators[i], &None);
+                of.load += of.add(actuator, weight, &sample.actuators[i], &mode.actuators[i], &phase.traces[i]);
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();

@@ -1,4 +1,4 @@
-//! `mckibben simulate` with a controller: the closed loop is run first; what it asked of the valve is then a command like
+//! A run with a controller: the closed loop is run first; what it asked of the valve is then a command like
 //! any other.
 
 use crate::engine::{self, Outcome};
@@ -10,17 +10,17 @@ use mckibben::simulation::{
 use mckibben_scenario::{ControlledExperiment, Engine, Experiment};
 
 /// A closed loop that has been run.
-pub(super) struct Closed {
+pub(crate) struct Closed {
     /// What was simulated, with the command that the controller made.
-    pub(super) experiment: Experiment,
+    pub(crate) experiment: Experiment,
     /// What was decided at each sampling instant.
-    pub(super) decisions: Vec<Decision>,
+    pub(crate) decisions: Vec<Decision>,
     /// By the event-located engine.
     trajectory: Option<Trajectory>,
 }
 
 /// Runs the closed loop.
-pub(super) fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
+pub(crate) fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
     const PARTS: f64 = 1000.0;
     let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
     let (rig, start, run) = (&experiment.rig, experiment.start, experiment.run);
@@ -51,7 +51,7 @@ pub(super) fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
 
 impl Closed {
     /// The run; the fixed-step engine repeats it, divided at the sampling instants as before, and shows every step.
-    pub(super) fn outcome<'e>(
+    pub(crate) fn outcome<'e>(
         &self,
         experiment: &'e Experiment,
         watch: &mut dyn FnMut(&Sample),
