@@ -1,38 +1,102 @@
-//! A run with a controller: the closed loop is run first; what it asked of the valve is then a command like
-//! any other.
+//! A run with a controller: the closed loop is run first; what it asked of the valve is then a command like any other.
 
 use crate::engine::{self, Outcome};
 use crate::progress::Progress;
 use mckibben::Error;
+use mckibben::control::Quantity;
 use mckibben::simulation::{
     Controlled, ControlledStepper, Decision, Rig, Sample, SampleTimes, Trajectory, simulate_controlled_watched,
 };
+use mckibben::valve::Command;
 use mckibben_scenario::{ControlledExperiment, Engine, Experiment};
 
 /// A closed loop that has been run.
-pub(crate) struct Closed {
+#[derive(Clone, Debug)]
+pub struct Closed {
     /// What was simulated, with the command that the controller made.
-    pub(crate) experiment: Experiment,
-    /// What was decided at each sampling instant.
-    pub(crate) decisions: Vec<Decision>,
+    pub experiment: Experiment,
+    /// What was to be reached, and how far it was.
+    pub goals: Vec<Goal>,
+    /// The sampling instants in s.
+    instants: Vec<f64>,
     /// By the event-located engine.
     trajectory: Option<Trajectory>,
 }
 
+/// A set point and what was measured of its quantity, at the sampling instants.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// Of what.
+    pub quantity: Quantity,
+    /// Whether the controller regulates it; what is not regulated is as near as the controller's model is right.
+    pub regulated: bool,
+    /// The instants in s.
+    pub time: Vec<f64>,
+    /// Where it was to be.
+    pub target: Vec<f64>,
+    /// Where it was, as the sensor showed it.
+    pub measured: Vec<f64>,
+}
+
+/// How far a goal was missed at the sampling instants, in the unit of its quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// Root mean square.
+    pub rms: f64,
+    /// Largest magnitude.
+    pub largest: f64,
+    /// When that was, in s.
+    pub at: f64,
+}
+
+impl Goal {
+    /// Set points of a quantity with what was measured, as `(time, target, measured)`.
+    pub fn new(quantity: Quantity, regulated: bool, rows: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
+        let mut goal = Self { quantity, regulated, time: Vec::new(), target: Vec::new(), measured: Vec::new() };
+        for (time, target, measured) in rows {
+            goal.time.push(time);
+            goal.target.push(target);
+            goal.measured.push(measured);
+        }
+        goal
+    }
+
+    /// How far it was missed.
+    pub fn miss(&self) -> Miss {
+        let mut miss = Miss { rms: 0.0, largest: 0.0, at: 0.0 };
+        for ((time, target), measured) in self.time.iter().zip(&self.target).zip(&self.measured) {
+            let error = (target - measured).abs();
+            miss.rms += error * error / self.time.len() as f64;
+            if error > miss.largest {
+                (miss.largest, miss.at) = (error, *time);
+            }
+        }
+        Miss { rms: miss.rms.sqrt(), ..miss }
+    }
+}
+
 /// Runs the closed loop.
-pub(crate) fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
+///
+/// # Errors
+/// What the core finds.
+pub fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
     const PARTS: f64 = 1000.0;
     let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
     let (rig, start, run) = (&experiment.rig, experiment.start, experiment.run);
-    let with = |rig: &Rig| Experiment { rig: rig.clone(), ..experiment.clone() };
     let progress = Progress::begin("simulating", Some(PARTS as u64));
     let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
+    let closed = |rig: &Rig, decisions: &[Decision], trajectory| Closed {
+        experiment: Experiment { rig: rig.clone(), ..experiment.clone() },
+        goals: goals(of, decisions),
+        instants: decisions.iter().map(|decision| decision.seen.time).collect(),
+        trajectory,
+    };
     match run.engine {
         Engine::EventLocated => {
             let span = (run.duration, run.relative_tolerance);
             let Controlled { trajectory, decisions } =
                 simulate_controlled_watched(rig, start, span, law, (*sampling, *sensors), watch)?;
-            Ok(Closed { experiment: with(trajectory.rig()), decisions, trajectory: Some(trajectory) })
+            Ok(closed(&trajectory.rig().clone(), &decisions, Some(trajectory)))
         }
         Engine::FixedStep => {
             let (step, _) = experiment.step()?;
@@ -43,25 +107,68 @@ pub(crate) fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
                     watch(time);
                 }
             }
-            let decisions = stepper.decisions().to_vec();
-            Ok(Closed { experiment: with(stepper.rig()), decisions, trajectory: None })
+            Ok(closed(stepper.rig(), stepper.decisions(), None))
         }
     }
 }
 
+/// What is regulated, then what else the file gives set points of.
+fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
+    let measured = |quantity: Quantity, decision: &Decision| quantity.of(&decision.seen);
+    let regulated = decisions.iter().filter_map(|decision| {
+        let (quantity, target) = decision.aim?;
+        Some((decision.seen.time, target, measured(quantity, decision)?))
+    });
+    let mut goals = vec![Goal::new(of.regulated, true, regulated)];
+    for (quantity, set_point) in of.set_points.iter().filter(|(quantity, _)| *quantity != of.regulated) {
+        let rows = decisions.iter().filter_map(|decision| {
+            let time = decision.seen.time;
+            Some((time, set_point.at(time), measured(*quantity, decision)?))
+        });
+        goals.push(Goal::new(*quantity, false, rows));
+    }
+    goals
+}
+
 impl Closed {
+    /// How many samples the controller took.
+    pub fn samples(&self) -> usize {
+        self.instants.len()
+    }
+
+    /// How often it asked something else of the valve.
+    pub fn requests(&self) -> usize {
+        match self.experiment.rig.actuation().map(|actuation| &actuation.command) {
+            Some(Command::Table { time, .. }) => time.len(),
+            _ => 0,
+        }
+    }
+
     /// The run; the fixed-step engine repeats it, divided at the sampling instants as before, and shows every step.
-    pub(crate) fn outcome<'e>(
+    ///
+    /// # Errors
+    /// What the core finds.
+    pub fn outcome<'e>(
         &self,
         experiment: &'e Experiment,
         watch: &mut dyn FnMut(&Sample),
     ) -> Result<Outcome<'e>, Error> {
         match &self.trajectory {
             Some(trajectory) => Ok(Outcome::Located(Box::new(trajectory.clone()))),
-            None => {
-                let instants = self.decisions.iter().map(|decision| decision.seen.time).collect();
-                engine::run_steps(experiment, experiment.step()?, instants, watch)
-            }
+            None => engine::run_steps(experiment, experiment.step()?, self.instants.clone(), watch),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_miss_is_root_mean_square_and_largest() {
+        let goal = Goal::new(Quantity::Length, true, [(0.0, 1.0, 1.0), (0.5, 1.0, 4.0), (1.0, 1.0, -3.0)]);
+        let Miss { rms, largest, at } = goal.miss();
+        assert!((rms - (25.0f64 / 3.0).sqrt()).abs() < 1e-15, "{rms}");
+        assert_eq!((largest, at), (4.0, 1.0));
     }
 }

@@ -1,7 +1,10 @@
 //! A scenario in a few words.
 
 use crate::quantities::{digits, given, given_percent};
-use mckibben_scenario::{Command, CommandState, Engine, Load, Method, Motion, Process, Run, Scenario};
+use mckibben::control::Quantity;
+use mckibben_scenario::{
+    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Process, Regulator, Run, Scenario,
+};
 
 /// What the actuator pulls on.
 pub fn load(load: &Load) -> String {
@@ -45,10 +48,42 @@ pub fn drive(scenario: &Scenario) -> String {
         }
         Command::Constant(state) => format!("{} all the time", state.name()),
         Command::Table { time, .. } => format!("table of {} commands", time.len()),
-        Command::Controller(of) => format!("controller at {}", given(of.rate, "Hz")),
+        Command::Controller(of) => controller(of),
     };
     let supply = given(supply.gauge_pressure, "Pa");
     format!("{} valve, {command}, supply at {supply} gauge", valve.kind.name())
+}
+
+/// What a controller does, and how often.
+fn controller(of: &Controller) -> String {
+    let regulator = match of.regulator {
+        Regulator::Relay { .. } => "bang-bang",
+        Regulator::Pid { .. } => "PID",
+    };
+    let regulated = controlled(of.aim.regulated());
+    let by_model = match of.aim {
+        Aim::Track { .. } => "",
+        Aim::Model { .. } => " by the static model",
+    };
+    let delay = match of.delay {
+        0 => String::new(),
+        1 => ", one sample late".to_owned(),
+        many => format!(", {many} samples late"),
+    };
+    format!("{regulator} control of {regulated}{by_model} at {}{delay}", given(of.rate, "Hz"))
+}
+
+/// What can be controlled, by its name.
+pub fn controlled(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Pressure => "gauge pressure",
+        Quantity::Length => "length",
+        Quantity::AirMass => "mass of air",
+        Quantity::Force => "tension",
+        Quantity::Angle => "angle",
+        Quantity::Torque => "torque",
+        Quantity::Stiffness => "stiffness",
+    }
 }
 
 /// The process of the air.

@@ -5,7 +5,7 @@
 //! | [`arguments`] | the command line |
 //! | [`commands`] | one module for each command |
 //! | [`settings`] | values of the scenario from the command line |
-//! | [`engine`] | a run by the engine that the scenario names |
+//! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, without a controller and with one |
 //! | [`observation`] | the figures of a run |
 //! | [`summary`], [`describe`], [`events`] | a run in words |
 //! | [`record`] | a run as CSV or Parquet |
@@ -19,7 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod arguments;
-mod closed_loop;
+pub mod closed_loop;
 pub mod commands;
 pub mod describe;
 pub mod engine;

@@ -1,12 +1,13 @@
 //! The figure of a run: length, pressure and tension over time with the valve as bands behind them, or tension over length.
 
+use crate::closed_loop::Goal;
 use crate::engine::Outcome;
 use crate::events;
 use crate::failure::Failure;
 use crate::plot::{Axis, Dash, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
 use mckibben::Error;
 use mckibben::control::Quantity;
-use mckibben::simulation::{Decision, EventKind, Sample};
+use mckibben::simulation::{EventKind, Sample};
 use mckibben_scenario::Experiment;
 use std::path::Path;
 
@@ -46,19 +47,19 @@ pub enum Over {
     Length,
 }
 
-/// Draws a run, with the set point that the decisions of a controller had as a broken line; the bytes of the file.
+/// Draws a run, with the set points of a controller as broken lines; the bytes of the file.
 ///
 /// # Errors
 /// [`Failure::output`], which names `path`, when the figure cannot be drawn.
 pub fn draw(
     experiment: &Experiment,
     outcome: &Outcome<'_>,
-    decisions: &[Decision],
+    goals: &[Goal],
     over: Over,
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    bytes(&figure(experiment, outcome, decisions, over, title)?, (path, format))
+    bytes(&figure(experiment, outcome, goals, over, title)?, (path, format))
 }
 
 /// The figure of a run.
@@ -68,12 +69,12 @@ pub fn draw(
 pub fn figure(
     experiment: &Experiment,
     outcome: &Outcome<'_>,
-    decisions: &[Decision],
+    goals: &[Goal],
     over: Over,
     title: &str,
 ) -> Result<Figure, Error> {
     match over {
-        Over::Time => courses(experiment, outcome, decisions, title),
+        Over::Time => courses(experiment, outcome, goals, title),
         Over::Length => loops(experiment, outcome, title),
     }
 }
@@ -135,12 +136,7 @@ impl Bands {
     }
 }
 
-fn courses(
-    experiment: &Experiment,
-    outcome: &Outcome<'_>,
-    decisions: &[Decision],
-    title: &str,
-) -> Result<Figure, Error> {
+fn courses(experiment: &Experiment, outcome: &Outcome<'_>, goals: &[Goal], title: &str) -> Result<Figure, Error> {
     let duration = experiment.run.duration;
     let curves = curves(experiment, outcome)?;
     let limits = experiment.rig.actuator().limits();
@@ -164,11 +160,7 @@ fn courses(
         (Panel::new(Axis::new("gauge pressure", unit)), curves.pressure, per_pascal, Quantity::Pressure),
         (Panel::new(Axis::new("tension", "N")), curves.tension, 1.0, Quantity::Force),
     ];
-    let aims: Vec<(f64, Quantity, f64)> = decisions
-        .iter()
-        .filter_map(|decision| decision.aim.map(|(quantity, target)| (decision.seen.time, quantity, target)))
-        .collect();
-    if aims.iter().any(|(_, quantity, _)| *quantity == Quantity::AirMass) {
+    if goals.iter().any(|goal| goal.quantity == Quantity::AirMass) {
         panels.push((Panel::new(Axis::new("mass of air", "mg")), curves.air_mass, 1e6, Quantity::AirMass));
     }
     let mut figure = Figure::new(Axis::new("time", "s").starting_at(0.0).ending_at(duration)).title(title);
@@ -180,14 +172,21 @@ fn courses(
         if !curves.supply.intervals.is_empty() {
             panel = panel.span(Span::intervals(name, curves.supply.intervals.clone()));
         }
-        let (at, wanted): (Vec<f64>, Vec<f64>) =
-            aims.iter().filter(|(_, of, _)| *of == shown).map(|(time, _, target)| (*time, target * factor)).unzip();
-        if !at.is_empty() {
-            panel = panel.series(Series::steps("set point", at, wanted).dash(Dash::Dashed));
+        if let Some(goal) = goals.iter().find(|goal| goal.quantity == shown) {
+            panel = panel.series(wanted(goal, factor));
         }
         figure = figure.panel(panel);
     }
     Ok(figure.size_mm(120.0, 32.0))
+}
+
+/// The set point of a goal, in a unit that its own is so many of.
+pub(crate) fn wanted(goal: &Goal, factor: f64) -> Series {
+    let target: Vec<f64> = goal.target.iter().map(|target| target * factor).collect();
+    let rests = target.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    // What is another at most sampling instants is a curve to look at.
+    let draw = if 2 * rests < target.len() { Series::line } else { Series::steps };
+    draw("set point", goal.time.clone(), target).dash(Dash::Dashed)
 }
 
 fn loops(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {

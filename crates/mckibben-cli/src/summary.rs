@@ -1,5 +1,6 @@
 //! What a run came to, as text for people.
 
+use crate::closed_loop::{Closed, Goal, Miss};
 use crate::describe;
 use crate::engine::Outcome;
 use crate::events;
@@ -34,6 +35,8 @@ pub struct Summary<'a> {
     pub experiment: &'a Experiment,
     /// The run.
     pub outcome: &'a Outcome<'a>,
+    /// The controller's part in it, if there is one.
+    pub control: Option<&'a Closed>,
     /// Its figures.
     pub observation: &'a Observation,
     /// How long the computer took.
@@ -49,6 +52,11 @@ impl Summary<'_> {
         self.what_ran(&mut page);
         self.events(&mut page);
         self.states(&mut page);
+        if let Some(closed) = self.control {
+            goals(&mut page, &closed.goals);
+            let air = quantity(self.observation.air.from_supply, "kg");
+            effort(&mut page, closed.samples(), &count(closed.requests() as u64), &air);
+        }
         self.air(&mut page);
         if let Outcome::Located(trajectory) = self.outcome {
             let of_circuit = trajectory.circuit();
@@ -141,6 +149,24 @@ impl Summary<'_> {
             }
         }
     }
+}
+
+/// How far the goals of a controller were missed.
+pub(crate) fn goals<'g>(page: &mut Page, goals: impl IntoIterator<Item = &'g Goal>) {
+    page.heading("Control");
+    page.head(["rms error", "largest error", "at"]);
+    for goal in goals {
+        let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
+        let name = describe::controlled(goal.quantity);
+        page.columns(name, [quantity(rms, unit), quantity(largest, unit), quantity(at, "s")]);
+    }
+}
+
+/// What a controller did and what it took.
+pub(crate) fn effort(page: &mut Page, samples: usize, requests: &str, air: &str) {
+    page.line("samples", &format!("{}; errors are as measured then", count(samples as u64)));
+    page.line("requests", &format!("{requests} changes of what the valve is asked"));
+    page.line("air used", &format!("{air} from the supply"));
 }
 
 /// What a run of the event-located engine cost.

@@ -7,7 +7,7 @@ use crate::model::Experiment;
 use crate::scenario::{Aim, Command, Controller, Load, Regulator, Scenario};
 use mckibben::control::{
     self, AirMass, Between, Drive, FeedForward, Measurement, Output, Pid, Place, Quantity, RegulatorMemory, Relay,
-    Sampling, Sensor, Sensors, StaticAim, Tracker,
+    Sampling, Sensor, Sensors, SetPoint, StaticAim, Tracker,
 };
 use mckibben::{Error, GaugePressure};
 
@@ -24,6 +24,8 @@ pub struct ControlledExperiment {
     pub sensors: Sensors,
     /// What it regulates.
     pub regulated: Quantity,
+    /// The set points of the file.
+    pub set_points: Vec<(Quantity, SetPoint)>,
 }
 
 /// The controller of a scenario.
@@ -65,6 +67,17 @@ impl control::Controller for ControlLaw {
     }
 }
 
+impl Scenario {
+    /// The same with nothing asked of the valve where a controller would ask.
+    pub fn open_loop(&self) -> Self {
+        let mut open = self.clone();
+        if let Some(command) = open.command.as_mut().filter(|command| matches!(command, Command::Controller(_))) {
+            *command = Command::Constant(CommandState::Exhaust);
+        }
+        open
+    }
+}
+
 impl Document {
     /// Reads the scenario and builds what it describes and its controller, or `None` when it has none.
     ///
@@ -101,8 +114,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
             );
         }
     };
-    let open = Scenario { command: Some(Command::Constant(CommandState::Exhaust)), ..scenario.clone() };
-    let experiment = open.experiment()?;
+    let experiment = scenario.open_loop().experiment()?;
     let regulated = of.aim.regulated();
     let regulator = core_regulator(&of.regulator, regulated, between, output)?;
     let law = match &of.aim {
@@ -129,7 +141,14 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         Quantity::AirMass => sensors.air_mass = sensor,
         _ => sensors.tension = sensor,
     }
-    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated })
+    let set_points = match &of.aim {
+        Aim::Track { quantity, set_point } => vec![(*quantity, set_point.clone())],
+        Aim::Model { force, length, .. } => {
+            let length = length.clone().map(|length| (Quantity::Length, length));
+            length.into_iter().chain([(Quantity::Force, force.clone())]).collect()
+        }
+    };
+    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
 }
 
 fn core_regulator(

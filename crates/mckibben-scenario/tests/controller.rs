@@ -11,7 +11,7 @@ fn document(controller: &str, kind: &str) -> Document {
     Document::parse(&(START.replace("KIND", kind) + controller), "controller.toml").expect("TOML")
 }
 
-const LAWS: [&str; 5] = [
+const LAWS: [&str; 6] = [
     "kind = \"bang-bang\"\ngauge_pressure = \"2 bar\"\ndead_band = \"0.1 bar\"\nhysteresis = \"0.05 bar\"",
     "kind = \"pid\"\nlength = \"9 cm\"\namplitude = \"2 mm\"\nfrequency = \"1 Hz\"\nproportional_band = \"1 cm\"\ndelay = 2",
     "kind = \"pid\"\nforce = [\"9 N\", \"12 N\"]\ntime = [\"0 s\", \"1 s\"]\ntable = \"lines\"\nproportional_band = \"1 N\"\n\
@@ -19,6 +19,7 @@ const LAWS: [&str; 5] = [
     "kind = \"feed-forward\"\nforce = \"20 N\"\nlength = \"9 cm\"\nhighest_gauge_pressure = \"5 bar\"\n\
      proportional_band = \"2 bar\"",
     "kind = \"air-mass\"\nforce = \"20 N\"\nhighest_gauge_pressure = \"5 bar\"\ndead_band = \"1 mg\"",
+    "kind = \"bang-bang\"\nlength = [\"9 cm\", \"85 mm\"]\ntime = [\"0 s\", \"1 s\"]\ndead_band = \"1 mm\"\nresolution = \"10 um\"",
 ];
 
 #[test]
@@ -54,6 +55,15 @@ fn what_is_wrong_is_said() {
         ("three-way", LAWS[0].replace("0.05 bar", "1 bar"), "controller.hysteresis"),
         ("three-way", LAWS[1].replace("2 mm", "10 cm"), "controller.length"),
         ("three-way", LAWS[4].to_owned() + "\nbias = 0.1", "`controller.bias` has no meaning"),
+        ("three-way", LAWS[0].to_owned() + "\ndelay = 17", "must be at least 0 and at most 16"),
+        (
+            "three-way",
+            LAWS[0].to_owned() + "\nproportional_band = \"1 bar\"",
+            "`controller.proportional_band` has no meaning",
+        ),
+        ("three-way", LAWS[2].replace("\"0 s\", \"1 s\"", "\"1 s\", \"0 s\""), "must increase from entry to entry"),
+        ("three-way", LAWS[2].replace(", \"1 s\"", ""), "`controller.time` has 1 entries"),
+        ("three-way", LAWS[3].replace("\"5 bar\"", "\"-5 bar\""), "give at most the gauge pressure of the supply"),
         ("two-way", LAWS[0].to_owned(), "a three-way or a fill-hold-exhaust valve"),
     ] {
         let error = document(&text, kind).controlled_experiment().expect_err("refused").to_string();

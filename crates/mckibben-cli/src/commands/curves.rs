@@ -25,7 +25,7 @@ use mckibben::force::Statics;
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
-use mckibben_scenario::{Document, Force, Scenario};
+use mckibben_scenario::{Document, Experiment, Force, Scenario};
 pub use pressures::{Pressure, Pressures};
 use std::path::{Path, PathBuf};
 
@@ -83,7 +83,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
         setting.apply(&mut document)?;
     }
     let scenario = document.scenario()?;
-    let experiment = document.experiment()?;
+    let experiment = built(&document)?;
     let pressures = arguments.pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
     let notes = notes(&scenario, &document);
@@ -109,11 +109,19 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
 /// The figure over length at the usual pressures.
 pub(crate) fn figure(document: &Document) -> Result<Figure, Failure> {
     let scenario = document.scenario()?;
-    let experiment = document.experiment()?;
+    let experiment = built(document)?;
     let pressures: Pressures = USUAL.parse().map_err(Failure::stopped)?;
     let pressures = pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
     Ok(curves.figure(Over::Length, &notes(&scenario, document)))
+}
+
+/// What a scenario describes; its curves do not ask for what drives the valve.
+fn built(document: &Document) -> Result<Experiment, Failure> {
+    Ok(match document.controlled_experiment()? {
+        Some(controlled) => controlled.experiment,
+        None => document.experiment()?,
+    })
 }
 
 /// What a reader of the curves must know, as sentences; empty when there is nothing.
@@ -289,7 +297,7 @@ impl Curves<'_> {
 fn operating_points(scenario: &Scenario, rig: &Rig, start: f64, pressures: &[Pressure]) -> Result<String, Failure> {
     let failed = |error: mckibben::Error| Failure::stopped(error.to_string());
     let largest = rig.actuator().law().law.volume(rig.actuator().limits().min_length());
-    let mut wide = scenario.clone();
+    let mut wide = scenario.open_loop();
     wide.actuator.external_volume = largest;
     let wide = wide.rig().map_err(failed)?;
     let actuator = rig.actuator();

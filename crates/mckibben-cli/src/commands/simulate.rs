@@ -110,21 +110,17 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let elapsed = started.elapsed();
 
     let interval = experiment.run.sample_interval;
-    match (&controlled, &closed) {
-        (Some(of), Some(closed)) => files.write_with(
+    match &closed {
+        Some(closed) => files.write_with(
             arguments,
             (&document, &scenario),
             |provenance, target, out| {
-                let of = (of.regulated, &closed.decisions[..]);
-                record::write_controlled(&outcome, of, interval, provenance, target, out)
+                record::write_controlled(&outcome, &closed.goals, interval, provenance, target, out)
             },
-            |title, target| {
-                let decisions = &closed.decisions;
-                portrait::draw(&experiment, &outcome, decisions, arguments.over, title, target)
-            },
+            |title, target| portrait::draw(&experiment, &outcome, &closed.goals, arguments.over, title, target),
             |path, out| events::of(&outcome).map_or(Ok(()), |log| events::write(log, path, out)),
         )?,
-        _ => files.write(arguments, &document, &scenario, &experiment, &outcome)?,
+        None => files.write(arguments, &document, &scenario, &experiment, &outcome)?,
     }
     if arguments.quiet && !arguments.events {
         return Ok(());
@@ -139,6 +135,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             scenario: &scenario,
             experiment: &experiment,
             outcome: &outcome,
+            control: closed.as_ref(),
             observation: &observation,
             elapsed,
             assumed: &assumed,

@@ -1,9 +1,8 @@
 //! The columns of a file as functions of a sample, for an actuator and for a joint.
 
 use super::{COLUMNS, VALVE};
-use mckibben::control::Quantity;
-use mckibben::simulation::{Decision, JointSample, Sample};
-use std::rc::Rc;
+use crate::closed_loop::Goal;
+use mckibben::simulation::{JointSample, Sample};
 
 /// A column of a file over samples `S`.
 pub(super) struct Field<S> {
@@ -19,29 +18,38 @@ pub(super) enum Value<S> {
     Word(Box<dyn Fn(&S) -> &'static str>),
 }
 
+/// Two times that differ by less than this part of themselves are one.
+const ROUNDING: f64 = 1e-14;
+
 /// The columns of one actuator in their order.
 pub(super) fn of_actuator() -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
     numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect()
 }
 
-/// The columns of one actuator under a controller: what it regulates follows, as of the last sampling instant.
-pub(super) fn of_controlled(regulated: Quantity, decisions: &[Decision]) -> Vec<Field<Sample>> {
-    let unit = regulated.rows().set_point.unit;
-    let decisions: Rc<[Decision]> = decisions.into();
-    let column = |name: &str, value: fn(&Decision, Quantity) -> Option<f64>| {
-        let decisions = Rc::clone(&decisions);
-        number(&format!("{name}_{}", unit.to_lowercase()), unit, move |sample: &Sample| {
-            // A sampling instant and the sample's time that differ by rounding are one.
-            let begun = decisions.partition_point(|decision| decision.seen.time <= sample.time * (1.0 + 1e-14));
-            let last = begun.checked_sub(1).and_then(|index| decisions.get(index));
-            last.and_then(|decision| value(decision, regulated)).unwrap_or(f64::NAN)
-        })
-    };
+/// The columns of one actuator under a controller: its goals follow.
+pub(super) fn of_controlled(goals: &[Goal]) -> Vec<Field<Sample>> {
     let mut fields = of_actuator();
-    fields.push(column("set_point", |decision, _| decision.aim.map(|(_, target)| target)));
-    fields.push(column("measured", |decision, regulated| regulated.of(&decision.seen)));
+    fields.extend(of_goals(goals, |sample: &Sample| sample.time));
     fields
+}
+
+/// The set points, and what was measured of those that are regulated, as of the last sampling instant.
+fn of_goals<S: 'static>(goals: &[Goal], time_of: fn(&S) -> f64) -> impl Iterator<Item = Field<S>> + '_ {
+    goals.iter().flat_map(move |goal| {
+        let unit = goal.quantity.rows().set_point.unit;
+        let ending = unit.to_lowercase().replace(['*', '/'], "_");
+        let column = |name: &str, values: &[f64]| {
+            let (time, values) = (goal.time.clone(), values.to_vec());
+            number(&format!("{name}_{ending}"), unit, move |sample: &S| {
+                // A sampling instant and the sample's time that differ by rounding are one; the first is at 0.
+                let begun = time.partition_point(|time| *time <= time_of(sample) * (1.0 + ROUNDING));
+                values[begun.max(1) - 1]
+            })
+        };
+        let measured = goal.regulated.then(|| column("measured", &goal.measured));
+        [column("set_point", &goal.target)].into_iter().chain(measured)
+    })
 }
 
 /// The columns of a joint in their order.

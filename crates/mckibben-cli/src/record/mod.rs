@@ -4,11 +4,11 @@ mod csv;
 mod field;
 mod parquet;
 
+use crate::closed_loop::Goal;
 use crate::engine::Outcome;
 use crate::failure::Failure;
 use field::Field;
-use mckibben::control::Quantity;
-use mckibben::simulation::{Decision, JointSample, JointTrajectory, Sample};
+use mckibben::simulation::{JointSample, JointTrajectory, Sample};
 use mckibben_scenario::{Document, Scenario};
 use std::io::Write;
 use std::path::Path;
@@ -101,20 +101,20 @@ pub fn write(
     write_fields(&field::of_actuator(), rows, provenance, (path, format), out)
 }
 
-/// Writes a run under a controller: with the set point and what was measured after the columns of the run.
+/// Writes a run under a controller: with the set points and what was measured after the columns of the run.
 ///
 /// # Errors
 /// [`Failure::output`], which names `path`, when writing fails.
 pub fn write_controlled(
     outcome: &Outcome<'_>,
-    (regulated, decisions): (Quantity, &[Decision]),
+    goals: &[Goal],
     interval: f64,
     provenance: &Provenance<'_>,
     (path, format): (&Path, Format),
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_controlled(regulated, decisions), rows, provenance, (path, format), out)
+    write_fields(&field::of_controlled(goals), rows, provenance, (path, format), out)
 }
 
 /// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's.

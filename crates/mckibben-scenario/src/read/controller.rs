@@ -64,8 +64,9 @@ fn set_point(r: &mut Reader<'_>, quantity: Quantity, may_swing: bool) -> SetPoin
     if !(may_swing && r.has(rows.amplitude.key)) {
         return SetPoint::Constant(mean);
     }
-    let amplitude = r.noted(&rows.amplitude);
+    let amplitude = r.number(&rows.amplitude);
     let (frequency, phase) = (r.value(&p::SET_FREQUENCY, None), r.value(&p::SET_PHASE, None));
+    let Some(amplitude) = amplitude else { return SetPoint::Constant(mean) };
     SetPoint::sinusoid(quantity, mean, amplitude, frequency, phase).unwrap_or_else(|error| {
         r.note(r.document().diagnose(&error));
         SetPoint::Constant(mean)

@@ -58,7 +58,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     if let Some(controlled) = document.controlled_experiment()? {
         let closed = closed_loop::close(&controlled).map_err(failed)?;
         let outcome = closed.outcome(&closed.experiment, &mut |_| ()).map_err(failed)?;
-        let figure = portrait::figure(&closed.experiment, &outcome, &closed.decisions, Over::Time, "")?;
+        let figure = portrait::figure(&closed.experiment, &outcome, &closed.goals, Over::Time, "")?;
         return Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", "")? });
     }
     let experiment = document.experiment()?;

@@ -1,0 +1,100 @@
+//! `mckibben simulate` with a controller: what it writes, prints and draws.
+
+mod common;
+
+use common::{Folder, of_repository};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// The numbers of a CSV file by column.
+fn columns(path: &Path) -> HashMap<String, Vec<f64>> {
+    let mut reader = csv::Reader::from_path(path).expect("a CSV file");
+    let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+    let mut columns: HashMap<String, Vec<f64>> = HashMap::new();
+    for record in reader.records() {
+        for (name, field) in names.iter().zip(record.expect("a row").iter()) {
+            columns.entry(name.clone()).or_default().extend(field.parse::<f64>());
+        }
+    }
+    columns
+}
+
+fn run(folder: &Folder, example: &str, more: &[&str]) -> (String, HashMap<String, Vec<f64>>) {
+    let file = of_repository(&format!("examples/control/{example}.toml"));
+    let mut program = folder.mckibben();
+    program.arg("simulate").arg(file).args(["--output", "run.csv"]).args(more);
+    let output = program.output().expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    (String::from_utf8(output.stdout).expect("UTF-8"), columns(&folder.path("run.csv")))
+}
+
+const PSI: f64 = 6894.757293168361;
+
+#[test]
+fn a_relay_keeps_the_pressure_of_the_file_within_its_dead_band() {
+    let folder = Folder::new("control-relay");
+    let (summary, of) = run(&folder, "bang-bang", &["--plot", "run.svg"]);
+    for (row, time) in of["time_s"].iter().enumerate() {
+        let wanted = if *time < 1.0 {
+            40.0
+        } else if *time < 2.0 {
+            60.0
+        } else {
+            30.0
+        };
+        assert!((of["set_point_pa"][row] - wanted * PSI).abs() < 1e-6, "{time}");
+        // What is measured was so at the last sampling instant, to half the resolution.
+        if (row % 2) == 0 {
+            assert!((of["measured_pa"][row] - (of["pressure_pa"][row] - 101_325.0)).abs() < 0.0501 * PSI, "{time}");
+        }
+    }
+    let last = of["pressure_pa"].last().expect("a row") - 101_325.0;
+    assert!((last - 30.0 * PSI).abs() < 1.1 * PSI, "{last}");
+    assert!(summary.contains("bang-bang control of gauge pressure at 500 Hz"), "{summary}");
+    assert!(summary.contains("rms error") && summary.contains("air used"), "{summary}");
+    let figure = std::fs::read_to_string(folder.path("run.svg")).expect("a figure");
+    assert!(figure.contains("set point"));
+}
+
+#[test]
+fn a_goal_that_is_not_regulated_is_written_and_told() {
+    let folder = Folder::new("control-model");
+    let (summary, of) = run(&folder, "air-mass", &[]);
+    let names = ["set_point_kg", "measured_kg", "set_point_m", "set_point_n"];
+    assert!(names.iter().all(|name| of[*name].len() == 6001), "{:?}", of.keys());
+    assert!(!of.contains_key("measured_m"));
+    // The model's mass for the load at a length by (3) and the ideal gas law, from the numbers of the preset.
+    let (thread, turns, length) = (4.3218 * 0.0254f64, 2.5f64, 0.089);
+    let per_turns = 1.0 / (4.0 * std::f64::consts::PI * turns * turns);
+    let gauge = 22.24 / ((3.0 * length * length - thread * thread) * per_turns);
+    let volume = length * (thread * thread - length * length) * per_turns + 3e-6;
+    let mass = (gauge + 101_325.0) * volume / (286.99 * 293.15);
+    let last = *of["set_point_kg"].last().expect("a row");
+    assert!((last / mass - 1.0).abs() < 1e-4, "{last} {mass}");
+    assert!((of["air_mass_kg"].last().expect("a row") - last).abs() < 0.6e-6);
+    assert!(summary.contains("mass of air") && summary.contains("length"), "{summary}");
+}
+
+#[test]
+fn the_fixed_step_engine_closes_the_same_loop() {
+    let folder = Folder::new("control-steps");
+    let (_, located) = run(&folder, "pid", &[]);
+    let fixed = ["--set", "run.engine=fixed-step", "--set", "run.step=50 us", "--quiet"];
+    let (_, stepped) = run(&folder, "pid", &fixed);
+    assert_eq!(located["set_point_m"], stepped["set_point_m"]);
+    let difference =
+        |name: &str| located[name].iter().zip(&stepped[name]).map(|(a, b)| (a - b).abs()).fold(0.0f64, f64::max);
+    // A count of the sensor's 10 µm that falls the other way moves a pulse's end by 10/15000 of a period.
+    assert!(difference("length_m") < 1e-4, "{}", difference("length_m"));
+}
+
+#[test]
+fn static_curves_need_no_controller_and_linear_models_refuse_one() {
+    let folder = Folder::new("control-others");
+    let file = of_repository("examples/control/pid.toml");
+    let curves = folder.mckibben().arg("curves").arg(&file).output().expect("runs");
+    assert!(curves.status.success(), "{}", String::from_utf8_lossy(&curves.stderr));
+    let linear = folder.mckibben().arg("linearize").arg(&file).output().expect("runs");
+    let told = String::from_utf8_lossy(&linear.stderr).into_owned();
+    assert!(linear.status.code() == Some(2) && told.contains("a controller is not supported here yet"), "{told}");
+}
