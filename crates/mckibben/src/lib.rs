@@ -27,6 +27,7 @@
 //! | [`friction`] | viscous and Coulomb friction |
 //! | [`air`] | the processes of the air |
 //! | [`valve`] | flow law, solenoid, commands |
+//! | [`line`] | hose, leak, reservoir, regulator |
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
 //! | [`simulation`] | two ways through time |
@@ -49,6 +50,7 @@ pub mod air;
 pub mod batch;
 pub mod force;
 pub mod friction;
+pub mod line;
 #[cfg(feature = "alloc")]
 pub mod linearize;
 pub mod load;

@@ -19,6 +19,8 @@ use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::sample::Sample;
 use super::system::GuardForm;
 use crate::actuator::Actuator;
+#[cfg(feature = "alloc")]
+use crate::air::Flow;
 use crate::air::Process;
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
@@ -113,8 +115,17 @@ impl<'a, R: Real> Member<'a, R> {
         let [length, velocity, pressure, mass] = *state;
         let slack = mode.extent == Extent::Slack;
         let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
+        self.sample_with(time, state, tension, mode, self.flow(&chamber, mode))
+    }
+
+    /// The same with a given flow into the actuator.
+    #[cfg(feature = "alloc")]
+    pub(super) fn sample_with(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
+        let [length, velocity, pressure, mass] = *state;
+        let slack = mode.extent == Extent::Slack;
+        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
         let temperature = self.actuator.air().temperature(&chamber);
-        let observed = Observed { tension, volume: chamber.volume, temperature, flow: self.flow(&chamber, mode) };
+        let observed = Observed { tension, volume: chamber.volume, temperature, flow };
         Sample::new(time, state, &observed, mode.ports)
     }
 
@@ -161,12 +172,18 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// The guards of the tension and of the air, in the order in which they are crossed; `pressure` is its place among the
-    /// states.
-    pub(super) fn each_other_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+    /// states, `valve` the place of the pressure that the valve opens into and whether the supply's is constant.
+    pub(super) fn each_other_guard(
+        &self,
+        mode: &Mode,
+        pressure: usize,
+        valve: (usize, bool),
+        add: &mut impl FnMut(Guard, GuardForm),
+    ) {
         if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
             add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
-        self.zone_guards(mode, pressure, add);
+        self.zone_guards(mode, valve, add);
         self.piece_guards(mode, pressure, add);
     }
 
@@ -195,8 +212,14 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
             Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
             Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
-            // The load's, not the member's: they never end what a member knows of.
-            Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
+            // The load's or the line's, not the member's: they never end what a member knows of.
+            Guard::Rest
+            | Guard::BreakLonger
+            | Guard::BreakShorter
+            | Guard::CutOut
+            | Guard::CutIn
+            | Guard::RegulatorUp
+            | Guard::RegulatorDown => T::one(),
         }
     }
 

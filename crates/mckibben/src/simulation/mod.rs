@@ -22,6 +22,7 @@ mod joint;
 pub(crate) mod kernel;
 mod member;
 mod mode;
+mod plumbing;
 pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;

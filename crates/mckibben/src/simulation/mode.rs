@@ -93,6 +93,10 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
+    /// The compressor started or stopped.
+    Compressor,
+    /// The regulator's poppet entered or left its dead band.
+    Regulator,
     /// A joint came to a stop, or pressed it again.
     StopReached,
     /// A stop ceased to press while the joint came back.
@@ -119,6 +123,8 @@ impl EventKind {
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
+            Self::Compressor => "compressor",
+            Self::Regulator => "regulator",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",
             Self::StopLeft => "stop-left",
@@ -165,4 +171,12 @@ pub enum Guard {
     PieceDown,
     /// The pressure leaves the piece of the effectiveness upwards.
     PieceUp,
+    /// The reservoir has come to the pressure at which the compressor stops.
+    CutOut,
+    /// The reservoir has fallen to the pressure at which the compressor starts.
+    CutIn,
+    /// The regulator's error leaves a piece of its law upwards.
+    RegulatorUp,
+    /// The regulator's error leaves a piece of its law downwards.
+    RegulatorDown,
 }

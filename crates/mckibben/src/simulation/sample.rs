@@ -28,8 +28,12 @@ pub struct Sample<R = f64> {
     pub tension: R,
     /// Net mass flow into the actuator in kg/s.
     pub mass_flow: R,
-    /// Which passages of the valve are open.
+    /// Which passages of the valve are open, as the actuator sees it: a lumped hose shows it late.
     pub ports: Ports,
+    /// Absolute pressure at the valve's end of the hose; the actuator's own without a hose.
+    pub hose_pressure: AbsolutePressure<R>,
+    /// Absolute pressure behind the valve's port to the supply where it changes, of the regulator or the reservoir.
+    pub supply_pressure: Option<AbsolutePressure<R>>,
 }
 
 impl<R: Scalar> Sample<R> {
@@ -43,7 +47,27 @@ impl<R: Scalar> Sample<R> {
         let &Observed { tension, volume, temperature, flow } = observed;
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
-        Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }
+        let hose_pressure = pressure;
+        let supply_pressure = None;
+        Self {
+            time,
+            length,
+            velocity,
+            pressure,
+            air_mass,
+            temperature,
+            volume,
+            tension,
+            mass_flow,
+            ports,
+            hose_pressure,
+            supply_pressure,
+        }
+    }
+
+    /// The same with the absolute pressures (Pa) at the valve's end of the hose and of a supply that is not constant.
+    pub(super) fn with_line(self, hose: R, supply: Option<R>) -> Self {
+        Self { hose_pressure: AbsolutePressure(hose), supply_pressure: supply.map(AbsolutePressure), ..self }
     }
 }
 

@@ -3,11 +3,14 @@
 use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, PieceOf};
 use super::mode::{EventKind, Mode};
+use super::plumbing::{LUMPED, MOST};
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
 use super::stored::{self, Stored};
+use crate::air::Flow;
 use crate::error::Error;
 use crate::scalar::Real;
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// A change of mode.
@@ -28,8 +31,30 @@ pub struct Event<R = f64> {
 pub struct Trajectory<R: Real = f64> {
     rig: Rig<R>,
     relative_tolerance: f64,
-    stored: Stored<R, Phase<R>, EventKind, 4>,
+    run: Run<R>,
     events: Vec<Event<R>>,
+}
+
+/// The run of a rig with `N` states.
+type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
+
+/// A run by its number of states; of a rig with a line, the least of these that holds them all.
+#[derive(Clone, Debug)]
+enum Run<R: Real> {
+    Rig(Of<R, 4>),
+    Line(Of<R, LUMPED>),
+    Cells(Box<Of<R, MOST>>),
+}
+
+/// Does the same with a run of any number of states.
+macro_rules! with_run {
+    ($run:expr, $stored:ident => $do:expr) => {
+        match $run {
+            Run::Rig($stored) => $do,
+            Run::Line($stored) => $do,
+            Run::Cells($stored) => $do,
+        }
+    };
 }
 
 /// Simulates a rig from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
@@ -58,16 +83,30 @@ pub fn simulate_watched<R: Real>(
     watch: impl FnMut(f64),
 ) -> Result<Trajectory<R>, Error> {
     let system = RigSystem::new(rig, relative_tolerance);
-    let state = start.to_array();
-    let phase = system.begin(&state);
+    let asked = (start, duration, relative_tolerance);
     let mut events = Vec::new();
-    let see = |piece: &PieceOf<R, RigSystem<'_, R>, 4>| {
+    let run = match system.states() {
+        4 => Run::Rig(run_of(&system, asked, &mut events, watch)?),
+        5..=LUMPED => Run::Line(run_of(&system, asked, &mut events, watch)?),
+        _ => Run::Cells(Box::new(run_of(&system, asked, &mut events, watch)?)),
+    };
+    Ok(Trajectory { rig: rig.clone(), relative_tolerance, run, events })
+}
+
+fn run_of<R: Real, const N: usize>(
+    system: &RigSystem<'_, R>,
+    (start, duration, relative_tolerance): (State<R>, R, f64),
+    events: &mut Vec<Event<R>>,
+    watch: impl FnMut(f64),
+) -> Result<Of<R, N>, Error> {
+    let state = system.start(start);
+    let phase = system.begin(&state);
+    let see = |piece: &PieceOf<R, RigSystem<'_, R>, N>| {
         if let Some((kind, after)) = piece.event {
             events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
         }
     };
-    let stored = stored::run(&system, (state, phase), duration, relative_tolerance, see, watch)?;
-    Ok(Trajectory { rig: rig.clone(), relative_tolerance, stored, events })
+    stored::run(system, (state, phase), duration, relative_tolerance, see, watch)
 }
 
 impl<R: Real> Trajectory<R> {
@@ -83,63 +122,110 @@ impl<R: Real> Trajectory<R> {
 
     /// Steps, evaluations and events.
     pub fn counts(&self) -> Counts {
-        self.stored.counts()
+        with_run!(&self.run, stored => stored.counts())
     }
 
     /// End of the trajectory in s.
     pub fn duration(&self) -> R {
-        self.stored.duration()
+        with_run!(&self.run, stored => stored.duration())
+    }
+
+    fn system(&self) -> RigSystem<'_, R> {
+        RigSystem::new(&self.rig, self.relative_tolerance)
     }
 
     /// The sample at `time` in s, by dense output; at the instant of an event, after it. Times before the start and
     /// after the end give the first and the last sample.
     pub fn at(&self, time: R) -> Sample<R> {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        self.sample_with(&system, self.stored.begun(time.value()), time)
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.at(&system, stored.begun(time.value()), time);
+            sample(&system, time, &state, &phase)
+        })
     }
 
     /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
     pub fn samples(&self, interval: f64) -> impl Iterator<Item = Sample<R>> + '_ {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let system = self.system();
         let times = SampleTimes::new(self.duration().value(), interval);
         let mut place = 0;
         (0..=times.last()).map(move |index| {
             let time = times.time(index);
-            place = self.stored.begun_after(place, time);
-            self.sample_with(&system, place, R::constant(time))
+            with_run!(&self.run, stored => {
+                place = stored.begun_after(place, time);
+                let (time, state, phase) = stored.at(&system, place, R::constant(time));
+                sample(&system, time, &state, &phase)
+            })
         })
     }
 
-    /// Reads the four states at times in s that do not fall from one call to the next.
+    /// Reads the rig's four states at times in s that do not fall from one call to the next.
     pub(super) fn states(&self) -> impl FnMut(f64) -> [R; 4] + '_ {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let system = self.system();
         let mut place = 0;
         move |time| {
-            place = self.stored.begun_after(place, time);
-            self.stored.at(&system, place, R::constant(time)).1
+            with_run!(&self.run, stored => {
+                place = stored.begun_after(place, time);
+                four(stored.at(&system, place, R::constant(time)).1)
+            })
         }
     }
 
-    /// The least and the greatest value of each state, at five points of each step.
-    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
-        self.stored.ranges()
+    /// The states of the air line at `time` in s, in the order of its parts: the pressures (Pa, absolute) of the hose's
+    /// volumes from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and
+    /// regulator. As far as there are such parts.
+    pub fn line_at(&self, time: R) -> Vec<R> {
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
+            state[4..system.states()].to_vec()
+        })
     }
 
-    fn sample_with(&self, system: &RigSystem<'_, R>, begun: usize, time: R) -> Sample<R> {
-        let (time, state, phase) = self.stored.at(system, begun, time);
-        sample(system, time, &state, &phase)
+    /// The least and the greatest value of each of the rig's four states, at five points of each step.
+    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
+        with_run!(&self.run, stored => four(stored.ranges()))
     }
 
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        self.stored.quadrature(&system, |weight, time, state, phase| {
+        let system = self.system();
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
             visit(weight, &sample(&system, time, state, phase), &phase.mode);
-        });
+        }));
+    }
+
+    /// The same with the flow between the rig, its hose included, and the supply or the surroundings.
+    pub(super) fn each_flow(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode, &Flow<R>)) {
+        let system = self.system();
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
+            let flow = system.exchange(state, &phase.mode);
+            visit(weight, &sample(&system, time, state, phase), &phase.mode, &flow);
+        }));
+    }
+
+    /// Air in kg that the hose gained.
+    pub(super) fn hose_gain(&self) -> R {
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let content = |time: R| {
+                let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
+                system.hose_content(&state)
+            };
+            content(self.duration()) - content(R::zero())
+        })
     }
 }
 
-fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &Phase<R>) -> Sample<R> {
-    system.member().sample(time, state, system.tension(state, &phase.mode), &phase.mode)
+/// The first four of the states.
+fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
+    [states[0], states[1], states[2], states[3]]
+}
+
+fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
+    let (mode, (valve, supply)) = (&phase.mode, system.valve_places());
+    let (tension, flow) = (system.tension(state, mode), system.inflow(state, mode));
+    let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
+    sample.with_line(state[valve], supply.map(|place| state[place]))
 }

@@ -29,10 +29,11 @@ impl<R: Real> Member<'_, R> {
         }
     }
 
-    pub(super) fn enter_ports(&self, pressure: R, mode: &mut Mode) {
+    /// Enters the zones of the open passages at a pressure, with the pressure of the supply if that is not constant.
+    pub(super) fn enter_ports(&self, pressure: R, supply: Option<R>, mode: &mut Mode) {
         let zone = |port| {
             let valve = self.actuator.valve()?;
-            let beyond = valve.port_pressure(port);
+            let beyond = supply.filter(|_| port == Port::Supply).unwrap_or(valve.port_pressure(port));
             let below_end = |zone: &FlowZone| match valve.law.bounds(*zone, beyond).1 {
                 Some(end) => pressure.value() <= end.value(),
                 None => true,
@@ -53,21 +54,45 @@ impl<R: Real> Member<'_, R> {
 
     /// The bound of a zone in Pa on one side, passed by the band.
     pub(super) fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
+        self.zone_bound_from(self.actuator.valve()?.port_pressure(port), zone, up)
+    }
+
+    /// The same over the pressure beyond the port.
+    pub(super) fn zone_ratio(&self, zone: FlowZone, up: bool) -> Option<R> {
+        self.zone_bound_from(R::one(), zone, up)
+    }
+
+    fn zone_bound_from(&self, beyond: R, zone: FlowZone, up: bool) -> Option<R> {
         let valve = self.actuator.valve()?;
-        let (low, high) = valve.law.bounds(zone, valve.port_pressure(port));
+        let (low, high) = valve.law.bounds(zone, beyond);
         // A subsonic piece ends before the pressures are equal, where its root would.
         let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
         if up { high.map(|bound| widened(bound, 1.0 + band)) } else { low.map(|bound| widened(bound, 1.0 - band)) }
     }
 
-    pub(super) fn zone_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+    /// The guards of the zones; `index` is the place of the pressure that the valve opens into, and `constant` says whether
+    /// the supply's pressure is.
+    pub(super) fn zone_guards(
+        &self,
+        mode: &Mode,
+        (index, constant): (usize, bool),
+        add: &mut impl FnMut(Guard, GuardForm),
+    ) {
         let sides = [
             (Port::Supply, mode.supply_zone, Guard::SupplyDown, Guard::SupplyUp),
             (Port::Exhaust, mode.exhaust_zone, Guard::ExhaustDown, Guard::ExhaustUp),
         ];
         for (port, zone, down, up) in sides {
             let Some(zone) = zone else { continue };
+            if port == Port::Supply && !constant {
+                for (guard, up) in [(down, false), (up, true)] {
+                    if self.zone_ratio(zone, up).is_some() {
+                        add(guard, GuardForm::Function);
+                    }
+                }
+                continue;
+            }
             if let Some(bound) = self.zone_bound(port, zone, false) {
                 add(down, GuardForm::Above { index, bound: bound.value() });
             }
@@ -82,6 +107,7 @@ impl<R: Real> Member<'_, R> {
     pub(super) fn pressure_settling_rate(
         &self,
         pressure: R,
+        supply: Option<R>,
         mode: &Mode,
         rate: impl FnOnce(Dual<R, 1>) -> Dual<R, 1>,
     ) -> f64 {
@@ -96,7 +122,8 @@ impl<R: Real> Member<'_, R> {
             return settling;
         }
         // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
-        let gap = (valve.port_pressure(port) - pressure).value();
+        let beyond = supply.filter(|_| port == Port::Supply).unwrap_or(valve.port_pressure(port));
+        let gap = (beyond - pressure).value();
         settling.max(MEETING * rate.value.value() / gap)
     }
 

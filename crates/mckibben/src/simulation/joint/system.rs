@@ -115,7 +115,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
                 sliding: Sliding::Frictionless,
                 clamped: false,
             };
-            self.members[i].enter_ports(pressure, &mut mode);
+            self.members[i].enter_ports(pressure, None, &mut mode);
             mode
         });
         let isothermal = [0, 1]
@@ -254,7 +254,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
                 seeded[PRESSURE[i]] = pressure;
                 self.rates_of_member(i, &seeded, mode)[0]
             };
-            fastest.max(self.members[i].pressure_settling_rate(state[PRESSURE[i]], &mode.actuators[i], rate))
+            fastest.max(self.members[i].pressure_settling_rate(state[PRESSURE[i]], None, &mode.actuators[i], rate))
         })
     }
 
@@ -292,7 +292,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         let ports = self.rig.timetable(i).pass_seats(&mut phase.progress[i], time);
         let member = &mut phase.mode.actuators[i];
         member.ports = ports;
-        self.members[i].enter_ports(state[PRESSURE[i]], member);
+        self.members[i].enter_ports(state[PRESSURE[i]], None, member);
         Ok(JointEventKind { actuator: Some(i), kind: EventKind::Valve })
     }
 
@@ -345,7 +345,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         }
         for i in 0..2 {
             let add = &mut |guard, form| guards.add(JointGuard::Of(i, guard), form);
-            self.members[i].each_other_guard(&mode.actuators[i], PRESSURE[i], add);
+            self.members[i].each_other_guard(&mode.actuators[i], PRESSURE[i], (PRESSURE[i], true), add);
         }
         guards
     }
