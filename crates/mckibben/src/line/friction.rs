@@ -60,6 +60,38 @@ const CUBIC: [f64; 3] = {
     [low, 3.0 - 2.0 * low - high, low + high - 2.0]
 };
 
+/// The pieces of the law in order of rising drive, from the far pressure being the larger to the near one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FlowRegime {
+    /// Turbulent, backwards.
+    TurbulentBack,
+    /// Between laminar and turbulent, backwards.
+    TransitionBack,
+    /// Laminar, either way.
+    Laminar,
+    /// Between laminar and turbulent.
+    Transition,
+    /// Turbulent.
+    Turbulent,
+}
+
+impl FlowRegime {
+    /// All pieces in their order.
+    pub const RISING: [Self; 5] =
+        [Self::TurbulentBack, Self::TransitionBack, Self::Laminar, Self::Transition, Self::Turbulent];
+
+    /// The signed drives between which it holds; `None` where it has no end.
+    pub fn bounds(self) -> [Option<f64>; 2] {
+        match self {
+            Self::TurbulentBack => [None, Some(-TURBULENT_DRIVE)],
+            Self::TransitionBack => [Some(-TURBULENT_DRIVE), Some(-LAMINAR_DRIVE)],
+            Self::Laminar => [Some(-LAMINAR_DRIVE), Some(LAMINAR_DRIVE)],
+            Self::Transition => [Some(LAMINAR_DRIVE), Some(TURBULENT_DRIVE)],
+            Self::Turbulent => [Some(TURBULENT_DRIVE), None],
+        }
+    }
+}
+
 /// A smooth round tube and the gas in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tube<S = f64> {
@@ -146,16 +178,19 @@ impl<S: Scalar> Tube<S> {
     }
 
     /// Length in m.
+    #[inline(always)]
     pub fn length(&self) -> S {
         self.length
     }
 
     /// Cross-section in m².
+    #[inline(always)]
     pub fn area(&self) -> S {
         self.shape.area
     }
 
     /// Inner volume in m³.
+    #[inline(always)]
     pub fn volume(&self) -> S {
         self.shape.area * self.length
     }
@@ -185,11 +220,35 @@ impl<S: Scalar> Tube<S> {
     /// Mass flow in kg/s from an absolute pressure (Pa) to another, negative when the second is the larger.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, from: T, to: T) -> T {
-        let squares = (from - to) * (from + to);
-        let friction = reynolds_at(squares.magnitude() * T::of(self.shape.drive)) * T::of(self.shape.flow);
-        let share = friction * T::of(self.shape.per_choked) / from.larger(to);
-        let size = friction / share.multiply_add(share, T::one()).sqrt();
-        T::select(squares.lt(T::zero()), -size, size)
+        let drive = self.drive(from, to);
+        let size = self.slower_than_sound(reynolds_at(drive.magnitude()), from.larger(to));
+        T::select(drive.lt(T::zero()), -size, size)
+    }
+
+    /// The same by the formula of one piece, continued beyond its bounds by polynomials.
+    #[inline(always)]
+    pub fn flow_in<T: Over<S>>(&self, regime: FlowRegime, from: T, to: T) -> T {
+        let drive = self.drive(from, to);
+        match regime {
+            FlowRegime::TurbulentBack => -self.slower_than_sound(turbulent_about(-drive), to),
+            FlowRegime::TransitionBack => -self.slower_than_sound(transition_about(-drive), to),
+            FlowRegime::Laminar => self.slower_than_sound(drive * T::constant(1.0 / 32.0), from.larger(to)),
+            FlowRegime::Transition => self.slower_than_sound(transition_about(drive), from),
+            FlowRegime::Turbulent => self.slower_than_sound(turbulent_about(drive), from),
+        }
+    }
+
+    /// The drive σ with its sign, from an absolute pressure (Pa) to another.
+    #[inline(always)]
+    pub fn drive<T: Over<S>>(&self, from: T, to: T) -> T {
+        (from - to) * (from + to) * T::of(self.shape.drive)
+    }
+
+    #[inline(always)]
+    fn slower_than_sound<T: Over<S>>(&self, reynolds: T, upstream: T) -> T {
+        let friction = reynolds * T::of(self.shape.flow);
+        let share = friction * T::of(self.shape.per_choked) / upstream;
+        friction / share.multiply_add(share, T::one()).sqrt()
     }
 
     /// The friction that a mass flow (kg/s) meets along the tube, as a loss of pressure in Pa at a `mean` absolute pressure
@@ -207,13 +266,41 @@ pub fn reynolds_at<T: Scalar>(drive: T) -> T {
     let number = T::constant;
     let laminar = drive * number(1.0 / 32.0);
     // Beyond its own range each formula is asked for nothing worse than the value at its end.
-    let beyond = drive.larger(number(TURBULENT_DRIVE));
-    let turbulent = (beyond * number(1.0 / BLASIUS)).power(number(4.0 / 7.0));
-    let within = (drive - number(LAMINAR_DRIVE)) * number(1.0 / (TURBULENT_DRIVE - LAMINAR_DRIVE));
-    let within = within.larger(T::zero()).smaller(T::one());
-    let transition = inverse_cubic(within).multiply_add(number(TURBULENT_START - LAMINAR_END), number(LAMINAR_END));
+    let turbulent = turbulent_at(drive.larger(number(TURBULENT_DRIVE)));
+    let transition = transition_at(drive.larger(number(LAMINAR_DRIVE)).smaller(number(TURBULENT_DRIVE)));
     let below = T::select(drive.lt(number(LAMINAR_DRIVE)), laminar, transition);
     T::select(drive.lt(number(TURBULENT_DRIVE)), below, turbulent)
+}
+
+#[inline(always)]
+fn turbulent_at<T: Scalar>(drive: T) -> T {
+    (drive * T::constant(1.0 / BLASIUS)).power(T::constant(4.0 / 7.0))
+}
+
+/// The turbulent law, below its start by four terms of its series there: the power itself has no value below zero.
+#[inline(always)]
+fn turbulent_about<T: Scalar>(drive: T) -> T {
+    const SERIES: [f64; 4] = [1.0, 4.0 / 7.0, -6.0 / 49.0, 20.0 / 343.0];
+    let short = (drive * T::constant(1.0 / TURBULENT_DRIVE) - T::one()).smaller(T::zero());
+    let [zeroth, first, second, third] = SERIES.map(T::constant);
+    let series = short.multiply_add(short.multiply_add(short.multiply_add(third, second), first), zeroth);
+    turbulent_at(drive.larger(T::constant(TURBULENT_DRIVE))) * series
+}
+
+/// The law between both flows, beyond its ends by straight lines.
+#[inline(always)]
+fn transition_about<T: Scalar>(drive: T) -> T {
+    let kept = drive.larger(T::constant(LAMINAR_DRIVE)).smaller(T::constant(TURBULENT_DRIVE));
+    let below = (drive - kept).smaller(T::zero()) * T::constant(1.0 / 32.0);
+    let above = (drive - kept).larger(T::zero()) * T::constant(1.0 / TURBULENT_SLOPE);
+    transition_at(kept) + below + above
+}
+
+#[inline(always)]
+fn transition_at<T: Scalar>(drive: T) -> T {
+    let number = T::constant;
+    let within = (drive - number(LAMINAR_DRIVE)) * number(1.0 / (TURBULENT_DRIVE - LAMINAR_DRIVE));
+    inverse_cubic(within).multiply_add(number(TURBULENT_START - LAMINAR_END), number(LAMINAR_END))
 }
 
 /// The drive σ that a Reynolds number of zero or more needs.

@@ -61,12 +61,14 @@ pub enum HoseKind {
 pub struct Hose<S = f64> {
     /// The whole hose, or one of its cells.
     tube: Tube<S>,
-    kind: HoseKind,
+    pub(crate) kind: HoseKind,
     polytropic_index: S,
     /// `κRT/V` of the tube in Pa/kg.
     stiffness: S,
     /// `√(κRT)` in m/s.
     wave_speed: S,
+    /// Mass over pressure of a volume at the wall's temperature, in kg/Pa.
+    density: S,
 }
 
 impl Hose {
@@ -95,7 +97,8 @@ impl Hose {
 impl<S: Scalar> Hose<S> {
     fn assemble(tube: Tube<S>, kind: HoseKind, polytropic_index: S) -> Self {
         let squared = polytropic_index * tube.pressure_per_density();
-        Self { tube, kind, polytropic_index, stiffness: squared / tube.volume(), wave_speed: squared.sqrt() }
+        let density = tube.volume() / tube.pressure_per_density();
+        Self { tube, kind, polytropic_index, stiffness: squared / tube.volume(), wave_speed: squared.sqrt(), density }
     }
 
     /// The same hose over another scalar.
@@ -112,6 +115,7 @@ impl<S: Scalar> Hose<S> {
                 polytropic_index,
                 stiffness: carry(self.stiffness),
                 wave_speed: carry(self.wave_speed),
+                density: carry(self.density),
             },
             None => Hose::assemble(tube, self.kind, polytropic_index),
         }
@@ -132,6 +136,7 @@ impl<S: Scalar> Hose<S> {
     }
 
     /// The whole hose, or one of its cells.
+    #[inline(always)]
     pub fn tube(&self) -> &Tube<S> {
         &self.tube
     }
@@ -198,7 +203,7 @@ impl<S: Scalar> Hose<S> {
     #[inline(always)]
     pub fn chamber<T: Over<S>>(&self, pressure: T) -> Chamber<T> {
         let volume = self.tube.volume();
-        let mass = pressure * T::of(volume / self.tube.pressure_per_density());
+        let mass = pressure * T::of(self.density);
         Chamber::new(pressure, mass, T::of(volume), T::zero())
     }
 }

@@ -25,7 +25,7 @@ mod regulator;
 mod reservoir;
 mod supply;
 
-pub use friction::{LAMINAR_END, TURBULENT_START, Tube, drive_at, reynolds_at};
+pub use friction::{FlowRegime, LAMINAR_END, TURBULENT_START, Tube, drive_at, reynolds_at};
 pub use hose::{Hose, HoseKind, MAX_CELLS};
 pub use leakage::Leakage;
 pub(crate) use leakage::split;

@@ -115,10 +115,11 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// Flow into the actuator in a mode.
     #[cfg(feature = "alloc")]
-    pub(super) fn inflow<const N: usize>(&self, state: &[R; N], mode: &Mode) -> Flow<R> {
+    pub(super) fn inflow<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
+        let mode = &phase.mode;
         let chamber = self.chamber(state, mode);
         match &self.plumbing {
-            Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, mode),
+            Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, (mode, &phase.line)),
             None => self.member.flow(&chamber, mode),
         }
     }
@@ -278,8 +279,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
                 let [length, velocity, pressure, mass] = air;
                 let actuator = self.rig.actuator();
                 let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
-                plumbing.rates(&self.member, &chamber, state, (mode, &phase.line), &mut rates);
-                let inflow = plumbing.inflow(&self.member, &chamber, state, mode);
+                let inflow = plumbing.rates(&self.member, &chamber, state, (mode, &phase.line), &mut rates);
                 [actuator.pressure_rate(&chamber, &inflow), inflow.net()]
             }
         };
@@ -287,17 +287,17 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     }
 
     fn settling_rate(&self, time: R, state: &[R; N], phase: &Phase<R>) -> f64 {
-        let rate_at = |place: usize, value: Dual<R, 1>| {
+        let seeded_at = |place: usize, value: Dual<R, 1>| {
             let mut seeded = state.map(Dual::<R, 1>::of);
             seeded[place] = value;
-            self.rates(Dual::of(time), &seeded, phase)[place]
+            self.rates(Dual::of(time), &seeded, phase)
         };
         let (valve, supply) = self.valve_places();
         let supply = supply.map(|place| state[place]);
-        let rate = |pressure| rate_at(valve, pressure);
+        let rate = |pressure| seeded_at(valve, pressure)[valve];
         let settling = self.member.pressure_settling_rate(state[valve], supply, &phase.mode, rate);
-        let slope = |place| rate_at(place, Dual::variable(state[place], 0)).slope[0].value();
-        let of_line = self.plumbing.as_ref().map_or(0.0, |plumbing| plumbing.settling_rate(slope));
+        let rates = |place| seeded_at(place, Dual::variable(state[place], 0));
+        let of_line = self.plumbing.as_ref().map_or(0.0, |line| line.settling_rate(state, &phase.line, rates));
         (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling).max(of_line)
     }
 

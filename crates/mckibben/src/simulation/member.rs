@@ -216,6 +216,8 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::Rest
             | Guard::BreakLonger
             | Guard::BreakShorter
+            | Guard::RegimeDown
+            | Guard::RegimeUp
             | Guard::CutOut
             | Guard::CutIn
             | Guard::RegulatorUp

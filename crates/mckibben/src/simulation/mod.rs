@@ -16,6 +16,7 @@ mod energy;
 pub mod event;
 mod explicit;
 pub(crate) mod fixed_step;
+pub(crate) mod hosed;
 mod hybrid;
 mod integrator;
 mod joint;

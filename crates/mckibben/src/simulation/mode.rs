@@ -93,6 +93,8 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
+    /// The flow through the hose became laminar, turbulent, or something between.
+    Regime,
     /// The compressor started or stopped.
     Compressor,
     /// The regulator's poppet entered or left its dead band.
@@ -123,6 +125,7 @@ impl EventKind {
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
+            Self::Regime => "regime",
             Self::Compressor => "compressor",
             Self::Regulator => "regulator",
             Self::StopReached => "stop",
@@ -171,6 +174,10 @@ pub enum Guard {
     PieceDown,
     /// The pressure leaves the piece of the effectiveness upwards.
     PieceUp,
+    /// The flow through the hose leaves a piece of its law downwards.
+    RegimeDown,
+    /// The flow through the hose leaves a piece of its law upwards.
+    RegimeUp,
     /// The reservoir has come to the pressure at which the compressor stops.
     CutOut,
     /// The reservoir has fallen to the pressure at which the compressor starts.

@@ -8,14 +8,17 @@
 //! | P_s | the regulator's outlet | Pa, absolute |
 //!
 //! What is not there has no state. The flow law of the valve meets the hose's first volume instead of the actuator, and the
-//! reservoir or the regulator instead of the constant supply. The laws of the hose have continuous slopes and need no
-//! events; the compressor's switch and the regulator's poppet are components of the mode.
+//! reservoir or the regulator instead of the constant supply. Components of the mode are the regime of the flow through a
+//! lumped hose, the compressor's switch and the regulator's poppet; the cells of a distributed hose take their law, whose
+//! slope is continuous, as a whole.
 
 use super::member::Member;
 use super::mode::{EventKind, Guard, Mode};
 use super::system::{GuardForm, Guards};
+use super::zones::MEETING;
 use crate::air::{Chamber, Flow};
-use crate::line::{HoseKind, Line, MAX_CELLS, Poppet, SupplyLine, split};
+use crate::dual::Dual;
+use crate::line::{FlowRegime, HoseKind, Line, MAX_CELLS, Poppet, SupplyLine, split};
 use crate::scalar::{Over, Real};
 use crate::valve::{Beyond, FlowZone, Port, Valve};
 
@@ -29,16 +32,21 @@ pub(super) const LUMPED: usize = FIRST + 3;
 pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 2;
 /// Part of the flow at the speed of sound from the surroundings below which an error in a flow counts absolutely.
 const SLOW: f64 = 0.1;
+/// Part of a bound between two regimes by which it is passed at least: their slopes agree there.
+const LEAST_BAND: f64 = 1e-6;
 
 /// The line's part of the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LineMode {
+    /// Of the flow through a lumped hose.
+    pub(super) regime: FlowRegime,
     pub(super) compressor_runs: bool,
     pub(super) poppet: Poppet,
 }
 
 impl LineMode {
-    pub(super) const AT_REST: Self = Self { compressor_runs: false, poppet: Poppet::Rests };
+    pub(super) const AT_REST: Self =
+        Self { regime: FlowRegime::Laminar, compressor_runs: false, poppet: Poppet::Rests };
 }
 
 /// A line and the places of its states.
@@ -122,6 +130,18 @@ impl<'a, R: Real> Plumbing<'a, R> {
         line.poppet = self.enter(member, state, mode).poppet;
     }
 
+    /// The regime of the flow through a lumped hose.
+    fn regime<const N: usize>(&self, state: &[R; N]) -> Option<FlowRegime> {
+        let drive = self.drive(state)?.value();
+        FlowRegime::RISING.into_iter().find(|regime| regime.bounds()[1].is_none_or(|end| drive <= end))
+    }
+
+    /// The drive of the flow through a lumped hose.
+    fn drive<T: Over<R>, const N: usize>(&self, state: &[T; N]) -> Option<T> {
+        let hose = self.line.hose.as_ref().filter(|_| self.flows == 0)?;
+        Some(hose.tube().drive(state[FIRST], state[super::hybrid::PRESSURE]))
+    }
+
     /// The line's part of the mode in a state: a compressor runs from the start below its upper pressure.
     pub(super) fn enter<const N: usize>(&self, member: &Member<'_, R>, state: &[R; N], mode: &Mode) -> LineMode {
         let reservoir = self.supply().and_then(|supply| supply.reservoir());
@@ -130,6 +150,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
         let error = self.regulator_error(member, state, mode);
         let regulator = self.supply().and_then(|supply| supply.regulator());
         LineMode {
+            regime: self.regime(state).unwrap_or(FlowRegime::Laminar),
             compressor_runs: stops.zip(at).is_some_and(|(stops, at)| at < stops),
             poppet: regulator.zip(error).map_or(Poppet::Rests, |(regulator, error)| regulator.poppet(error)),
         }
@@ -146,6 +167,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
     }
 
     /// Flows through the valve's two passages, into what it opens into, in a mode.
+    #[inline(always)]
     fn passages<T: Over<R>, const N: usize>(
         &self,
         member: &Member<'_, R>,
@@ -156,10 +178,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
         let Some(valve) = member.actuator.valve() else { return [Flow::none(); 2] };
         let Ends { chamber, supply } = self.ends(valve, own, state);
         let through = |zone: Option<FlowZone>, pressure: T| {
-            zone.map_or(Flow::none(), |zone| {
-                let beyond = Beyond::at(pressure, T::of(valve.supply.temperature()));
-                valve.flow_in_zone_from(&beyond, zone, &chamber)
-            })
+            zone.map_or(Flow::none(), |zone| valve.flow_in_zone_from(&Beyond::at(pressure, T::one()), zone, &chamber))
         };
         let exhaust = T::of(valve.port_pressure(Port::Exhaust));
         [through(mode.supply_zone, supply), through(mode.exhaust_zone, exhaust)]
@@ -190,26 +209,34 @@ impl<'a, R: Real> Plumbing<'a, R> {
         (FIRST..FIRST + self.volumes).fold(R::zero(), |sum, place| sum + hose.content(state[place]))
     }
 
-    /// Flow into the actuator from hose or valve and through the leak.
-    pub(super) fn inflow<T: Over<R>, const N: usize>(
-        &self,
-        member: &Member<'_, R>,
-        own: &Chamber<T>,
-        state: &[T; N],
-        mode: &Mode,
-    ) -> Flow<T> {
-        let hose = match &self.line.hose {
-            None => {
-                let [supply, exhaust] = self.passages(member, own, state, mode);
-                supply.and(exhaust)
-            }
-            Some(hose) if self.flows == 0 => split(hose.flow(state[FIRST], own.pressure)),
-            Some(_) => split(state[FIRST + self.volumes + self.flows - 1]),
-        };
-        hose.and(self.leak(member, own))
+    /// Flow out of the hose into the actuator, if there is a hose.
+    #[inline(always)]
+    fn out_of_hose<T: Over<R>, const N: usize>(&self, own: &Chamber<T>, state: &[T; N], line: &LineMode) -> Option<T> {
+        let hose = self.line.hose.as_ref()?;
+        Some(match self.flows {
+            0 => hose.tube().flow_in(line.regime, state[FIRST], own.pressure),
+            flows => state[FIRST + self.volumes + flows - 1],
+        })
     }
 
-    /// The rates of the line's states; `own` is the air in the actuator.
+    /// Flow into the actuator from hose or valve and through the leak.
+    #[cfg(feature = "alloc")]
+    pub(super) fn inflow<const N: usize>(
+        &self,
+        member: &Member<'_, R>,
+        own: &Chamber<R>,
+        state: &[R; N],
+        (mode, line): (&Mode, &LineMode),
+    ) -> Flow<R> {
+        let inflow = self.out_of_hose(own, state, line).map(split).unwrap_or_else(|| {
+            let [supply, exhaust] = self.passages(member, own, state, mode);
+            supply.and(exhaust)
+        });
+        inflow.and(self.leak(member, own))
+    }
+
+    /// The rates of the line's states, and the flow into the actuator, of which `own` is the air.
+    #[inline(always)]
     pub(super) fn rates<T: Over<R>, const N: usize>(
         &self,
         member: &Member<'_, R>,
@@ -217,15 +244,18 @@ impl<'a, R: Real> Plumbing<'a, R> {
         state: &[T; N],
         (mode, line): (&Mode, &LineMode),
         rates: &mut [T; N],
-    ) {
+    ) -> Flow<T> {
         let [supply, exhaust] = self.passages(member, own, state, mode);
-        if let Some(hose) = &self.line.hose {
-            let mut inflow = supply.and(exhaust).net();
+        let out_of_hose = self.out_of_hose(own, state, line);
+        let mut into_actuator = supply.and(exhaust);
+        if let (Some(hose), Some(last)) = (&self.line.hose, out_of_hose) {
+            let mut inflow = into_actuator.net();
+            into_actuator = split(last);
             let flows = FIRST + self.volumes;
             for cell in 0..self.volumes {
                 let (pressure, next) = (state[FIRST + cell], FIRST + cell + 1);
                 let next = if next == flows { own.pressure } else { state[next] };
-                let outflow = if self.flows == 0 { hose.flow(pressure, next) } else { state[flows + cell] };
+                let outflow = if self.flows == 0 { last } else { state[flows + cell] };
                 rates[FIRST + cell] = hose.pressure_rate(inflow - outflow);
                 if self.flows > 0 {
                     rates[flows + cell] = hose.flow_rate(outflow, pressure, next);
@@ -233,8 +263,21 @@ impl<'a, R: Real> Plumbing<'a, R> {
                 inflow = outflow;
             }
         }
-        let Some(of_supply) = self.supply() else { return };
-        let drawn = supply.net() * T::of(of_supply.actuators());
+        if let Some(of_supply) = self.supply() {
+            self.supply_rates(member, of_supply, state, (supply.net(), line), rates);
+        }
+        into_actuator.and(self.leak(member, own))
+    }
+
+    fn supply_rates<T: Over<R>, const N: usize>(
+        &self,
+        member: &Member<'_, R>,
+        of_supply: &SupplyLine<R>,
+        state: &[T; N],
+        (supply, line): (T, &LineMode),
+        rates: &mut [T; N],
+    ) {
+        let drawn = supply * T::of(of_supply.actuators());
         if let (Some(place), Some(reservoir)) = (self.reservoir, of_supply.reservoir()) {
             let delivered = if line.compressor_runs { reservoir.delivery(state[place]) } else { T::zero() };
             rates[place] = reservoir.pressure_rate(delivered - drawn);
@@ -265,18 +308,30 @@ impl<'a, R: Real> Plumbing<'a, R> {
         Some(supply.regulator()?.error(state[place], set, self.reservoir.map(|place| state[place]), drawn))
     }
 
-    /// The fastest rate in 1/s at which pressures of the line and the actuator's settle, by the slopes of their rates.
-    pub(super) fn settling_rate(&self, slope: impl Fn(usize) -> f64) -> f64 {
-        if self.flows > 0 {
-            return self.regulator.map_or(0.0, |place| -slope(place));
+    /// The fastest rate in 1/s at which pressures of the line and the actuator's settle, by the slopes of their rates, of
+    /// which `seeded` gives all by one pressure.
+    pub(super) fn settling_rate<const N: usize>(
+        &self,
+        state: &[R; N],
+        line: &LineMode,
+        seeded: impl Fn(usize) -> [Dual<R, 1>; N],
+    ) -> f64 {
+        let settles = |place: usize| -seeded(place)[place].slope[0].value();
+        let supply = [self.reservoir, self.regulator].into_iter().flatten();
+        let fastest = supply.fold(0.0, |fastest: f64, place| fastest.max(settles(place)));
+        if self.flows > 0 || self.volumes == 0 {
+            return fastest;
         }
         // Two volumes that settle against each other do so with the sum of their rates.
-        let pressures = [Some(super::hybrid::PRESSURE), (self.volumes > 0).then_some(FIRST)];
-        let together: f64 = pressures.into_iter().flatten().map(|place| (-slope(place)).max(0.0)).sum();
-        [self.reservoir, self.regulator]
-            .into_iter()
-            .flatten()
-            .fold(together, |fastest, place| fastest.max(-slope(place)))
+        let (own, at_valve) = (super::hybrid::PRESSURE, FIRST);
+        let rates = seeded(at_valve);
+        let together = settles(own).max(0.0) - rates[at_valve].slope[0].value();
+        // The slope grows as a turbulent flow dies down: the time until the pressures would meet counts, or since they did.
+        let [near, far] = [at_valve, own].map(|place| state[place].value());
+        let gap = near * near - far * far;
+        let closing = 2.0 * (near * rates[at_valve].value.value() - far * rates[own].value.value());
+        let meeting = if line.regime == FlowRegime::Laminar { 0.0 } else { (MEETING * closing / gap).abs() };
+        fastest.max(together).max(meeting)
     }
 
     /// Scales of the line's states.
@@ -294,6 +349,13 @@ impl<'a, R: Real> Plumbing<'a, R> {
 
     /// The guards of the line.
     pub(super) fn guards(&self, line: &LineMode, guards: &mut Guards<Guard>) {
+        if self.volumes > 0 && self.flows == 0 {
+            for (guard, bound) in [Guard::RegimeDown, Guard::RegimeUp].into_iter().zip(line.regime.bounds()) {
+                if bound.is_some() {
+                    guards.add(guard, GuardForm::Function);
+                }
+            }
+        }
         let switch = self.supply().and_then(|supply| supply.reservoir()?.switch_pressures());
         if let (Some(index), Some([starts, stops])) = (self.reservoir, switch) {
             if line.compressor_runs {
@@ -329,6 +391,12 @@ impl<'a, R: Real> Plumbing<'a, R> {
             Some((T::of(regulator.dead_band()) * T::constant(bound) - error) * T::constant(sign) + band)
         };
         match guard {
+            Guard::RegimeDown | Guard::RegimeUp => {
+                let sign = if guard == Guard::RegimeUp { 1.0 } else { -1.0 };
+                let bound = line.regime.bounds()[usize::from(guard == Guard::RegimeUp)]?;
+                let passed = bound + sign * member.band.max(LEAST_BAND) * bound.abs();
+                Some((T::constant(passed) - self.drive(state)?) * T::constant(sign))
+            }
             Guard::CutOut => Some(T::of(switch()?[1]) - state[self.reservoir?]),
             Guard::CutIn => Some(state[self.reservoir?] - T::of(switch()?[0])),
             // From feeding to rest at the upper end of the dead band, from rest to relieving at the lower, and back.
@@ -347,6 +415,12 @@ impl<'a, R: Real> Plumbing<'a, R> {
     /// Crosses a guard of the line; `None` for one that is not.
     pub(super) fn cross(guard: Guard, line: &mut LineMode) -> Option<EventKind> {
         match guard {
+            Guard::RegimeDown | Guard::RegimeUp => {
+                let place = FlowRegime::RISING.iter().position(|regime| *regime == line.regime)?;
+                let next = if guard == Guard::RegimeUp { place + 1 } else { place.checked_sub(1)? };
+                line.regime = *FlowRegime::RISING.get(next)?;
+                Some(EventKind::Regime)
+            }
             Guard::CutOut | Guard::CutIn => {
                 line.compressor_runs = guard == Guard::CutIn;
                 Some(EventKind::Compressor)

@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{air::Flow, batch::wide::Wide, scalar::Real};
+use crate::{air::Flow, batch::wide::Wide, scalar::Real, simulation::hosed::Stepped};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,22 +72,24 @@ impl<R: Scalar> Sample<R> {
 }
 
 impl Sample {
-    /// The sample of one lane.
+    /// The sample of one lane, which has a hose or none.
     #[cfg(feature = "batch")]
     pub(crate) fn of_lane<W: Wide>(
         time: f64,
-        state: &[W; 4],
+        state: &Stepped<W>,
         observed: &Observed<W>,
         lane: usize,
-        ports: Ports,
+        (ports, hosed): (Ports, bool),
     ) -> Self {
         let number = |wide: &W| wide.lane(lane).value();
         let Observed { tension, volume, temperature, flow } = observed;
         let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
         let observed =
             Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
-        let [length, velocity, pressure, mass] = state;
-        Self::new(time, &[number(length), number(velocity), number(pressure), number(mass)], &observed, ports)
+        let [length, velocity, pressure, mass, hose] = state;
+        let four = [number(length), number(velocity), number(pressure), number(mass)];
+        let sample = Self::new(time, &four, &observed, ports);
+        if hosed { sample.with_line(number(hose), None) } else { sample }
     }
 }
 

@@ -225,7 +225,7 @@ fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
 
 fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
     let (mode, (valve, supply)) = (&phase.mode, system.valve_places());
-    let (tension, flow) = (system.tension(state, mode), system.inflow(state, mode));
+    let (tension, flow) = (system.tension(state, mode), system.inflow(state, phase));
     let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
     sample.with_line(state[valve], supply.map(|place| state[place]))
 }

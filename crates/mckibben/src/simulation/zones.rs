@@ -10,7 +10,7 @@ use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
 /// Rate of settling for which two pressures that would meet in a second count.
-const MEETING: f64 = 4.0;
+pub(super) const MEETING: f64 = 4.0;
 
 impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode.
