@@ -55,7 +55,7 @@ impl Document {
 
     /// Whether a key applies and is not given, and nothing that the file gives says the same in another way.
     fn is_left_out(&self, key: &Key) -> bool {
-        let optional = ["supply", "valve", "command"];
+        let optional = ["supply", "valve", "hose", "command"];
         let section = key.section();
         if self.contains(key.path) || (optional.contains(&section) && !self.contains(section)) {
             return false;
@@ -72,6 +72,9 @@ impl Document {
                 ![&keys::POLYNOMIAL, &keys::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
             }
             path if path == p::FLOW_AREA.key => !self.contains(p::SONIC_CONDUCTANCE.key),
+            // What describes a reservoir or a compressor more closely.
+            path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),
+            path if path == p::CLEARANCE.key => self.contains(p::DISPLACEMENT.key),
             // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
             path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),
             _ => true,

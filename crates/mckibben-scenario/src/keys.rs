@@ -8,7 +8,7 @@
 //! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
 
 use crate::choice::{
-    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind,
+    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, HoseKind, LoadKind, Method, ProcessKind,
     RecordKind, ValveKind,
 };
 use crate::presets;
@@ -252,6 +252,7 @@ pub static SECTIONS: &[Section] = &[
     section("air", "The gas in the actuator and around it.", false),
     section("supply", "The air that the valve joins the actuator to.", false),
     section("valve", "The valve; without it the actuator is sealed.", false),
+    section("hose", "The hose from the valve to the actuator; none when absent.", false),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
@@ -293,6 +294,7 @@ const DESIGN: &str = "sweep.design";
 const RECORD: &str = "sweep.record";
 const NO_GRID: &[&str] = &[DesignKind::Random.name(), DesignKind::LatinHypercube.name(), DesignKind::Sobol.name()];
 const PROCESS: &str = "air.process";
+const HOSE: &str = "hose.kind";
 const COMMAND: &str = "command.kind";
 const LOAD: &str = "load.kind";
 const MOTION: &[&str] = &[LoadKind::PrescribedMotion.name()];
@@ -314,6 +316,7 @@ pub static KEYS: &[Key] = &[
     quantity(&p::MAX_LENGTH, "\"3.85 in\""),
     quantity(&p::MIN_LENGTH, "\"2.4952 in\""),
     quantity(&p::EXTERNAL_VOLUME, "\"3 cm^3\""),
+    quantity(&p::LEAKAGE, "\"1e-12 m^3/(s*Pa)\""),
     quantity(&p::EFFECTIVENESS, "0.9"),
     list(&POLYNOMIAL, "[0.7, 0.003]"),
     key(
@@ -338,6 +341,17 @@ pub static KEYS: &[Key] = &[
     quantity(&p::HEAT_CAPACITY_RATIO, "1.4"),
     quantity(&p::SUPPLY_GAUGE_PRESSURE, "\"100 psi\"").required(),
     quantity(&p::SUPPLY_TEMPERATURE, "\"293.15 K\""),
+    quantity(&p::RESERVOIR_VOLUME, "\"2 L\""),
+    quantity(&p::RESERVOIR_PRESSURE, "\"110 psi\""),
+    quantity(&p::RESERVOIR_INDEX, "1.4"),
+    quantity(&p::DISPLACEMENT, "\"20 L/min\""),
+    quantity(&p::CLEARANCE, "0.05"),
+    quantity(&p::CUT_IN, "\"90 psi\""),
+    quantity(&p::CUT_OUT, "\"110 psi\""),
+    quantity(&p::LAG, "\"20 ms\""),
+    quantity(&p::DROOP, "\"2e7 Pa*s/kg\""),
+    quantity(&p::DEAD_BAND, "\"5 kPa\""),
+    quantity(&p::ACTUATORS, "4.0"),
     choice(
         "valve.preset",
         presets::VALVE_CHOICES,
@@ -364,6 +378,12 @@ pub static KEYS: &[Key] = &[
         "\"actuator\"",
     )
     .or("actuator"),
+    choice(HOSE, HoseKind::CHOICES, "How finely the hose is resolved.", "\"lumped\"").or("lumped"),
+    quantity(&p::HOSE_LENGTH, "\"1 m\"").required(),
+    quantity(&p::HOSE_DIAMETER, "\"2.5 mm\"").required(),
+    quantity(&p::HOSE_VISCOSITY, "\"1.82e-5 Pa*s\""),
+    quantity(&p::HOSE_INDEX, "1.0"),
+    whole(&p::HOSE_CELLS, "4").when(HOSE, &[HoseKind::Distributed.name()]),
     choice(COMMAND, CommandKind::CHOICES, "What makes the valve's command.", "\"pwm\"").required(),
     quantity(&p::PWM_FREQUENCY, "\"25 Hz\"").required().when(COMMAND, &["pwm"]),
     quantity(&p::DUTY, "0.5").required().when(COMMAND, &["pwm"]),

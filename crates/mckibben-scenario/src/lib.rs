@@ -59,7 +59,7 @@ mod write;
 
 pub use assumed::Assumed;
 pub use choice::{
-    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, LoadKind, Method, ProcessKind,
+    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, HoseKind, LoadKind, Method, ProcessKind,
     RecordKind, Spacing, ValveKind,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
@@ -67,8 +67,9 @@ pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use scenario::{
-    Actuator, Air, Antagonist, Command, Effectiveness, Friction, Initial, InitialAngle, InitialLength, Joint, Limit,
-    Load, Motion, Passage, Process, Pulley, Run, Scenario, Supply, Valve,
+    Actuator, Air, Antagonist, Command, Compressor, Effectiveness, Friction, Hose, Initial, InitialAngle,
+    InitialLength, Joint, Limit, Load, Motion, Passage, Process, Pulley, Regulator, Reservoir, Run, Scenario, Supply,
+    Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

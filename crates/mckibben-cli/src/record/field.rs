@@ -1,6 +1,7 @@
 //! The columns of a file as functions of a sample, for an actuator and for a joint.
 
 use super::{COLUMNS, VALVE};
+use mckibben::line::Line;
 use mckibben::simulation::{JointSample, Sample};
 
 /// A column of a file over samples `S`.
@@ -17,10 +18,18 @@ pub(super) enum Value<S> {
     Word(Box<dyn Fn(&S) -> &'static str>),
 }
 
-/// The columns of one actuator in their order.
-pub(super) fn of_actuator() -> Vec<Field<Sample>> {
+/// The columns of one actuator in their order: those that every run has, then those of its air line.
+pub(super) fn of_actuator(line: &Line) -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
-    numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect()
+    let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
+    if line.hose.is_some() {
+        fields.push(number("hose_pressure_pa", "Pa", |sample: &Sample| sample.hose_pressure.0));
+    }
+    if line.supply.is_some() {
+        let own = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
+        fields.push(number("supply_pressure_pa", "Pa", own));
+    }
+    fields
 }
 
 /// The columns of a joint in their order.
@@ -48,7 +57,7 @@ fn member(index: usize, prefix: &str) -> Vec<Field<JointSample>> {
             Value::Word(value) => Value::Word(Box::new(move |sample: &JointSample| value(&sample.actuators[index]))),
         },
     };
-    of_actuator().into_iter().map(of).collect()
+    of_actuator(&Line::NONE).into_iter().map(of).collect()
 }
 
 fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {

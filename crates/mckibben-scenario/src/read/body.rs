@@ -37,6 +37,7 @@ pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
         max_length,
         min_length: min_length.unwrap_or(thread_length / 3_f64.sqrt()),
         external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
+        leakage: r.number(&p::LEAKAGE),
         effectiveness: effectiveness(r, preset),
         friction: Friction { viscous: r.value(&p::VISCOUS, preset), coulomb_width: r.value(&p::COULOMB_WIDTH, preset) },
         limit: Limit { stiffness: r.value(&p::LIMIT_STIFFNESS, preset), damping: r.value(&p::LIMIT_DAMPING, preset) },

@@ -3,7 +3,7 @@
 //! A valve needs a supply and a command; a command needs a valve. `hold` and a choice of the states of a pulse need a
 //! valve that can close.
 
-use super::{alternative, columns, gauge_pressure};
+use super::{alternative, columns, gauge_pressure, line};
 use crate::choice::{CommandKind, CommandState, ExhaustTemperature, ValveKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::presets;
@@ -43,6 +43,9 @@ fn supply(r: &mut Reader<'_>, air: &Air) -> Supply {
     Supply {
         gauge_pressure: gauge_pressure(r, &p::SUPPLY_GAUGE_PRESSURE, air),
         temperature: r.value(&p::SUPPLY_TEMPERATURE, None),
+        reservoir: line::reservoir(r, air),
+        regulator: line::regulator(r),
+        actuators: line::actuators(r),
     }
 }
 

@@ -3,7 +3,9 @@
 //! Checked by `tests/sweep.rs`: for every key that holds one quantity, setting it here and reading it from text give
 //! equal scenarios.
 
-use crate::scenario::{Command, Effectiveness, InitialLength, Load, Motion, Passage, Process, Scenario};
+use crate::scenario::{
+    Command, Compressor, Effectiveness, InitialLength, Load, Motion, Passage, Process, Regulator, Reservoir, Scenario,
+};
 use mckibben::parameter::{self as p, Parameter};
 
 /// The place of a number in a scenario, or `None` when the scenario has no such number.
@@ -16,6 +18,7 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::MAX_LENGTH, |s| Some(&mut s.actuator.max_length)),
     (&p::MIN_LENGTH, |s| Some(&mut s.actuator.min_length)),
     (&p::EXTERNAL_VOLUME, |s| Some(&mut s.actuator.external_volume)),
+    (&p::LEAKAGE, |s| s.actuator.leakage.as_mut()),
     (&p::EFFECTIVENESS, |s| match &mut s.actuator.effectiveness {
         Effectiveness::Constant(ratio) => Some(ratio),
         _ => None,
@@ -41,6 +44,21 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::HEAT_CAPACITY_RATIO, |s| Some(&mut s.air.heat_capacity_ratio)),
     (&p::SUPPLY_GAUGE_PRESSURE, |s| Some(&mut s.supply.as_mut()?.gauge_pressure)),
     (&p::SUPPLY_TEMPERATURE, |s| Some(&mut s.supply.as_mut()?.temperature)),
+    (&p::RESERVOIR_VOLUME, |s| Some(&mut reservoir(s)?.volume)),
+    (&p::RESERVOIR_PRESSURE, |s| reservoir(s)?.gauge_pressure.as_mut()),
+    (&p::RESERVOIR_INDEX, |s| Some(&mut reservoir(s)?.polytropic_index)),
+    (&p::DISPLACEMENT, |s| Some(&mut compressor(s)?.displacement)),
+    (&p::CLEARANCE, |s| Some(&mut compressor(s)?.clearance)),
+    (&p::CUT_IN, |s| Some(&mut compressor(s)?.cut_in)),
+    (&p::CUT_OUT, |s| Some(&mut compressor(s)?.cut_out)),
+    (&p::LAG, |s| Some(&mut regulator(s)?.lag)),
+    (&p::DROOP, |s| Some(&mut regulator(s)?.droop)),
+    (&p::DEAD_BAND, |s| Some(&mut regulator(s)?.dead_band)),
+    (&p::ACTUATORS, |s| Some(&mut s.supply.as_mut()?.actuators)),
+    (&p::HOSE_LENGTH, |s| Some(&mut s.hose.as_mut()?.length)),
+    (&p::HOSE_DIAMETER, |s| Some(&mut s.hose.as_mut()?.diameter)),
+    (&p::HOSE_VISCOSITY, |s| Some(&mut s.hose.as_mut()?.viscosity)),
+    (&p::HOSE_INDEX, |s| Some(&mut s.hose.as_mut()?.polytropic_index)),
     (&p::FLOW_AREA, |s| match &mut s.valve.as_mut()?.passage {
         Passage::FlowArea(area) => Some(area),
         Passage::Iso6358 { .. } => None,
@@ -106,6 +124,18 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::STEP, |s| s.run.step.as_mut()),
     (&p::ACCURACY, |s| Some(&mut s.run.accuracy)),
 ];
+
+fn reservoir(s: &mut Scenario) -> Option<&mut Reservoir> {
+    s.supply.as_mut()?.reservoir.as_mut()
+}
+
+fn compressor(s: &mut Scenario) -> Option<&mut Compressor> {
+    reservoir(s)?.compressor.as_mut()
+}
+
+fn regulator(s: &mut Scenario) -> Option<&mut Regulator> {
+    s.supply.as_mut()?.regulator.as_mut()
+}
 
 /// The place of a quantity.
 pub(super) fn field_of(parameter: &Parameter) -> Option<Field> {
