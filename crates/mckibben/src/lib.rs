@@ -30,6 +30,7 @@
 //! | [`line`] | hose, leak, reservoir, regulator |
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
+//! | [`control`] | controllers that sample the state at a stated rate |
 //! | [`simulation`] | two ways through time |
 //! | [`linearize`] | the rig near an operating point, and the valve under PWM on average |
 //! | [`ring_down`] | damping from the peaks of a ring-down |
@@ -48,6 +49,7 @@ extern crate std;
 pub mod air;
 #[cfg(feature = "batch")]
 pub mod batch;
+pub mod control;
 pub mod force;
 pub mod friction;
 pub mod line;

@@ -101,7 +101,7 @@ impl Parameter {
 }
 
 macro_rules! parameters {
-    ($($(#[$attribute:meta])* $name:ident = $key:literal, $symbol:literal, $unit:literal, $range:expr, $default:expr,
+    ($(#[$about:meta])* $table:ident: $($(#[$attribute:meta])* $name:ident = $key:literal, $symbol:literal, $unit:literal, $range:expr, $default:expr,
         $meaning:literal, $source:literal, $remedy:literal;)*) => {
         $(
             #[doc = $meaning]
@@ -110,12 +110,14 @@ macro_rules! parameters {
                 meaning: $meaning, source: $source, remedy: $remedy,
             };
         )*
-        /// Every row, in the order of the scenario file.
-        pub static TABLE: &[&Parameter] = &[$(&$name),*];
+        $(#[$about])*
+        pub static $table: &[&Parameter] = &[$(&$name),*];
     };
 }
 
 parameters! {
+    /// Every row, in the order of the scenario file.
+    TABLE:
     THREAD_LENGTH = "actuator.thread_length", "b", "m", Range::POSITIVE, None,
         "Length of one braid thread from end to end.",
         "paper, Fig. 2 and (2)", "give the length of a thread, longer than the stretched actuator";
@@ -344,4 +346,75 @@ parameters! {
     MOTION_FREQUENCY = "load.frequency", "f_0", "Hz", Range::POSITIVE, None,
         "Frequency of a sinusoidal prescribed motion.",
         "choice of the experiment", "give a frequency above zero";
+}
+
+parameters! {
+    /// The rows of controllers. What has the unit of the controlled quantity is in [`crate::control::Quantity::rows`].
+    CONTROL:
+    CONTROL_RATE = "controller.rate", "f_s", "Hz", Range::POSITIVE, None,
+        "Number of samples a second that the controller takes.",
+        "choice of the experiment", "give a rate such as 200 Hz";
+    CONTROL_DELAY = "controller.delay", "d", "", Range { low: 0.0, low_included: true, high: 16.0, high_included: true }, Some(0.0),
+        "Number of sampling instants between a measurement and its effect.",
+        "choice of the experiment", "give a whole number from 0 to 16";
+    PULSE_FREQUENCY = "controller.pulse_frequency", "f", "Hz", Range::POSITIVE, None,
+        "Frequency of the pulse-width modulation that follows a duty cycle; the rate when absent.",
+        "choice of the experiment", "give a frequency such as 50 Hz, or leave it out for a pulse each sample";
+    SET_GAUGE_PRESSURE = "controller.gauge_pressure", "P_g,set", "Pa", Range::FINITE, None,
+        "Gauge pressure that the controller is to reach.",
+        "choice of the experiment", "give a gauge pressure such as 40 psi";
+    SET_LENGTH = "controller.length", "L_set", "m", Range::POSITIVE, None,
+        "Distance between the attachments that the controller is to reach.",
+        "choice of the experiment", "give a length between the shortest and the longest of the actuator";
+    SET_AIR_MASS = "controller.air_mass", "m_set", "kg", Range::NON_NEGATIVE, None,
+        "Mass of air that the controller is to reach.",
+        "choice of the experiment", "give a mass such as 0.05 g";
+    SET_FORCE = "controller.force", "F_set", "N", Range::NON_NEGATIVE, None,
+        "Tension that the actuator is to hold.",
+        "choice of the experiment", "give a force of zero or more: a tendon can only pull";
+    SET_ANGLE = "controller.angle", "theta_set", "rad", Range::FINITE, None,
+        "Joint angle that the controller is to reach.",
+        "choice of the experiment", "give an angle such as 20 deg";
+    SET_TORQUE = "controller.torque", "tau_set", "N*m", Range::FINITE, None,
+        "Torque that the two actuators are to hold together, positive the way that the first one turns.",
+        "choice of the experiment", "give a finite torque";
+    SET_STIFFNESS = "controller.stiffness", "K_set", "N*m/rad", Range::NON_NEGATIVE, None,
+        "Stiffness that the two actuators are to give the joint.",
+        "choice of the experiment", "give zero or more";
+    SET_FREQUENCY = "controller.frequency", "f_set", "Hz", Range::POSITIVE, None,
+        "Frequency of a sinusoidal set point.",
+        "choice of the experiment", "give a frequency above zero";
+    SET_PHASE = "controller.phase", "phi_set", "rad", Range::FINITE, Some(0.0),
+        "Phase of a sinusoidal set point at the start.",
+        "choice of the experiment", "give an angle";
+    SET_TIME = "controller.time", "t", "s", Range::NON_NEGATIVE, None,
+        "Times of a set point given as a table, strictly rising.",
+        "choice of the experiment", "give times of zero or more in rising order";
+    INTEGRAL_TIME = "controller.integral_time", "T_i", "s", Range::POSITIVE, None,
+        "Time in which the integral repeats the proportional action; no integral when absent.",
+        "textbook", "give a time such as 0.5 s, or leave it out for no integral";
+    DERIVATIVE_TIME = "controller.derivative_time", "T_d", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time by which the derivative looks ahead.",
+        "textbook", "give zero for no derivative, or a time such as 20 ms";
+    DERIVATIVE_FILTER = "controller.derivative_filter", "N", "", Range::POSITIVE, Some(10.0),
+        "Largest gain of the derivative over the proportional gain; its filter has the time constant T_d/N.",
+        "textbook; the value is assumed", "give a number such as 10";
+    SET_POINT_WEIGHT = "controller.set_point_weight", "beta", "", Range::FRACTION, Some(1.0),
+        "Share of the set point that the proportional action sees.",
+        "textbook", "give a number from 0 to 1";
+    TRACKING_TIME = "controller.tracking_time", "T_t", "s", Range::POSITIVE, None,
+        "Time in which the integral is drawn back while the output is at its limit; sqrt(T_i T_d), or T_i without derivative, when absent.",
+        "textbook", "give a time such as that of the integral";
+    BIAS = "controller.bias", "u_0", "", Range { low: -1.0, low_included: true, high: 1.0, high_included: true }, Some(0.0),
+        "Output of the controller at no error before its integral has moved.",
+        "choice of the experiment", "give a number from -1 to 1";
+    HIGHEST_GAUGE_PRESSURE = "controller.highest_gauge_pressure", "P_g,max", "Pa", Range::POSITIVE, None,
+        "Highest gauge pressure that a model in the controller asks for.",
+        "choice of the experiment", "give at most the gauge pressure of the supply";
+    PULLEY_ARM = "controller.arm", "r", "m", Range::POSITIVE, None,
+        "Radius of the pulley from which an actuator turns the joint.",
+        "elementary mechanics", "give a radius such as 20 mm";
+    CONTROL_TEMPERATURE = "controller.temperature", "T", "K", Range::POSITIVE, Some(293.15),
+        "Temperature of the air that the controller reckons with.",
+        "choice of the experiment", "give an absolute temperature above zero, such as 20 degC";
 }

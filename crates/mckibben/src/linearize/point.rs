@@ -11,7 +11,6 @@ use crate::error::{Error, Requirement};
 use crate::load::Load;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
-use crate::root;
 use crate::scalar::Over;
 use crate::simulation::{Rig, State};
 
@@ -45,9 +44,6 @@ pub struct OperatingPoint {
     /// The four states; the velocity is zero.
     pub state: State,
 }
-
-/// Highest gauge pressure in Pa that is looked at for a balance.
-const HIGHEST: f64 = 1e9;
 
 impl OperatingPoint {
     /// The point with the valve held shut.
@@ -216,26 +212,20 @@ fn pressure_at(rig: &Rig, length: f64) -> Result<AbsolutePressure, Error> {
             remedy: "give the pressure too",
         });
     };
-    let (actuator, atmosphere) = (rig.actuator(), rig.actuator().air().atmosphere().0);
-    let surplus =
-        |pressure: f64| actuator.static_force(length, pressure) + actuator.limits().force(length, 0.0) - inertia.pull;
-    if surplus(atmosphere) > 0.0 {
+    let actuator = rig.actuator();
+    if actuator.limits().force(length, 0.0) > inertia.pull {
         return Err(Error::Unsupported {
             what: "at this length the taut braid alone pulls harder than the load: no pressure balances it",
             remedy: "give a shorter length or a heavier load",
         });
     }
-    let mut high = 2.0 * atmosphere;
-    while surplus(high) < 0.0 {
-        high *= 2.0;
-        if high > HIGHEST {
-            return Err(Error::Unsupported {
-                what: "at this length no pressure lets the actuator hold the load: the braid hardly pulls there",
-                remedy: "give a longer length or a lighter load; an ideal braid pulls above thread_length/sqrt(3)",
-            });
-        }
+    match actuator.holding_pressure(inertia.pull, length) {
+        Ok(gauge) => Ok(gauge.absolute(actuator.air().atmosphere())),
+        Err(_) => Err(Error::Unsupported {
+            what: "at this length no pressure lets the actuator hold the load: the braid hardly pulls there",
+            remedy: "give a longer length or a lighter load; an ideal braid pulls above thread_length/sqrt(3)",
+        }),
     }
-    Ok(AbsolutePressure(root::bracketed(atmosphere, high, 1e-16 * high, surplus)))
 }
 
 /// The rig with the load that is in balance at a length in m and a pressure.

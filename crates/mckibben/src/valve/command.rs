@@ -19,6 +19,17 @@ pub enum Request {
     Exhaust,
 }
 
+impl Request {
+    /// Exhaust for fill and fill for exhaust; hold stays.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Fill => Self::Exhaust,
+            Self::Hold => Self::Hold,
+            Self::Exhaust => Self::Fill,
+        }
+    }
+}
+
 /// What is asked of the valve over time, from t = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command<S = f64> {

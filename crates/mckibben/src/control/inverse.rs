@@ -1,0 +1,177 @@
+//! The static model turned round: the pressure that holds a force at a length.
+//!
+//! ```text
+//! F = Eff(P_g) P_g A(L) + F_limit(L)          A = −dV/dL = (3L² − b²)/(4πn²)          (3)(9)(10)
+//! P_g Eff(P_g) = (F − F_limit(L))/A(L)
+//! ```
+//!
+//! With a constant effectiveness that is the answer. With another law of pressure the least pressure that gives it is
+//! bracketed, walking upwards, and a Newton step polishes it and carries the derivatives, which are those of the implicit
+//! function: `∂P/∂F = 1/(∂F/∂P)`, `∂P/∂L = −(∂F/∂L)/(∂F/∂P)`.
+//!
+//! | symbol | name in code | unit |
+//! |---|---|---|
+//! | F | `force`, of a tendon: zero or more | N |
+//! | L | `length`, above the shortest and below the thread's | m |
+//! | A | `pull_area`, above zero where the braid pulls | m² |
+//!
+//! Without friction: at rest the tension lies within `± Q k_sec` of this. Source: Colbrunn, Nelson & Quinn (2001), (3), (9)
+//! and (10), and its remark before (8) that (3) is solved for the pressure. Checked by `tests/inverse.rs`.
+
+use crate::actuator::Actuator;
+use crate::dual::Dual;
+use crate::error::{Error, Requirement};
+use crate::force::Effectiveness;
+use crate::parameter;
+use crate::pressure::GaugePressure;
+use crate::root;
+use crate::scalar::Real;
+
+/// Highest gauge pressure in Pa that is looked at.
+pub(super) const HIGHEST: f64 = 1e9;
+/// Where the walk upwards begins, in Pa, and by how much each step is longer than the one before.
+const FIRST: f64 = 1e3;
+const GROWTH: f64 = 1.25;
+
+impl<R: Real> Actuator<R> {
+    /// The area `A = −dV/dL` in m² with which the gas pulls at a length in m.
+    pub fn pull_area(&self, length: R) -> R {
+        -self.law().law.braid.volume_slope(length)
+    }
+
+    /// The least gauge pressure at which the actuator holds a tension of `force` N at rest at `length` m, without friction.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a negative force; [`Error::Inconsistent`] when no pressure gives it: the tendon is slack
+    /// or the braid does not pull at that length, the taut braid alone pulls harder, or the effectiveness is too low.
+    pub fn holding_pressure(&self, force: R, length: R) -> Result<GaugePressure<R>, Error> {
+        parameter::SET_FORCE.check(force.value())?;
+        self.check_pulling(length)?;
+        let limit = self.limits().force(length, R::zero());
+        let rest = force - limit;
+        let refused = |relation, other, value: f64, remedy| {
+            Err(Error::Inconsistent {
+                parameter: &parameter::SET_FORCE,
+                value: force.value(),
+                requirement: Requirement { relation, other, value, unit: "N" },
+                remedy,
+            })
+        };
+        if rest.value() < 0.0 {
+            let other = "the pull of the taut braid alone at this length";
+            return refused("must not be less than", other, limit.value(), "give a shorter length or a larger force");
+        }
+        let area = self.pull_area(length);
+        match effective_pressure(&self.law().effectiveness, rest / area) {
+            Ok(gauge) => Ok(gauge),
+            Err(most) => {
+                let most = most * area.value() + limit.value();
+                let other = "what any pressure gives at this length with the effectiveness,";
+                refused("must not be more than", other, most, "give a longer length or a smaller force")
+            }
+        }
+    }
+
+    /// The same between none and `highest`, which is asked for where no pressure below gives the force.
+    pub fn holding_pressure_within(&self, force: R, length: R, highest: GaugePressure<R>) -> GaugePressure<R> {
+        let none = GaugePressure(R::zero());
+        let rest = force - self.limits().force(length, R::zero());
+        if rest.value() <= 0.0 {
+            return none;
+        }
+        if self.check_pulling(length).is_err() {
+            return highest;
+        }
+        let found = effective_pressure(&self.law().effectiveness, rest / self.pull_area(length));
+        found.map_or(highest, |gauge| GaugePressure(gauge.0.smaller(highest.0)))
+    }
+
+    /// Mass of air in kg at a gauge pressure, a distance between the attachments in m and a temperature in K.
+    pub fn air_mass(&self, gauge: GaugePressure<R>, distance: R, temperature: R) -> R {
+        let air = self.air();
+        air.mass(gauge.absolute(air.atmosphere()), self.volume(distance), temperature)
+    }
+
+    /// Checks that the tendon is tight, the braid pulls and its threads are not straight at a length in m.
+    pub(super) fn check_pulling(&self, length: R) -> Result<(), Error> {
+        let (limits, braid) = (self.limits(), &self.law().law.braid);
+        let value = length.value();
+        parameter::SET_LENGTH.check(value)?;
+        let refused = |relation, other: &'static str, bound: R, remedy| {
+            let requirement = Requirement { relation, other, value: bound.value(), unit: "m" };
+            Err(Error::Inconsistent { parameter: &parameter::SET_LENGTH, value, requirement, remedy })
+        };
+        let longer = "give a longer length";
+        if value <= limits.min_length().value() {
+            return refused("must be greater than", parameter::MIN_LENGTH.key, limits.min_length(), longer);
+        }
+        if self.pull_area(length).value() <= 0.0 {
+            let other = "thread_length/sqrt(3), where the braid ceases to pull,";
+            return refused("must be greater than", other, braid.neutral_length(), longer);
+        }
+        if value >= braid.thread_length().value() {
+            let other = parameter::THREAD_LENGTH.key;
+            return refused("must be less than", other, braid.thread_length(), "give a shorter length");
+        }
+        Ok(())
+    }
+}
+
+/// The part of the force that follows the pressure alone, `Eff(P) P` in Pa.
+pub(super) fn effective<R: Real>(effectiveness: &Effectiveness<R>, gauge: R) -> R {
+    effectiveness.at(GaugePressure(gauge)) * gauge
+}
+
+/// Its derivative with respect to the pressure.
+fn effective_slope<R: Real>(effectiveness: &Effectiveness<R>, gauge: R) -> R {
+    let gauge: Dual<R, 1> = Dual::variable(gauge, 0);
+    (effectiveness.at(GaugePressure(gauge)) * gauge).slope[0]
+}
+
+/// Intervals of pressure in Pa, upwards, each ended where `Eff(P) P` has a peak in it, and whether it has.
+fn upwards<R: Real>(effectiveness: &Effectiveness<R>) -> impl Iterator<Item = (f64, f64, bool)> {
+    let falls = move |pressure: f64| -effective_slope(effectiveness, R::constant(pressure)).value();
+    let mut low = 0.0;
+    core::iter::from_fn(move || {
+        let (start, end) = (low, if low > 0.0 { GROWTH * low } else { FIRST });
+        low = end;
+        let has_peak = falls(start) <= 0.0 && falls(end) > 0.0;
+        let top = if has_peak { root::bracketed(start, end, 1e-16 * end, falls) } else { end };
+        (end <= HIGHEST).then_some((start, top, has_peak))
+    })
+}
+
+/// The highest gauge pressure up to which `Eff(P) P` rises.
+pub(super) fn top<R: Real>(effectiveness: &Effectiveness<R>) -> R {
+    if let Effectiveness::Constant(_) = effectiveness {
+        return R::constant(HIGHEST);
+    }
+    let peak = upwards(effectiveness).find(|(.., has_peak)| *has_peak);
+    R::constant(peak.map_or(HIGHEST, |(_, top, _)| top))
+}
+
+/// The least gauge pressure with `Eff(P) P` equal to `target` Pa, which is zero or more; otherwise the greatest `Eff(P) P`.
+pub(super) fn effective_pressure<R: Real>(
+    effectiveness: &Effectiveness<R>,
+    target: R,
+) -> Result<GaugePressure<R>, f64> {
+    if target.value() <= 0.0 {
+        return Ok(GaugePressure(target));
+    }
+    if let Effectiveness::Constant(ratio) = effectiveness {
+        return if ratio.value() > 0.0 { Ok(GaugePressure(target / *ratio)) } else { Err(0.0) };
+    }
+    let surplus = |pressure: R| effective(effectiveness, pressure) - target;
+    let at = |pressure: f64| surplus(R::constant(pressure)).value();
+    let mut most = 0.0_f64;
+    for (low, high, _) in upwards(effectiveness) {
+        if at(high) < 0.0 {
+            most = most.max(at(high) + target.value());
+            continue;
+        }
+        let root = R::constant(root::bracketed(low, high, 1e-16 * high, at));
+        let step = surplus(root) / effective_slope(effectiveness, root);
+        return Ok(GaugePressure(if step.value().abs() < 1e-9 * root.value() { root - step } else { root }));
+    }
+    Err(most)
+}

@@ -1,0 +1,86 @@
+//! The modulator: what is asked of the valve at every instant, from commands that arrive on sampling instants.
+//!
+//! ```text
+//! steady    the request at once, and until the next command
+//! pulses    period p begins at p/f; its pulse ends at (p + duty)/f, with the duty that holds when it begins
+//! ```
+//!
+//! A duty cycle is taken up when the next period begins, which is at once where the pulses have the rate of the samples; a
+//! command in the middle of a period leaves its pulse as it is. At one instant commands come before pulses. A duty of zero
+//! or less is all rest, of one or more all pulse.
+
+use super::Drive;
+use crate::scalar::Real;
+use crate::valve::{Request, is_due};
+
+/// Where the modulation stands. It belongs to whoever steps time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modulator<R = f64> {
+    drive: Option<Drive<R>>,
+    next_period: u64,
+    /// When the pulse ends, and what follows.
+    end: Option<(R, Request)>,
+}
+
+impl<R: Real> Modulator<R> {
+    /// Before the first command.
+    pub fn idle() -> Self {
+        Self { drive: None, next_period: 0, end: None }
+    }
+
+    /// The command that holds.
+    pub fn drive(&self) -> Option<Drive<R>> {
+        self.drive
+    }
+
+    /// A command arrives at `time` in s; the request that changes at once, if one does.
+    pub fn command(&mut self, drive: Drive<R>, time: R, frequency: R) -> Option<Request> {
+        let was_pulsing = matches!(self.drive, Some(Drive::Pulses { .. }));
+        self.drive = Some(drive);
+        match drive {
+            Drive::Steady(request) => {
+                self.end = None;
+                Some(request)
+            }
+            Drive::Pulses { .. } => {
+                if !was_pulsing {
+                    self.next_period = first_period(time, frequency);
+                }
+                None
+            }
+        }
+    }
+
+    /// The next instant in s at which the request changes by itself.
+    pub fn next(&self, frequency: R) -> Option<R> {
+        let period = matches!(self.drive, Some(Drive::Pulses { .. })).then(|| begin(self.next_period, frequency));
+        [period, self.end.map(|(time, _)| time)].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+    }
+
+    /// Passes what [`Modulator::next`] says, at `time` in s; the request from then on. Of a pulse that ends and a period
+    /// that begins in one instant, the period counts.
+    pub fn pass(&mut self, time: R, frequency: R) -> Option<Request> {
+        let ended = self.end.take_if(|(end, _)| is_due(*end, time)).map(|(_, rest)| rest);
+        let Some(Drive::Pulses { duty, pulse, rest }) = self.drive else { return ended };
+        if !is_due(begin(self.next_period, frequency), time) {
+            return ended;
+        }
+        let until = (R::constant(self.next_period as f64) + duty) / frequency;
+        self.next_period += 1;
+        let (some, all) = (duty.value() > 0.0, duty.value() >= 1.0);
+        self.end = (some && !all).then_some((until, rest));
+        Some(if some { pulse } else { rest })
+    }
+}
+
+/// When a period begins, in s.
+fn begin<R: Real>(period: u64, frequency: R) -> R {
+    R::constant(period as f64) / frequency
+}
+
+/// The first period that does not begin before `time` in s.
+fn first_period<R: Real>(time: R, frequency: R) -> u64 {
+    let period = (time * frequency).value() as u64;
+    // The product may lie a rounding to either side of a whole number.
+    (period.saturating_sub(1)..).find(|period| is_due(time, begin(*period, frequency))).unwrap_or(period)
+}
