@@ -264,10 +264,10 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     fn samples(&self) -> Vec<Result<Sample, Error>> {
         let observed = self.rig.observe(&self.state, &self.held);
-        let hosed = self.rig.line().hose.is_some();
+        let hose_air = self.rig.line().hose.as_ref().map(|hose| hose.content(self.state[4]));
         let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
             Some(fault) => Err(fault.clone()),
-            None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hosed))),
+            None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air))),
         };
         self.lanes.iter().enumerate().map(sample).collect()
     }

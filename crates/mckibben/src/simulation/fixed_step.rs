@@ -56,7 +56,8 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     pub fn sample(&self) -> Sample<R> {
         let Course { time, state, held } = &self.walk.course;
         let sample = Sample::new(*time, &of_rig(state), &self.rig.observe(state, held), self.walk.ports);
-        if self.rig.line().hose.is_some() { sample.with_line(state[4], None) } else { sample }
+        let hose = self.rig.line().hose.as_ref();
+        hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None))
     }
 
     /// Goes on to `until` in one step, divided where something switches.

@@ -134,6 +134,23 @@ impl<'a, R: Real> RigSystem<'a, R> {
         }
     }
 
+    /// Flows through the valve's passages to the supply and to the surroundings, into hose or actuator.
+    #[cfg(feature = "alloc")]
+    pub(super) fn valve_flows<const N: usize>(&self, state: &[R; N], mode: &Mode) -> [Flow<R>; 2] {
+        let chamber = self.chamber(state, mode);
+        match &self.plumbing {
+            Some(plumbing) => plumbing.passages(&self.member, &chamber, state, mode),
+            None => {
+                let only = |supply: bool, exhaust: bool| Mode {
+                    supply_zone: mode.supply_zone.filter(|_| supply),
+                    exhaust_zone: mode.exhaust_zone.filter(|_| exhaust),
+                    ..*mode
+                };
+                [only(true, false), only(false, true)].map(|one| self.member.flow(&chamber, &one))
+            }
+        }
+    }
+
     /// Content of the hose in kg.
     #[cfg(feature = "alloc")]
     pub(super) fn hose_content<const N: usize>(&self, state: &[R; N]) -> R {

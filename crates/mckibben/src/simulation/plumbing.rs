@@ -168,7 +168,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
 
     /// Flows through the valve's two passages, into what it opens into, in a mode.
     #[inline(always)]
-    fn passages<T: Over<R>, const N: usize>(
+    pub(super) fn passages<T: Over<R>, const N: usize>(
         &self,
         member: &Member<'_, R>,
         own: &Chamber<T>,

@@ -32,6 +32,8 @@ pub struct Sample<R = f64> {
     pub ports: Ports,
     /// Absolute pressure at the valve's end of the hose; the actuator's own without a hose.
     pub hose_pressure: AbsolutePressure<R>,
+    /// Mass of the air in the hose in kg; zero without one.
+    pub hose_air_mass: R,
     /// Absolute pressure behind the valve's port to the supply where it changes, of the regulator or the reservoir.
     pub supply_pressure: Option<AbsolutePressure<R>>,
 }
@@ -61,25 +63,28 @@ impl<R: Scalar> Sample<R> {
             mass_flow,
             ports,
             hose_pressure,
+            hose_air_mass: R::zero(),
             supply_pressure,
         }
     }
 
-    /// The same with the absolute pressures (Pa) at the valve's end of the hose and of a supply that is not constant.
-    pub(super) fn with_line(self, hose: R, supply: Option<R>) -> Self {
-        Self { hose_pressure: AbsolutePressure(hose), supply_pressure: supply.map(AbsolutePressure), ..self }
+    /// The same with the absolute pressure (Pa) at the valve's end of the hose and the air in it (kg), and the absolute
+    /// pressure of a supply that is not constant.
+    pub(super) fn with_line(self, [hose, air]: [R; 2], supply: Option<R>) -> Self {
+        let (hose_pressure, supply_pressure) = (AbsolutePressure(hose), supply.map(AbsolutePressure));
+        Self { hose_pressure, hose_air_mass: air, supply_pressure, ..self }
     }
 }
 
 impl Sample {
-    /// The sample of one lane, which has a hose or none.
+    /// The sample of one lane, with the air in its hose in kg if it has one.
     #[cfg(feature = "batch")]
     pub(crate) fn of_lane<W: Wide>(
         time: f64,
         state: &Stepped<W>,
         observed: &Observed<W>,
         lane: usize,
-        (ports, hosed): (Ports, bool),
+        (ports, hose_air): (Ports, Option<W>),
     ) -> Self {
         let number = |wide: &W| wide.lane(lane).value();
         let Observed { tension, volume, temperature, flow } = observed;
@@ -89,7 +94,7 @@ impl Sample {
         let [length, velocity, pressure, mass, hose] = state;
         let four = [number(length), number(velocity), number(pressure), number(mass)];
         let sample = Self::new(time, &four, &observed, ports);
-        if hosed { sample.with_line(number(hose), None) } else { sample }
+        hose_air.map_or(sample, |air| sample.with_line([number(hose), number(&air)], None))
     }
 }
 

@@ -196,7 +196,16 @@ impl<R: Real> Trajectory<R> {
         }));
     }
 
-    /// The same with the flow between the rig, its hose included, and the supply or the surroundings.
+    /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
+    /// into hose or actuator, at the Gauss points of each step.
+    pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
+        let system = self.system();
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, _, state, phase| {
+            visit(weight, system.valve_flows(state, &phase.mode));
+        }));
+    }
+
+    /// As [`Trajectory::quadrature`], with the flow between the rig, its hose included, and the supply or the surroundings.
     pub(super) fn each_flow(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode, &Flow<R>)) {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
@@ -227,5 +236,5 @@ fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[
     let (mode, (valve, supply)) = (&phase.mode, system.valve_places());
     let (tension, flow) = (system.tension(state, mode), system.inflow(state, phase));
     let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
-    sample.with_line(state[valve], supply.map(|place| state[place]))
+    sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))
 }
