@@ -50,10 +50,11 @@ impl Problem {
             && scenario.actuator.effectiveness == Effectiveness::Constant(1.0)
             && scenario.actuator.friction.coulomb_width > 0.0
             && matches!(scenario.load, Load::HangingMass { .. })
-            && scenario
-                .valve
-                .as_ref()
-                .is_none_or(|valve| valve.kind == ValveKind::ThreeWay && matches!(valve.passage, Passage::FlowArea(_)));
+            && scenario.valve.as_ref().is_none_or(|valve| {
+                valve.kind == ValveKind::ThreeWay
+                    && matches!(valve.passage, Passage::FlowArea(_))
+                    && valve.exhaust.is_none()
+            });
         if !known {
             return Err(format!("{}: the peers know only the paper's own laws", path.display()));
         }

@@ -3,8 +3,9 @@
 //! An event-located run is looked at in five points of every step, at every event and at every sample; a fixed-step run at every step.
 
 use crate::engine::Outcome;
+use mckibben::Actuator;
 use mckibben::air::Flow;
-use mckibben::simulation::{Sample, Trajectory};
+use mckibben::simulation::{Extent, Mode, Sample, Trajectory};
 use mckibben::valve::Command;
 use mckibben_scenario::Experiment;
 
@@ -78,6 +79,15 @@ pub struct AirUse {
 }
 
 impl AirUse {
+    /// Adds the flow of an actuator without an air line at a point of a quadrature with its weight in s.
+    pub fn see_actuator(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
+        let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
+        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+        let supply = actuator.flow(&chamber, sample.ports.supply, false);
+        let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
+        self.see(weight, [supply, surroundings]);
+    }
+
     /// Adds the flows to the supply and to the surroundings at a point of a quadrature with its weight in s.
     pub fn see(&mut self, weight: f64, [supply, surroundings]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;

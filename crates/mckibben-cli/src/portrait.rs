@@ -1,4 +1,4 @@
-//! The figure of a run: length, pressure and tension over time, the valve as bands behind them.
+//! The figure of a run: length, pressure and tension over time with the valve as bands behind them, or tension over length.
 
 use crate::engine::Outcome;
 use crate::events;
@@ -35,6 +35,16 @@ impl Format {
     }
 }
 
+/// What a run is drawn over.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, clap::ValueEnum)]
+pub enum Over {
+    /// Length, pressure and tension over time.
+    #[default]
+    Time,
+    /// Tension over length: the loops of hysteresis.
+    Length,
+}
+
 /// Draws a run; the bytes of the file.
 ///
 /// # Errors
@@ -42,10 +52,15 @@ impl Format {
 pub fn draw(
     experiment: &Experiment,
     outcome: &Outcome<'_>,
+    over: Over,
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    figure(experiment, outcome, title).map_err(Failure::from).and_then(|figure| bytes(&figure, (path, format)))
+    let figure = match over {
+        Over::Time => figure(experiment, outcome, title),
+        Over::Length => loops(experiment, outcome, title),
+    };
+    figure.map_err(Failure::from).and_then(|figure| bytes(&figure, (path, format)))
 }
 
 /// A figure as the bytes of a file.
@@ -140,6 +155,13 @@ fn figure(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result
         figure = figure.panel(panel);
     }
     Ok(figure.size_mm(120.0, 32.0))
+}
+
+fn loops(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {
+    let Curves { length, tension, .. } = curves(experiment, outcome)?;
+    let length = length.into_iter().map(|length| length * 1e3).collect();
+    let panel = Panel::new(Axis::new("tension", "N")).series(Series::line("", length, tension));
+    Ok(Figure::new(Axis::new("length", "mm")).title(title).panel(panel).size_mm(120.0, 80.0))
 }
 
 fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Error> {

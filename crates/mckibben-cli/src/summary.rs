@@ -199,11 +199,18 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
         ("gas work", audit.gas_work, "by the gauge pressure"),
         ("to the load", audit.load, "kinetic and potential, or the work on a prescribed motion"),
         ("stored", audit.braid_storage, "in the taut braid"),
+        ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
+        ("bladder", audit.bladder_storage, "stored in the bladder"),
         ("viscous", audit.viscous, "dissipated by viscous friction"),
         ("Coulomb", audit.coulomb, "dissipated by Coulomb friction"),
+        ("slip", audit.slip, "dissipated by the elements of the hysteresis that slip"),
         ("braid damping", audit.braid, "dissipated by the taut braid"),
         ("slack", audit.slack, "correction of friction while a tendon cannot push"),
-        ("effectiveness", audit.effectiveness_loss, "taken by an effectiveness other than 1"),
+        (
+            "effectiveness",
+            audit.effectiveness_loss,
+            "taken by an effectiveness other than 1, or a law beside virtual work",
+        ),
     ];
     let turnover = audit.turnover();
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
@@ -222,11 +229,10 @@ pub(crate) fn assumptions(assumed: &[Assumed]) -> String {
     }
     let named: Vec<String> =
         assumed.iter().map(|value| format!("{} = {}", value.parameter.key, value.text).replace(' ', KEPT)).collect();
-    let presets: Vec<&str> = assumed.iter().filter_map(|value| value.preset).collect();
-    let from = match presets.first() {
-        Some(preset) => format!("; see `mckibben{KEPT}presets{KEPT}{preset}`"),
-        None => String::new(),
-    };
+    let mut presets: Vec<&str> = assumed.iter().filter_map(|value| value.preset).collect();
+    presets.dedup();
+    let commands: Vec<String> = presets.iter().map(|preset| format!("`mckibben{KEPT}presets{KEPT}{preset}`")).collect();
+    let from = if commands.is_empty() { String::new() } else { format!("; see {}", commands.join(" and ")) };
     let note = wrap(&format!("{}{from}.", named.join(", ")), "  ", width()).replace(KEPT, " ");
     format!("\n{}\n{note}\n", styled(NOTABLE, "Assumed, stated by no source and not set in the file"))
 }

@@ -8,6 +8,7 @@ use crate::keys::{self, KEYS, Key};
 use crate::presets::{self, Preset};
 use crate::quantity;
 use crate::read::GEOMETRY;
+use crate::read::passage::{EXHAUST, SUPPLY};
 use mckibben::parameter::{self as p, Parameter};
 
 /// A number that is in force and that no source states.
@@ -56,7 +57,7 @@ impl Document {
     /// Whether a key applies and is not given, and nothing that the file gives says the same in another way.
     fn is_left_out(&self, key: &Key) -> bool {
         let optional = ["supply", "valve", "hose", "command"];
-        let section = key.section();
+        let section = key.section().split('.').next().unwrap_or_default();
         if self.contains(key.path) || (optional.contains(&section) && !self.contains(section)) {
             return false;
         }
@@ -71,14 +72,35 @@ impl Document {
             path if path == p::EFFECTIVENESS.key => {
                 ![&keys::POLYNOMIAL, &keys::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
             }
-            path if path == p::FLOW_AREA.key => !self.contains(p::SONIC_CONDUCTANCE.key),
+            // Without a fall there is no velocity over which friction falls.
+            path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
             // What describes a reservoir or a compressor more closely.
             path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),
             path if path == p::CLEARANCE.key => self.contains(p::DISPLACEMENT.key),
+            path if path.starts_with("valve.") => self.is_in_force(path),
             // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
             path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),
             _ => true,
         }
+    }
+
+    /// Whether a key of the valve that is not given belongs to the way in which its passages are stated: by the file, or as
+    /// a whole by the preset.
+    fn is_in_force(&self, path: &str) -> bool {
+        let given = |row: &Parameter| self.contains(row.key);
+        let preset = |row: &Parameter| self.valve_preset().is_some_and(|preset| preset.get(row).is_some());
+        let (by_file, exhaust_by_file) = (SUPPLY.begun(given), EXHAUST.begun(given));
+        for (rows, replaced) in [(&SUPPLY, by_file), (&EXHAUST, by_file || exhaust_by_file)] {
+            if rows.pressure_drop_ratio.key == path {
+                let by_water = |gives: &dyn Fn(&Parameter) -> bool| gives(rows.kv) || gives(rows.cv);
+                return by_water(&given) || (!replaced && by_water(&preset));
+            }
+            if let Some(way) = rows.ways().into_iter().find(|way| way.iter().any(|row| row.key == path)) {
+                // Of what the preset gives whole, the file may give a part.
+                return !replaced || (way.iter().any(|row| given(row)) && way.iter().all(|row| preset(row)));
+            }
+        }
+        true
     }
 
     /// The preset's or the table's value of a parameter, when it is assumed.

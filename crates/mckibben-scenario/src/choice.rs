@@ -50,9 +50,32 @@ words! {
         Polytropic = "polytropic", "Between the two, with an exponent of its own.";
         EnergyBalance = "energy-balance", "The first law, with the supply's temperature and heat through the wall.";
     }
+    /// The law of hysteresis.
+    HysteresisLaw {
+        MaxwellSlip = "maxwell-slip", "Elastic elements that slip: the stop operators of Prandtl and Ishlinskii.";
+    }
+    /// The law of static force.
+    ForceLaw {
+        IdealBraid = "ideal-braid", "Virtual work of the gas on the braid: the paper's law.";
+        TonduLopez = "tondu-lopez", "The ideal braid with a factor on the contraction for the taper of the ends.";
+        Sarosi = "sarosi", "A surface of six coefficients through measured forces.";
+        Map = "map", "A smooth monotone surface through tensions measured on a grid.";
+    }
+    /// How the bladder's resistance grows with contraction.
+    BladderForm {
+        Linear = "linear", "In proportion to contraction.";
+        Saturating = "saturating", "Up to a largest force.";
+        Exponential = "exponential", "Ever more steeply.";
+    }
     /// How a valve joins the actuator to supply and exhaust.
     ValveKind {
+        TwoWay = "two-way", "Joined to the supply when energised and sealed when not.";
         ThreeWay = "three-way", "Joined to the supply when energised and to the exhaust when not.";
+        ThreeWayNormallyOpen = "three-way-normally-open", "Joined to the exhaust when energised and to the supply when not.";
+        FiveWay = "five-way", "5/2: fills output A and exhausts B when energised, and the other way round when not.";
+        FiveWayClosed = "five-way-closed", "5/3: as 5/2 with a coil for each way; shut when neither is energised.";
+        FiveWayExhausted = "five-way-exhausted", "5/3 that exhausts both outputs when neither coil is energised.";
+        FiveWayPressurised = "five-way-pressurised", "5/3 that fills both outputs when neither coil is energised.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
     }
     /// How finely a hose is resolved.
@@ -69,14 +92,14 @@ words! {
     CommandState {
         Fill = "fill", "Join the actuator to the supply.";
         Hold = "hold", "Close the actuator; not with a three-way valve.";
-        Exhaust = "exhaust", "Join the actuator to the exhaust.";
+        Exhaust = "exhaust", "Join the actuator to the exhaust; not with a two-way valve.";
     }
     /// What makes the valve's command.
     CommandKind {
         Pwm = "pwm", "Pulse-width modulation; the pulse starts each period.";
         Fill = "fill", "Joined to the supply all the time.";
         Hold = "hold", "Closed all the time; not with a three-way valve.";
-        Exhaust = "exhaust", "Joined to the exhaust all the time.";
+        Exhaust = "exhaust", "Joined to the exhaust all the time; not with a two-way valve.";
         Table = "table", "A list of times and what is commanded from each on.";
     }
     /// What the actuator pulls on.
@@ -114,5 +137,17 @@ words! {
     Spacing {
         Linear = "linear", "Evenly.";
         Logarithmic = "logarithmic", "Evenly in the logarithm.";
+    }
+}
+
+impl ValveKind {
+    /// Whether it has two outputs in opposition.
+    pub fn has_two_outputs(self) -> bool {
+        matches!(self, Self::FiveWay | Self::FiveWayClosed | Self::FiveWayExhausted | Self::FiveWayPressurised)
+    }
+
+    /// Whether it has a third position, so that a pulse and what lies between pulses are to be chosen.
+    pub(crate) fn has_three_positions(self) -> bool {
+        self == Self::FillHoldExhaust || (self.has_two_outputs() && self != Self::FiveWay)
     }
 }

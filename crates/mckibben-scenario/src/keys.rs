@@ -8,8 +8,8 @@
 //! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
 
 use crate::choice::{
-    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, HoseKind, LoadKind, Method, ProcessKind,
-    RecordKind, ValveKind,
+    BladderForm, Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, ForceLaw, HoseKind,
+    HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, ValveKind,
 };
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
@@ -246,12 +246,20 @@ pub const VARY: &str = "sweep.vary";
 /// Every section in the order of the file.
 pub static SECTIONS: &[Section] = &[
     section("actuator", "The braided actuator.", false),
+    section("actuator.force", "The law of static force.", false),
+    section("actuator.bladder", "Elasticity of the bladder; without it the bladder is limp.", false),
     section("actuator.effectiveness", "Measured force over ideal force: a constant, a polynomial or a table.", false),
     section("actuator.friction", "Friction between threads and bladder.", false),
+    section("actuator.friction.hysteresis", "Friction that remembers the turns of the length.", false),
     section("actuator.limit", "The taut braid at full stretch.", false),
     section("air", "The gas in the actuator and around it.", false),
     section("supply", "The air that the valve joins the actuator to.", false),
     section("valve", "The valve; without it the actuator is sealed.", false),
+    section(
+        "valve.exhaust",
+        "The valve's passage to the surroundings, where it differs from the one to the supply.",
+        false,
+    ),
     section("hose", "The hose from the valve to the actuator; none when absent.", false),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section("load", "What the actuator pulls on.", true),
@@ -293,6 +301,13 @@ const fn choice(path: &'static str, choices: &'static [Choice], meaning: &'stati
 const DESIGN: &str = "sweep.design";
 const RECORD: &str = "sweep.record";
 const NO_GRID: &[&str] = &[DesignKind::Random.name(), DesignKind::LatinHypercube.name(), DesignKind::Sobol.name()];
+const HYSTERESIS: &str = "actuator.friction.hysteresis.law";
+const FORCE: &str = "actuator.force.law";
+const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
+const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
+const MAP: &[&str] = &[ForceLaw::Map.name()];
+const BLADDER: &str = "actuator.bladder.form";
+const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponential.name()];
 const PROCESS: &str = "air.process";
 const HOSE: &str = "hose.kind";
 const COMMAND: &str = "command.kind";
@@ -317,6 +332,28 @@ pub static KEYS: &[Key] = &[
     quantity(&p::MIN_LENGTH, "\"2.4952 in\""),
     quantity(&p::EXTERNAL_VOLUME, "\"3 cm^3\""),
     quantity(&p::LEAKAGE, "\"1e-12 m^3/(s*Pa)\""),
+    quantity(&p::WALL_THICKNESS, "\"0.5 mm\""),
+    choice(FORCE, ForceLaw::CHOICES, "The law of static force.", "\"ideal-braid\"").or("ideal-braid"),
+    quantity(&p::END_FACTOR, "1.1").when(FORCE, TONDU_LOPEZ),
+    quantity(&p::END_FACTOR_RISE, "0.2").when(FORCE, TONDU_LOPEZ),
+    quantity(&p::END_FACTOR_PRESSURE, "\"1 bar\"").when(FORCE, TONDU_LOPEZ),
+    quantity(&p::INITIAL_RADIUS, "\"3.2 mm\"").when(FORCE, TONDU_LOPEZ),
+    quantity(&p::TONDU_LOPEZ_A, "11.5").when(FORCE, TONDU_LOPEZ),
+    quantity(&p::TONDU_LOPEZ_B, "4.8").when(FORCE, TONDU_LOPEZ),
+    list(&p::SAROSI_COEFFICIENTS, "[-4.4, 290, -0.33, -9.3, 298, -300]").required().when(FORCE, SAROSI),
+    key("actuator.force.pressure_unit", Kind::Unit("Pa"), "Unit of the pressure in the coefficients.", "\"kPa\"")
+        .required()
+        .when(FORCE, SAROSI),
+    key("actuator.force.force_unit", Kind::Unit("N"), "Unit of the force in the coefficients.", "\"N\"")
+        .required()
+        .when(FORCE, SAROSI),
+    list(&p::MAP_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(FORCE, MAP),
+    list(&p::MAP_LENGTH, "[\"7 cm\", \"8 cm\", \"9 cm\"]").required().when(FORCE, MAP),
+    list(&p::MAP_TENSION, "[\"4 N\", \"16 N\", \"30 N\", \"9 N\", \"33 N\", \"61 N\"]").required().when(FORCE, MAP),
+    choice(BLADDER, BladderForm::CHOICES, "How the bladder's resistance grows with contraction.", "\"linear\"")
+        .required(),
+    quantity(&p::BLADDER_FORCE, "\"20 N\"").required(),
+    quantity(&p::BLADDER_SCALE, "0.05").required().when(BLADDER, CURVED),
     quantity(&p::EFFECTIVENESS, "0.9"),
     list(&POLYNOMIAL, "[0.7, 0.003]"),
     key(
@@ -329,6 +366,13 @@ pub static KEYS: &[Key] = &[
     list(&EFFECTIVENESS_VALUE, "[0.8, 0.9]"),
     quantity(&p::VISCOUS, "\"0.02 lbf*s/in\""),
     quantity(&p::COULOMB_WIDTH, "\"0.0044 in\""),
+    quantity(&p::COULOMB_FORCE, "\"0.5 N\""),
+    quantity(&p::COULOMB_FORCE_PER_PRESSURE, "\"2 mm^2\""),
+    quantity(&p::STATIC_RATIO, "1.3"),
+    quantity(&p::STRIBECK_VELOCITY, "\"10 mm/s\""),
+    choice(HYSTERESIS, HysteresisLaw::CHOICES, "The law of hysteresis.", "\"maxwell-slip\"").or("maxwell-slip"),
+    list(&p::HYSTERESIS_REACH, "[\"0.05 mm\", \"0.3 mm\"]").required(),
+    list(&p::HYSTERESIS_STIFFNESS_RATIO, "[0.8, 0.1]").required(),
     quantity(&p::LIMIT_STIFFNESS, "\"1.75e5 N/m\""),
     quantity(&p::LIMIT_DAMPING, "\"100 N*s/m\""),
     choice(PROCESS, ProcessKind::CHOICES, "How the actuator's air changes its state.", "\"isentropic\"")
@@ -367,6 +411,9 @@ pub static KEYS: &[Key] = &[
     quantity(&p::FLOW_AREA, "\"1.8e-5 ft^2\""),
     quantity(&p::SONIC_CONDUCTANCE, "\"20 L/(min*bar) ANR\""),
     quantity(&p::CRITICAL_RATIO, "0.3"),
+    quantity(&p::KV, "\"0.05 m^3/h\""),
+    quantity(&p::CV, "0.06"),
+    quantity(&p::PRESSURE_DROP_RATIO, "0.7"),
     quantity(&p::EFFICIENCY, "0.85"),
     quantity(&p::OPENING_DELAY, "\"4 ms\""),
     quantity(&p::CLOSING_DELAY, "\"1 ms\""),
@@ -378,6 +425,12 @@ pub static KEYS: &[Key] = &[
         "\"actuator\"",
     )
     .or("actuator"),
+    quantity(&p::EXHAUST_FLOW_AREA, "\"1.8e-5 ft^2\""),
+    quantity(&p::EXHAUST_SONIC_CONDUCTANCE, "\"25 L/(min*bar) ANR\""),
+    quantity(&p::EXHAUST_CRITICAL_RATIO, "0.3"),
+    quantity(&p::EXHAUST_KV, "\"0.06 m^3/h\""),
+    quantity(&p::EXHAUST_CV, "0.07"),
+    quantity(&p::EXHAUST_PRESSURE_DROP_RATIO, "0.7"),
     choice(HOSE, HoseKind::CHOICES, "How finely the hose is resolved.", "\"lumped\"").or("lumped"),
     quantity(&p::HOSE_LENGTH, "\"1 m\"").required(),
     quantity(&p::HOSE_DIAMETER, "\"2.5 mm\"").required(),
@@ -390,7 +443,7 @@ pub static KEYS: &[Key] = &[
     choice(
         "command.pulse",
         CommandState::CHOICES,
-        "State during the pulse, with a fill-hold-exhaust valve.",
+        "State during the pulse, with a valve that has a third position.",
         "\"fill\"",
     )
     .or("fill")
@@ -398,7 +451,7 @@ pub static KEYS: &[Key] = &[
     choice(
         "command.rest",
         CommandState::CHOICES,
-        "State between pulses, with a fill-hold-exhaust valve.",
+        "State between pulses, with a valve that has a third position.",
         "\"exhaust\"",
     )
     .or("exhaust")

@@ -59,17 +59,17 @@ mod write;
 
 pub use assumed::Assumed;
 pub use choice::{
-    Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, HoseKind, LoadKind, Method, ProcessKind,
-    RecordKind, Spacing, ValveKind,
+    BladderForm, Choice, CommandKind, CommandState, DesignKind, Engine, ExhaustTemperature, ForceLaw, HoseKind,
+    HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, Spacing, ValveKind,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use scenario::{
-    Actuator, Air, Antagonist, Command, Compressor, Effectiveness, Friction, Hose, Initial, InitialAngle,
-    InitialLength, Joint, Limit, Load, Motion, Passage, Process, Pulley, Regulator, Reservoir, Run, Scenario, Supply,
-    Valve,
+    Actuator, Air, Antagonist, Bladder, Command, Compressor, Effectiveness, Force, Friction, Hose, Hysteresis, Initial,
+    InitialAngle, InitialLength, Joint, Limit, Load, Motion, Passage, Process, Pulley, Regulator, Reservoir, Run,
+    Scenario, Supply, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

@@ -1,13 +1,13 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
-    self, Antagonist, Command, Effectiveness, InitialAngle, InitialLength, Joint, Load, Motion, Passage, Process, Run,
-    Scenario, Supply, Valve,
+    self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
+    Motion, Passage, Process, Run, Scenario, Supply, Valve,
 };
-use mckibben::force::{self, Effective, IdealBraid, LengthLimits};
+use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, Rig, State};
@@ -97,7 +97,8 @@ impl Document {
             return Err(failed(Error::Unsupported { what, remedy }));
         }
         let agonist = scenario.driven().map_err(failed)?;
-        let antagonist = second.driven().map_err(|error| self.antagonist().diagnose(&error))?;
+        let output = opposite_output(&scenario, &second).map_err(failed)?;
+        let antagonist = second.driven_by(output).map_err(|error| self.antagonist().diagnose(&error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
         let starts = [scenario.initial, second.initial];
         let initial = JointInitial {
@@ -112,6 +113,37 @@ impl Document {
         let start = rig.start(&initial).map_err(failed)?;
         Ok(Some(JointExperiment { rig, start, run: scenario.run }))
     }
+}
+
+fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
+    let coulomb = friction::Coulomb::new(of.coulomb_width)?
+        .with_force(of.coulomb_force, of.coulomb_force_per_pressure)?
+        .with_stribeck(of.static_ratio, of.stribeck_velocity)?;
+    let friction = friction::Friction::with_coulomb(of.viscous, coulomb)?;
+    match &of.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
+            let elements = friction::MaxwellSlip::new(reach, stiffness_ratio)?;
+            Ok(friction.with_hysteresis(friction::Hysteresis::MaxwellSlip(elements)))
+        }
+        None => Ok(friction),
+    }
+}
+
+/// The output of the second actuator's valve that drives it: B where both hang on one five-way valve.
+fn opposite_output(first: &Scenario, second: &Scenario) -> Result<usize, Error> {
+    let two = |scenario: &Scenario| scenario.valve.is_some_and(|valve| valve.kind.has_two_outputs());
+    if !(two(first) && two(second)) {
+        return Ok(0);
+    }
+    let kind = |scenario: &Scenario| scenario.valve.map(|valve| valve.kind);
+    if kind(first) != kind(second) || first.command != second.command {
+        return Err(Error::Unsupported {
+            what: "one five-way valve drives both actuators of a joint, and the antagonist is given another of its own",
+            remedy: "remove the kind from [antagonist.valve] and the section [antagonist.command], or give the antagonist a \
+                     valve of another kind",
+        });
+    }
+    Ok(1)
 }
 
 fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
@@ -156,7 +188,8 @@ impl Scenario {
         }
         let Driven { actuator, actuation } = self.driven()?;
         let line = self.core_line(actuator.air())?;
-        let rig = Rig::new(actuator, actuation, self.core_load()?)?.with_line(line)?;
+        let load = self.core_load(actuator.law().law.end_length())?;
+        let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
         if self.run.engine == Engine::FixedStep {
             rig.check_fixed_steps()?;
         }
@@ -188,17 +221,17 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::experiment`].
     pub fn driven(&self) -> Result<Driven, Error> {
+        self.driven_by(0)
+    }
+
+    /// The same by one output of the valve, 0 or 1: only a five-way valve has the second.
+    fn driven_by(&self, output: usize) -> Result<Driven, Error> {
         let air = self.core_air()?;
         let mut actuator = self.core_actuator(air)?;
         let mut actuation = None;
         if let (Some(valve), Some(supply), Some(command)) = (&self.valve, &self.supply, &self.command) {
             actuator = actuator.with_valve(core_valve(valve, supply, &air)?);
-            let kind = match valve.kind {
-                ValveKind::ThreeWay => valve::ValveKind::ThreeWay,
-                ValveKind::FillHoldExhaust => valve::ValveKind::FillHoldExhaust,
-            };
-            let solenoid = valve::Solenoid::new(kind, valve.opening_delay, valve.closing_delay)?;
-            actuation = Some(Actuation { solenoid, command: core_command(command)? });
+            actuation = Some(core_actuation(valve, command, output)?);
         }
         Ok(Driven { actuator, actuation })
     }
@@ -252,24 +285,47 @@ impl Scenario {
             Effectiveness::Polynomial(coefficients) => force::Effectiveness::polynomial(coefficients)?,
             Effectiveness::Table { gauge_pressure, value } => force::Effectiveness::table(gauge_pressure, value)?,
         };
-        let friction = friction::Friction::new(actuator.friction.viscous, actuator.friction.coulomb_width)?;
-        let law = Effective { law: IdealBraid { braid }, effectiveness };
+        let friction = core_friction(&actuator.friction)?;
+        let law = Effective { law: self.core_characteristic(braid)?, effectiveness };
         Actuator::new(law, limits, friction, actuator.external_volume, air)
     }
 
-    fn core_load(&self) -> Result<load::Load, Error> {
-        let thread_length = self.actuator.thread_length;
+    fn core_characteristic(&self, braid: Braid) -> Result<Characteristic, Error> {
+        let actuator = &self.actuator;
+        let longest = actuator.max_length;
+        let law = match &actuator.force {
+            Force::IdealBraid => force::Law::IdealBraid,
+            Force::TonduLopez { end_factor, end_factor_rise, end_factor_pressure, coefficients } => {
+                let end_factor = force::EndFactor::falling(*end_factor, *end_factor_rise, *end_factor_pressure)?;
+                let given = coefficients.map(|of| force::Coefficients { radius: of.radius, a: of.a, b: of.b });
+                force::Law::TonduLopez(force::TonduLopez::new(&braid, longest, end_factor, given)?)
+            }
+            Force::Map { gauge_pressure, length, tension } => {
+                force::Law::Map(force::ForceMap::new(gauge_pressure, length, tension)?)
+            }
+            Force::Sarosi(coefficients) => force::Law::Sarosi(force::Sarosi::new(longest, *coefficients)?),
+        };
+        let characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;
+        let Some(bladder) = actuator.bladder else { return Ok(characteristic) };
+        let form = match bladder.form {
+            BladderForm::Linear => force::BladderForm::Linear,
+            BladderForm::Saturating => force::BladderForm::Saturating,
+            BladderForm::Exponential => force::BladderForm::Exponential,
+        };
+        Ok(characteristic.with_bladder(force::Bladder::new(form, longest, bladder.force, bladder.scale)?))
+    }
+
+    fn core_load(&self, end_length: f64) -> Result<load::Load, Error> {
         match &self.load {
             Load::HangingMass { mass, gravity } => load::Load::hanging_mass(*mass, *gravity),
             Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
             // A joint is no load of one actuator: `rig` has refused it.
             Load::Isometric | Load::AntagonisticJoint(_) => Ok(load::Load::Isometric),
             Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
-                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, thread_length)
-                    .map(load::Load::Prescribed)
+                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, end_length).map(load::Load::Prescribed)
             }
             Load::PrescribedMotion(Motion::Table { time, length }) => {
-                load::Motion::table(time.clone(), length.clone(), thread_length).map(load::Load::Prescribed)
+                load::Motion::table(time.clone(), length.clone(), end_length).map(load::Load::Prescribed)
             }
         }
     }
@@ -307,20 +363,53 @@ fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::Supp
     Ok((line.reservoir().is_some() || line.regulator().is_some()).then_some(line))
 }
 
-fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
-    let standard = match valve.passage {
-        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
-            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
-        }
+/// What drives one output of a valve.
+fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
+    let command = core_command(command)?;
+    let (opening, closing) = (valve.opening_delay, valve.closing_delay);
+    let one = |kind| valve::Solenoid::new(kind, opening, closing);
+    let five_way = |rest| {
+        let [a, b] = valve::FiveWay::new(rest, opening, closing)?.outputs(&command)?;
+        let valve::FiveWayOutput { solenoid, command } = if output == 0 { a } else { b };
+        Ok(Actuation { solenoid, command })
     };
-    let law = valve::FlowLaw::new(standard, valve.efficiency, valve.laminar_ratio, air)?;
+    let solenoid = match valve.kind {
+        ValveKind::TwoWay => one(valve::ValveKind::TwoWay)?,
+        ValveKind::ThreeWay => one(valve::ValveKind::ThreeWay)?,
+        ValveKind::ThreeWayNormallyOpen => one(valve::ValveKind::ThreeWayNormallyOpen)?,
+        ValveKind::FillHoldExhaust => one(valve::ValveKind::FillHoldExhaust)?,
+        ValveKind::FiveWay => return five_way(valve::FiveWayRest::Returned),
+        ValveKind::FiveWayClosed => return five_way(valve::FiveWayRest::Closed),
+        ValveKind::FiveWayExhausted => return five_way(valve::FiveWayRest::Exhausted),
+        ValveKind::FiveWayPressurised => return five_way(valve::FiveWayRest::Pressurised),
+    };
+    Ok(Actuation { solenoid, command })
+}
+
+fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
+    let law = |port, passage| {
+        valve::FlowLaw::of_passage(port, flow_standard(passage), valve.efficiency, valve.laminar_ratio, air)
+    };
+    let inlet = law(valve::Port::Supply, valve.passage)?;
+    let outlet = valve.exhaust.map(|passage| law(valve::Port::Exhaust, passage)).transpose()?;
     let supply = valve::Supply::new(GaugePressure(supply.gauge_pressure), supply.temperature, air)?;
     let exhaust_temperature = match valve.exhaust_temperature {
         ExhaustTemperature::Actuator => valve::ExhaustTemperature::Actuator,
         ExhaustTemperature::Ambient => valve::ExhaustTemperature::Ambient,
     };
-    Ok(valve::Valve::new(law, supply, exhaust_temperature, air))
+    let built = valve::Valve::new(inlet, supply, exhaust_temperature, air);
+    Ok(outlet.map_or(built, |outlet| built.with_exhaust(outlet)))
+}
+
+fn flow_standard(passage: Passage) -> valve::FlowStandard {
+    match passage {
+        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
+        }
+        Passage::Kv { kv, pressure_drop_ratio } => valve::FlowStandard::Kv { kv, pressure_drop_ratio },
+        Passage::Cv { cv, pressure_drop_ratio } => valve::FlowStandard::Cv { cv, pressure_drop_ratio },
+    }
 }
 
 fn core_command(command: &Command) -> Result<valve::Command, Error> {

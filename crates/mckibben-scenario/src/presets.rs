@@ -1,6 +1,6 @@
 //! Named actuators and valves: for every number its text, its source, and whether it is assumed.
 //!
-//! Only hardware whose numbers are published is here. The paper (Colbrunn, Nelson & Quinn, 2001, "Modeling of Braided
+//! The valves are in [`VALVES`]. Only hardware whose numbers are published is here. The paper (Colbrunn, Nelson & Quinn, 2001, "Modeling of Braided
 //! Pneumatic Actuators for Robotic Control") states its actuator's stretched length, diameter, friction and valve, but
 //! not thread length, turns, effectiveness, hose volume or the stiffness of the taut braid: those are marked as
 //! assumed, and no agreement with a figure of the paper may be claimed on their strength. Taking the stated 1/4 in as
@@ -8,9 +8,13 @@
 //!
 //! Checked by `tests/tables.rs`: every text parses, in its parameter's range, and the relation above holds.
 
+mod valves;
+
 use crate::choice::Choice;
 use crate::quantity;
 use mckibben::parameter::{self as p, Parameter};
+
+pub use valves::{VALVE_CHOICES, VALVES};
 
 /// One number of a preset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,30 +91,11 @@ pub static COLBRUNN_2001: Preset = Preset {
     ],
 };
 
-/// The paper's valve.
-pub static MATRIX_EIGHT_CHANNEL: Preset = Preset {
-    name: "matrix-eight-channel",
-    meaning: "One channel of the Matrix eight-channel solenoid valve that the paper measured.",
-    words: &[("valve.kind", "three-way")],
-    values: &[
-        stated(&p::FLOW_AREA, "1.8e-5 ft^2", "paper, section 3.2"),
-        stated(&p::EFFICIENCY, "0.85", "paper, section 3.3"),
-        stated(&p::OPENING_DELAY, "4 ms", "paper, section 3.3"),
-        stated(&p::CLOSING_DELAY, "1 ms", "paper, section 3.3"),
-    ],
-};
-
 /// Every named actuator; the first is taken when a file describes none.
 pub static ACTUATORS: &[&Preset] = &[&COLBRUNN_2001];
 
-/// Every named valve.
-pub static VALVES: &[&Preset] = &[&MATRIX_EIGHT_CHANNEL];
-
 /// The words of `actuator.preset`.
 pub static ACTUATOR_CHOICES: &[Choice] = &[word(&COLBRUNN_2001)];
-
-/// The words of `valve.preset`.
-pub static VALVE_CHOICES: &[Choice] = &[word(&MATRIX_EIGHT_CHANNEL)];
 
 const fn word(preset: &'static Preset) -> Choice {
     Choice { name: preset.name, meaning: preset.meaning }

@@ -5,7 +5,7 @@
 //! (whether the braid's lengths fit each other, say) is judged by the constructors of the core, whose errors
 //! [`Document::diagnose`](crate::Document::diagnose) shows in the file.
 
-use crate::choice::{CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use std::path::Path;
@@ -48,12 +48,69 @@ pub struct Actuator {
     pub external_volume: f64,
     /// Conductance k of a leak in m³/(s·Pa), if there is one.
     pub leakage: Option<f64>,
+    /// Thickness t in m of the bladder's wall.
+    pub wall_thickness: f64,
+    /// The law of static force.
+    pub force: Force,
+    /// The bladder, where its elasticity counts.
+    pub bladder: Option<Bladder>,
     /// Measured force over ideal force.
     pub effectiveness: Effectiveness,
     /// Friction between threads and bladder.
     pub friction: Friction,
     /// The taut braid.
     pub limit: Limit,
+}
+
+/// The law of static force.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Force {
+    /// Virtual work of the gas on the braid.
+    IdealBraid,
+    /// The law of Tondu & Lopez.
+    TonduLopez {
+        /// End factor k at high pressure.
+        end_factor: f64,
+        /// Excess of the end factor at zero gauge pressure.
+        end_factor_rise: f64,
+        /// Gauge pressure in Pa over which that excess falls by the factor e.
+        end_factor_pressure: f64,
+        /// Its coefficients, where they are not those of the braid.
+        coefficients: Option<TonduLopezCoefficients>,
+    },
+    /// Sárosi's law: coefficients for pressures in Pa, contractions in percent and forces in N.
+    Sarosi([f64; 6]),
+    /// A measured force map.
+    Map {
+        /// Gauge pressures in Pa, strictly increasing.
+        gauge_pressure: Vec<f64>,
+        /// Lengths in m, strictly increasing.
+        length: Vec<f64>,
+        /// Tensions in N: one for each length at the first pressure, then at the next.
+        tension: Vec<f64>,
+    },
+}
+
+/// Measured coefficients of the law of Tondu & Lopez.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TonduLopezCoefficients {
+    /// Radius r_0 in m of the muscle at its longest.
+    pub radius: f64,
+    /// Factor a of the pulling term.
+    pub a: f64,
+    /// Factor b of the pushing term.
+    pub b: f64,
+}
+
+/// An elastic bladder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bladder {
+    /// How its resistance grows with contraction.
+    pub form: BladderForm,
+    /// Its force K_0 in N.
+    pub force: f64,
+    /// Contraction s over which it saturates or stiffens; without effect when linear.
+    pub scale: f64,
 }
 
 /// Measured force over ideal force, as a law over gauge pressure.
@@ -73,12 +130,34 @@ pub enum Effectiveness {
 }
 
 /// Friction of the actuator.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Viscous damping coefficient c in N·s/m.
     pub viscous: f64,
     /// Coulomb friction Q as a length in m.
     pub coulomb_width: f64,
+    /// Dry friction F_0 in N that is the same at any length and pressure.
+    pub coulomb_force: f64,
+    /// Dry friction A in m² for the gauge pressure.
+    pub coulomb_force_per_pressure: f64,
+    /// Dry friction ρ at break-away over that in motion.
+    pub static_ratio: f64,
+    /// Velocity v_s in m/s over which it falls from the one to the other.
+    pub stribeck_velocity: f64,
+    /// Hysteresis that remembers the turns of the length.
+    pub hysteresis: Option<Hysteresis>,
+}
+
+/// Hysteresis that remembers the turns of the length.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hysteresis {
+    /// Elastic elements that slip.
+    MaxwellSlip {
+        /// Deflections in m at which the elements slip.
+        reach: Vec<f64>,
+        /// Stiffness of each over the actuator's secant stiffness.
+        stiffness_ratio: Vec<f64>,
+    },
 }
 
 /// The taut braid at full stretch.
@@ -200,6 +279,8 @@ pub struct Valve {
     pub kind: ValveKind,
     /// How much it lets through.
     pub passage: Passage,
+    /// How much the passage to the surroundings lets through, where it differs.
+    pub exhaust: Option<Passage>,
     /// Factor η on the calculated mass flow.
     pub efficiency: f64,
     /// Time t_open in s from energising the coil to the seat's motion.
@@ -212,7 +293,7 @@ pub struct Valve {
     pub exhaust_temperature: ExhaustTemperature,
 }
 
-/// The two standard ways to state how much a valve lets through.
+/// The usual ways to state how much a valve lets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// Effective area A_p C_q in m².
@@ -223,6 +304,20 @@ pub enum Passage {
         sonic_conductance: f64,
         /// Critical back-pressure ratio b.
         critical_ratio: f64,
+    },
+    /// IEC 60534-2-1, by Kv.
+    Kv {
+        /// Flow of water Kv in m³/s at a pressure drop of 1 bar.
+        kv: f64,
+        /// Pressure drop ratio x_T at which air chokes.
+        pressure_drop_ratio: f64,
+    },
+    /// IEC 60534-2-1, by Cv.
+    Cv {
+        /// Flow of water Cv in US gallons per minute at a pressure drop of 1 psi.
+        cv: f64,
+        /// Pressure drop ratio x_T at which air chokes.
+        pressure_drop_ratio: f64,
     },
 }
 

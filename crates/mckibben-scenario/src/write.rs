@@ -3,11 +3,13 @@
 //! The text reads back to an equal [`Scenario`], bit for bit: numbers are written in the shortest digits that
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
-use crate::choice::{CommandKind, HoseKind, LoadKind, ProcessKind};
+use crate::choice::{BladderForm, CommandKind, ForceLaw, HoseKind, HysteresisLaw, LoadKind, ProcessKind};
 use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
+use crate::read::passage;
 use crate::scenario::{
-    Command, Effectiveness, InitialAngle, InitialLength, Load, Motion, Passage, Process, Pulley, Scenario, Supply,
+    Actuator, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load, Motion, Passage,
+    Process, Pulley, Scenario, Supply,
 };
 use mckibben::parameter::{self as p, Parameter};
 use std::fmt::Write;
@@ -91,6 +93,8 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
     if let Some(leakage) = actuator.leakage {
         w.number(&p::LEAKAGE, leakage);
     }
+    w.number(&p::WALL_THICKNESS, actuator.wall_thickness);
+    force(w, actuator);
     match &actuator.effectiveness {
         Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
         Effectiveness::Polynomial(coefficients) => {
@@ -102,10 +106,66 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
             w.list(&keys::EFFECTIVENESS_VALUE, value);
         }
     }
-    w.number(&p::VISCOUS, actuator.friction.viscous);
-    w.number(&p::COULOMB_WIDTH, actuator.friction.coulomb_width);
+    friction(w, &actuator.friction);
     w.number(&p::LIMIT_STIFFNESS, actuator.limit.stiffness);
     w.number(&p::LIMIT_DAMPING, actuator.limit.damping);
+}
+
+fn friction(w: &mut Writer, friction: &Friction) {
+    w.number(&p::VISCOUS, friction.viscous);
+    w.number(&p::COULOMB_WIDTH, friction.coulomb_width);
+    w.number(&p::COULOMB_FORCE, friction.coulomb_force);
+    w.number(&p::COULOMB_FORCE_PER_PRESSURE, friction.coulomb_force_per_pressure);
+    w.number(&p::STATIC_RATIO, friction.static_ratio);
+    w.number(&p::STRIBECK_VELOCITY, friction.stribeck_velocity);
+    match &friction.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
+            w.word("actuator.friction.hysteresis.law", HysteresisLaw::MaxwellSlip.name());
+            w.list(&p::HYSTERESIS_REACH, reach);
+            w.list(&p::HYSTERESIS_STIFFNESS_RATIO, stiffness_ratio);
+        }
+        None => {}
+    }
+}
+
+fn force(w: &mut Writer, actuator: &Actuator) {
+    let law = match &actuator.force {
+        Force::IdealBraid => ForceLaw::IdealBraid,
+        Force::TonduLopez { .. } => ForceLaw::TonduLopez,
+        Force::Sarosi(_) => ForceLaw::Sarosi,
+        Force::Map { .. } => ForceLaw::Map,
+    };
+    w.word("actuator.force.law", law.name());
+    match &actuator.force {
+        Force::IdealBraid => {}
+        Force::TonduLopez { end_factor, end_factor_rise, end_factor_pressure, coefficients } => {
+            w.number(&p::END_FACTOR, *end_factor);
+            w.number(&p::END_FACTOR_RISE, *end_factor_rise);
+            w.number(&p::END_FACTOR_PRESSURE, *end_factor_pressure);
+            if let Some(given) = coefficients {
+                w.number(&p::INITIAL_RADIUS, given.radius);
+                w.number(&p::TONDU_LOPEZ_A, given.a);
+                w.number(&p::TONDU_LOPEZ_B, given.b);
+            }
+        }
+        Force::Sarosi(coefficients) => {
+            w.list(&p::SAROSI_COEFFICIENTS, coefficients);
+            w.word("actuator.force.pressure_unit", "Pa");
+            w.word("actuator.force.force_unit", "N");
+        }
+        Force::Map { gauge_pressure, length, tension } => {
+            w.list(&p::MAP_PRESSURE, gauge_pressure);
+            w.list(&p::MAP_LENGTH, length);
+            w.list(&p::MAP_TENSION, tension);
+        }
+    }
+    if let Some(bladder) = &actuator.bladder {
+        w.word("actuator.bladder.form", bladder.form.name());
+        w.number(&p::BLADDER_FORCE, bladder.force);
+        if bladder.form != BladderForm::Linear {
+            w.number(&p::BLADDER_SCALE, bladder.scale);
+        }
+    }
 }
 
 fn air(w: &mut Writer, scenario: &Scenario) {
@@ -183,22 +243,37 @@ fn pulley(w: &mut Writer, pulley: &Pulley) {
 fn valve(w: &mut Writer, scenario: &Scenario) {
     let Some(valve) = &scenario.valve else { return };
     w.word("valve.kind", valve.kind.name());
-    match valve.passage {
-        Passage::FlowArea(area) => w.number(&p::FLOW_AREA, area),
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
-            w.number(&p::SONIC_CONDUCTANCE, sonic_conductance);
-            w.number(&p::CRITICAL_RATIO, critical_ratio);
-        }
-    }
+    passage(w, &passage::SUPPLY, valve.passage);
     w.number(&p::EFFICIENCY, valve.efficiency);
     w.number(&p::OPENING_DELAY, valve.opening_delay);
     w.number(&p::CLOSING_DELAY, valve.closing_delay);
     w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);
     w.word("valve.exhaust_temperature", valve.exhaust_temperature.name());
+    if let Some(exhaust) = valve.exhaust {
+        passage(w, &passage::EXHAUST, exhaust);
+    }
+}
+
+fn passage(w: &mut Writer, rows: &passage::Rows, passage: Passage) {
+    match passage {
+        Passage::FlowArea(area) => w.number(rows.flow_area, area),
+        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+            w.number(rows.sonic_conductance, sonic_conductance);
+            w.number(rows.critical_ratio, critical_ratio);
+        }
+        Passage::Kv { kv, pressure_drop_ratio } => {
+            w.number(rows.kv, kv);
+            w.number(rows.pressure_drop_ratio, pressure_drop_ratio);
+        }
+        Passage::Cv { cv, pressure_drop_ratio } => {
+            w.number(rows.cv, cv);
+            w.number(rows.pressure_drop_ratio, pressure_drop_ratio);
+        }
+    }
 }
 
 fn command(w: &mut Writer, scenario: &Scenario) {
-    let three_way = scenario.valve.is_some_and(|valve| valve.kind == crate::ValveKind::ThreeWay);
+    let chooses = scenario.valve.is_some_and(|valve| valve.kind.has_three_positions());
     match &scenario.command {
         None => {}
         Some(Command::Constant(state)) => w.word("command.kind", state.name()),
@@ -206,7 +281,7 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             w.word("command.kind", CommandKind::Pwm.name());
             w.number(&p::PWM_FREQUENCY, *frequency);
             w.number(&p::DUTY, *duty);
-            if !three_way {
+            if chooses {
                 w.word("command.pulse", pulse.name());
                 w.word("command.rest", rest.name());
             }

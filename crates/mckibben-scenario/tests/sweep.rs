@@ -149,12 +149,36 @@ fn surroundings(path: &str) -> String {
         "actuator.thread_length" | "actuator.turns" | "actuator.max_length" => {
             "[actuator]\npreset = \"colbrunn-2001\"\n"
         }
+        "actuator.force.end_factor" | "actuator.force.end_factor_rise" | "actuator.force.end_factor_pressure" => {
+            "[actuator.force]\nlaw = \"tondu-lopez\"\n"
+        }
+        "actuator.force.radius" | "actuator.force.a" | "actuator.force.b" => {
+            "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3 mm\"\na = 11.0\nb = 4.0\n"
+        }
+        _ if path.starts_with("actuator.bladder") => {
+            "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1\n"
+        }
         _ => "",
     };
     let mut base = BASE.to_owned();
     if path.starts_with("valve.sonic") || path.starts_with("valve.critical") {
         let iso = "kind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5";
         base = base.replace("preset = \"matrix-eight-channel\"", iso);
+    }
+    let stated = match path {
+        "valve.kv" => "kv = \"1 m^3/h\"",
+        "valve.cv" => "cv = 0.3",
+        "valve.pressure_drop_ratio" => "cv = 0.3\npressure_drop_ratio = 0.6",
+        "valve.exhaust.flow_area" => "cv = 0.3\nexhaust.flow_area = \"1 mm^2\"",
+        "valve.exhaust.sonic_conductance" | "valve.exhaust.critical_ratio" => {
+            "cv = 0.3\nexhaust.sonic_conductance = \"1 L/(s*bar)\"\nexhaust.critical_ratio = 0.5"
+        }
+        "valve.exhaust.kv" => "cv = 0.3\nexhaust.kv = \"1 m^3/h\"",
+        "valve.exhaust.cv" | "valve.exhaust.pressure_drop_ratio" => "cv = 0.3\nexhaust.cv = 0.4",
+        _ => "",
+    };
+    if !stated.is_empty() {
+        base = base.replace("preset = \"matrix-eight-channel\"", &format!("kind = \"three-way\"\n{stated}"));
     }
     let mass = "kind = \"hanging-mass\"\nmass = \"5 lb\"";
     if path == "load.force" {

@@ -79,9 +79,44 @@ fn surroundings(path: &str) -> &'static str {
         "actuator.effectiveness.gauge_pressure" | "actuator.effectiveness.value" => {
             "[actuator.effectiveness]\ngauge_pressure = [\"0 Pa\", \"1 Pa\"]\nvalue = [1.0, 1.0]"
         }
+        "actuator.force.end_factor" | "actuator.force.end_factor_rise" | "actuator.force.end_factor_pressure" => {
+            "[actuator.force]\nlaw = \"tondu-lopez\""
+        }
+        "actuator.force.radius" | "actuator.force.a" | "actuator.force.b" => {
+            "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3 mm\"\na = 11.0\nb = 4.0"
+        }
+        "actuator.force.coefficients" | "actuator.force.pressure_unit" | "actuator.force.force_unit" => {
+            "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3, 4, 5, 6]\npressure_unit = \"kPa\"\nforce_unit = \"N\""
+        }
+        "actuator.force.gauge_pressure" | "actuator.force.length" | "actuator.force.tension" => {
+            "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"1 bar\", \"2 bar\"]\n\
+             length = [\"7 cm\", \"8 cm\"]\ntension = [\"1 N\", \"2 N\", \"3 N\", \"4 N\"]"
+        }
+        _ if path.starts_with("actuator.friction.hysteresis") => {
+            "[actuator.friction.hysteresis]\nreach = [\"0.1 mm\", \"1 mm\"]\nstiffness_ratio = [0.5, 0.1]"
+        }
+        _ if path.starts_with("actuator.bladder.s") => {
+            "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1"
+        }
+        _ if path.starts_with("actuator.bladder") => "[actuator.bladder]\nform = \"linear\"\nforce = \"10 N\"",
         "valve.sonic_conductance" | "valve.critical_ratio" => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n\
              [valve]\nkind = \"three-way\"\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5"
+        }
+        "valve.kv" | "valve.pressure_drop_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n\
+             [valve]\nkind = \"two-way\"\nkv = \"1 m^3/h\""
+        }
+        "valve.cv" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n[valve]\nkind = \"three-way\"\ncv = 1"
+        }
+        "valve.exhaust.sonic_conductance" | "valve.exhaust.critical_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n[valve]\nkind = \"three-way\"\ncv = 1\n\
+             [valve.exhaust]\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.5"
+        }
+        "valve.exhaust.pressure_drop_ratio" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[command]\nkind = \"fill\"\n[valve]\nkind = \"three-way\"\ncv = 1\n\
+             [valve.exhaust]\ncv = 2"
         }
         "sweep.rows" | "sweep.seed" => "[sweep]\ndesign = \"random\"\nrows = 2",
         "sweep.design" => "[sweep]\nrows = 2",

@@ -1,6 +1,6 @@
 //! The modular actuator: valve state in, force out.
 //!
-//! Everything that one actuator is, composed: static force with effectiveness (9), friction (12), length limits
+//! Everything that one actuator is, composed: a law of static force with effectiveness (9), friction (12), length limits
 //! (10)(14), air (19) and valve (21). Parameters are immutable; the state, and whether the passages are open, belong to
 //! the caller. A robot simulator needs one call:
 //!
@@ -19,17 +19,19 @@ use crate::air::{Air, Chamber, Flow};
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::force::{Effective, IdealBraid, LengthLimits, StaticForce};
-use crate::friction::Friction;
+use crate::force::{Characteristic, Effective, IdealBraid, LengthLimits, StaticForce, Statics};
+use crate::friction::{Friction, Memory, Pressing, Rubbing, Touch};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::{Beyond, Port, Ports, Valve};
+use crate::valve::{Ports, Valve};
 
 /// One braided pneumatic actuator with its air and, if it has one, its valve.
+///
+/// `L` is what is static about it. Whoever steps many ideal braids may name that law here and spares the choice of law.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Actuator<S = f64> {
-    law: Effective<IdealBraid<S>, S>,
+pub struct Actuator<S = f64, L = Characteristic<S>> {
+    law: Effective<L, S>,
     limits: LengthLimits<S>,
     friction: Friction<S>,
     external_volume: S,
@@ -37,13 +39,22 @@ pub struct Actuator<S = f64> {
     valve: Option<Valve<S>>,
 }
 
-/// The continuous state of the air; it belongs to the caller.
+/// The state of an actuator beside its ends; it belongs to the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorState<S = f64> {
     /// Absolute pressure.
     pub pressure: AbsolutePressure<S>,
     /// Mass of air in kg.
     pub air_mass: S,
+    /// What the hysteresis remembers; a relaxed one where there is none.
+    pub memory: Memory<S>,
+}
+
+impl<S: Scalar> ActuatorState<S> {
+    /// Air at an absolute pressure, its mass in kg, and a hysteresis that is relaxed at an actuator length in m.
+    pub fn new(pressure: AbsolutePressure<S>, air_mass: S, length: S) -> Self {
+        Self { pressure, air_mass, memory: Memory::relaxed(length) }
+    }
 }
 
 /// What an actuator answers to its ends and its valve.
@@ -73,13 +84,14 @@ impl Actuator {
     /// # Errors
     /// [`Error::OutOfRange`] unless `external_volume` (m³) is above zero.
     pub fn new(
-        law: Effective<IdealBraid>,
+        law: Effective<impl Into<Characteristic>>,
         limits: LengthLimits,
         friction: Friction,
         external_volume: f64,
         air: Air,
     ) -> Result<Self, Error> {
         let external_volume = parameter::EXTERNAL_VOLUME.check(external_volume)?;
+        let law = Effective { law: law.law.into(), effectiveness: law.effectiveness };
         Ok(Self { law, limits, friction, external_volume, air, valve: None })
     }
 
@@ -98,7 +110,7 @@ impl<S: Scalar> Actuator<S> {
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuator<T> {
         Actuator {
             law: Effective {
-                law: IdealBraid { braid: self.law.law.braid.convert(convert) },
+                law: self.law.law.convert(convert),
                 effectiveness: self.law.effectiveness.convert(convert),
             },
             limits: self.limits.convert(convert),
@@ -109,9 +121,19 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
+    /// The same actuator with the ideal braid for its law, if that is its law.
+    pub fn ideal(&self) -> Option<Actuator<S, IdealBraid<S>>> {
+        let ideal = self.law.law.ideal()?;
+        let Self { law: Effective { effectiveness, .. }, limits, friction, external_volume, air, valve } = self.clone();
+        let law = Effective { law: ideal, effectiveness };
+        Some(Actuator { law, limits, friction, external_volume, air, valve })
+    }
+}
+
+impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
     /// The static force law with its effectiveness.
     #[inline(always)]
-    pub fn law(&self) -> &Effective<IdealBraid<S>, S> {
+    pub fn law(&self) -> &Effective<L, S> {
         &self.law
     }
 
@@ -151,74 +173,130 @@ impl<S: Scalar> Actuator<S> {
         self.law.force(length, self.gauge(pressure))
     }
 
-    /// Largest Coulomb force `Q k_sec` in N at an actuator length and an absolute pressure.
+    /// Secant stiffness `k_sec` of the static force in N/m (13), at an actuator length and an absolute pressure.
+    #[inline(always)]
+    pub fn secant_stiffness<T: Over<S>>(&self, length: T, pressure: T) -> T {
+        self.law.secant_stiffness(length, T::of(self.limits.min_length()), self.gauge(pressure))
+    }
+
+    /// What presses the threads together at an actuator length and an absolute pressure.
+    #[inline(always)]
+    pub fn pressing<T: Over<S>>(&self, length: T, pressure: T, touch: Touch) -> Pressing<T> {
+        Pressing::new(self.secant_stiffness(length, pressure), self.gauge(pressure).0, touch)
+    }
+
+    /// Coulomb force in N in motion, `Q k_sec` in the paper's law, at an actuator length and an absolute pressure.
     #[inline(always)]
     pub fn coulomb_bound<T: Over<S>>(&self, length: T, pressure: T) -> T {
-        let shortest = T::of(self.limits.min_length());
-        self.friction.coulomb_bound(self.law.secant_stiffness(length, shortest, self.gauge(pressure)))
+        self.friction.coulomb().kinetic(self.pressing(length, pressure, Touch::ByPressure))
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit ± Q k_sec`, and any from zero up where it rests on the shortest length.
+    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up where it rests on the shortest length.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, on_the_stop: S::Mask) -> (T, T) {
-        let middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
-        let bound = self.coulomb_bound(length, pressure);
+    pub fn holdable<T: Over<S>>(
+        &self,
+        length: T,
+        pressure: T,
+        on_the_stop: S::Mask,
+        rubbing: impl Into<Rubbing<T>>,
+    ) -> (T, T) {
+        let rubbing = rubbing.into();
+        let pressing = self.pressing(length, pressure, rubbing.touch);
+        let mut middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
+        if let Some(width) = rubbing.width {
+            middle = middle + pressing.secant_stiffness() * width;
+        }
+        let coulomb = self.friction.coulomb();
+        let bound = coulomb.holding(coulomb.kinetic(pressing));
         let least = T::select(on_the_stop, T::zero(), (middle - bound).larger(T::zero()));
         (least, (middle + bound).larger(T::zero()))
     }
 
-    /// The sum of (12) for a given direction of sliding (−1, 0, +1), taut branch and effectiveness, before it is kept from
-    /// pushing.
+    /// The sum of (12) as the threads rub, for a given taut branch, and effectiveness and force of the law (N), before it is
+    /// kept from pushing.
     #[inline(always)]
     pub fn signed_force<T: Over<S>>(
         &self,
         [length, velocity, pressure]: [T; 3],
-        sliding: T,
+        rubbing: impl Into<Rubbing<T>>,
         taut: S::Mask,
-        effectiveness: T,
+        [effectiveness, law_force]: [T; 2],
     ) -> T {
-        let gauge = self.gauge(pressure);
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
-        let ideal = &self.law.law;
-        let mut force = effectiveness * ideal.force(length, gauge) + limit + self.friction.viscous_force(velocity);
-        if self.friction.has_coulomb() {
-            let secant = ideal.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
-            force = force + sliding * self.friction.coulomb_bound(effectiveness * secant);
+        let mut force = effectiveness * law_force + limit + self.friction.viscous_force(velocity);
+        if self.friction.has_direction() {
+            let gauge = self.gauge(pressure);
+            let secant = self.law.law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
+            let rubbing = rubbing.into();
+            let pressing = Pressing::new(effectiveness * secant, gauge.0, rubbing.touch);
+            force = force + self.friction.dry_force(rubbing, velocity, pressing);
         }
         force
     }
 
-    /// Tension in N for the ends at `distance` (m) and `velocity` (m/s), (12): never negative, zero when slack.
+    /// Effectiveness and force of the law in N, whose product is the static force (9).
+    #[inline(always)]
+    pub fn factors<T: Over<S>>(&self, length: T, pressure: T) -> [T; 2] {
+        let gauge = self.gauge(pressure);
+        [self.law.effectiveness.at(gauge), self.law.law.force(length, gauge)]
+    }
+
+    /// Force of the hysteresis over the secant stiffness in m, for the ends at `distance` (m), if there is such a law.
+    #[inline(always)]
+    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, distance: T) -> Option<T> {
+        // No closure: it would be compiled by itself, without the instructions of a batch.
+        match self.friction.hysteresis() {
+            Some(hysteresis) => Some(hysteresis.width(memory, self.limits.actuator_length(distance))),
+            None => None,
+        }
+    }
+
+    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m).
+    #[inline(always)]
+    pub fn remember(&self, memory: &mut Memory<S>, distance: S) {
+        if let Some(hysteresis) = self.friction.hysteresis() {
+            hysteresis.moved(memory, self.limits.actuator_length(distance));
+        }
+    }
+
+    /// Tension in N for the ends at `distance` (m) and `velocity` (m/s), (12), without hysteresis: never negative, zero when
+    /// slack.
     #[inline(always)]
     pub fn tension<T: Over<S>>(&self, distance: T, velocity: T, pressure: T) -> T {
         self.tension_sliding(distance, velocity, pressure, velocity.sign())
     }
 
-    /// Tension in N with the direction of sliding given, for those who hold it over a step.
+    /// Tension in N as the threads rub, for those who hold the direction of sliding over a step.
     #[inline(always)]
-    pub fn tension_sliding<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, sliding: T) -> T {
+    pub fn tension_sliding<T: Over<S>>(
+        &self,
+        distance: T,
+        velocity: T,
+        pressure: T,
+        rubbing: impl Into<Rubbing<T>>,
+    ) -> T {
         let slack = self.limits.is_slack(distance);
         let taut =
             T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
         let ends = [self.limits.actuator_length(distance), velocity, pressure];
-        let force = self.signed_force(ends, sliding, taut, self.law.effectiveness.at(self.gauge(pressure)));
+        let force = self.signed_force(ends, rubbing, taut, self.factors(ends[0], pressure));
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
 
     /// Volume of braid and hose in m³ for the ends at `distance`.
     #[inline(always)]
     pub fn volume<T: Over<S>>(&self, distance: T) -> T {
-        self.law.law.braid.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
+        self.law.law.volume(self.limits.actuator_length(distance)) + T::of(self.external_volume)
     }
 
     /// The contents at an instant. A slack actuator rests at its shortest: its volume does not change.
     #[inline(always)]
     pub fn chamber<T: Over<S>>(&self, distance: T, velocity: T, pressure: T, mass: T, slack: S::Mask) -> Chamber<T> {
         let length = T::select(slack, T::of(self.limits.min_length()), distance);
-        let braid = &self.law.law.braid;
-        let volume = braid.volume(length) + T::of(self.external_volume);
-        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), braid.volume_slope(length) * velocity))
+        let [volume, slope] = self.law.law.volume_and_slope(length);
+        let volume = volume + T::of(self.external_volume);
+        Chamber::new(pressure, mass, volume, T::select(slack, T::zero(), slope * velocity))
     }
 
     /// `dP/dt` in Pa/s for a flow through the valve.
@@ -232,21 +310,19 @@ impl<S: Scalar> Actuator<S> {
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
         let Some(valve) = &self.valve else { return Flow::none() };
-        // One evaluation serves whichever passage is open; a second one only while two seats overlap.
-        let one = Beyond::select(supply, valve.beyond(Port::Supply), valve.beyond(Port::Exhaust));
-        let flow = valve.flow_from(one, chamber).where_open(supply | exhaust);
-        let both = supply & exhaust;
-        if both.any() { flow.and(valve.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
+        valve.open_flow(chamber, supply, exhaust)
     }
 
     /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at
     /// `distance` (m) moving apart at `velocity` (m/s) with the passages of `ports` open.
     ///
-    /// At rest the Coulomb force is set-valued; this returns its middle, zero.
+    /// At rest the Coulomb force is set-valued; this returns its middle, zero. The memory of a hysteresis is taken on by
+    /// [`Actuator::remember`] once the ends have moved.
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
-        let force: Dual<S, 3> =
-            self.tension(Dual::variable(length, 0), Dual::variable(rate, 1), Dual::variable(pressure, 2));
+        let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
+        let rubbing = Rubbing { width: self.width(&state.memory, end), ..speed.sign().into() };
+        let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), rubbing);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));
         Response {

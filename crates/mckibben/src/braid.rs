@@ -65,6 +65,7 @@ impl<S: Scalar> Braid<S> {
     }
 
     /// Thread length `b` in m.
+    #[inline(always)]
     pub fn thread_length(&self) -> S {
         self.thread_length
     }
@@ -91,6 +92,7 @@ impl<S: Scalar> Braid<S> {
     }
 
     /// Diameter `D` in m.
+    #[inline(always)]
     pub fn diameter<T: Over<S>>(&self, length: T) -> T {
         let b = T::of(self.thread_length);
         (b * b - length * length).sqrt() / (T::of(self.turns) * T::constant(PI))

@@ -23,7 +23,7 @@
 //! | [`parameter`] | the one table of parameters |
 //! | [`AbsolutePressure`], [`GaugePressure`] | two pressures, two types |
 //! | [`Braid`] | geometry |
-//! | [`force`] | static force, effectiveness, length limits |
+//! | [`force`] | laws of static force, bladder and wall, effectiveness, length limits |
 //! | [`friction`] | viscous and Coulomb friction |
 //! | [`air`] | the processes of the air |
 //! | [`valve`] | flow law, solenoid, commands |

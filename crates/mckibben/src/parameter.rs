@@ -136,6 +136,45 @@ parameters! {
     LEAKAGE = "actuator.leakage", "k", "m^3/(s*Pa)", Range::NON_NEGATIVE, None,
         "Laminar leak of the actuator: flow of volume at the mean pressure over the gauge pressure; none when absent.",
         "textbook (Hagen-Poiseuille)", "give zero or more, such as 1e-12 m^3/(s*Pa)";
+    WALL_THICKNESS = "actuator.wall_thickness", "t", "m", Range::NON_NEGATIVE, Some(0.0),
+        "Thickness of the bladder's wall inside the braid, the same at any length.",
+        "Chou & Hannaford (1996); the paper has none", "give zero or more, below the braid's radius";
+    END_FACTOR = "actuator.force.end_factor", "k", "", Range::POSITIVE, Some(1.0),
+        "Contraction of the middle over that of the whole, which the taper of the ends makes larger than 1.",
+        "Tondu & Lopez (2000)", "give a factor such as 1.1, or 1 for a cylinder up to its ends";
+    END_FACTOR_RISE = "actuator.force.end_factor_rise", "k_r", "", Range::FINITE, Some(0.0),
+        "Excess of the end factor at zero gauge pressure over that at high pressure.",
+        "assumed", "give zero for an end factor that does not depend on pressure";
+    END_FACTOR_PRESSURE = "actuator.force.end_factor_pressure", "P_k", "Pa", Range::POSITIVE, Some(1e5),
+        "Gauge pressure over which that excess falls by the factor e.",
+        "assumed", "give a pressure such as 1 bar";
+    INITIAL_RADIUS = "actuator.force.radius", "r_0", "m", Range::POSITIVE, None,
+        "Radius of the muscle at its longest; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give half the diameter at max_length";
+    TONDU_LOPEZ_A = "actuator.force.a", "a", "", Range::POSITIVE, None,
+        "Factor of the pulling term, 3/tan^2 of the initial braid angle; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give a factor above zero, with `b` and `radius`";
+    TONDU_LOPEZ_B = "actuator.force.b", "b", "", Range::POSITIVE, None,
+        "Factor of the pushing term, 1/sin^2 of the initial braid angle; that of the braid when absent.",
+        "Tondu & Lopez (2000)", "give a factor above zero, with `a` and `radius`";
+    SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
+        "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
+        "after Sarosi (2015)", "give six finite numbers";
+    MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
+        "Gauge pressures of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 pressures in rising order";
+    MAP_LENGTH = "actuator.force.length", "L", "m", Range::POSITIVE, None,
+        "Lengths of a measured force map, strictly rising.",
+        "choice of the measurement", "give 2 to 24 lengths in rising order";
+    MAP_TENSION = "actuator.force.tension", "F", "N", Range::FINITE, None,
+        "Measured tensions: one for each length at the first pressure, then at the next.",
+        "choice of the measurement", "give as many as there are lengths times pressures";
+    BLADDER_FORCE = "actuator.bladder.force", "K_0", "N", Range::NON_NEGATIVE, None,
+        "Force that the bladder's resistance to contraction is measured by.",
+        "assumed", "give zero or more";
+    BLADDER_SCALE = "actuator.bladder.scale", "s", "", Range::POSITIVE, None,
+        "Contraction over which the bladder's resistance saturates or stiffens.",
+        "assumed", "give a contraction above zero, such as 0.05";
     EFFECTIVENESS = "actuator.effectiveness.constant", "Eff", "", Range::NON_NEGATIVE, Some(1.0),
         "Measured force over ideal force.",
         "paper, (9); the default is assumed", "give a ratio such as 0.9";
@@ -145,6 +184,24 @@ parameters! {
     COULOMB_WIDTH = "actuator.friction.coulomb_width", "Q", "m", Range::NON_NEGATIVE, Some(0.0),
         "Coulomb friction between bladder and braid as a length, mu N/k.",
         "paper, (12) and (24); its average is 0.0044 in", "give zero or more";
+    COULOMB_FORCE = "actuator.friction.coulomb_force", "F_0", "N", Range::NON_NEGATIVE, Some(0.0),
+        "Dry friction that is the same at any length and pressure.",
+        "textbook; the paper has none", "give zero or more";
+    COULOMB_FORCE_PER_PRESSURE = "actuator.friction.coulomb_force_per_pressure", "A", "m^2", Range::NON_NEGATIVE, Some(0.0),
+        "Dry friction for the gauge pressure, at any length.",
+        "textbook; the paper has none", "give zero or more, such as 1 mm^2";
+    STATIC_RATIO = "actuator.friction.static_ratio", "rho", "", Range { low: 1.0, low_included: true, high: f64::INFINITY, high_included: false }, Some(1.0),
+        "Dry friction at break-away over that in motion.",
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994); 1 is Coulomb's law", "give 1 or more, such as 1.3";
+    STRIBECK_VELOCITY = "actuator.friction.stribeck_velocity", "v_s", "m/s", Range::POSITIVE, Some(0.01),
+        "Velocity over which dry friction falls from its value at break-away to that in motion.",
+        "Armstrong-Helouvry, Dupont & Canudas de Wit (1994); the value is assumed", "give a velocity above zero, such as 10 mm/s";
+    HYSTERESIS_REACH = "actuator.friction.hysteresis.reach", "r_i", "m", Range::POSITIVE, None,
+        "Deflections at which the elements of the hysteresis slip.",
+        "Iwan (1966)", "give lengths above zero, such as 0.1 mm";
+    HYSTERESIS_STIFFNESS_RATIO = "actuator.friction.hysteresis.stiffness_ratio", "w_i", "", Range::POSITIVE, None,
+        "Stiffnesses of the elements over the actuator's secant stiffness.",
+        "Iwan (1966), scaled by (13)", "give numbers above zero, such as 0.1";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";
@@ -217,6 +274,33 @@ parameters! {
     CRITICAL_RATIO = "valve.critical_ratio", "b", "", Range { low: 0.0, low_included: true, high: 1.0, high_included: false }, None,
         "Critical back-pressure ratio below which the flow is choked.",
         "ISO 6358-1", "give a ratio such as 0.3";
+    KV = "valve.kv", "Kv", "m^3/s", Range::POSITIVE, None,
+        "Flow coefficient Kv: the flow of water at a pressure drop of 1 bar.",
+        "IEC 60534-2-1", "give a flow of water with its unit, such as 0.05 m^3/h or 0.8 L/min";
+    CV = "valve.cv", "Cv", "", Range::POSITIVE, None,
+        "Flow coefficient Cv: the flow of water in US gallons per minute at a pressure drop of 1 psi.",
+        "ISA-75.01", "give the number of the data sheet, such as 0.05";
+    PRESSURE_DROP_RATIO = "valve.pressure_drop_ratio", "x_T", "", Range::open(0.0, 1.0), Some(0.7),
+        "Pressure drop over upstream pressure at which air chokes in a valve stated by Kv or Cv.",
+        "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
+    EXHAUST_FLOW_AREA = "valve.exhaust.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
+        "Effective area of the passage to the surroundings, where it differs.",
+        "paper, section 3.2", "give an area such as 1.8e-5 ft^2";
+    EXHAUST_SONIC_CONDUCTANCE = "valve.exhaust.sonic_conductance", "C", "m^3/(s*Pa)", Range::POSITIVE, None,
+        "Sonic conductance of the passage to the surroundings, where it differs.",
+        "ISO 6358-1", "give a conductance such as 0.5 L/(s*bar)";
+    EXHAUST_CRITICAL_RATIO = "valve.exhaust.critical_ratio", "b", "", Range { low: 0.0, low_included: true, high: 1.0, high_included: false }, None,
+        "Critical back-pressure ratio of the passage to the surroundings.",
+        "ISO 6358-1", "give a ratio such as 0.3";
+    EXHAUST_KV = "valve.exhaust.kv", "Kv", "m^3/s", Range::POSITIVE, None,
+        "Flow coefficient Kv of the passage to the surroundings, where it differs.",
+        "IEC 60534-2-1", "give a flow of water with its unit, such as 0.05 m^3/h or 0.8 L/min";
+    EXHAUST_CV = "valve.exhaust.cv", "Cv", "", Range::POSITIVE, None,
+        "Flow coefficient Cv of the passage to the surroundings, where it differs.",
+        "ISA-75.01", "give the number of the data sheet, such as 0.05";
+    EXHAUST_PRESSURE_DROP_RATIO = "valve.exhaust.pressure_drop_ratio", "x_T", "", Range::open(0.0, 1.0), Some(0.7),
+        "Pressure drop over upstream pressure at which air chokes in the passage to the surroundings.",
+        "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
     EFFICIENCY = "valve.efficiency", "eta", "", Range::POSITIVE, Some(1.0),
         "Factor on the calculated mass flow.",
         "paper, section 3.3: 0.85", "give a factor such as 0.85";
@@ -248,7 +332,7 @@ parameters! {
         "Frequency of the pulse-width modulation.",
         "paper, section 3.3: 25 and 50 Hz", "give a frequency such as 25 Hz";
     DUTY = "command.duty", "d", "", Range::FRACTION, None,
-        "Commanded duty cycle, the share of each period in which the coil is energised.",
+        "Commanded duty cycle, the share of each period that the pulse lasts; of a three-way valve, in which it is to fill.",
         "paper, section 3.3: 0.5", "give a number from 0 to 1";
     COMMAND_TIME = "command.time", "t", "s", Range::NON_NEGATIVE, None,
         "Times at which a table command changes, strictly rising.",
@@ -417,4 +501,36 @@ parameters! {
     CONTROL_TEMPERATURE = "controller.temperature", "T", "K", Range::POSITIVE, Some(293.15),
         "Temperature of the air that the controller reckons with.",
         "choice of the experiment", "give an absolute temperature above zero, such as 20 degC";
+}
+
+parameters! {
+    /// Rows of laws that no key of a scenario file selects yet.
+    LAWS:
+    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from shut to open once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from open to shut once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
+        "Undamped natural frequency of the spool with its drive.",
+        "manufacturer's data sheet", "give a frequency such as 100 Hz";
+    SPOOL_DAMPING_RATIO = "valve.spool.damping_ratio", "zeta", "", Range::POSITIVE, None,
+        "Damping ratio of the spool with its drive.",
+        "manufacturer's data sheet", "give a ratio such as 0.7";
+    SUPPLY_OVERLAP = "valve.spool.supply_overlap", "o_s", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the supply's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    REGULATOR_TIME_CONSTANT = "valve.regulator.time_constant", "tau", "s", Range::POSITIVE, None,
+        "Time constant with which the regulated pressure follows the setpoint.",
+        "manufacturer's data sheet", "give a time above zero, such as 30 ms";
+    REGULATOR_DEAD_TIME = "valve.regulator.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time from a change of the setpoint to the first answer of the regulated pressure.",
+        "manufacturer's data sheet", "give zero or more";
+    REGULATOR_RATE_LIMIT = "valve.regulator.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
+        "Largest rate of the regulated pressure.",
+        "manufacturer's data sheet", "give a rate above zero, such as 20 bar/s";
 }

@@ -41,7 +41,7 @@ fn stands() -> impl Iterator<Item = Stand> {
 }
 
 fn state(stand: &Stand) -> ActuatorState {
-    ActuatorState { pressure: AbsolutePressure(stand.pressure), air_mass: stand.mass }
+    ActuatorState::new(AbsolutePressure(stand.pressure), stand.mass, stand.length)
 }
 
 fn table() -> Effectiveness {
@@ -240,7 +240,7 @@ fn an_actuator_without_valve_or_volume() {
     let shut = sealed.respond(&state(&stand), stand.length, stand.velocity, SHUT);
     assert_eq!(sealed.respond(&state(&stand), stand.length, stand.velocity, BOTH), shut);
     let paper = Paper::sealed();
-    let law = *paper.actuator().law();
+    let law = paper.actuator().law().clone();
     let limits = *paper.actuator().limits();
     let friction = *paper.actuator().friction();
     let refused = mckibben::Actuator::new(law, limits, friction, 0.0, paper.air());

@@ -4,6 +4,8 @@
 //! `cargo xtask rows` tries ten million random rows.
 
 mod common;
+#[path = "common/laws.rs"]
+mod laws;
 #[path = "common/random.rs"]
 mod random;
 
@@ -27,7 +29,8 @@ fn spread(row: usize, stride: f64) -> f64 {
     (row as f64 * stride).fract()
 }
 
-/// Rows of several forms: masses under PWM of their own frequency and duty, held ends, a motion by a table, a sealed one.
+/// Rows of several forms: masses under PWM of their own frequency and duty, held ends, a motion by a table, a sealed one,
+/// and other laws of force.
 fn row(index: usize) -> Row {
     let (u, v) = (spread(index, 0.618_033_988_749_895), spread(index, 0.754_877_666_246_693));
     let paper = Paper::pwm(15.0 + 20.0 * u, 0.2 + 0.6 * v).mass((3.0 + 10.0 * v) * LB).gauge(30.0 * PSI);
@@ -41,6 +44,14 @@ fn row(index: usize) -> Row {
             rig.load = Load::Prescribed(Motion::table(corners, lengths, rig.thread_length).expect("a motion"));
             rig.length = InitialLength::At(3.5 * INCH);
         }),
+        kind @ (1 | 2 | 4 | 6) => {
+            let law = laws::all(&paper)[[1, 2, 4, 6].iter().position(|of| *of == kind).unwrap_or(0) + 1].1.clone();
+            paper.with(|rig| rig.characteristic = Some(law))
+        }
+        8 => {
+            let map = laws::measured(&paper);
+            paper.with(|rig| rig.characteristic = Some(map))
+        }
         9 => paper.with(|rig| rig.command = None).from((3.3 + 0.2 * u) * INCH, v - 0.5),
         _ => paper,
     };

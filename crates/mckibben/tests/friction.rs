@@ -98,11 +98,12 @@ proptest! {
         length in 0.065..0.0975_f64, velocity in -5.0..5.0_f64, pressure in 1e4..1e6_f64, c in 0.0..50.0_f64, q in 0.0..1e-3_f64,
     ) {
         let actuator = Paper::sealed().friction(c, q).actuator();
-        let resting: f64 = actuator.signed_force([length, 0.0, pressure], 0.0, false, 1.0);
-        let moving: f64 = actuator.signed_force([length, velocity, pressure], f64::signum(velocity), false, 1.0);
+        let factors: [f64; 2] = actuator.factors(length, pressure);
+        let resting: f64 = actuator.signed_force([length, 0.0, pressure], 0.0, false, factors);
+        let moving: f64 = actuator.signed_force([length, velocity, pressure], f64::signum(velocity), false, factors);
         prop_assert!((moving - resting) * velocity >= -1e-12);
         // Odd in the velocity.
-        let back: f64 = actuator.signed_force([length, -velocity, pressure], -f64::signum(velocity), false, 1.0);
+        let back: f64 = actuator.signed_force([length, -velocity, pressure], -f64::signum(velocity), false, factors);
         prop_assert!((moving + back - 2.0 * resting).abs() <= 1e-12 * (1.0 + resting.abs()));
     }
 }

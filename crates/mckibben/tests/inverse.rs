@@ -2,6 +2,8 @@
 //! against a displaced joint, and what is refused.
 
 mod common;
+#[path = "common/laws.rs"]
+mod of_force;
 
 use common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within, between, slope};
 use mckibben::air::Process;
@@ -55,6 +57,41 @@ fn the_pressure_gives_the_force_and_no_lower_one_does() {
             assert!(lower.into_iter().all(|lower| tension(&actuator, length, lower) <= force + 1e-9));
         }
     }
+}
+
+#[test]
+fn every_law_of_force_is_turned_round_with_its_derivatives() {
+    let paper = Paper::sealed();
+    for (name, law) in of_force::all(&paper).into_iter().chain([("map", of_force::measured(&paper))]) {
+        let change = |rig: &mut Paper| (rig.characteristic, rig.effectiveness) = (Some(law.clone()), table());
+        let actuator = paper.clone().with(change).actuator();
+        let mut pulling = 0;
+        for row in 0..100 {
+            let (length, gauge) = (between(row, 0, 0.072, 0.0975), between(row, 1, 1e5, 6e5));
+            let force = tension(&actuator, length, gauge);
+            if force == 0.0 {
+                continue;
+            }
+            pulling += 1;
+            let found = actuator.holding_pressure(force, length).expect("a pressure").0;
+            assert_within(tension(&actuator, length, found), force, 1e-11 * (1.0 + force));
+            assert!(found <= gauge * (1.0 + 1e-9), "{name}: {found} is not the least, {gauge} gives it too");
+            let wide = actuator.map(|_, number| Dual::<f64, 2>::of(number));
+            let dual = wide.holding_pressure(Dual::variable(force, 0), Dual::variable(length, 1)).expect("a pressure");
+            let solve = |force, length| actuator.holding_pressure(force, length).expect("a pressure").0;
+            assert_close(dual.0.slope[0], slope(1e-4 * force, |h| solve(force + h, length)), 1e-4);
+            assert_close(dual.0.slope[1], slope(1e-6, |h| solve(force, length + h)), 1e-3);
+        }
+        assert!(pulling > 50, "{name} pulls at {pulling} places only");
+    }
+    // A bladder pushes without pressure; it takes some to hold nothing.
+    let stiff = of_force::bladder(&paper, mckibben::force::BladderForm::Linear);
+    let actuator = paper.clone().with(|rig| rig.characteristic = Some(stiff.clone())).actuator();
+    let none = actuator.holding_pressure(0.0, 0.08).expect("the pressure at which the bladder is held");
+    assert_within(actuator.static_force(0.08, none.0 + ATMOSPHERE), 0.0, 1e-10);
+    assert!(none.0 > 1e3, "{none:?}");
+    let error = AntagonisticPair::new([&actuator; 2], [0.08; 2], [0.015; 2]).expect_err("not the ideal braid");
+    assert!(error.to_string().contains("the ideal braid only"), "{error}");
 }
 
 #[test]

@@ -2,6 +2,8 @@
 //! to the hanging mass, derivatives, and random joints.
 
 mod common;
+#[path = "common/laws.rs"]
+mod laws;
 #[path = "common/random.rs"]
 mod random;
 
@@ -176,6 +178,31 @@ fn energy_and_air_balance_with_everything_at_work() {
         assert_within(of.air_residual(), 0.0, 1e-6 * of.air_in);
     }
     assert!(audit.damping > 0.0 && audit.stops > 0.0 && audit.dissipated() > 0.0);
+}
+
+/// Each law on the agonist, another on the antagonist; the lines of a force map are events of the actuator that has it.
+#[test]
+fn energy_and_air_balance_on_every_law_of_force() {
+    let paper = Paper::driven(pulses(20.0, 0.6));
+    let map = laws::measured(&paper);
+    for (name, law) in laws::all(&paper) {
+        let pair = Pair::of(paper.clone()).with(|pair| {
+            pair.papers[0].characteristic = Some(law);
+            pair.papers[1].characteristic = Some(map.clone());
+            pair.papers[1].command = Some(pulses(7.0, 0.3));
+        });
+        let run = pair.run(0.4, 1e-9);
+        let lines = |of: usize| {
+            let is_line = |kind: EventKind| kind == EventKind::ForceMap;
+            run.events().iter().filter(|event| event.kind.actuator == Some(of) && is_line(event.kind.kind)).count()
+        };
+        assert!(lines(0) == 0 && lines(1) > 4, "{name}: {} and {} lines", lines(0), lines(1));
+        let audit = run.audit();
+        assert!(audit.residual().abs() < 1e-6 * audit.turnover(), "{name}: {audit:?}");
+        for of in &audit.actuators {
+            assert!(of.residual().abs() < 1e-6 * audit.turnover(), "{name}: {of:?}");
+        }
+    }
 }
 
 /// With a slack antagonist, a limb of inertia M r² and the constant torque −M g r the joint is the rig of the paper.

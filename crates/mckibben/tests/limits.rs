@@ -80,7 +80,7 @@ fn limits_out_of_order_are_refused() {
     assert_eq!(refuse(None, 0.11), ("actuator.max_length", "actuator.thread_length"));
     assert_eq!(refuse(None, 0.12), ("actuator.max_length", "actuator.thread_length"));
     assert_eq!(refuse(Some(0.1), 0.1), ("actuator.min_length", "actuator.max_length"));
-    assert_eq!(refuse(None, 0.06), ("actuator.min_length", "actuator.max_length"));
+    assert_eq!(refuse(None, 0.06), ("actuator.max_length", "actuator.thread_length/sqrt(3)"));
     for (min, max, stiffness, damping) in
         [(Some(0.0), 0.1, 1e5, 0.0), (None, -0.1, 1e5, 0.0), (None, 0.1, 0.0, 0.0), (None, 0.1, 1e5, -1.0)]
     {

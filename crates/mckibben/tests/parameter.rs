@@ -1,12 +1,17 @@
 //! The parameter table: each row is complete, unique and says what to do when it is refused.
 
-use mckibben::parameter::{self, Range, TABLE};
+use mckibben::parameter::{self, LAWS, Parameter, Range, TABLE};
 use std::collections::BTreeSet;
+
+/// Every row, of scenario files and of the other laws.
+fn rows() -> impl Iterator<Item = &'static Parameter> {
+    TABLE.iter().chain(LAWS).copied()
+}
 
 #[test]
 fn keys_are_unique_and_are_paths_in_lower_case() {
     let mut keys = BTreeSet::new();
-    for row in TABLE {
+    for row in rows() {
         assert!(keys.insert(row.key), "{} stands twice", row.key);
         let parts: Vec<&str> = row.key.split('.').collect();
         assert!(parts.len() >= 2, "{} has no section", row.key);
@@ -20,7 +25,7 @@ fn keys_are_unique_and_are_paths_in_lower_case() {
 
 #[test]
 fn every_default_lies_in_its_range() {
-    for row in TABLE {
+    for row in rows() {
         if let Some(default) = row.default {
             assert!(row.range.contains(default), "{}: {default} is outside {}", row.key, row.range);
             assert_eq!(row.check(default), Ok(default));
@@ -30,7 +35,7 @@ fn every_default_lies_in_its_range() {
 
 #[test]
 fn every_meaning_is_a_sentence_and_every_row_has_a_source_and_a_remedy() {
-    for row in TABLE {
+    for row in rows() {
         assert!(row.meaning.ends_with('.'), "{}: {:?} has no full stop", row.key, row.meaning);
         let first = row.meaning.chars().next();
         assert!(first.is_some_and(char::is_uppercase), "{}: {:?} begins small", row.key, row.meaning);
@@ -57,11 +62,13 @@ fn units_are_si() {
         "rad",
         "m^2",
         "m^3",
+        "m^3/s",
         "m/s",
         "m/s^2",
         "N/m",
         "N*s/m",
         "W/K",
+        "Pa/s",
         "J/(kg*K)",
         "m^3/(s*Pa)",
         "m^3/s",
@@ -73,7 +80,7 @@ fn units_are_si() {
         "N*m/rad",
         "N*m*s/rad",
     ];
-    for row in TABLE {
+    for row in rows() {
         assert!(si.contains(&row.unit), "{}: {:?} is not an SI unit that is known here", row.key, row.unit);
     }
 }
@@ -94,7 +101,7 @@ fn the_ends_of_a_range_are_what_they_say() {
 
 #[test]
 fn a_refusal_names_the_parameter_the_value_the_range_the_unit_and_the_remedy() {
-    for row in TABLE {
+    for row in rows() {
         let message = row.check(f64::NAN).expect_err("not a number is never admissible").to_string();
         for part in [row.key, "NaN", row.unit, &row.range.to_string(), row.remedy] {
             assert!(message.contains(part), "{message:?} lacks {part:?}");

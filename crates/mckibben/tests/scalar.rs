@@ -6,6 +6,7 @@ use common::{ATMOSPHERE, Paper, assert_close, assert_within, between, slope};
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use mckibben::air::{Chamber, Process};
 use mckibben::force::Effectiveness;
+use mckibben::friction::{Coulomb, Hysteresis, MaxwellSlip};
 use mckibben::parameter::Parameter;
 use mckibben::valve::{ExhaustTemperature, FlowStandard, Ports};
 use mckibben::{AbsolutePressure, Actuator, ActuatorState, Dual, Mask, Response, Scalar};
@@ -227,6 +228,13 @@ fn variants() -> Vec<Paper> {
             rig.exhaust_temperature = ExhaustTemperature::Ambient;
         }),
         Paper::pwm(25.0, 0.5).process(Process::EnergyBalance { heat_transfer: 0.1, wall_temperature: 300.0 }),
+        Paper::pwm(25.0, 0.5).with(|rig| {
+            let elements = MaxwellSlip::new(&[1e-4, 2e-3], &[0.8, 0.1]).expect("elements");
+            let dry = Coulomb::new(1e-4)
+                .and_then(|dry| dry.with_force(0.3, 1e-6))
+                .and_then(|dry| dry.with_stribeck(1.4, 0.1));
+            (rig.hysteresis, rig.coulomb) = (Some(Hysteresis::MaxwellSlip(elements)), Some(dry.expect("a law")));
+        }),
     ]
 }
 
@@ -237,6 +245,9 @@ fn random_state(row: usize) -> (f64, f64, f64, f64) {
     (between(row, 0, 0.055, 0.105), velocity, pressure, between(row, 3, 0.5, 2.0) * 1e-5 * pressure / ATMOSPHERE)
 }
 
+/// Actuator length in m at which the hysteresis of a variant is relaxed.
+const RELAXED: f64 = 0.085;
+
 #[test]
 fn eight_lanes_give_bit_for_bit_what_each_gives_alone() {
     for paper in variants() {
@@ -246,15 +257,13 @@ fn eight_lanes_give_bit_for_bit_what_each_gives_alone() {
             (0..8).map(|lane| actuator.map(|parameter, value| vary(parameter, value, lane))).collect();
         for row in 0..500 {
             let of = |lane: usize| random_state(8 * row + lane);
-            let state = ActuatorState {
-                pressure: AbsolutePressure(lanes(|lane| of(lane).2)),
-                air_mass: lanes(|lane| of(lane).3),
-            };
+            let (pressure, air_mass) = (lanes(|lane| of(lane).2), lanes(|lane| of(lane).3));
+            let state = ActuatorState::new(AbsolutePressure(pressure), air_mass, Lanes([RELAXED; 8]));
             let ports = Ports { supply: row.is_multiple_of(2), exhaust: row.is_multiple_of(3) };
             let all = wide.respond(&state, lanes(|lane| of(lane).0), lanes(|lane| of(lane).1), ports);
             for (lane, alone) in single.iter().enumerate() {
                 let (distance, velocity, pressure, air_mass) = of(lane);
-                let state = ActuatorState { pressure: AbsolutePressure(pressure), air_mass };
+                let state = ActuatorState::new(AbsolutePressure(pressure), air_mass, RELAXED);
                 let expected = alone.respond(&state, distance, velocity, ports);
                 let got = lane_of(&all, lane);
                 assert_eq!(bits(&got), bits(&expected), "lane {lane}: {got:?} is not {expected:?}");
@@ -302,9 +311,10 @@ fn single_precision_is_close_to_double() {
             // Away from the slack end, where the ideal force is the difference of two nearly equal numbers.
             let distance = between(row, 4, 0.075, 0.095);
             for ports in [Ports { supply: true, exhaust: false }, Ports { supply: false, exhaust: true }] {
-                let state = ActuatorState { pressure: AbsolutePressure(pressure), air_mass };
+                let state = ActuatorState::new(AbsolutePressure(pressure), air_mass, RELAXED);
                 let exact = actuator.respond(&state, distance, velocity, ports);
-                let state32 = ActuatorState { pressure: AbsolutePressure(pressure as f32), air_mass: air_mass as f32 };
+                let pressure32 = AbsolutePressure(pressure as f32);
+                let state32 = ActuatorState::new(pressure32, air_mass as f32, RELAXED as f32);
                 let rough = small.respond(&state32, distance as f32, velocity as f32, ports);
                 // Single precision rounds to 6e-8; sums of terms of either sign and fourfold powers take some of it.
                 let force = paper.actuator().law().law.braid.volume_slope(distance).abs() * pressure;

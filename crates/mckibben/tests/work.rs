@@ -7,6 +7,7 @@ mod counted;
 
 use common::{INCH, Paper};
 use counted::{Books, Counts, step};
+use mckibben::friction::Memory;
 use mckibben::load::Line;
 use mckibben::simulation::{Held, Method, Rig, State};
 
@@ -23,6 +24,7 @@ fn sliding() -> Held<f64> {
         slack: false,
         taut: false,
         line: Line::resting(0.0),
+        memory: Memory::relaxed(0.0),
     }
 }
 

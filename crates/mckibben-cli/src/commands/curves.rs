@@ -21,10 +21,11 @@ use crate::report::{Data, Table, number, typeset};
 use crate::settings::Setting;
 use crate::terminal;
 use clap::ValueEnum;
+use mckibben::force::Statics;
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
-use mckibben_scenario::{Document, Scenario};
+use mckibben_scenario::{Document, Force, Scenario};
 pub use pressures::{Pressure, Pressures};
 use std::path::{Path, PathBuf};
 
@@ -83,19 +84,20 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let experiment = document.experiment()?;
     let pressures = arguments.pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
+    let notes = [beyond_ideal(&scenario.actuator), assumed(&document)];
+    let notes = notes.into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join(" ");
     if let Some(path) = &arguments.output {
         let csv = curves.data().to_csv().map_err(|error| Failure::output(path, error))?;
         output::write(path, &csv)?;
     }
     if let Some(path) = &arguments.plot {
-        let figure = curves.figure(arguments.over, &assumed(&document));
+        let figure = curves.figure(arguments.over, &notes);
         figure.write(path, Theme::Light).map_err(|error| Failure::output(path, error))?;
     }
     let points = operating_points(&scenario, &experiment.rig, experiment.start.length, pressures)?;
     let mut text = format!("{}\n{}", curves.table().to_text_with_caption(), points);
-    let assumed = assumed(&document);
-    if !assumed.is_empty() {
-        text.push_str(&format!("\n{}\n", terminal::wrap(&assumed, "", terminal::width())));
+    if !notes.is_empty() {
+        text.push_str(&format!("\n{}\n", terminal::wrap(&notes, "", terminal::width())));
     }
     for path in arguments.output.iter().chain(&arguments.plot) {
         text.push_str(&format!("{} {}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
@@ -127,6 +129,29 @@ fn assumed(document: &Document) -> String {
     let words: Vec<String> =
         of_actuator.map(|each| format!("{} = {}", each.parameter.symbol, typeset(&each.text))).collect();
     if words.is_empty() { String::new() } else { format!("Assumed: {}.", words.join(", ")) }
+}
+
+/// What the actuator has beyond the ideal braid as a sentence; empty when that is all.
+fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
+    let law = match &actuator.force {
+        Force::IdealBraid => None,
+        Force::TonduLopez { .. } => Some("law of Tondu & Lopez".to_owned()),
+        Force::Sarosi(_) => Some("law of Sárosi".to_owned()),
+        Force::Map { gauge_pressure, length, .. } => {
+            let span = |list: &[f64], factor: f64, decimals| {
+                let ends =
+                    [list.first(), list.last()].map(|end| number(factor * end.copied().unwrap_or(0.0), decimals));
+                ends.join(" to ")
+            };
+            let (lengths, pressures) = (span(length, 1e3, 1), span(gauge_pressure, 1e-3, 0));
+            Some(format!("force map of {lengths} mm and {pressures} kPa, a plane outside"))
+        }
+    };
+    let bladder = actuator.bladder.map(|bladder| format!("{} bladder", bladder.form.name()));
+    let thickness = actuator.wall_thickness;
+    let wall = (thickness > 0.0).then(|| format!("wall of {} mm", number(1e3 * thickness, 2)));
+    let words: Vec<String> = [law, bladder, wall].into_iter().flatten().collect();
+    if words.is_empty() { String::new() } else { format!("Beyond the ideal braid: {}.", words.join("; ")) }
 }
 
 /// An actuator at several pressures.
@@ -165,7 +190,7 @@ impl Curves<'_> {
             "sealed_stiffness_n_m",
         ]);
         let actuator = self.actuator;
-        let braid = &actuator.law().law.braid;
+        let characteristic = &actuator.law().law;
         for pressure in self.pressures {
             let absolute = self.absolute(pressure);
             data.rows.extend(self.lengths().into_iter().map(|length| {
@@ -173,8 +198,8 @@ impl Curves<'_> {
                     pressure.gauge,
                     length,
                     self.contraction(length),
-                    braid.diameter(length),
-                    braid.volume(length),
+                    characteristic.braid.diameter(length),
+                    characteristic.volume(length),
                     actuator.volume(length),
                     actuator.static_force(length, absolute.0),
                     actuator.stiffness(length, absolute),
@@ -187,7 +212,7 @@ impl Curves<'_> {
 
     /// Force at round parts of the range.
     fn table(&self) -> Table {
-        let braid = &self.actuator.law().law.braid;
+        let characteristic = &self.actuator.law().law;
         let fixed = ["length mm", "contraction %", "volume cm³"].map(String::from);
         let head = fixed.into_iter().chain(self.pressures.iter().map(|pressure| pressure.label.clone()));
         let rows = self.lengths().into_iter().step_by(PRINTED).map(|length| {
@@ -198,7 +223,7 @@ impl Curves<'_> {
             let fixed = [
                 number(1e3 * length, 2),
                 number(100.0 * self.contraction(length), 1),
-                number(1e6 * braid.volume(length), 3),
+                number(1e6 * characteristic.volume(length), 3),
             ];
             fixed.into_iter().chain(forces).collect()
         });
@@ -209,7 +234,7 @@ impl Curves<'_> {
         }
     }
 
-    fn figure(&self, over: Over, assumed: &str) -> Figure {
+    fn figure(&self, over: Over, notes: &str) -> Figure {
         let lengths = self.lengths();
         let (axis, x): (Axis, Vec<f64>) = match over {
             Over::Length => (Axis::new("length", "mm"), lengths.iter().map(|length| 1e3 * length).collect()),
@@ -234,20 +259,19 @@ impl Curves<'_> {
                 .series(curve(once("constant pressure (7)"), &|l| self.actuator.stiffness(l, absolute), Dash::Solid))
                 .series(curve(once("valve shut (5)"), &|l| self.actuator.sealed_stiffness(l, absolute), Dash::Dashed));
         }
-        let braid = &self.actuator.law().law.braid;
-        let inside = lengths.iter().map(|length| 1e6 * braid.volume(*length)).collect();
+        let characteristic = &self.actuator.law().law;
+        let inside = lengths.iter().map(|length| 1e6 * characteristic.volume(*length)).collect();
         let volume = Panel::new(Axis::new("volume inside", "cm³"))
             .series(Series::line("", x.clone(), inside).colour(Colour::Neutral))
             .height_mm(24.0);
-        Figure::new(axis).caption(assumed).size_mm(120.0, 44.0).panel(force).panel(stiffness).panel(volume)
+        Figure::new(axis).caption(notes).size_mm(120.0, 44.0).panel(force).panel(stiffness).panel(volume)
     }
 }
 
 /// Where the load balances the actuator at each pressure, and how good (6) is there.
 fn operating_points(scenario: &Scenario, rig: &Rig, start: f64, pressures: &[Pressure]) -> Result<String, Failure> {
     let failed = |error: mckibben::Error| Failure::stopped(error.to_string());
-    let braid = &rig.actuator().law().law.braid;
-    let largest = braid.volume(rig.actuator().limits().min_length());
+    let largest = rig.actuator().law().law.volume(rig.actuator().limits().min_length());
     let mut wide = scenario.clone();
     wide.actuator.external_volume = largest;
     let wide = wide.rig().map_err(failed)?;

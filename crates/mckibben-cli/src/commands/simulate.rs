@@ -45,6 +45,9 @@ pub struct SimulateArguments {
     /// Draw the run: .svg or .png.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// What the figure is drawn over.
+    #[arg(long, value_enum, default_value_t, value_name = "QUANTITY", requires = "plot")]
+    pub over: portrait::Over,
     /// Set a value of the scenario, such as `command.duty=0.3` or `load.mass=10 lb`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
@@ -71,6 +74,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let scenario = document.scenario()?;
     if let Some(experiment) = document.joint_experiment()? {
+        if arguments.over != portrait::Over::Time {
+            return Err(Failure::input(
+                "--over: an antagonistic joint has two lengths, so it is drawn over time",
+                "leave --over out, and take the columns of --output for another figure",
+            ));
+        }
         return joint::run(arguments, &files, &document, &scenario, &experiment);
     }
     let experiment = document.experiment()?;
@@ -174,7 +183,7 @@ impl<'a> Files<'a> {
             arguments,
             (document, scenario),
             |provenance, target, out| record::write(outcome, interval, provenance, target, out),
-            |title, target| portrait::draw(experiment, outcome, title, target),
+            |title, target| portrait::draw(experiment, outcome, arguments.over, title, target),
             |path, out| events::of(outcome).map_or(Ok(()), |log| events::write(log, path, out)),
         )
     }

@@ -4,13 +4,13 @@
 //! them without naming a preset must give all three. A preset's `min_length` belongs to its thread length and is
 //! not taken over when the file overrides that one; `b/sqrt(3)` then stands in.
 
-use super::{alternative, columns};
-use crate::choice::ProcessKind;
+use super::{alternative, columns, friction};
+use crate::choice::{BladderForm, ForceLaw, ProcessKind};
 use crate::diagnostic::{Class, Diagnostic};
 use crate::keys;
 use crate::presets::{self, Preset};
 use crate::reader::Reader;
-use crate::scenario::{Actuator, Air, Effectiveness, Friction, Limit, Process};
+use crate::scenario::{Actuator, Air, Bladder, Effectiveness, Force, Limit, Process, TonduLopezCoefficients};
 use mckibben::parameter::{self as p, Parameter};
 
 /// The keys that together say how long the braid is; giving none of them asks for the default preset.
@@ -38,10 +38,78 @@ pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
         min_length: min_length.unwrap_or(thread_length / 3_f64.sqrt()),
         external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
         leakage: r.number(&p::LEAKAGE),
+        wall_thickness: r.value(&p::WALL_THICKNESS, preset),
+        force: force(r),
+        bladder: r.has("actuator.bladder").then(|| bladder(r)).flatten(),
         effectiveness: effectiveness(r, preset),
-        friction: Friction { viscous: r.value(&p::VISCOUS, preset), coulomb_width: r.value(&p::COULOMB_WIDTH, preset) },
+        friction: friction::friction(r, preset),
         limit: Limit { stiffness: r.value(&p::LIMIT_STIFFNESS, preset), damping: r.value(&p::LIMIT_DAMPING, preset) },
     }
+}
+
+fn force(r: &mut Reader<'_>) -> Force {
+    match r.word("actuator.force.law").unwrap_or(ForceLaw::IdealBraid) {
+        ForceLaw::IdealBraid => Force::IdealBraid,
+        ForceLaw::TonduLopez => {
+            let rows = [&p::INITIAL_RADIUS, &p::TONDU_LOPEZ_A, &p::TONDU_LOPEZ_B];
+            let given = alternative(r, &[&rows.map(|row| row.key)]);
+            let coefficients = given.map(|_| {
+                let [radius, a, b] = rows.map(|row| r.noted(row));
+                TonduLopezCoefficients { radius, a, b }
+            });
+            Force::TonduLopez {
+                end_factor: r.value(&p::END_FACTOR, None),
+                end_factor_rise: r.value(&p::END_FACTOR_RISE, None),
+                end_factor_pressure: r.value(&p::END_FACTOR_PRESSURE, None),
+                coefficients,
+            }
+        }
+        ForceLaw::Sarosi => Force::Sarosi(sarosi(r)),
+        ForceLaw::Map => {
+            let [gauge_pressure, length, tension] = [&p::MAP_PRESSURE, &p::MAP_LENGTH, &p::MAP_TENSION].map(|row| {
+                if !r.has(row.key) {
+                    r.missing(row.key, "");
+                }
+                r.list(row).unwrap_or_default()
+            });
+            Force::Map { gauge_pressure, length, tension }
+        }
+    }
+}
+
+/// The coefficients of Sárosi's law for pressures in Pa and forces in N.
+fn sarosi(r: &mut Reader<'_>) -> [f64; 6] {
+    const UNITS: [(&str, &str); 2] = [("actuator.force.pressure_unit", "Pa"), ("actuator.force.force_unit", "N")];
+    let row = &p::SAROSI_COEFFICIENTS;
+    for path in [row.key, UNITS[0].0, UNITS[1].0] {
+        if !r.has(path) {
+            r.missing(path, "");
+        }
+    }
+    let [pressure, force] = UNITS.map(|(path, like)| r.unit(path, like).unwrap_or(1.0));
+    let Some(list) = r.list(row) else { return [0.0; 6] };
+    let Ok([a1, a2, a3, a4, a5, a6]) = <[f64; 6]>::try_from(list.as_slice()) else {
+        if let Some(place) = r.value_place(row.key) {
+            let title = format!("`{}` has {} entries instead of six", row.key, list.len());
+            let help = "give a1 to a6 of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6";
+            r.note(Diagnostic::at(Class::BadList, place, title, "six entries are expected").help(help));
+        }
+        return [0.0; 6];
+    };
+    let per_pressure = force / pressure;
+    [a1 * per_pressure, a2 * force, a3, a4 * per_pressure, a5 * per_pressure, a6 * force]
+}
+
+fn bladder(r: &mut Reader<'_>) -> Option<Bladder> {
+    let path = "actuator.bladder.form";
+    let form: Option<BladderForm> = r.word(path);
+    if !r.has(path) {
+        r.missing(path, "");
+    }
+    let force = r.value(&p::BLADDER_FORCE, None);
+    let form = form?;
+    let scale = if form == BladderForm::Linear { 1.0 } else { r.value(&p::BLADDER_SCALE, None) };
+    Some(Bladder { form, force, scale })
 }
 
 const PRESSURE_UNIT: &str = "actuator.effectiveness.pressure_unit";

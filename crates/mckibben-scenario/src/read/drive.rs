@@ -3,7 +3,8 @@
 //! A valve needs a supply and a command; a command needs a valve. `hold` and a choice of the states of a pulse need a
 //! valve that can close.
 
-use super::{alternative, columns, gauge_pressure, line};
+use super::passage::{EXHAUST, SUPPLY, passage};
+use super::{columns, gauge_pressure, line};
 use crate::choice::{CommandKind, CommandState, ExhaustTemperature, ValveKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::presets;
@@ -59,26 +60,30 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     if kind.is_none() && !r.has("valve.kind") && !misspelt {
         r.missing("valve.kind", "");
     }
-    let iso = [p::SONIC_CONDUCTANCE.key, p::CRITICAL_RATIO.key];
-    let passage = match alternative(r, &[&[p::FLOW_AREA.key], &iso]) {
-        Some(1) => Passage::Iso6358 {
-            sonic_conductance: r.noted(&p::SONIC_CONDUCTANCE),
-            critical_ratio: r.noted(&p::CRITICAL_RATIO),
-        },
-        None if misspelt => Passage::FlowArea(1.0),
-        None if preset.is_none() => {
-            let because = "; `sonic_conductance` and `critical_ratio` would do as well";
+    let own = SUPPLY.begun(|row| r.has(row.key));
+    let exhaust = passage(r, &EXHAUST, preset.filter(|_| !own));
+    let passage = passage(r, &SUPPLY, preset).unwrap_or_else(|| {
+        if !misspelt {
+            let because = "; `sonic_conductance` and `critical_ratio`, `kv` or `cv` would do as well";
             r.missing(p::FLOW_AREA.key, because);
-            Passage::FlowArea(1.0)
         }
-        _ => Passage::FlowArea(r.value(&p::FLOW_AREA, preset)),
-    };
+        Passage::FlowArea(1.0)
+    });
     let efficiency = r.value(&p::EFFICIENCY, preset);
     let opening_delay = r.value(&p::OPENING_DELAY, preset);
     let closing_delay = r.value(&p::CLOSING_DELAY, preset);
     let laminar_ratio = r.value(&p::LAMINAR_RATIO, preset);
     let exhaust_temperature = r.word("valve.exhaust_temperature").unwrap_or(ExhaustTemperature::Actuator);
-    Some(Valve { kind: kind?, passage, efficiency, opening_delay, closing_delay, laminar_ratio, exhaust_temperature })
+    Some(Valve {
+        kind: kind?,
+        passage,
+        exhaust,
+        efficiency,
+        opening_delay,
+        closing_delay,
+        laminar_ratio,
+        exhaust_temperature,
+    })
 }
 
 fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
@@ -86,35 +91,42 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
     if !r.has("command.kind") {
         r.missing("command.kind", "");
     }
-    let three_way = valve == ValveKind::ThreeWay;
+    let chooses = valve.has_three_positions();
+    let impossible = match valve {
+        ValveKind::TwoWay => Some(CommandState::Exhaust),
+        _ if chooses => None,
+        _ => Some(CommandState::Hold),
+    };
     match kind? {
         CommandKind::Pwm => {
             for path in ["command.pulse", "command.rest"] {
-                if let Some(place) = r.key_place(path).filter(|_| three_way) {
-                    let title = format!("`{path}` is for a fill-hold-exhaust valve");
+                if let Some(place) = r.key_place(path).filter(|_| !chooses) {
+                    let title = format!("`{path}` is for a valve with a third position, such as fill-hold-exhaust");
                     let chosen = r.value_place("valve.kind");
+                    let help = match valve {
+                        ValveKind::TwoWay => {
+                            "remove it: a two-way valve fills during the pulse and holds between pulses"
+                        }
+                        _ => "remove it: this valve fills during the pulse and exhausts between pulses",
+                    };
                     r.note(
                         Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                             .related(chosen, "chosen here")
-                            .help("remove it: a three-way valve fills during the pulse and exhausts between pulses"),
+                            .help(help),
                     );
                 }
             }
+            let rest = if valve == ValveKind::TwoWay { CommandState::Hold } else { CommandState::Exhaust };
             Some(Command::Pwm {
                 frequency: r.value(&p::PWM_FREQUENCY, None),
                 duty: r.value(&p::DUTY, None),
                 pulse: r.word("command.pulse").unwrap_or(CommandState::Fill),
-                rest: r.word("command.rest").unwrap_or(CommandState::Exhaust),
+                rest: r.word("command.rest").unwrap_or(rest),
             })
         }
         CommandKind::Fill => Some(Command::Constant(CommandState::Fill)),
-        CommandKind::Exhaust => Some(Command::Constant(CommandState::Exhaust)),
-        CommandKind::Hold => {
-            if let Some(place) = r.value_place("command.kind").filter(|_| three_way) {
-                cannot_hold(r, place);
-            }
-            Some(Command::Constant(CommandState::Hold))
-        }
+        CommandKind::Exhaust => constant(r, CommandState::Exhaust, valve, impossible),
+        CommandKind::Hold => constant(r, CommandState::Hold, valve, impossible),
         CommandKind::Table => {
             for path in [p::COMMAND_TIME.key, "command.state"] {
                 if !r.has(path) {
@@ -123,9 +135,9 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
             }
             let time = r.list(&p::COMMAND_TIME);
             let state: Option<Vec<CommandState>> = r.words("command.state");
-            let hold = state.iter().flatten().position(|state| *state == CommandState::Hold);
-            if let Some(place) = hold.filter(|_| three_way).and_then(|at| r.item_place("command.state", at)) {
-                cannot_hold(r, place);
+            let fault = state.iter().flatten().position(|state| Some(*state) == impossible);
+            if let Some(place) = fault.and_then(|at| r.item_place("command.state", at)) {
+                cannot(r, place, valve);
             }
             let (time, state) = columns(r, &p::COMMAND_TIME, time, "command.state", state);
             Some(Command::Table { time, state })
@@ -133,11 +145,30 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
     }
 }
 
-fn cannot_hold(r: &mut Reader<'_>, place: Place) {
+fn constant(
+    r: &mut Reader<'_>,
+    state: CommandState,
+    valve: ValveKind,
+    impossible: Option<CommandState>,
+) -> Option<Command> {
+    if let Some(place) = r.value_place("command.kind").filter(|_| Some(state) == impossible) {
+        cannot(r, place, valve);
+    }
+    Some(Command::Constant(state))
+}
+
+/// Notes a state that the valve has not.
+fn cannot(r: &mut Reader<'_>, place: Place, valve: ValveKind) {
     let chosen = r.value_place("valve.kind").or_else(|| r.value_place("valve.preset"));
-    r.note(
-        Diagnostic::at(Class::NotApplicable, place, "a three-way valve cannot hold", "needs a valve that closes")
-            .related(chosen, "three-way valve")
-            .help("set `valve.kind` to `fill-hold-exhaust`, or command `fill` and `exhaust` only"),
-    );
+    let (title, label, kind, help) = if valve == ValveKind::TwoWay {
+        let help = "set `valve.kind` to `three-way` or `fill-hold-exhaust`, or command `fill` and `hold` only";
+        ("a two-way valve cannot exhaust", "needs a passage to the exhaust", "two-way valve", help)
+    } else if valve == ValveKind::FiveWay {
+        let help = "set `valve.kind` to `five-way-closed`, or command `fill` and `exhaust` only";
+        ("a 5/2 valve cannot hold", "needs a valve that closes", "five-way valve of two positions", help)
+    } else {
+        let help = "set `valve.kind` to `fill-hold-exhaust`, or command `fill` and `exhaust` only";
+        ("a three-way valve cannot hold", "needs a valve that closes", "three-way valve", help)
+    };
+    r.note(Diagnostic::at(Class::NotApplicable, place, title, label).related(chosen, kind).help(help));
 }

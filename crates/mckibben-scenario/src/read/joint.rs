@@ -2,9 +2,10 @@
 //!
 //! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
 //! said of it is as of the first. What is said in several keys is taken whole: an effectiveness; a valve or command that
-//! names its `kind` or `preset`; an actuator that names its `preset`.
+//! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
+//! names its `law`, a bladder its `form`.
 
-use super::{body, drive, gauge_pressure};
+use super::{body, drive, gauge_pressure, passage};
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED};
 use crate::presets;
@@ -82,13 +83,20 @@ impl Document {
 
     fn lay_over(&mut self, table: &Table, section: &str) {
         let whole = match section {
-            "actuator.effectiveness" => true,
+            "actuator.effectiveness" | "valve.exhaust" => true,
             "valve" | "command" => table.get("kind").is_some() || table.get("preset").is_some(),
             "actuator" => table.get("preset").is_some(),
+            "actuator.force" => table.get("law").is_some(),
+            "actuator.bladder" => table.get("form").is_some(),
             _ => false,
         };
         if whole {
             self.remove(section);
+        } else if section == "valve" && states_passage(table) {
+            self.remove("valve.exhaust");
+            for row in passage::SUPPLY.ways().iter().flatten() {
+                self.remove(row.key);
+            }
         }
         for Entry { name, key, node } in &table.0 {
             let path = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
@@ -98,4 +106,9 @@ impl Document {
             }
         }
     }
+}
+
+/// Whether a section `[valve]` says how much the valve lets through.
+fn states_passage(valve: &Table) -> bool {
+    passage::SUPPLY.begun(|row| row.key.rsplit('.').next().is_some_and(|name| valve.get(name).is_some()))
 }

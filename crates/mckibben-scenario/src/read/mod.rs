@@ -8,6 +8,7 @@
 //! | `body` | actuator, air |
 //! | `drive` | supply, valve, command |
 //! | `line` | hose, reservoir and regulator of the supply |
+//! | `passage` | how much the valve's passages let through |
 //! | `course` | load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
 //!
@@ -16,8 +17,10 @@
 mod body;
 mod course;
 mod drive;
+mod friction;
 mod joint;
 mod line;
+pub(crate) mod passage;
 
 pub(crate) use body::GEOMETRY;
 

@@ -3,8 +3,10 @@
 //! Checked by `tests/sweep.rs`: for every key that holds one quantity, setting it here and reading it from text give
 //! equal scenarios.
 
+use crate::choice::BladderForm;
 use crate::scenario::{
-    Command, Compressor, Effectiveness, InitialLength, Load, Motion, Passage, Process, Regulator, Reservoir, Scenario,
+    Command, Compressor, Effectiveness, Force, InitialLength, Load, Motion, Passage, Process, Regulator, Reservoir,
+    Scenario, TonduLopezCoefficients,
 };
 use mckibben::parameter::{self as p, Parameter};
 
@@ -19,12 +21,37 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::MIN_LENGTH, |s| Some(&mut s.actuator.min_length)),
     (&p::EXTERNAL_VOLUME, |s| Some(&mut s.actuator.external_volume)),
     (&p::LEAKAGE, |s| s.actuator.leakage.as_mut()),
+    (&p::WALL_THICKNESS, |s| Some(&mut s.actuator.wall_thickness)),
+    (&p::END_FACTOR, |s| match &mut s.actuator.force {
+        Force::TonduLopez { end_factor, .. } => Some(end_factor),
+        _ => None,
+    }),
+    (&p::END_FACTOR_RISE, |s| match &mut s.actuator.force {
+        Force::TonduLopez { end_factor_rise, .. } => Some(end_factor_rise),
+        _ => None,
+    }),
+    (&p::END_FACTOR_PRESSURE, |s| match &mut s.actuator.force {
+        Force::TonduLopez { end_factor_pressure, .. } => Some(end_factor_pressure),
+        _ => None,
+    }),
+    (&p::INITIAL_RADIUS, |s| Some(&mut tondu_lopez(s)?.radius)),
+    (&p::TONDU_LOPEZ_A, |s| Some(&mut tondu_lopez(s)?.a)),
+    (&p::TONDU_LOPEZ_B, |s| Some(&mut tondu_lopez(s)?.b)),
+    (&p::BLADDER_FORCE, |s| Some(&mut s.actuator.bladder.as_mut()?.force)),
+    (&p::BLADDER_SCALE, |s| {
+        let bladder = s.actuator.bladder.as_mut().filter(|bladder| bladder.form != BladderForm::Linear)?;
+        Some(&mut bladder.scale)
+    }),
     (&p::EFFECTIVENESS, |s| match &mut s.actuator.effectiveness {
         Effectiveness::Constant(ratio) => Some(ratio),
         _ => None,
     }),
     (&p::VISCOUS, |s| Some(&mut s.actuator.friction.viscous)),
     (&p::COULOMB_WIDTH, |s| Some(&mut s.actuator.friction.coulomb_width)),
+    (&p::COULOMB_FORCE, |s| Some(&mut s.actuator.friction.coulomb_force)),
+    (&p::COULOMB_FORCE_PER_PRESSURE, |s| Some(&mut s.actuator.friction.coulomb_force_per_pressure)),
+    (&p::STATIC_RATIO, |s| Some(&mut s.actuator.friction.static_ratio)),
+    (&p::STRIBECK_VELOCITY, |s| Some(&mut s.actuator.friction.stribeck_velocity)),
     (&p::LIMIT_STIFFNESS, |s| Some(&mut s.actuator.limit.stiffness)),
     (&p::LIMIT_DAMPING, |s| Some(&mut s.actuator.limit.damping)),
     (&p::POLYTROPIC_INDEX, |s| match &mut s.air.process {
@@ -59,18 +86,18 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::HOSE_DIAMETER, |s| Some(&mut s.hose.as_mut()?.diameter)),
     (&p::HOSE_VISCOSITY, |s| Some(&mut s.hose.as_mut()?.viscosity)),
     (&p::HOSE_INDEX, |s| Some(&mut s.hose.as_mut()?.polytropic_index)),
-    (&p::FLOW_AREA, |s| match &mut s.valve.as_mut()?.passage {
-        Passage::FlowArea(area) => Some(area),
-        Passage::Iso6358 { .. } => None,
-    }),
-    (&p::SONIC_CONDUCTANCE, |s| match &mut s.valve.as_mut()?.passage {
-        Passage::Iso6358 { sonic_conductance, .. } => Some(sonic_conductance),
-        Passage::FlowArea(_) => None,
-    }),
-    (&p::CRITICAL_RATIO, |s| match &mut s.valve.as_mut()?.passage {
-        Passage::Iso6358 { critical_ratio, .. } => Some(critical_ratio),
-        Passage::FlowArea(_) => None,
-    }),
+    (&p::FLOW_AREA, |s| flow_area(supply(s)?)),
+    (&p::SONIC_CONDUCTANCE, |s| sonic_conductance(supply(s)?)),
+    (&p::CRITICAL_RATIO, |s| critical_ratio(supply(s)?)),
+    (&p::KV, |s| kv(supply(s)?)),
+    (&p::CV, |s| cv(supply(s)?)),
+    (&p::PRESSURE_DROP_RATIO, |s| pressure_drop_ratio(supply(s)?)),
+    (&p::EXHAUST_FLOW_AREA, |s| flow_area(exhaust(s)?)),
+    (&p::EXHAUST_SONIC_CONDUCTANCE, |s| sonic_conductance(exhaust(s)?)),
+    (&p::EXHAUST_CRITICAL_RATIO, |s| critical_ratio(exhaust(s)?)),
+    (&p::EXHAUST_KV, |s| kv(exhaust(s)?)),
+    (&p::EXHAUST_CV, |s| cv(exhaust(s)?)),
+    (&p::EXHAUST_PRESSURE_DROP_RATIO, |s| pressure_drop_ratio(exhaust(s)?)),
     (&p::EFFICIENCY, |s| Some(&mut s.valve.as_mut()?.efficiency)),
     (&p::OPENING_DELAY, |s| Some(&mut s.valve.as_mut()?.opening_delay)),
     (&p::CLOSING_DELAY, |s| Some(&mut s.valve.as_mut()?.closing_delay)),
@@ -135,6 +162,49 @@ fn compressor(s: &mut Scenario) -> Option<&mut Compressor> {
 
 fn regulator(s: &mut Scenario) -> Option<&mut Regulator> {
     s.supply.as_mut()?.regulator.as_mut()
+}
+
+/// The coefficients of the law of Tondu & Lopez, where they are given.
+fn tondu_lopez(scenario: &mut Scenario) -> Option<&mut TonduLopezCoefficients> {
+    match &mut scenario.actuator.force {
+        Force::TonduLopez { coefficients, .. } => coefficients.as_mut(),
+        _ => None,
+    }
+}
+
+fn supply(scenario: &mut Scenario) -> Option<&mut Passage> {
+    Some(&mut scenario.valve.as_mut()?.passage)
+}
+
+fn exhaust(scenario: &mut Scenario) -> Option<&mut Passage> {
+    scenario.valve.as_mut()?.exhaust.as_mut()
+}
+
+fn flow_area(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::FlowArea(area) = passage { Some(area) } else { None }
+}
+
+fn sonic_conductance(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Iso6358 { sonic_conductance, .. } = passage { Some(sonic_conductance) } else { None }
+}
+
+fn critical_ratio(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Iso6358 { critical_ratio, .. } = passage { Some(critical_ratio) } else { None }
+}
+
+fn kv(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Kv { kv, .. } = passage { Some(kv) } else { None }
+}
+
+fn cv(passage: &mut Passage) -> Option<&mut f64> {
+    if let Passage::Cv { cv, .. } = passage { Some(cv) } else { None }
+}
+
+fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
+    match passage {
+        Passage::Kv { pressure_drop_ratio, .. } | Passage::Cv { pressure_drop_ratio, .. } => Some(pressure_drop_ratio),
+        Passage::FlowArea(_) | Passage::Iso6358 { .. } => None,
+    }
 }
 
 /// The place of a quantity.

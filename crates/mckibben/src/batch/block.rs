@@ -9,6 +9,8 @@ use super::Row;
 use super::gather::{gather, narrow};
 use super::wide::{Compiled, Wide};
 use crate::error::Error;
+use crate::force::{IdealBraid, Statics};
+use crate::friction::{Hysteresis, Memory};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::course::Course;
@@ -20,6 +22,7 @@ use crate::simulation::sample::Sample;
 use crate::simulation::timetable::{Progress, Timetable};
 use crate::simulation::{Method, Rig};
 use crate::valve::{Ports, is_due};
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 use pulp::{Simd, WithSimd};
@@ -48,11 +51,13 @@ impl Span {
 /// Rows side by side.
 #[derive(Debug)]
 pub(super) struct Block<W: Wide> {
-    rig: Rig<W>,
+    rigs: Rigs<W>,
     method: Method,
     time: f64,
     state: States<W>,
     held: Held<W>,
+    /// How many elements of the memory are in use.
+    elements: usize,
     alive: W::Mask,
     /// Instants up to this time in s are known.
     known_until: f64,
@@ -61,6 +66,31 @@ pub(super) struct Block<W: Wide> {
     /// Whether that is the next instant of every living lane.
     shared: bool,
     lanes: Vec<Lane<W::Lane>>,
+}
+
+/// One rig over lanes, with the law named where it is the ideal braid, so that no stage has to ask for it.
+#[derive(Debug)]
+enum Rigs<W: Wide> {
+    Ideal(Box<Rig<W, IdealBraid<W>>>),
+    Any(Box<Rig<W>>),
+}
+
+impl<W: Wide> Rigs<W> {
+    fn new(rig: Rig<W>) -> Self {
+        match rig.ideal() {
+            Some(ideal) => Self::Ideal(Box::new(ideal)),
+            None => Self::Any(Box::new(rig)),
+        }
+    }
+
+    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m).
+    #[inline(always)]
+    fn remember(&self, memory: &mut Memory<W>, distance: W) {
+        match self {
+            Self::Ideal(rig) => rig.actuator().remember(memory, distance),
+            Self::Any(rig) => rig.actuator().remember(memory, distance),
+        }
+    }
 }
 
 /// What a row keeps for itself.
@@ -103,12 +133,17 @@ impl<W: Wide> Block<W> {
         let start = |number: usize| {
             W::from_lanes(|lane| W::Lane::constant(rows.get(lane).map_or(f64::NAN, |row| stepped(row.start)[number])))
         };
+        let (rig, state) = (gather(&rigs), [start(0), start(1), start(2), start(3), start(4)]);
+        let actuator = rig.actuator();
+        let elements = actuator.friction().hysteresis().map_or(0, Hysteresis::count);
+        let memory = Memory::relaxed(actuator.limits().actuator_length(state[0]));
         let mut block = Self {
-            rig: gather(&rigs),
+            rigs: Rigs::new(rig),
             method,
             time: 0.0,
-            state: [start(0), start(1), start(2), start(3), start(4)],
-            held: Held::nothing(),
+            state,
+            held: Held { memory, ..Held::nothing() },
+            elements,
             alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_line(row.rig.line()).is_ok())),
             known_until: 0.0,
             soonest: f64::INFINITY,
@@ -134,11 +169,22 @@ impl<W: Wide> Block<W> {
                 length: number(&held.line.length),
                 slope: number(&held.line.slope),
             },
+            memory: self.memory_of(index),
         };
         let [length, velocity, pressure, mass, hose] = &self.state;
         let state = [number(length), number(velocity), number(pressure), number(mass), number(hose)];
         let Lane { progress, ports, .. } = self.lanes[index];
         Walk { course: Course { time: self.time, state, held }, progress, ports }
+    }
+
+    /// The memory of a lane.
+    fn memory_of(&self, index: usize) -> Memory<W::Lane> {
+        let Memory { at, elements } = &self.held.memory;
+        let mut memory = Memory::relaxed(at.lane(index));
+        for element in 0..self.elements {
+            memory.elements[element] = elements[element].lane(index);
+        }
+        memory
     }
 
     /// Takes a lane back; its state into that of the block at the end of a step.
@@ -159,6 +205,10 @@ impl<W: Wide> Block<W> {
         held.line.time.put(index, of_lane.line.time);
         held.line.length.put(index, of_lane.line.length);
         held.line.slope.put(index, of_lane.line.slope);
+        held.memory.at.put(index, of_lane.memory.at);
+        for element in 0..self.elements {
+            held.memory.elements[element].put(index, of_lane.memory.elements[element]);
+        }
         let lane = &mut self.lanes[index];
         (lane.progress, lane.ports) = (walk.progress, walk.ports);
         lane.look_ahead(self.known_until);
@@ -228,7 +278,10 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     fn step<S: Simd>(&mut self, simd: S, until: f64, alone: impl FnOnce(&Self) -> W::Mask) {
         let step = W::Lane::of_time((until - self.time).larger(0.0));
-        let Stepped { mut end, sliding, happens } = simd.vectorize(Take { block: self, step });
+        let Stepped { mut end, sliding, happens } = match &self.rigs {
+            Rigs::Ideal(rig) => simd.vectorize(Take { block: self, rig, step }),
+            Rigs::Any(rig) => simd.vectorize(Take { block: self, rig, step }),
+        };
         let alone = (happens | alone(self)) & self.alive;
         if alone.any() {
             self.walk_to(alone, until, &mut end);
@@ -236,6 +289,8 @@ impl<W: Wide> Block<W> {
         } else {
             self.held.sliding = sliding;
         }
+        // Rows that went by themselves have come to where their memory is: this does not change it.
+        self.rigs.remember(&mut self.held.memory, end[0]);
         self.state = end;
         self.time = until;
     }
@@ -263,8 +318,11 @@ impl<W: Wide> Block<W> {
     /// What each row shows now, or why it has stopped.
     #[inline(always)]
     fn samples(&self) -> Vec<Result<Sample, Error>> {
-        let observed = self.rig.observe(&self.state, &self.held);
-        let hose_air = self.rig.line().hose.as_ref().map(|hose| hose.content(self.state[4]));
+        let (observed, line) = match &self.rigs {
+            Rigs::Ideal(rig) => (rig.observe(&self.state, &self.held), rig.line()),
+            Rigs::Any(rig) => (rig.observe(&self.state, &self.held), rig.line()),
+        };
+        let hose_air = line.hose.as_ref().map(|hose| hose.content(self.state[4]));
         let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
             Some(fault) => Err(fault.clone()),
             None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air))),
@@ -281,21 +339,22 @@ struct Stepped<W: Wide> {
 }
 
 /// One step of the method, compiled once for wherever it is taken.
-struct Take<'a, W: Wide> {
+struct Take<'a, W: Wide, L> {
     block: &'a Block<W>,
+    rig: &'a Rig<W, L>,
     step: W::Lane,
 }
 
-impl<W: Wide> WithSimd for Take<'_, W> {
+impl<W: Wide, L: Statics<W>> WithSimd for Take<'_, W, L> {
     type Output = Stepped<W>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Stepped<W> {
-        let Block { rig, method, state, held, .. } = self.block;
+        let (Block { method, state, held, .. }, rig) = (self.block, self.rig);
         let (time, step) = (W::constant(self.block.time), W::constant(self.step.value()));
         let end = rig.take(*method, time, state, step, held);
         let [sliding, extent] = rig.keeps(held, &end);
         let ceases = sliding.smaller(extent).lt(W::zero()) & W::zero().lt(step);
-        let sliding = if rig.load().inertia().is_none() { rig.slides(&end).0 } else { held.sliding };
+        let sliding = if rig.load().inertia().is_none() { rig.slides(held, &end).0 } else { held.sliding };
         Stepped { end, sliding, happens: ceases | !rig.admissible(&end) }
     }
 }

@@ -7,7 +7,8 @@
 //!
 //! With a constant effectiveness that is the answer. With another law of pressure the least pressure that gives it is
 //! bracketed, walking upwards, and a Newton step polishes it and carries the derivatives, which are those of the implicit
-//! function: `∂P/∂F = 1/(∂F/∂P)`, `∂P/∂L = −(∂F/∂L)/(∂F/∂P)`.
+//! function: `∂P/∂F = 1/(∂F/∂P)`, `∂P/∂L = −(∂F/∂L)/(∂F/∂P)`. A law of force other than the ideal braid's, or one with wall or
+//! bladder, is turned round as a whole in the same way.
 //!
 //! | symbol | name in code | unit |
 //! |---|---|---|
@@ -21,11 +22,11 @@
 use crate::actuator::Actuator;
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
-use crate::force::Effectiveness;
+use crate::force::{Effectiveness, StaticForce, Statics};
 use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::root;
-use crate::scalar::Real;
+use crate::scalar::{Over, Real};
 
 /// Highest gauge pressure in Pa that is looked at.
 pub(super) const HIGHEST: f64 = 1e9;
@@ -36,7 +37,7 @@ const GROWTH: f64 = 1.25;
 impl<R: Real> Actuator<R> {
     /// The area `A = −dV/dL` in m² with which the gas pulls at a length in m.
     pub fn pull_area(&self, length: R) -> R {
-        -self.law().law.braid.volume_slope(length)
+        -self.law().law.volume_slope(length)
     }
 
     /// The least gauge pressure at which the actuator holds a tension of `force` N at rest at `length` m, without friction.
@@ -61,15 +62,51 @@ impl<R: Real> Actuator<R> {
             let other = "the pull of the taut braid alone at this length";
             return refused("must not be less than", other, limit.value(), "give a shorter length or a larger force");
         }
-        let area = self.pull_area(length);
-        match effective_pressure(&self.law().effectiveness, rest / area) {
+        match self.giving(rest, length) {
             Ok(gauge) => Ok(gauge),
+            Err(least) if least > rest.value() => {
+                let other = "what the law of force gives at this length without pressure,";
+                refused(
+                    "must not be less than",
+                    other,
+                    least + limit.value(),
+                    "give a shorter length or a larger force",
+                )
+            }
             Err(most) => {
-                let most = most * area.value() + limit.value();
                 let other = "what any pressure gives at this length with the effectiveness,";
+                let most = most + limit.value();
                 refused("must not be more than", other, most, "give a longer length or a smaller force")
             }
         }
+    }
+
+    /// The least gauge pressure of zero or more at which the law gives `force` N at `length` m; otherwise the force that comes
+    /// nearest.
+    fn giving(&self, force: R, length: R) -> Result<GaugePressure<R>, f64> {
+        if self.law().law.ideal().is_some() {
+            let area = self.pull_area(length);
+            return effective_pressure(&self.law().effectiveness, force / area).map_err(|most| most * area.value());
+        }
+        let at = |pressure: f64| self.law().force(length, GaugePressure(R::constant(pressure))).value() - force.value();
+        let mut most = at(0.0);
+        if most > 0.0 {
+            return Err(most + force.value());
+        }
+        let (mut low, mut high) = (0.0, FIRST);
+        while at(high) < 0.0 {
+            most = most.max(at(high));
+            (low, high) = (high, GROWTH * high);
+            if high > HIGHEST {
+                return Err(most + force.value());
+            }
+        }
+        let root = root::bracketed(low, high, 1e-16 * high, at);
+        let gauge: Dual<R, 1> = Dual::variable(R::constant(root), 0);
+        let near = self.law().force(Dual::of(length), GaugePressure(gauge));
+        let step = (near.value - force) / near.slope[0];
+        let root = R::constant(root);
+        Ok(GaugePressure(if step.value().abs() < 1e-9 * root.value() { root - step } else { root }))
     }
 
     /// The same between none and `highest`, which is asked for where no pressure below gives the force.
@@ -82,8 +119,11 @@ impl<R: Real> Actuator<R> {
         if self.check_pulling(length).is_err() {
             return highest;
         }
-        let found = effective_pressure(&self.law().effectiveness, rest / self.pull_area(length));
-        found.map_or(highest, |gauge| GaugePressure(gauge.0.smaller(highest.0)))
+        match self.giving(rest, length) {
+            Ok(gauge) => GaugePressure(gauge.0.smaller(highest.0)),
+            Err(nearest) if nearest > rest.value() => none,
+            Err(_) => highest,
+        }
     }
 
     /// Mass of air in kg at a gauge pressure, a distance between the attachments in m and a temperature in K.
@@ -94,7 +134,7 @@ impl<R: Real> Actuator<R> {
 
     /// Checks that the tendon is tight, the braid pulls and its threads are not straight at a length in m.
     pub(super) fn check_pulling(&self, length: R) -> Result<(), Error> {
-        let (limits, braid) = (self.limits(), &self.law().law.braid);
+        let (limits, law) = (self.limits(), &self.law().law);
         let value = length.value();
         parameter::SET_LENGTH.check(value)?;
         let refused = |relation, other: &'static str, bound: R, remedy| {
@@ -105,13 +145,13 @@ impl<R: Real> Actuator<R> {
         if value <= limits.min_length().value() {
             return refused("must be greater than", parameter::MIN_LENGTH.key, limits.min_length(), longer);
         }
-        if self.pull_area(length).value() <= 0.0 {
+        if law.ideal().is_some() && self.pull_area(length).value() <= 0.0 {
             let other = "thread_length/sqrt(3), where the braid ceases to pull,";
-            return refused("must be greater than", other, braid.neutral_length(), longer);
+            return refused("must be greater than", other, law.braid.neutral_length(), longer);
         }
-        if value >= braid.thread_length().value() {
-            let other = parameter::THREAD_LENGTH.key;
-            return refused("must be less than", other, braid.thread_length(), "give a shorter length");
+        if value >= law.end_length().value() {
+            let other = law.end_name();
+            return refused("must be less than", other, law.end_length(), "give a shorter length");
         }
         Ok(())
     }

@@ -68,10 +68,16 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a radius that is not above zero; [`Error::Inconsistent`] for a length at which an actuator
-    /// is slack, does not pull, or is taut.
+    /// is slack, does not pull, or is taut; [`Error::Unsupported`] for a law of force other than the ideal braid's.
     pub fn new(actuators: [&'a Actuator<R>; 2], length: [R; 2], arm: [R; 2]) -> Result<Self, Error> {
         for i in 0..2 {
             parameter::PULLEY_ARM.check(arm[i].value())?;
+            if actuators[i].law().law.ideal().is_none() {
+                return Err(Error::Unsupported {
+                    what: "an antagonistic pair is turned round for the ideal braid only, without wall or bladder",
+                    remedy: "leave out actuator.force, actuator.bladder and actuator.wall_thickness",
+                });
+            }
             actuators[i].check_pulling(length[i])?;
             let longest = actuators[i].limits().max_length().value();
             if length[i].value() > longest {

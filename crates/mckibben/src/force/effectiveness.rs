@@ -10,7 +10,7 @@
 //! | polynomial | `e₀ + e₁ P_g + e₂ P_g² + …` with `P_g` in Pa | goes on |
 //! | table | monotone cubic through `(P_g, e)` (Fritsch & Carlson), never overshoots | constant |
 //!
-//! The slopes of the table at its knots are the weighted harmonic means of Fritsch & Butland (1984), with their
+//! The slopes of the table at its knots are the weighted harmonic means of Fritsch & Butland (1984), with a
 //! three-point rule at the ends; this is the interpolant that SciPy calls PCHIP.
 //! A factor that depends on pressure at fixed geometry makes the law non-conservative: the energy audit shows by how
 //! much.
@@ -18,6 +18,7 @@
 //! Checked by `tests/force.rs`: against SciPy's interpolant, no overshoot, slopes against finite differences.
 
 use super::StaticForce;
+use super::monotone::Knots;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
@@ -177,45 +178,16 @@ impl<S: Scalar> Effectiveness<S> {
 impl<S: Scalar> Table<S> {
     fn assemble(rows: usize, gauge_pressure: [S; MAX_KNOTS], value: [S; MAX_KNOTS]) -> Self {
         let mut table = Self { rows, gauge_pressure, value, slope: [S::zero(); MAX_KNOTS] };
+        let knots = Knots { count: rows, place: |row: usize| gauge_pressure[row], value: |row: usize| value[row] };
         for row in 0..rows {
-            table.slope[row] = table.knot_slope(row);
+            table.slope[row] = knots.slope(row);
         }
         table
     }
 
+    #[inline(always)]
     fn width(&self, interval: usize) -> S {
         self.gauge_pressure[interval + 1] - self.gauge_pressure[interval]
-    }
-
-    fn secant(&self, interval: usize) -> S {
-        (self.value[interval + 1] - self.value[interval]) / self.width(interval)
-    }
-
-    fn knot_slope(&self, row: usize) -> S {
-        let last = self.rows - 1;
-        if self.rows == 2 {
-            return self.secant(0);
-        }
-        if row == 0 || row == last {
-            let (near, far) = if row == 0 { (0, 1) } else { (last - 1, last - 2) };
-            return Self::end_slope(self.width(near), self.width(far), self.secant(near), self.secant(far));
-        }
-        let (left, right) = (self.secant(row - 1), self.secant(row));
-        let (before, after) = (self.width(row - 1), self.width(row));
-        let two = S::constant(2.0);
-        let (w1, w2) = (two * after + before, after + two * before);
-        let harmonic = (w1 + w2) / (w1 / left + w2 / right);
-        S::select(S::zero().lt(left * right), harmonic, S::zero())
-    }
-
-    /// The one-sided three-point slope, kept from changing sign and from overshooting.
-    fn end_slope(near: S, far: S, secant: S, next_secant: S) -> S {
-        let two = S::constant(2.0);
-        let slope = ((two * near + far) * secant - near * next_secant) / (near + far);
-        let wrong_sign = (slope * secant).le(S::zero());
-        let limit = S::constant(3.0) * secant;
-        let too_steep = (secant * next_secant).le(S::zero()) & limit.magnitude().lt(slope.magnitude());
-        S::select(wrong_sign, S::zero(), S::select(too_steep, limit, slope))
     }
 
     #[inline(always)]

@@ -17,7 +17,7 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), equations (1) to (8).
 //! Checked by `tests/force.rs`: transcription of (1), (3), (7) and (8), virtual work, dual against finite difference.
 
-use super::StaticForce;
+use super::{StaticForce, Statics};
 use crate::braid::Braid;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Scalar};
@@ -38,5 +38,17 @@ impl<S: Scalar> StaticForce<S> for IdealBraid<S> {
     #[inline(always)]
     fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
         T::constant(3.0) * gauge.0 * (length + from) * T::of(self.braid.per_turns())
+    }
+}
+
+impl<S: Scalar> Statics<S> for IdealBraid<S> {
+    #[inline(always)]
+    fn end_length(&self) -> S {
+        self.braid.thread_length()
+    }
+
+    #[inline(always)]
+    fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2] {
+        [self.braid.volume(length), self.braid.volume_slope(length)]
     }
 }

@@ -16,6 +16,10 @@
 //! | K_braid | `stiffness` | N/m |
 //! | C_braid | `damping` | N·s/m |
 //!
+//! A braid pulls above `b/√3`, where its angle is below 54.7°, and pushes below. An actuator whose longest length lies
+//! below that pushes wherever it is (an extensile muscle); on a tendon, which cannot push, it would never do anything, so
+//! such limits are refused. A shortest length below `b/√3` is allowed: there the gas pushes and the tension is zero.
+//!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 2.1 and (14). Checked by `tests/force.rs` and `tests/limits.rs`.
 
 use crate::braid::Braid;
@@ -39,7 +43,8 @@ impl LengthLimits {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] unless
-    /// `0 < min_length < max_length < thread length`.
+    /// `0 < min_length < max_length < thread length` and `thread length/√3 < max_length`: a braid that pushes wherever it
+    /// is does nothing on a tendon.
     pub fn new(
         braid: &Braid,
         min_length: Option<f64>,
@@ -57,12 +62,26 @@ impl LengthLimits {
                 remedy: "shorten max_length or give a longer thread",
             });
         }
+        if max_length <= braid.neutral_length() {
+            return Err(Error::Inconsistent {
+                parameter: &parameter::MAX_LENGTH,
+                value: max_length,
+                requirement: Requirement {
+                    relation: "must be greater than",
+                    other: "actuator.thread_length/sqrt(3)",
+                    value: braid.neutral_length(),
+                    unit: "m",
+                },
+                remedy: "lengthen max_length or shorten the thread: a braid whose angle is above 54.7 degrees at its longest \
+                         pushes, and a tendon cannot",
+            });
+        }
         if min_length >= max_length {
             return Err(Error::Inconsistent {
                 parameter: &parameter::MIN_LENGTH,
                 value: min_length,
                 requirement: less_than(&parameter::MAX_LENGTH, max_length),
-                remedy: "shorten min_length, or give a max_length above thread_length/sqrt(3)",
+                remedy: "shorten min_length",
             });
         }
         Ok(Self {

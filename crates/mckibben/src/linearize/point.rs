@@ -8,6 +8,7 @@
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Process};
 use crate::error::{Error, Requirement};
+use crate::force::Statics;
 use crate::load::Load;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -188,18 +189,18 @@ fn free(rig: &Rig, pressure: AbsolutePressure, length: f64) -> Result<(), Error>
 
 /// A length in m between the shortest and the thread's.
 fn inside(rig: &Rig, length: f64) -> Result<f64, Error> {
-    let (limits, braid) = (rig.actuator().limits(), &rig.actuator().law().law.braid);
+    let (limits, law) = (rig.actuator().limits(), &rig.actuator().law().law);
     parameter::INITIAL_LENGTH.check(length)?;
-    let refused = |relation, other: &'static parameter::Parameter, value| {
-        let requirement = Requirement { relation, other: other.key, value, unit: other.unit };
+    let refused = |relation, other, value| {
+        let requirement = Requirement { relation, other, value, unit: "m" };
         let remedy = "give a length between the shortest and that of the thread";
         Err(Error::Inconsistent { parameter: &parameter::INITIAL_LENGTH, value: length, requirement, remedy })
     };
     if length < limits.min_length() {
-        return refused("must not be less than", &parameter::MIN_LENGTH, limits.min_length());
+        return refused("must not be less than", parameter::MIN_LENGTH.key, limits.min_length());
     }
-    if length >= braid.thread_length() {
-        return refused("must be less than", &parameter::THREAD_LENGTH, braid.thread_length());
+    if length >= law.end_length() {
+        return refused("must be less than", law.end_name(), law.end_length());
     }
     Ok(length)
 }

@@ -5,6 +5,7 @@ use super::seats::Interval;
 use super::state_space::{Signal, StateSpace};
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::friction::{Memory, Rubbing};
 use crate::load::Load;
 use crate::scalar::Over;
 use crate::simulation::{Held, Rig};
@@ -44,12 +45,15 @@ struct Inputs<T> {
     force: T,
     /// Damping in N·s/m beside the actuator's own.
     viscous: f64,
+    /// The hysteresis, relaxed at the operating point: small motion does not make it slip.
+    memory: Memory,
 }
 
 /// The four rates without Coulomb friction, and the tension.
 fn rates<T: Over<f64>>(rig: &Rig, state: [T; 4], seats: &[Interval<T>], inputs: &Inputs<T>) -> ([T; 4], T) {
     let actuator = rig.actuator();
-    let held = Held { taut: T::of(actuator.limits().max_length()).lt(state[0]), ..Held::nothing() };
+    let taut = T::of(actuator.limits().max_length()).lt(state[0]);
+    let held = Held { taut, memory: inputs.memory, ..Held::nothing() };
     let [length, velocity, acceleration] = rig.motion(T::zero(), [state[0], state[1], state[2]], &held);
     let per_mass = rig.load().inertia().map_or(0.0, |inertia| 1.0 / inertia.mass);
     let beside = T::constant(inputs.viscous) * velocity;
@@ -57,7 +61,8 @@ fn rates<T: Over<f64>>(rig: &Rig, state: [T; 4], seats: &[Interval<T>], inputs: 
     let chamber = actuator.chamber(length, velocity, state[2], state[3], false);
     // The flow enters the pressure's rate linearly, so the rate of the mean flow is the mean of the rates.
     let flow = mean_flow(rig, &chamber, seats).and(Flow { inward: inputs.mass_flow, outward: T::zero() });
-    let tension = actuator.tension_sliding(length, velocity, state[2], T::zero()) + beside;
+    let rubbing = Rubbing { width: actuator.width(&inputs.memory, length), ..T::zero().into() };
+    let tension = actuator.tension_sliding(length, velocity, state[2], rubbing) + beside;
     ([velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()], tension)
 }
 
@@ -70,7 +75,9 @@ pub(super) fn derivatives(
 ) -> StateSpace {
     let state = point.state.to_array();
     let at: [Slopes; 4] = core::array::from_fn(|n| Dual::variable(state[n], n));
-    let inputs = Inputs { mass_flow: Dual::variable(0.0, MASS_FLOW), force: Dual::variable(0.0, FORCE), viscous };
+    let memory = Memory::relaxed(point.state.length);
+    let (mass_flow, force) = (Dual::variable(0.0, MASS_FLOW), Dual::variable(0.0, FORCE));
+    let inputs = Inputs { mass_flow, force, viscous, memory };
     let (rates, tension) = rates(&point.rig, at, seats, &inputs);
     let moves = !matches!(point.rig.load(), Load::Isometric);
     let states: Vec<usize> = if moves { (0..4).collect() } else { Vec::from([2, 3]) };

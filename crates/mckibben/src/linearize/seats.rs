@@ -47,7 +47,7 @@ pub(super) fn duty_range(actuation: &Actuation) -> Option<(f64, f64)> {
     let Command::Pwm { frequency, pulse, rest, .. } = actuation.command else { return None };
     let [opening, closing] = actuation.solenoid.delays().map(|delay| delay * frequency);
     let coils = match actuation.solenoid.kind() {
-        ValveKind::ThreeWay => 1,
+        ValveKind::TwoWay | ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => 1,
         ValveKind::FillHoldExhaust => 2,
     };
     let (of_pulse, of_rest) = (actuation.solenoid.coils(pulse), actuation.solenoid.coils(rest));

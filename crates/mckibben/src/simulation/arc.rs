@@ -190,6 +190,9 @@ impl Bernstein {
     /// A first control point at or below zero counts as zero: the armed side is the mode's, not the sign's at the start.
     /// A touching zero, which is only reached and left again, is none.
     pub(crate) fn first_descent(mut self) -> Option<(f64, f64)> {
+        if self.is_never_negative() {
+            return None;
+        }
         self.0[0] = self.0[0].max(0.0);
         self.descent_within(0.0, 1.0)
     }

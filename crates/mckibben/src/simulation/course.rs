@@ -14,6 +14,7 @@
 use super::hosed::Stepped;
 use super::kernel::{Held, Method};
 use super::rig::Rig;
+use crate::force::Statics;
 use crate::load::Load;
 use crate::scalar::{Mask, Real, Scalar};
 
@@ -59,6 +60,7 @@ impl<R: Real> Course<R> {
 
     fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: Stepped<R>) {
         self.state = end;
+        rig.actuator().remember(&mut self.held.memory, end[0]);
         self.time = self.time.larger(until);
         if rig.load().inertia().is_none() {
             self.slide(rig);
@@ -91,12 +93,13 @@ impl<R: Real> Course<R> {
 
     /// Decides anew how the load slides.
     fn slide(&mut self, rig: &Rig<R>) {
-        (self.held.sliding, self.held.stuck) = rig.slides(&self.state);
+        (self.held.sliding, self.held.stuck) = rig.slides(&self.held, &self.state);
     }
 
     /// Goes to a turn and through it.
     fn turn(&mut self, rig: &Rig<R>, turn: &Turn<R>) {
         self.state = turn.state;
+        rig.actuator().remember(&mut self.held.memory, self.state[0]);
         self.time = self.time + turn.part.to_time();
         if turn.at_limit {
             let limits = rig.actuator().limits();
@@ -115,7 +118,7 @@ impl<R: Real> Course<R> {
             && self.held.stuck
             && let Some(inertia) = rig.load().inertia()
         {
-            let (least, most) = rig.holdable(self.state[0], self.state[2]);
+            let (least, most) = rig.held_tensions(&self.held, &self.state);
             let longer = (most - inertia.pull).lt(inertia.pull - least);
             self.held.sliding = R::select(longer, R::one(), -R::one());
             self.held.stuck = false;
@@ -187,7 +190,7 @@ struct Turn<R> {
     at_limit: bool,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
     pub(crate) fn keeps(&self, held: &Held<S>, state: &Stepped<S>) -> [S; 2] {
@@ -195,6 +198,12 @@ impl<S: Scalar> Rig<S> {
             Load::Isometric => [S::constant(f64::INFINITY); 2],
             _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
         }
+    }
+
+    /// The least and the largest tension in N that can be held at rest in a state.
+    #[inline(always)]
+    fn held_tensions(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S) {
+        self.holdable(state[0], state[2], self.rubbing(state[0], held))
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
@@ -209,7 +218,7 @@ impl<S: Scalar> Rig<S> {
         if !held.stuck.any() {
             return along;
         }
-        let (least, most) = self.holdable(state[0], state[2]);
+        let (least, most) = self.held_tensions(held, state);
         S::select(held.stuck, (most - inertia.pull).smaller(inertia.pull - least), along)
     }
 
@@ -227,8 +236,8 @@ impl<S: Scalar> Rig<S> {
 
     /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
     #[inline(always)]
-    pub(crate) fn slides(&self, state: &Stepped<S>) -> (S, S::Mask) {
-        let [length, velocity, pressure, ..] = *state;
+    pub(crate) fn slides(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S::Mask) {
+        let [length, velocity, ..] = *state;
         let nowhere = S::Mask::splat(false);
         if !self.actuator().friction().has_coulomb() {
             return (S::zero(), nowhere);
@@ -239,7 +248,7 @@ impl<S: Scalar> Rig<S> {
         if !at_rest.any() {
             return (by_velocity, nowhere);
         }
-        let (least, most) = self.holdable(length, pressure);
+        let (least, most) = self.held_tensions(held, state);
         let (longer, shorter) = (most.lt(inertia.pull), inertia.pull.lt(least));
         let slack = self.actuator().limits().is_slack(length);
         let falling = S::select(inertia.pull.lt(S::zero()), -S::one(), S::one());
@@ -253,7 +262,7 @@ impl<S: Scalar> Rig<S> {
     #[inline(always)]
     pub(crate) fn admissible(&self, state: &Stepped<S>) -> S::Mask {
         let [length, velocity, pressure, mass, hose] = *state;
-        let thread = self.actuator().law().law.braid.thread_length();
+        let thread = self.actuator().law().law.end_length();
         // What is infinite or not a number makes the sum so, and that less itself is not zero.
         let sum = (length + velocity) + (pressure + mass);
         let holds = (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);

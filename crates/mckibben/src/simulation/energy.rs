@@ -1,10 +1,13 @@
 //! The energy audit: where the work of the gas went, and the air.
 //!
 //! ```text
-//! ∫ P_g dV = ∫ (1 − Eff) P_g dV                    what effectiveness takes (or gives)
+//! ∫ P_g dV = ∫ (P_g dV + F_s dx) − ΔU              what the law of force takes (or gives): (1 − Eff) ∫ P_g dV, (9)
+//!          + ΔU                                    the bladder
 //!          + Δ(½ M v²) − W Δx                      the load (or −∫ F dx when its motion is given)
 //!          + Δ(½ K_braid (x − L_max)²)             the taut braid
 //!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
+//!          + ∫ k_sec Σ w r |v| dt, slipping         hysteresis: what its elements dissipate,
+//!          + ∫ k_sec Σ w z v dt, not slipping       and what they store
 //!          + ∫ (F_limit − K_braid (x − L_max)) v dt    the taut braid's damping and its rebound
 //!          + ∫ (F − F_sum) v dt                    a correction of these where a tendon cannot push
 //! ```
@@ -12,12 +15,14 @@
 //! The load and the taut braid are taken from the states, the rest by quadrature over the dense output: that the sum
 //! closes is a test of the simulation, to its tolerance, in every run.
 
+use super::member::Trace;
 use super::mode::{Extent, Mode};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
 use crate::air::Flow;
-use crate::force::StaticForce;
+use crate::force::{StaticForce, Statics};
+use crate::friction::Touch;
 use crate::scalar::Real;
 
 /// Where the work of the gas went, in J, and the air, in kg.
@@ -25,8 +30,11 @@ use crate::scalar::Real;
 pub struct EnergyAudit {
     /// `∫ P_g dV`, the work of the gas beyond that on the surroundings.
     pub gas_work: f64,
-    /// Work that an effectiveness below 1 takes out of the model, without a place to go.
+    /// Work that an effectiveness below 1 takes out of the model, without a place to go; and with a law of force that is
+    /// not the gradient of `P_g V`, what that law takes, or gives when negative.
     pub effectiveness_loss: f64,
+    /// Energy that the bladder gained.
+    pub bladder_storage: f64,
     /// Energy that the load gained, kinetic and potential; the work on it when its motion is given.
     pub load: f64,
     /// Energy that the taut braid gained.
@@ -35,6 +43,11 @@ pub struct EnergyAudit {
     pub viscous: f64,
     /// Dissipated by Coulomb friction.
     pub coulomb: f64,
+    /// Dissipated by the elements of the hysteresis that slip.
+    pub slip: f64,
+    /// Work on the elements of the hysteresis that do not slip. It comes back as they are unloaded, but for what a change of
+    /// the pressure in between has made of it.
+    pub hysteresis_storage: f64,
     /// Dissipated by the taut braid, its rebound included.
     pub braid: f64,
     /// What the friction terms count too little, or too much when negative, while the tension is kept from becoming
@@ -51,20 +64,20 @@ pub struct EnergyAudit {
 impl EnergyAudit {
     /// What does not close, in J.
     pub fn residual(&self) -> f64 {
-        self.gas_work - self.effectiveness_loss - self.load - self.braid_storage - self.dissipated()
+        let stored = self.load + self.bladder_storage + self.braid_storage + self.hysteresis_storage;
+        self.gas_work - self.effectiveness_loss - stored - self.dissipated()
     }
 
     /// Everything dissipated in J.
     pub fn dissipated(&self) -> f64 {
-        self.viscous + self.coulomb + self.braid + self.slack
+        self.viscous + self.coulomb + self.slip + self.braid + self.slack
     }
 
     /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
     pub fn turnover(&self) -> f64 {
-        [self.gas_work, self.effectiveness_loss, self.load, self.braid_storage, self.dissipated()]
-            .map(f64::abs)
-            .iter()
-            .sum()
+        let stored = [self.load, self.bladder_storage, self.braid_storage, self.hysteresis_storage];
+        let others = [self.gas_work, self.effectiveness_loss, self.dissipated()];
+        stored.iter().chain(&others).map(|term| term.abs()).sum()
     }
 
     /// What does not close in the air, in kg.
@@ -82,7 +95,7 @@ impl EnergyAudit {
         weight: f64,
         sample: &Sample<R>,
         mode: &Mode,
-        flow: &Flow<R>,
+        (flow, trace): (&Flow<R>, &Option<Trace<R>>),
     ) -> f64 {
         let (limits, friction, law) = (actuator.limits(), actuator.friction(), actuator.law());
         let velocity = sample.velocity;
@@ -94,26 +107,41 @@ impl EnergyAudit {
             return work_on_ends;
         }
         let gauge = actuator.gauge(sample.pressure.0);
-        let ideal = -(law.law.force(sample.length, gauge) * velocity).value();
+        let gas_power = (gauge.0 * law.law.volume_slope(sample.length) * velocity).value();
         let static_force = law.force(sample.length, gauge);
-        self.gas_work += weight * ideal;
-        self.effectiveness_loss += weight * (ideal + (static_force * velocity).value());
+        self.gas_work += weight * gas_power;
+        self.effectiveness_loss += weight * (gas_power + (static_force * velocity).value());
         let viscous = friction.viscous_force(velocity);
-        let coulomb = R::constant(mode.sliding.direction()) * actuator.coulomb_bound(sample.length, sample.pressure.0);
+        let direction = R::constant(mode.sliding.direction());
+        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
+        let pressing = actuator.pressing(sample.length, sample.pressure.0, touch);
+        let coulomb = friction.coulomb().sliding(direction, velocity, friction.coulomb().kinetic(pressing));
+        let [mut hysteresis, mut slipping] = [R::zero(); 2];
+        if let Some(trace) = trace {
+            let secant = pressing.secant_stiffness();
+            (hysteresis, slipping) = (secant * trace.width(sample.length), direction * secant * trace.slipping());
+        }
         let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
         let stretch = (sample.length - limits.max_length()).larger(R::zero());
         self.viscous += weight * (viscous * velocity).value();
         self.coulomb += weight * (coulomb * velocity).value();
+        self.slip += weight * (slipping * velocity).value();
+        self.hysteresis_storage += weight * ((hysteresis - slipping) * velocity).value();
         self.braid += weight * ((limit - limits.stiffness() * stretch) * velocity).value();
-        let sum = static_force + viscous + coulomb + limit;
+        let sum = static_force + viscous + coulomb + hysteresis + limit;
         self.slack += weight * ((sample.tension - sum) * velocity).value();
         work_on_ends
     }
 
-    /// Adds what the taut braid and the air gained between two samples.
+    /// Adds what the bladder, the taut braid and the air gained between two samples.
     pub(super) fn add_gains<R: Real>(&mut self, actuator: &Actuator<R>, start: &Sample<R>, end: &Sample<R>) {
         let limits = actuator.limits();
         self.braid_storage += (limits.stored_energy(end.length) - limits.stored_energy(start.length)).value();
+        let bladder =
+            |sample: &Sample<R>| actuator.law().law.stored_energy(limits.actuator_length(sample.length)).value();
+        let bladder_gain = bladder(end) - bladder(start);
+        self.bladder_storage += bladder_gain;
+        self.effectiveness_loss -= bladder_gain;
         self.air_gain += (end.air_mass - start.air_mass).value();
     }
 }
@@ -125,8 +153,8 @@ impl<R: Real> Trajectory<R> {
         let actuator = rig.actuator();
         let mut audit = EnergyAudit::default();
         let mut work_on_ends = 0.0;
-        self.each_flow(|weight, sample, mode, flow| {
-            work_on_ends += audit.add(actuator, weight.value(), sample, mode, flow);
+        self.visit(|weight, sample, phase, flow| {
+            work_on_ends += audit.add(actuator, weight.value(), sample, &phase.mode, (flow, &phase.trace));
         });
         let (start, end) = (self.at(R::zero()), self.at(self.duration()));
         audit.add_gains(actuator, &start, &end);

@@ -56,18 +56,13 @@ pub(crate) fn first_crossing<R: Real, const N: usize, S: HybridSystem<R, N>>(
     let mut first: Option<(S::Guard, f64)> = None;
     for (guard, form) in guards.iter() {
         let value_at = |theta: f64| value::<R, R, N, S>(system, mode, guard, arc, R::constant(theta)).value();
-        let polynomial = match form {
-            GuardForm::Above { index, bound } => arc.linear(index, bound, 1.0),
-            GuardForm::Below { index, bound } => arc.linear(index, bound, -1.0),
-            GuardForm::Function => match sampled(system, mode, guard, arc) {
-                Some(polynomial) => polynomial,
-                None => continue,
-            },
+        let descent = match form {
+            GuardForm::Above { index, bound } => arc.linear(index, bound, 1.0).first_descent(),
+            GuardForm::Below { index, bound } => arc.linear(index, bound, -1.0).first_descent(),
+            GuardForm::Function if is_far_from_zero(system, mode, guard, arc) => None,
+            GuardForm::Function => descent_between(0.0, 1.0, MAX_HALVINGS, &value_at),
         };
-        if polynomial.is_never_negative() {
-            continue;
-        }
-        let Some((low, high)) = polynomial.first_descent() else { continue };
+        let Some((low, high)) = descent else { continue };
         let theta = root::bracketed(low, high, 1e-15, value_at).clamp(0.0, 1.0);
         if first.is_none_or(|(_, earlier)| theta < earlier) {
             first = Some((guard, theta));
@@ -105,13 +100,13 @@ fn value<R: Real, T: Over<R>, const N: usize, S: HybridSystem<R, N>>(
     system.guard(guard, time, &arc.at(theta), mode)
 }
 
-/// The polynomial of a guard that is not linear in the state; `None` when it is far from zero over the whole step.
-fn sampled<R: Real, const N: usize, S: HybridSystem<R, N>>(
+/// Whether a guard that is not linear in the state is far from zero over the whole step.
+fn is_far_from_zero<R: Real, const N: usize, S: HybridSystem<R, N>>(
     system: &S,
     mode: &S::Mode,
     guard: S::Guard,
     arc: &Arc<R, N>,
-) -> Option<Bernstein> {
+) -> bool {
     // The guard at the control points varies at least about as much as on the curve between them.
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for (i, point) in arc.points.iter().enumerate() {
@@ -120,11 +115,27 @@ fn sampled<R: Real, const N: usize, S: HybridSystem<R, N>>(
         least = least.min(value);
         most = most.max(value);
     }
-    if least > 0.5 * (most - least) {
-        return None;
+    least > 0.5 * (most - least)
+}
+
+/// How often a step is halved in search of a descent that the polynomial of a guard shows and the guard has not.
+const MAX_HALVINGS: u32 = 12;
+
+/// Brackets the first descent of a guard that is not linear in the state, between two places in the step.
+///
+/// The guard is looked at as the polynomial through eight of its values. Where that shows a descent and the guard itself
+/// is not below zero after it, the polynomial errs, and each half is looked at by itself.
+fn descent_between(low: f64, high: f64, halvings: u32, value_at: &impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let at = |part: f64| low + (high - low) * part;
+    let values = core::array::from_fn(|i| value_at(at(i as f64 / (POINTS - 1) as f64)));
+    let (first, last) = Bernstein::through(values).first_descent()?;
+    if value_at(at(last)) < 0.0 {
+        return Some((at(first), at(last)));
     }
-    Some(Bernstein::through(core::array::from_fn(|i| {
-        let theta = R::constant(i as f64 / (POINTS - 1) as f64);
-        value::<R, R, N, S>(system, mode, guard, arc, theta).value()
-    })))
+    if halvings == 0 {
+        return (values[POINTS - 1] < 0.0).then_some((low, high));
+    }
+    let middle = at(0.5);
+    let left = descent_between(low, middle, halvings - 1, value_at);
+    left.or_else(|| descent_between(middle, high, halvings - 1, value_at))
 }

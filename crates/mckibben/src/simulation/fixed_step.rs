@@ -16,6 +16,8 @@ use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::timetable::{Progress, Timetable};
 use crate::error::Error;
+use crate::force::Statics;
+use crate::friction::Memory;
 use crate::line::{self, HoseKind};
 use crate::load::Line;
 use crate::scalar::{Real, Scalar};
@@ -32,7 +34,7 @@ pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
 impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let mut walk = Walk::new(stepped(start));
+        let mut walk = Walk::new(rig, stepped(start));
         walk.pass(rig, &rig.timetable());
         Self { rig, method, walk }
     }
@@ -50,6 +52,11 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Which passages are open at that time.
     pub fn ports(&self) -> Ports {
         self.walk.ports
+    }
+
+    /// What the hysteresis remembers at that time.
+    pub fn memory(&self) -> &Memory<R> {
+        &self.walk.course.held.memory
     }
 
     /// Everything that is known at that time.
@@ -81,8 +88,9 @@ pub(crate) struct Walk<R: Real> {
 
 impl<R: Real> Walk<R> {
     /// At t = 0, before what is due then has been passed.
-    pub(crate) fn new(start: Stepped<R>) -> Self {
-        let course = Course { time: R::Time::zero(), state: start, held: Held::nothing() };
+    fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
+        let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
+        let course = Course { time: R::Time::zero(), state, held: Held { memory, ..Held::nothing() } };
         Self { course, progress: Progress::none(), ports: Ports::CLOSED }
     }
 
@@ -104,7 +112,7 @@ impl<R: Real> Walk<R> {
             if !rig.admissible(&self.course.state) {
                 let left = self.course;
                 self.course = before;
-                let thread = rig.actuator().law().law.braid.thread_length().value();
+                let thread = rig.actuator().law().law.end_length().value();
                 return Err(outside(thread, left.time.value(), of_rig(&left.state).map(Real::value)));
             }
             if instant.is_none() {

@@ -21,6 +21,7 @@ use super::kernel::{Held, Matrix, Method, Slopes, ahead};
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Statics;
 use crate::line::{Hose, split};
 use crate::load::Load;
 use crate::scalar::{Over, Scalar};
@@ -36,7 +37,7 @@ pub(crate) fn of_rig<S: Copy>([length, velocity, pressure, mass, _]: &Stepped<S>
     [*length, *velocity, *pressure, *mass]
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// One part of a step, with a prescribed motion where it ends exactly.
     #[inline(always)]
     pub(crate) fn take(&self, method: Method, time: S, state: &Stepped<S>, step: S, held: &Held<S>) -> Stepped<S> {

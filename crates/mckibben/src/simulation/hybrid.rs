@@ -9,7 +9,7 @@
 //! At rest, a tension between `F_s + F_limit − Q k_sec` and `F_s + F_limit + Q k_sec` can be held, and any from zero up
 //! when the actuator rests on its shortest length. The load sticks while its pull lies between.
 
-use super::member::Member;
+use super::member::{Member, Trace};
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::plumbing::{LineMode, Plumbing};
 use super::rig::{Rig, State};
@@ -35,6 +35,8 @@ pub struct Phase<R = f64> {
     /// `P V/m` of an isothermal process, which nothing changes.
     isothermal: Option<R>,
     line: LineMode,
+    /// What the hysteresis remembers, where there is one.
+    pub(super) trace: Option<Trace<R>>,
 }
 
 /// A rig with the tolerance to which its events are told from rounding.
@@ -166,6 +168,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
             supply_zone: None,
             exhaust_zone: None,
             effectiveness_piece: self.member.effectiveness_piece(state[PRESSURE]),
+            pressed: self.member.pressed(state[PRESSURE]),
+            force_piece: self.member.force_piece(state[LENGTH], state[PRESSURE]),
             extent: Extent::Free,
             sliding: Sliding::Held,
             clamped: false,
@@ -175,6 +179,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             progress,
             isothermal: self.member.isothermal_content(state[LENGTH], [state[PRESSURE], state[AIR_MASS]]),
             line: LineMode::AT_REST,
+            trace: self.member.trace(self.rig.actuator().limits().actuator_length(state[LENGTH])),
         };
         self.enter_ports(state, &mut phase.mode);
         if let Some(plumbing) = &self.plumbing {
@@ -182,16 +187,32 @@ impl<'a, R: Real> RigSystem<'a, R> {
         }
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(R::zero(), state, &mut phase);
+        self.follow(state, &mut phase, false);
         phase
     }
 
     /// Tension in N in a mode: what the load feels.
     #[inline(always)]
-    pub fn tension<T: Over<R>, const N: usize>(&self, state: &[T; N], mode: &Mode) -> T {
+    pub fn tension<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> T {
+        let mode = &phase.mode;
         if mode.sliding == Sliding::Stuck {
             return self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
         }
-        self.member.tension(ends(state), mode)
+        self.member.tension(ends(state), mode, &phase.trace)
+    }
+
+    /// The least and the largest tension in N that can be held at rest.
+    fn holdable<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> (T, T) {
+        let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
+        self.rig.holdable(state[LENGTH], state[PRESSURE], rubbing)
+    }
+
+    /// Takes the memory of the hysteresis on to a state, and to the branch that follows.
+    fn follow<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>, slips: bool) {
+        if phase.trace.is_some() {
+            let length = self.rig.actuator().limits().actuator_length(state[LENGTH]);
+            self.member.follow(&mut phase.trace, length, phase.mode.sliding, slips);
+        }
     }
 
     /// The extent of a state that may lie on a limit: then the velocity, or at rest the balance, decides.
@@ -213,26 +234,30 @@ impl<'a, R: Real> RigSystem<'a, R> {
                 let heading = if velocity == 0.0 { acceleration } else { velocity };
                 if heading == 0.0 { Sliding::Held } else { self.rig.sliding(heading) }
             }
-            (_, Some(inertia)) if velocity == 0.0 => self.rest_or_slide(inertia, state, &mut phase.mode),
+            (_, Some(inertia)) if velocity == 0.0 => self.rest_or_slide(inertia, state, phase),
             _ => self.rig.sliding(velocity),
         };
-        self.enter_clamp(state, &mut phase.mode);
+        self.enter_clamp(state, phase);
     }
 
     /// From rest: stick if the load can be held, else slide the way it pulls.
-    fn rest_or_slide<const N: usize>(&self, inertia: Inertia<R>, state: &[R; N], mode: &mut Mode) -> Sliding {
+    fn rest_or_slide<const N: usize>(&self, inertia: Inertia<R>, state: &[R; N], phase: &mut Phase<R>) -> Sliding {
         let actuator = self.rig.actuator();
         let on_the_stop = state[LENGTH].value() == actuator.limits().min_length().value();
-        if mode.extent == Extent::Slack || !(actuator.friction().has_coulomb() || on_the_stop) {
+        if phase.mode.extent == Extent::Slack || !(actuator.friction().has_direction() || on_the_stop) {
             return self.rig.sliding(inertia.pull.value());
         }
-        let (least, most) = self.rig.holdable(state[LENGTH], state[PRESSURE]);
+        let (least, most) = self.holdable(state, phase);
         let (least, most, pull) = (least.value(), most.value(), inertia.pull.value());
+        if !(actuator.friction().has_coulomb() || on_the_stop) {
+            // Without dry friction it does not stick: it goes the way of the balance, however small.
+            return self.rig.sliding(pull - most);
+        }
         if pull > most + self.member.force_band {
             self.rig.sliding(1.0)
         } else if pull < least - self.member.force_band {
             if on_the_stop {
-                mode.extent = Extent::Slack;
+                phase.mode.extent = Extent::Slack;
             }
             self.rig.sliding(-1.0)
         } else {
@@ -240,16 +265,16 @@ impl<'a, R: Real> RigSystem<'a, R> {
         }
     }
 
-    fn enter_clamp<const N: usize>(&self, state: &[R; N], mode: &mut Mode) {
-        self.member.enter_clamp(ends(state), mode);
+    fn enter_clamp<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>) {
+        self.member.enter_clamp(ends(state), &mut phase.mode, &phase.trace);
     }
 
     /// Whether the load, arriving at the shortest length, comes to rest there: it can be held, and it would bounce less
     /// than the tolerance of its length.
-    fn rests_on_the_stop<const N: usize>(&self, state: &[R; N]) -> bool {
+    fn rests_on_the_stop<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> bool {
         let Some(inertia) = self.inertia else { return false };
         let (pull, mass) = (inertia.pull.value(), inertia.mass.value());
-        let most = self.rig.holdable(state[LENGTH], state[PRESSURE]).1.value();
+        let most = self.holdable(state, phase).1.value();
         let acceleration = pull.min(most - pull) / mass;
         let velocity = state[VELOCITY].value();
         acceleration > 0.0 && velocity * velocity <= 2.0 * acceleration * self.member.band * self.member.longest
@@ -282,7 +307,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             _ if mode.sliding == Sliding::Stuck => ends[1] = T::zero(),
             _ => {
                 if let Some(inertia) = self.inertia {
-                    ends[2] = (T::of(inertia.pull) - self.tension(state, mode)) * T::of(self.per_mass);
+                    ends[2] = (T::of(inertia.pull) - self.tension(state, phase)) * T::of(self.per_mass);
                 }
             }
         }
@@ -359,6 +384,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         self.project(time, state, phase);
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(time, state, phase);
+        self.follow(state, phase, false);
         Ok(EventKind::Corner)
     }
 
@@ -390,6 +416,11 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             }
             _ => {}
         }
+        if mode.extent != Extent::Slack
+            && let Some((end, lasts_above)) = phase.trace.as_ref().and_then(Trace::end)
+        {
+            guards.add(Guard::Slip, if lasts_above { above(LENGTH, end) } else { below(LENGTH, end) });
+        }
         let (valve, supply) = self.valve_places();
         let mut add = |guard, form| guards.add(guard, form);
         self.member.each_other_guard(mode, PRESSURE, (valve, supply.is_none()), &mut add);
@@ -401,12 +432,12 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
 
     fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
-        let [length, velocity, pressure] = ends(state);
+        let [length, velocity, _] = ends(state);
         let of_line = self.plumbing.as_ref().and_then(|plumbing| {
             let of_exhaust = matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp);
             let ends = [length, velocity, state[plumbing.valve_pressure()]];
             if of_exhaust {
-                return Some(self.member.guard(guard, ends, mode));
+                return Some(self.member.guard(guard, ends, mode, &phase.trace));
             }
             plumbing.guard(guard, &self.member, state, (mode, &phase.line))
         });
@@ -418,67 +449,16 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         match guard {
             Guard::Rest if mode.sliding == Sliding::Shortening => T::constant(self.rest_band()) - velocity,
             Guard::Rest => T::constant(self.rest_band()) + velocity,
-            Guard::BreakLonger => self.rig.holdable(length, pressure).1 + band - pull(),
-            Guard::BreakShorter => pull() - self.rig.holdable(length, pressure).0 + band,
-            _ => self.member.guard(guard, ends(state), mode),
+            Guard::BreakLonger => self.holdable(state, phase).1 + band - pull(),
+            Guard::BreakShorter => pull() - self.holdable(state, phase).0 + band,
+            _ => self.member.guard(guard, ends(state), mode, &phase.trace),
         }
     }
 
     fn cross(&self, guard: Guard, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
-        let limits = self.rig.actuator().limits();
-        let inertial = self.inertia.is_some();
-        match guard {
-            Guard::ThreadLength => Err(Error::Stopped {
-                time: time.value(),
-                reason: "the load pulled the braid straight",
-                quantity: "length",
-                value: state[LENGTH].value(),
-                unit: "m",
-                remedy: "lighten the load or stiffen actuator.limit.stiffness",
-            }),
-            Guard::Slack | Guard::Tight => {
-                if inertial {
-                    state[LENGTH] = limits.min_length();
-                }
-                if self.rests_on_the_stop(state) {
-                    state[VELOCITY] = R::zero();
-                    phase.mode.extent = Extent::Free;
-                    phase.mode.sliding = Sliding::Stuck;
-                    phase.mode.clamped = false;
-                    return Ok(EventKind::Stick);
-                }
-                let slack = guard == Guard::Slack;
-                phase.mode.extent = if slack { Extent::Slack } else { Extent::Free };
-                self.enter_sliding(time, state, phase);
-                Ok(if slack { EventKind::Slack } else { EventKind::Tight })
-            }
-            Guard::Taut | Guard::Untaut => {
-                if inertial {
-                    state[LENGTH] = limits.max_length();
-                }
-                let taut = guard == Guard::Taut;
-                phase.mode.extent = if taut { Extent::Taut } else { Extent::Free };
-                self.enter_clamp(state, &mut phase.mode);
-                Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
-            }
-            Guard::Rest => {
-                if inertial {
-                    state[VELOCITY] = R::zero();
-                }
-                Ok(self.turn(state, phase))
-            }
-            Guard::BreakLonger | Guard::BreakShorter => {
-                phase.mode.sliding = self.rig.sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
-                if guard == Guard::BreakShorter && state[LENGTH].value() <= limits.min_length().value() {
-                    phase.mode.extent = Extent::Slack;
-                }
-                self.enter_clamp(state, &mut phase.mode);
-                Ok(EventKind::BreakAway)
-            }
-            _ => Member::<R>::cross(guard, &mut phase.mode)
-                .or_else(|| Plumbing::<R>::cross(guard, &mut phase.line))
-                .ok_or_else(|| self.stuck(time, state, phase)),
-        }
+        let kind = self.pass_guard(guard, time, state, phase)?;
+        self.follow(state, phase, guard == Guard::Slip);
+        Ok(kind)
     }
 
     fn project(&self, time: R, state: &mut [R; N], phase: &Phase<R>) {
@@ -504,6 +484,71 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
 }
 
 impl<R: Real> RigSystem<'_, R> {
+    /// What follows when a guard has come down through zero; the memory of the hysteresis is taken on after it.
+    fn pass_guard<const N: usize>(
+        &self,
+        guard: Guard,
+        time: R,
+        state: &mut [R; N],
+        phase: &mut Phase<R>,
+    ) -> Result<EventKind, Error> {
+        let limits = self.rig.actuator().limits();
+        let inertial = self.inertia.is_some();
+        match guard {
+            Guard::ThreadLength => Err(Error::Stopped {
+                time: time.value(),
+                reason: "the load pulled the braid straight",
+                quantity: "length",
+                value: state[LENGTH].value(),
+                unit: "m",
+                remedy: "lighten the load or stiffen actuator.limit.stiffness",
+            }),
+            Guard::Slack | Guard::Tight => {
+                if inertial {
+                    state[LENGTH] = limits.min_length();
+                }
+                if self.rests_on_the_stop(state, phase) {
+                    state[VELOCITY] = R::zero();
+                    phase.mode.extent = Extent::Free;
+                    phase.mode.sliding = Sliding::Stuck;
+                    phase.mode.clamped = false;
+                    return Ok(EventKind::Stick);
+                }
+                let slack = guard == Guard::Slack;
+                phase.mode.extent = if slack { Extent::Slack } else { Extent::Free };
+                self.enter_sliding(time, state, phase);
+                Ok(if slack { EventKind::Slack } else { EventKind::Tight })
+            }
+            Guard::Taut | Guard::Untaut => {
+                if inertial {
+                    state[LENGTH] = limits.max_length();
+                }
+                let taut = guard == Guard::Taut;
+                phase.mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                self.enter_clamp(state, phase);
+                Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
+            }
+            Guard::Rest => {
+                if inertial {
+                    state[VELOCITY] = R::zero();
+                }
+                Ok(self.turn(state, phase))
+            }
+            Guard::BreakLonger | Guard::BreakShorter => {
+                phase.mode.sliding = self.rig.sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                if guard == Guard::BreakShorter && state[LENGTH].value() <= limits.min_length().value() {
+                    phase.mode.extent = Extent::Slack;
+                }
+                self.enter_clamp(state, phase);
+                Ok(EventKind::BreakAway)
+            }
+            Guard::Slip => Ok(EventKind::Slip),
+            _ => Member::<R>::cross(guard, &mut phase.mode)
+                .or_else(|| Plumbing::<R>::cross(guard, &mut phase.line))
+                .ok_or_else(|| self.stuck(time, state, phase)),
+        }
+    }
+
     /// The velocity in m/s by which zero must be passed before it is a turn: what a few steps may err.
     fn rest_band(&self) -> f64 {
         10.0 * self.member.band * self.slow()
@@ -517,10 +562,10 @@ impl<R: Real> RigSystem<'_, R> {
     /// The velocity has come to zero: stick, or go the other way.
     fn turn<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>) -> EventKind {
         phase.mode.sliding = match self.inertia {
-            Some(inertia) => self.rest_or_slide(inertia, state, &mut phase.mode),
+            Some(inertia) => self.rest_or_slide(inertia, state, phase),
             None => self.rig.sliding(-phase.mode.sliding.direction()),
         };
-        self.enter_clamp(state, &mut phase.mode);
+        self.enter_clamp(state, phase);
         if phase.mode.sliding == Sliding::Stuck { EventKind::Stick } else { EventKind::Reversal }
     }
 }

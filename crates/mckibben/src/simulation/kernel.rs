@@ -25,6 +25,8 @@ use super::hosed::{Stepped, of_rig};
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Statics;
+use crate::friction::{Memory, Rubbing};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Over, Scalar};
 use crate::valve::Port;
@@ -55,6 +57,8 @@ pub struct Held<S: Scalar> {
     pub taut: S::Mask,
     /// The straight line that a prescribed motion by a table is on.
     pub line: Line<S>,
+    /// What the hysteresis remembers of where the part began.
+    pub memory: Memory<S>,
 }
 
 impl<S: Scalar> Held<S> {
@@ -69,6 +73,7 @@ impl<S: Scalar> Held<S> {
             slack: nowhere,
             taut: nowhere,
             line: Line::resting(S::zero()),
+            memory: Memory::relaxed(S::zero()),
         }
     }
 }
@@ -82,7 +87,7 @@ pub(crate) struct Observed<S> {
     pub(crate) flow: Flow<S>,
 }
 
-impl<S: Scalar> Rig<S> {
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Time derivatives of the four states, by selects: whatever the mode.
     #[inline(always)]
     pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {
@@ -102,13 +107,19 @@ impl<S: Scalar> Rig<S> {
             Load::HangingMass { .. } | Load::ConstantForce { .. } => {
                 let Some(inertia) = self.load().inertia() else { return [length, velocity, T::zero()] };
                 let actuator = self.actuator();
-                let effectiveness = actuator.law().effectiveness.at(actuator.gauge(pressure));
-                let force = actuator.signed_force(ends, T::of(held.sliding), held.taut, effectiveness);
+                let factors = actuator.factors(length, pressure);
+                let force = actuator.signed_force(ends, self.rubbing(length, held), held.taut, factors);
                 let tension = T::select(held.slack, T::zero(), force.larger(T::zero()));
                 let acceleration = T::select(held.stuck, T::zero(), inertia.acceleration(tension));
                 [length, T::select(held.stuck, T::zero(), velocity), acceleration]
             }
         }
+    }
+
+    /// How the threads rub where the ends have come to `length` (m).
+    #[inline(always)]
+    pub(super) fn rubbing<T: Over<S>>(&self, length: T, held: &Held<S>) -> Rubbing<T> {
+        Rubbing { width: self.actuator().width(&held.memory, length), ..T::of(held.sliding).into() }
     }
 
     /// The air and its flow.
@@ -130,7 +141,7 @@ impl<S: Scalar> Rig<S> {
         if let Some(hose) = &self.line().hose {
             flow = self.through_hose(hose, &chamber, state[4]);
         }
-        let sliding = actuator.tension_sliding(length, velocity, pressure, held.sliding);
+        let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);
         let tension = S::select(held.stuck, pull, sliding);
         Observed { tension, volume: chamber.volume, temperature: actuator.air().temperature(&chamber), flow }

@@ -5,6 +5,8 @@
 //! | passages | supply, exhaust | a seat moves (an instant) |
 //! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
 //! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
+//! | pressed | yes, no | the gauge pressure passes zero |
+//! | piece of a measured force map | 0, 1, … each way | length or pressure passes a line of the grid |
 //! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | clamped | yes, no | the sum of forces passes zero |
 //!
@@ -22,6 +24,8 @@ use crate::actuator::Actuator;
 #[cfg(feature = "alloc")]
 use crate::air::Flow;
 use crate::air::Process;
+use crate::force::Statics;
+use crate::friction::{Branch, Memory, Rubbing, Touch};
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
@@ -44,6 +48,34 @@ pub(super) struct Member<'a, R: Real> {
     pub(super) force_band: f64,
     /// Scale of the length in m while the braid is taut.
     pub(super) taut_scale: f64,
+}
+
+/// What the hysteresis of a member remembers, and the branch of it that holds in the mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Trace<R> {
+    memory: Memory<R>,
+    branch: Branch<R>,
+    /// −1, 0 or +1: the way that the length goes.
+    direction: f64,
+}
+
+impl<R: Real> Trace<R> {
+    /// The force of the hysteresis over the secant stiffness in m, at an actuator length in m on the branch.
+    #[inline(always)]
+    pub(super) fn width<T: Over<R>>(&self, length: T) -> T {
+        self.branch.width(length)
+    }
+
+    /// The part of the width in m that slips, in magnitude.
+    #[cfg(feature = "alloc")]
+    pub(super) fn slipping(&self) -> R {
+        self.branch.slipping
+    }
+
+    /// The guard of the next slip: the actuator length in m, and whether the branch lasts above it.
+    pub(super) fn end(&self) -> Option<(R, bool)> {
+        self.branch.end.map(|length| (length, self.direction < 0.0))
+    }
 }
 
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
@@ -72,9 +104,9 @@ impl<'a, R: Real> Member<'a, R> {
         }
     }
 
-    /// Length in m at which the braid would be straight.
+    /// Length in m at which the braid would be straight, or its wall would close the bore.
     pub(super) fn thread_length(&self) -> R {
-        self.actuator.law().law.braid.thread_length()
+        self.actuator.law().law.end_length()
     }
 
     /// `P V/m` of a state, if the process keeps it.
@@ -83,22 +115,51 @@ impl<'a, R: Real> Member<'a, R> {
         matches!(self.actuator.air().process(), Process::Isothermal).then(content)
     }
 
+    /// A relaxed hysteresis at an actuator length in m, if there is one.
+    pub(super) fn trace(&self, length: R) -> Option<Trace<R>> {
+        let hysteresis = self.actuator.friction().hysteresis()?;
+        let memory = Memory::relaxed(length);
+        Some(Trace { memory, branch: hysteresis.branch(&memory, 0.0), direction: 0.0 })
+    }
+
+    /// Takes the memory on to an actuator length in m and sets the branch that follows in the sliding of a mode; `slips`
+    /// says whether it is at the end of its branch.
+    pub(super) fn follow(&self, trace: &mut Option<Trace<R>>, length: R, sliding: Sliding, slips: bool) {
+        let (Some(trace), Some(hysteresis)) = (trace, self.actuator.friction().hysteresis()) else { return };
+        if slips {
+            hysteresis.slip(&mut trace.memory, trace.direction, length);
+        } else {
+            hysteresis.moved(&mut trace.memory, length);
+        }
+        trace.direction = sliding.direction();
+        trace.branch = hysteresis.branch(&trace.memory, trace.direction);
+    }
+
+    /// How the threads rub at an actuator length.
+    #[inline(always)]
+    pub(super) fn rubbing<T: Over<R>>(&self, length: T, mode: &Mode, trace: &Option<Trace<R>>) -> Rubbing<T> {
+        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
+        let width = trace.as_ref().map(|trace| trace.width(length));
+        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch }
+    }
+
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
     #[inline(always)]
-    pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode) -> T {
+    pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
         let actuator = self.actuator;
-        let effectiveness = actuator.law().effectiveness.in_piece(mode.effectiveness_piece, actuator.gauge(ends[2]));
-        let direction = T::constant(mode.sliding.direction());
-        actuator.signed_force(ends, direction, mode.extent == Extent::Taut, effectiveness)
+        let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
+        let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
+        let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
+        actuator.signed_force(ends, self.rubbing(ends[0], mode, trace), mode.extent == Extent::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.
     #[inline(always)]
-    pub(super) fn tension<T: Over<R>>(&self, ends: [T; 3], mode: &Mode) -> T {
+    pub(super) fn tension<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
         if mode.extent == Extent::Slack || mode.clamped {
             return T::zero();
         }
-        self.signed_force(ends, mode)
+        self.signed_force(ends, mode, trace)
     }
 
     /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air.
@@ -154,9 +215,9 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Decides anew whether the force is kept from pushing.
-    pub(super) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode) {
+    pub(super) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, trace: &Option<Trace<R>>) {
         let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
-        mode.clamped = moves && self.signed_force(ends, mode).value() < 0.0;
+        mode.clamped = moves && self.signed_force(ends, mode, trace).value() < 0.0;
     }
 
     /// The guards that end an extent: by length, and by the force of the taut braid.
@@ -185,10 +246,11 @@ impl<'a, R: Real> Member<'a, R> {
         }
         self.zone_guards(mode, valve, add);
         self.piece_guards(mode, pressure, add);
+        self.press_guard(mode, pressure, add);
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
-    pub(super) fn guard<T: Over<R>>(&self, guard: Guard, ends: [T; 3], mode: &Mode) -> T {
+    pub(super) fn guard<T: Over<R>>(&self, guard: Guard, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
         let limits = self.actuator.limits();
         let [length, velocity, pressure] = ends;
         let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
@@ -204,14 +266,25 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::Untaut => length - longest,
             Guard::Rebound => limits.taut_force(length, velocity) + band,
             Guard::Retaut => band - limits.taut_force(length, velocity),
-            Guard::TensionZero => self.signed_force(ends, mode) + band,
-            Guard::TensionBack => band - self.signed_force(ends, mode),
+            Guard::TensionZero => self.signed_force(ends, mode, trace) + band,
+            Guard::TensionBack => band - self.signed_force(ends, mode, trace),
             Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),
             Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
             Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
             Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
+            Guard::MapShorter => length - self.map_length_bound(mode, false).map_or(length, T::of),
+            Guard::MapLonger => self.map_length_bound(mode, true).map_or(length, T::of) - length,
+            Guard::MapDown => pressure - self.map_pressure_bound(mode, false).map_or(pressure, T::of),
+            Guard::MapUp => self.map_pressure_bound(mode, true).map_or(pressure, T::of) - pressure,
             Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
             Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
+            Guard::PressDown => pressure - T::of(self.press_bound(true)),
+            Guard::PressUp => T::of(self.press_bound(false)) - pressure,
+            Guard::Slip => match trace.as_ref().and_then(Trace::end) {
+                Some((end, true)) => length - T::of(end),
+                Some((end, false)) => T::of(end) - length,
+                None => T::one(),
+            },
             // The load's or the line's, not the member's: they never end what a member knows of.
             Guard::Rest
             | Guard::BreakLonger
@@ -246,11 +319,27 @@ impl<'a, R: Real> Member<'a, R> {
                 Some(EventKind::Flow)
             }
             Guard::PieceDown | Guard::PieceUp => {
-                let piece = &mut mode.effectiveness_piece;
-                *piece = if guard == Guard::PieceUp { *piece + 1 } else { piece.saturating_sub(1) };
+                step(&mut mode.effectiveness_piece, guard == Guard::PieceUp);
                 Some(EventKind::Effectiveness)
+            }
+            Guard::PressDown | Guard::PressUp => {
+                mode.pressed = guard == Guard::PressUp;
+                Some(EventKind::Press)
+            }
+            Guard::MapShorter | Guard::MapLonger => {
+                step(&mut mode.force_piece.length, guard == Guard::MapLonger);
+                Some(EventKind::ForceMap)
+            }
+            Guard::MapDown | Guard::MapUp => {
+                step(&mut mode.force_piece.pressure, guard == Guard::MapUp);
+                Some(EventKind::ForceMap)
             }
             _ => None,
         }
     }
+}
+
+/// Goes to the next piece or the one before.
+fn step(piece: &mut usize, up: bool) {
+    *piece = if up { *piece + 1 } else { piece.saturating_sub(1) };
 }

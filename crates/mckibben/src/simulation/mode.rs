@@ -1,5 +1,6 @@
 //! The discrete state of an actuator on its load: which formulas hold.
 
+use crate::force::Piece;
 use crate::valve::{FlowZone, Ports};
 
 /// Where the distance between the attachments lies, (10) and (14).
@@ -53,6 +54,10 @@ pub struct Mode {
     pub exhaust_zone: Option<FlowZone>,
     /// The piece of a tabulated effectiveness; 0 for the other forms.
     pub effectiveness_piece: usize,
+    /// Whether the gauge pressure presses the threads together, so that they rub; yes where there is no dry friction.
+    pub pressed: bool,
+    /// The piece of a measured force map; none other has any.
+    pub force_piece: Piece,
     /// Slack, free or taut.
     pub extent: Extent,
     /// The direction of sliding, or sticking.
@@ -75,6 +80,8 @@ pub enum EventKind {
     Reversal,
     /// The load broke away from rest.
     BreakAway,
+    /// An element of the hysteresis began to slip.
+    Slip,
     /// The tendon went slack.
     Slack,
     /// The slack was taken up.
@@ -93,6 +100,10 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
+    /// The gauge pressure passed zero: the threads rub from there on, or no longer.
+    Press,
+    /// The length or the pressure passed a line of a measured force map; the outer ones are its hull.
+    ForceMap,
     /// The flow through the hose became laminar, turbulent, or something between.
     Regime,
     /// The compressor started or stopped.
@@ -116,6 +127,7 @@ impl EventKind {
             Self::Stick => "stick",
             Self::Reversal => "reversal",
             Self::BreakAway => "break-away",
+            Self::Slip => "slip",
             Self::Slack => "slack",
             Self::Tight => "tight",
             Self::Taut => "taut",
@@ -125,6 +137,8 @@ impl EventKind {
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
             Self::Effectiveness => "effectiveness",
+            Self::Press => "press",
+            Self::ForceMap => "force-map",
             Self::Regime => "regime",
             Self::Compressor => "compressor",
             Self::Regulator => "regulator",
@@ -154,6 +168,8 @@ pub enum Guard {
     Retaut,
     /// The velocity comes to zero.
     Rest,
+    /// An element of the hysteresis comes to where it slips.
+    Slip,
     /// The load exceeds what friction can hold and lengthens the actuator.
     BreakLonger,
     /// The actuator exceeds what friction can hold and shortens.
@@ -174,6 +190,18 @@ pub enum Guard {
     PieceDown,
     /// The pressure leaves the piece of the effectiveness upwards.
     PieceUp,
+    /// The gauge pressure falls below zero.
+    PressDown,
+    /// The gauge pressure rises above zero.
+    PressUp,
+    /// The length leaves the piece of a force map downwards.
+    MapShorter,
+    /// The length leaves the piece of a force map upwards.
+    MapLonger,
+    /// The pressure leaves the piece of a force map downwards.
+    MapDown,
+    /// The pressure leaves the piece of a force map upwards.
+    MapUp,
     /// The flow through the hose leaves a piece of its law downwards.
     RegimeDown,
     /// The flow through the hose leaves a piece of its law upwards.

@@ -177,11 +177,13 @@ impl<'a, R: Real> Plumbing<'a, R> {
     ) -> [Flow<T>; 2] {
         let Some(valve) = member.actuator.valve() else { return [Flow::none(); 2] };
         let Ends { chamber, supply } = self.ends(valve, own, state);
-        let through = |zone: Option<FlowZone>, pressure: T| {
-            zone.map_or(Flow::none(), |zone| valve.flow_in_zone_from(&Beyond::at(pressure, T::one()), zone, &chamber))
+        let through = |port: Port, zone: Option<FlowZone>, pressure: T| {
+            zone.map_or(Flow::none(), |zone| {
+                valve.flow_in_zone_from(port, &Beyond::at(pressure, T::one()), zone, &chamber)
+            })
         };
         let exhaust = T::of(valve.port_pressure(Port::Exhaust));
-        [through(mode.supply_zone, supply), through(mode.exhaust_zone, exhaust)]
+        [through(Port::Supply, mode.supply_zone, supply), through(Port::Exhaust, mode.exhaust_zone, exhaust)]
     }
 
     fn leak<T: Over<R>>(&self, member: &Member<'_, R>, own: &Chamber<T>) -> Flow<T> {

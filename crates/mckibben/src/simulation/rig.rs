@@ -19,6 +19,8 @@ use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
+use crate::force::{Characteristic, IdealBraid, Statics};
+use crate::friction::Rubbing;
 use crate::line::Line;
 use crate::load::Load;
 use crate::parameter::{self, Parameter};
@@ -38,8 +40,8 @@ pub struct Actuation<S = f64> {
 
 /// One actuator, what drives its valve, and its load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rig<S = f64> {
-    actuator: Actuator<S>,
+pub struct Rig<S = f64, L = Characteristic<S>> {
+    actuator: Actuator<S, L>,
     actuation: Option<Actuation<S>>,
     load: Load<S>,
     line: Line<S>,
@@ -187,15 +189,16 @@ impl Rig {
         parameter::INITIAL_VELOCITY.check(initial.velocity)?;
         if let InitialLength::At(length) = initial.length {
             parameter::INITIAL_LENGTH.check(length)?;
-            let thread_length = self.actuator.law().law.braid.thread_length();
-            if length >= thread_length {
+            let law = &self.actuator.law().law;
+            let end_length = law.end_length();
+            if length >= end_length {
                 return Err(Error::Inconsistent {
                     parameter: &parameter::INITIAL_LENGTH,
                     value: length,
                     requirement: Requirement {
                         relation: "must be less than",
-                        other: parameter::THREAD_LENGTH.key,
-                        value: thread_length,
+                        other: law.end_name(),
+                        value: end_length,
                         unit: "m",
                     },
                     remedy: "start between 0 and the thread length, or at \"equilibrium\"",
@@ -237,6 +240,14 @@ impl<S: Scalar> Rig<S> {
         self
     }
 
+    /// The same rig with the ideal braid for its law, if that is its law.
+    pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
+        let actuator = self.actuator.ideal()?;
+        Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone(), line: self.line })
+    }
+}
+
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The air line.
     #[inline(always)]
     pub fn line(&self) -> &Line<S> {
@@ -245,7 +256,7 @@ impl<S: Scalar> Rig<S> {
 
     /// The actuator.
     #[inline(always)]
-    pub fn actuator(&self) -> &Actuator<S> {
+    pub fn actuator(&self) -> &Actuator<S, L> {
         &self.actuator
     }
 
@@ -261,11 +272,11 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit ± Q k_sec`, and any from zero up on the shortest length.
+    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up on the shortest length.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T) -> (T, T) {
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, rubbing: impl Into<Rubbing<T>>) -> (T, T) {
         let on_the_stop = length.le(T::of(self.actuator.limits().min_length()));
-        self.actuator.holdable(length, pressure, on_the_stop)
+        self.actuator.holdable(length, pressure, on_the_stop, rubbing)
     }
 }
 
@@ -277,7 +288,7 @@ impl<S: Real> Rig<S> {
 
     /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.
     pub(super) fn sliding(&self, heading: f64) -> Sliding {
-        match self.actuator.friction().has_coulomb() {
+        match self.actuator.friction().has_direction() {
             false => Sliding::Frictionless,
             true if heading < 0.0 => Sliding::Shortening,
             true => Sliding::Lengthening,
@@ -321,7 +332,7 @@ impl<S: Real> Rig<S> {
             |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull;
         let at = |length: f64| surplus(S::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
-        let thread = self.actuator.law().law.braid.thread_length().value();
+        let thread = self.actuator.law().law.end_length().value();
         let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
         if at(bracket.1) < 0.0 {
             return Err(Error::Unsupported {

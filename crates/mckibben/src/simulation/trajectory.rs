@@ -190,10 +190,7 @@ impl<R: Real> Trajectory<R> {
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
-        let system = self.system();
-        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
-            visit(weight, &sample(&system, time, state, phase), &phase.mode);
-        }));
+        self.visit(|weight, sample, phase, _| visit(weight, sample, &phase.mode));
     }
 
     /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
@@ -205,12 +202,13 @@ impl<R: Real> Trajectory<R> {
         }));
     }
 
-    /// As [`Trajectory::quadrature`], with the flow between the rig, its hose included, and the supply or the surroundings.
-    pub(super) fn each_flow(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode, &Flow<R>)) {
+    /// As [`Trajectory::quadrature`], with the phase and the flow between the rig, its hose included, and the supply or the
+    /// surroundings.
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>, &Flow<R>)) {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
             let flow = system.exchange(state, &phase.mode);
-            visit(weight, &sample(&system, time, state, phase), &phase.mode, &flow);
+            visit(weight, &sample(&system, time, state, phase), phase, &flow);
         }));
     }
 
@@ -234,7 +232,7 @@ fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
 
 fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
     let (mode, (valve, supply)) = (&phase.mode, system.valve_places());
-    let (tension, flow) = (system.tension(state, mode), system.inflow(state, phase));
+    let (tension, flow) = (system.tension(state, phase), system.inflow(state, phase));
     let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
     sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))
 }

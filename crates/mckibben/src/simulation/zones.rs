@@ -1,11 +1,12 @@
-//! The pieces of the flow law and of a tabulated effectiveness as components of the mode: which one holds, and when the
-//! pressure leaves it.
+//! The pieces of the flow law, of a tabulated effectiveness and of a force map as components of the mode: which one holds,
+//! and when the state leaves it.
 
 use super::member::Member;
 use super::mode::{Guard, Mode};
 use super::system::GuardForm;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::force::Piece;
 use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
@@ -34,7 +35,7 @@ impl<R: Real> Member<'_, R> {
         let zone = |port| {
             let valve = self.actuator.valve()?;
             let beyond = supply.filter(|_| port == Port::Supply).unwrap_or(valve.port_pressure(port));
-            let below_end = |zone: &FlowZone| match valve.law.bounds(*zone, beyond).1 {
+            let below_end = |zone: &FlowZone| match valve.law_of(port).bounds(*zone, beyond).1 {
                 Some(end) => pressure.value() <= end.value(),
                 None => true,
             };
@@ -54,17 +55,17 @@ impl<R: Real> Member<'_, R> {
 
     /// The bound of a zone in Pa on one side, passed by the band.
     pub(super) fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
-        self.zone_bound_from(self.actuator.valve()?.port_pressure(port), zone, up)
+        self.zone_bound_from(port, self.actuator.valve()?.port_pressure(port), zone, up)
     }
 
-    /// The same over the pressure beyond the port.
+    /// The same over the pressure beyond the supply's port.
     pub(super) fn zone_ratio(&self, zone: FlowZone, up: bool) -> Option<R> {
-        self.zone_bound_from(R::one(), zone, up)
+        self.zone_bound_from(Port::Supply, R::one(), zone, up)
     }
 
-    fn zone_bound_from(&self, beyond: R, zone: FlowZone, up: bool) -> Option<R> {
+    fn zone_bound_from(&self, port: Port, beyond: R, zone: FlowZone, up: bool) -> Option<R> {
         let valve = self.actuator.valve()?;
-        let (low, high) = valve.law.bounds(zone, beyond);
+        let (low, high) = valve.law_of(port).bounds(zone, beyond);
         // A subsonic piece ends before the pressures are equal, where its root would.
         let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
@@ -131,17 +132,65 @@ impl<R: Real> Member<'_, R> {
     pub(super) fn effectiveness_piece(&self, pressure: R) -> usize {
         let actuator = self.actuator;
         let gauge = actuator.gauge(pressure).0.value();
-        let bounds = |piece| actuator.law().effectiveness.piece_bounds(piece).1;
-        (0..).find(|&piece| bounds(piece).is_none_or(|end| gauge <= end.value())).unwrap_or(0)
+        piece_of(gauge, |piece| actuator.law().effectiveness.piece_bounds(piece).1)
+    }
+
+    /// The piece of a force map at a length and an absolute pressure.
+    pub(super) fn force_piece(&self, length: R, pressure: R) -> Piece {
+        let (law, gauge) = (&self.actuator.law().law, self.actuator.gauge(pressure));
+        Piece {
+            length: piece_of(length.value(), |piece| law.length_bounds(piece).1),
+            pressure: piece_of(gauge.0.value(), |piece| law.pressure_bounds(piece).1),
+        }
+    }
+
+    /// The length in m at which a piece of a force map ends on one side, passed by the band.
+    pub(super) fn map_length_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        self.passed(self.actuator.law().law.length_bounds(mode.force_piece.length), up)
+    }
+
+    /// The absolute pressure in Pa at which a piece of a force map ends on one side, passed by the band.
+    pub(super) fn map_pressure_bound(&self, mode: &Mode, up: bool) -> Option<R> {
+        self.passed(self.absolute(self.actuator.law().law.pressure_bounds(mode.force_piece.pressure)), up)
+    }
+
+    /// One of two bounds, passed by the band.
+    fn passed(&self, (low, high): (Option<R>, Option<R>), up: bool) -> Option<R> {
+        let factor = if up { 1.0 + self.band } else { 1.0 - self.band };
+        let bound = if up { high } else { low };
+        bound.map(|bound| bound * R::constant(factor))
+    }
+
+    /// Absolute pressures in Pa from gauge pressures.
+    fn absolute(&self, (low, high): (Option<R>, Option<R>)) -> (Option<R>, Option<R>) {
+        let absolute = |gauge: R| gauge + self.actuator.air().atmosphere().0;
+        (low.map(absolute), high.map(absolute))
     }
 
     /// The absolute pressure in Pa at which a piece of the effectiveness ends on one side, passed by the band.
     pub(super) fn piece_bound(&self, mode: &Mode, up: bool) -> Option<R> {
-        let actuator = self.actuator;
-        let (low, high) = actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece);
-        let factor = if up { 1.0 + self.band } else { 1.0 - self.band };
-        let bound = if up { high } else { low };
-        bound.map(|gauge| (gauge + actuator.air().atmosphere().0) * R::constant(factor))
+        self.passed(self.absolute(self.actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece)), up)
+    }
+
+    /// Whether the gas presses the threads together at an absolute pressure, as far as that matters.
+    pub(super) fn pressed(&self, pressure: R) -> bool {
+        !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
+    }
+
+    /// The absolute pressure in Pa at which the threads begin or cease to be pressed, passed by the band.
+    pub(super) fn press_bound(&self, pressed: bool) -> R {
+        let factor = if pressed { 1.0 - self.band } else { 1.0 + self.band };
+        self.actuator.air().atmosphere().0 * R::constant(factor)
+    }
+
+    pub(super) fn press_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+        if self.actuator.friction().has_direction() {
+            let bound = self.press_bound(mode.pressed).value();
+            match mode.pressed {
+                true => add(Guard::PressDown, GuardForm::Above { index: pressure, bound }),
+                false => add(Guard::PressUp, GuardForm::Below { index: pressure, bound }),
+            }
+        }
     }
 
     pub(super) fn piece_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
@@ -151,5 +200,22 @@ impl<R: Real> Member<'_, R> {
         if let Some(bound) = self.piece_bound(mode, true) {
             add(Guard::PieceUp, GuardForm::Below { index, bound: bound.value() });
         }
+        if let Some(bound) = self.map_pressure_bound(mode, false) {
+            add(Guard::MapDown, GuardForm::Above { index, bound: bound.value() });
+        }
+        if let Some(bound) = self.map_pressure_bound(mode, true) {
+            add(Guard::MapUp, GuardForm::Below { index, bound: bound.value() });
+        }
+        // Not everyone's length is a state.
+        for (guard, up) in [(Guard::MapShorter, false), (Guard::MapLonger, true)] {
+            if self.map_length_bound(mode, up).is_some() {
+                add(guard, GuardForm::Function);
+            }
+        }
     }
+}
+
+/// The first piece that a number lies in, by the upper ends of the pieces.
+fn piece_of<R: Real>(number: f64, end: impl Fn(usize) -> Option<R>) -> usize {
+    (0..).find(|&piece| end(piece).is_none_or(|end| number <= end.value())).unwrap_or(0)
 }

@@ -13,7 +13,7 @@ use crate::scalar::{Mask, Scalar};
 pub enum Request {
     /// Join the actuator to the supply.
     Fill,
-    /// Shut both passages; only a fill-hold-exhaust valve can.
+    /// Shut both passages; a two-way and a fill-hold-exhaust valve can.
     Hold,
     /// Join the actuator to the surroundings.
     Exhaust,
@@ -126,6 +126,18 @@ impl<S: Scalar> Command<S> {
             Self::Pwm { pulse, rest, .. } => *pulse == wanted || *rest == wanted,
             #[cfg(feature = "alloc")]
             Self::Table { request, .. } => request.contains(&wanted),
+        }
+    }
+
+    /// The same command with each request answered by another.
+    pub fn map_requests(&self, answer: impl Fn(Request) -> Request) -> Self {
+        match self.clone() {
+            Self::Constant(request) => Self::Constant(answer(request)),
+            Self::Pwm { frequency, duty, pulse, rest } => {
+                Self::Pwm { frequency, duty, pulse: answer(pulse), rest: answer(rest) }
+            }
+            #[cfg(feature = "alloc")]
+            Self::Table { time, request } => Self::Table { time, request: request.into_iter().map(answer).collect() },
         }
     }
 

@@ -1,25 +1,44 @@
 //! The valve: how much air flows, and when the seat moves.
 //!
-//! [`FlowLaw`] is the mass flow through an open passage (21)(23) or ISO 6358; [`Valve`] joins it to a supply and an
-//! exhaust; [`Solenoid`] says when the passages open and close after a [`Command`] drives the coil.
+//! [`FlowLaw`] is the mass flow through an open passage (21)(23), by ISO 6358 or by IEC 60534; [`Valve`] joins it to a
+//! supply and an exhaust; [`Solenoid`] says when the passages open and close after a [`Command`] drives the coil.
+//!
+//! | valve | law |
+//! |---|---|
+//! | two-way, three-way, fill-hold-exhaust | [`Solenoid`] |
+//! | five-way, two outputs | [`FiveWay`] |
+//! | a seat that takes its time | [`Ramp`] |
+//! | proportional spool | [`Spool`] |
+//! | proportional pressure regulator | [`Regulator`] |
+//!
+//! Of the last three the engines know nothing yet: they are laws by themselves, each a known function of time between the
+//! instants at which its command changes.
 
 mod command;
+mod five_way;
 mod flow;
+mod ramp;
+mod regulator;
 mod solenoid;
+mod spool;
 
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
+pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowStandard, FlowZone, REFERENCE_DENSITY};
+pub use ramp::{Ramp, Stroke};
+pub use regulator::{Regulated, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
+pub use spool::{Spool, SpoolMotion};
 
 use crate::air::{Air, Chamber, Flow};
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Mask, Over, Scalar};
 
 /// The air that feeds the valve. Its temperature is also that of the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,8 +141,9 @@ pub enum Port {
 /// A passage law between the actuator, a supply and the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Valve<S = f64> {
-    /// Flow through an open passage.
+    /// Flow through the open passage to the supply, and through the other unless that has a law of its own.
     pub law: FlowLaw<S>,
+    exhaust_law: Option<FlowLaw<S>>,
     /// The air that feeds it.
     pub supply: Supply<S>,
     /// The temperature that the flow law takes for outflow.
@@ -146,34 +166,52 @@ pub struct Beyond<S = f64> {
 impl<S: Scalar> Valve<S> {
     /// A valve with a flow law, fed by `supply`, that exhausts to the surroundings of `air`.
     pub fn new(law: FlowLaw<S>, supply: Supply<S>, exhaust_temperature: ExhaustTemperature, air: &Air<S>) -> Self {
-        Self::assemble(law, supply, exhaust_temperature, air.atmosphere().0)
+        Self::assemble(law, None, supply, exhaust_temperature, air.atmosphere().0)
+    }
+
+    /// The same valve whose passage to the surroundings has a law of its own.
+    pub fn with_exhaust(self, law: FlowLaw<S>) -> Self {
+        Self { exhaust_law: Some(law), ..self }
     }
 
     fn assemble(
         law: FlowLaw<S>,
+        exhaust_law: Option<FlowLaw<S>>,
         supply: Supply<S>,
         exhaust_temperature: ExhaustTemperature,
         atmospheric_pressure: S,
     ) -> Self {
         let beyond_supply = Beyond::new(supply.pressure().0, &supply);
         let beyond_exhaust = Beyond::new(atmospheric_pressure, &supply);
-        Self { law, supply, exhaust_temperature, beyond_supply, beyond_exhaust }
+        Self { law, exhaust_law, supply, exhaust_temperature, beyond_supply, beyond_exhaust }
     }
 
     /// The same valve over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Valve<T> {
-        let (law, supply) = (self.law.convert(convert), self.supply.convert(convert));
+        let law = self.law.convert(Port::Supply, convert);
+        let exhaust_law = self.exhaust_law.as_ref().map(|law| law.convert(Port::Exhaust, convert));
+        let supply = self.supply.convert(convert);
         let atmospheric_pressure = convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.beyond_exhaust.pressure);
         let exhaust_temperature = self.exhaust_temperature;
         match convert.carry() {
             Some(mut carry) => Valve {
                 law,
+                exhaust_law,
                 supply,
                 exhaust_temperature,
                 beyond_supply: self.beyond_supply.map(&mut carry),
                 beyond_exhaust: self.beyond_exhaust.map(&mut carry),
             },
-            None => Valve::assemble(law, supply, exhaust_temperature, atmospheric_pressure),
+            None => Valve::assemble(law, exhaust_law, supply, exhaust_temperature, atmospheric_pressure),
+        }
+    }
+
+    /// Flow through the open passage to a port.
+    #[inline(always)]
+    pub fn law_of(&self, port: Port) -> &FlowLaw<S> {
+        match port {
+            Port::Supply => &self.law,
+            Port::Exhaust => self.exhaust_law.as_ref().unwrap_or(&self.law),
         }
     }
 
@@ -203,25 +241,27 @@ impl<S: Scalar> Valve<S> {
             per_pressure: T::of(per_pressure),
             squared_drive: T::of(squared_drive),
         };
-        self.flow_in_zone_from(&beyond, zone, chamber)
+        self.flow_in_zone_from(port, &beyond, zone, chamber)
     }
 
     /// The same from what lies beyond a port, which may change.
     #[inline(always)]
     pub(crate) fn flow_in_zone_from<T: Over<S>>(
         &self,
+        port: Port,
         beyond: &Beyond<T>,
         zone: FlowZone,
         chamber: &Chamber<T>,
     ) -> Flow<T> {
-        let conductance = T::of(self.law.conductance());
+        let law = self.law_of(port);
+        let conductance = T::of(law.conductance());
         if zone.is_inward() {
             let drive = beyond.pressure * T::of(self.supply.per_root_temperature);
             let gap = || (beyond.pressure - chamber.pressure) * beyond.per_pressure;
-            Flow { inward: conductance * drive * self.law.in_zone(zone, gap), outward: T::zero() }
+            Flow { inward: conductance * drive * law.in_zone(zone, gap), outward: T::zero() }
         } else {
             let gap = || (chamber.pressure - beyond.pressure) * chamber.per_pressure;
-            let outward = conductance * self.outward_drive(chamber) * self.law.in_zone(zone, gap);
+            let outward = conductance * self.outward_drive(chamber) * law.in_zone(zone, gap);
             Flow { inward: T::zero(), outward }
         }
     }
@@ -238,12 +278,32 @@ impl<S: Scalar> Valve<S> {
     /// Flow through one open port, whatever the zone.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, port: Port, chamber: &Chamber<T>) -> Flow<T> {
-        self.flow_from(self.beyond(port), chamber)
+        self.flow_by(self.law_of(port), self.beyond(port), chamber)
     }
 
-    /// Flow through an open passage to what lies beyond it, whatever the zone: selects instead of branches.
+    /// Flow through the passages whose masks are set, whatever the zone.
     #[inline(always)]
-    pub fn flow_from<T: Over<S>>(&self, beyond: Beyond<S>, chamber: &Chamber<T>) -> Flow<T> {
+    pub fn open_flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
+        if self.exhaust_law.is_some() {
+            let inlet = self.flow(Port::Supply, chamber).where_open(supply);
+            return inlet.and(self.flow(Port::Exhaust, chamber).where_open(exhaust));
+        }
+        // One evaluation serves whichever passage is open; a second one only while two seats overlap.
+        let one = Beyond::select(supply, self.beyond_supply, self.beyond_exhaust);
+        let flow = self.flow_by(&self.law, one, chamber).where_open(supply | exhaust);
+        let both = supply & exhaust;
+        if both.any() { flow.and(self.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
+    }
+
+    /// Flow to or from air at an absolute pressure in Pa behind the passage to the supply, with the supply's temperature.
+    #[inline(always)]
+    pub fn flow_at<T: Over<S>>(&self, pressure: S, chamber: &Chamber<T>) -> Flow<T> {
+        self.flow_by(&self.law, Beyond::new(pressure, &self.supply), chamber)
+    }
+
+    /// Flow by a law to what lies beyond a passage, whatever the zone: selects instead of branches.
+    #[inline(always)]
+    fn flow_by<T: Over<S>>(&self, law: &FlowLaw<S>, beyond: Beyond<S>, chamber: &Chamber<T>) -> Flow<T> {
         let pressure = chamber.pressure;
         let inwards = pressure.lt(T::of(beyond.pressure));
         let outward_drive = match self.exhaust_temperature {
@@ -252,7 +312,7 @@ impl<S: Scalar> Valve<S> {
         };
         let squared_drive = T::select(inwards, T::of(beyond.squared_drive), outward_drive);
         let per_upstream = T::select(inwards, T::of(beyond.per_pressure), chamber.per_pressure);
-        let size = self.law.mass_flow(squared_drive, (pressure - T::of(beyond.pressure)).magnitude() * per_upstream);
+        let size = law.mass_flow(squared_drive, (pressure - T::of(beyond.pressure)).magnitude() * per_upstream);
         Flow { inward: T::select(inwards, size, T::zero()), outward: T::select(inwards, T::zero(), size) }
     }
 }

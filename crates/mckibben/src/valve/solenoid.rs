@@ -12,8 +12,14 @@
 //!
 //! | kind | coils | energised | released |
 //! |---|---|---|---|
+//! | two-way | one | supply | shut |
 //! | three-way | one | supply | exhaust |
+//! | three-way-normally-open | one | exhaust | supply |
 //! | fill-hold-exhaust | two two-way valves | its passage open | its passage shut |
+//!
+//! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
+//! the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
+//! ([`FiveWay`](super::FiveWay)).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
 
@@ -26,8 +32,12 @@ use crate::scalar::{Real, Scalar};
 /// How the passages are arranged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValveKind {
+    /// The actuator is joined to the supply when energised and sealed when not.
+    TwoWay,
     /// The actuator is joined to the supply when energised and to the exhaust when not.
     ThreeWay,
+    /// The actuator is joined to the exhaust when energised and to the supply when not.
+    ThreeWayNormallyOpen,
     /// A two-way valve to the supply and another to the exhaust.
     FillHoldExhaust,
 }
@@ -84,15 +94,22 @@ impl Solenoid {
     /// Checks that the valve can do what the command asks.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for `hold` on a three-way valve.
+    /// [`Error::Unsupported`] for `hold` on a three-way valve and for `exhaust` on a two-way valve.
     pub fn check(&self, command: &Command) -> Result<(), Error> {
-        if self.kind == ValveKind::ThreeWay && command.asks_for(Request::Hold) {
-            return Err(Error::Unsupported {
-                what: "a three-way valve cannot hold: it is joined to the supply or to the exhaust at all times",
-                remedy: "set valve.kind = \"fill-hold-exhaust\", or ask for fill and exhaust only",
-            });
-        }
-        Ok(())
+        let (impossible, what, remedy) = match self.kind {
+            ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => (
+                Request::Hold,
+                "a three-way valve cannot hold: it is joined to the supply or to the exhaust at all times",
+                "set valve.kind = \"fill-hold-exhaust\", or ask for fill and exhaust only",
+            ),
+            ValveKind::TwoWay => (
+                Request::Exhaust,
+                "a two-way valve cannot exhaust: it joins the actuator to the supply or seals it",
+                "set valve.kind = \"three-way\" or \"fill-hold-exhaust\", or ask for fill and hold only",
+            ),
+            ValveKind::FillHoldExhaust => return Ok(()),
+        };
+        if command.asks_for(impossible) { Err(Error::Unsupported { what, remedy }) } else { Ok(()) }
     }
 }
 
@@ -122,10 +139,11 @@ impl<S: Scalar> Solenoid<S> {
         Self { transport, ..self }
     }
 
-    /// Which coils a request energises; a three-way valve has the first only.
+    /// Which coils a request energises; every kind but fill-hold-exhaust has the first only.
     pub(crate) fn coils(&self, request: Request) -> [bool; 2] {
         match self.kind {
-            ValveKind::ThreeWay => [request == Request::Fill, false],
+            ValveKind::TwoWay | ValveKind::ThreeWay => [request == Request::Fill, false],
+            ValveKind::ThreeWayNormallyOpen => [request == Request::Exhaust, false],
             ValveKind::FillHoldExhaust => [request == Request::Fill, request == Request::Exhaust],
         }
     }
@@ -149,7 +167,9 @@ impl<S: Real> SeatClock<S> {
     /// Which passages are open.
     pub fn ports(&self, solenoid: &Solenoid<S>) -> Ports {
         match solenoid.kind {
+            ValveKind::TwoWay => Ports { supply: self.seat[0], exhaust: false },
             ValveKind::ThreeWay => Ports { supply: self.seat[0], exhaust: !self.seat[0] },
+            ValveKind::ThreeWayNormallyOpen => Ports { supply: !self.seat[0], exhaust: self.seat[0] },
             ValveKind::FillHoldExhaust => Ports { supply: self.seat[0], exhaust: self.seat[1] },
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! Shared by `tests/work.rs`, which pins the counts, and by the benchmark of batches, which measures speed by them.
 
+use mckibben::friction::Memory;
 use mckibben::load::Line;
 use mckibben::simulation::{Held, Method, Rig, State};
 use mckibben::{Mask, Scalar};
@@ -202,6 +203,7 @@ pub(crate) fn step(rig: &Rig, start: State, held: &Held<f64>, length: f64, metho
         slack: mask(held.slack),
         taut: mask(held.taut),
         line: Line { time: Counted::varying(time), length: Counted::varying(of_line), slope: Counted::varying(slope) },
+        memory: Memory::relaxed(Counted::varying(start.length)),
     };
     let (time, length) = (Counted::fixed(0.0), Counted::fixed(length));
     BOOKS.take();

@@ -2,12 +2,12 @@
 #![allow(dead_code)]
 
 use mckibben::air::{Air, Process};
-use mckibben::force::{Effective, Effectiveness, IdealBraid, LengthLimits};
-use mckibben::friction::Friction;
+use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
+use mckibben::friction::{Coulomb, Friction, Hysteresis};
 use mckibben::load::Load;
 use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, Trajectory, simulate};
 use mckibben::valve::{
-    Command, ExhaustTemperature, FlowLaw, FlowStandard, Request, Solenoid, Supply, Valve, ValveKind,
+    Command, ExhaustTemperature, FlowLaw, FlowStandard, Port, Request, Solenoid, Supply, Valve, ValveKind,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure};
 
@@ -35,9 +35,13 @@ pub(crate) struct Paper {
     pub(crate) max_length: f64,
     pub(crate) limit_stiffness: f64,
     pub(crate) limit_damping: f64,
+    /// The ideal braid when `None`.
+    pub(crate) characteristic: Option<Characteristic>,
     pub(crate) effectiveness: Effectiveness,
     pub(crate) viscous: f64,
     pub(crate) coulomb_width: f64,
+    pub(crate) coulomb: Option<Coulomb>,
+    pub(crate) hysteresis: Option<Hysteresis>,
     pub(crate) external_volume: f64,
     pub(crate) gas_constant: f64,
     pub(crate) heat_capacity_ratio: f64,
@@ -45,6 +49,7 @@ pub(crate) struct Paper {
     pub(crate) supply_gauge: f64,
     pub(crate) supply_temperature: f64,
     pub(crate) standard: FlowStandard,
+    pub(crate) exhaust: Option<FlowStandard>,
     pub(crate) efficiency: f64,
     pub(crate) laminar_ratio: f64,
     pub(crate) exhaust_temperature: ExhaustTemperature,
@@ -68,9 +73,12 @@ impl Paper {
             max_length: 3.85 * INCH,
             limit_stiffness: 1.75e5,
             limit_damping: 100.0,
+            characteristic: None,
             effectiveness: Effectiveness::Constant(1.0),
             viscous: 0.02 * LBF / INCH,
             coulomb_width: 0.0044 * INCH,
+            coulomb: None,
+            hysteresis: None,
             external_volume: 3e-6,
             gas_constant: 286.99,
             heat_capacity_ratio: 1.4,
@@ -78,6 +86,7 @@ impl Paper {
             supply_gauge: 100.0 * PSI,
             supply_temperature: ROOM,
             standard: FlowStandard::Orifice { flow_area: 1.8e-5 * 0.3048 * 0.3048 },
+            exhaust: None,
             efficiency: 0.85,
             laminar_ratio: 0.999,
             exhaust_temperature: ExhaustTemperature::Actuator,
@@ -154,7 +163,9 @@ impl Paper {
     pub(crate) fn valve(&self) -> Valve {
         let air = self.air();
         let supply = Supply::new(GaugePressure(self.supply_gauge), self.supply_temperature, &air).expect("a supply");
-        Valve::new(self.flow_law(), supply, self.exhaust_temperature, &air)
+        let valve = Valve::new(self.flow_law(), supply, self.exhaust_temperature, &air);
+        let own = |standard| FlowLaw::of_passage(Port::Exhaust, standard, self.efficiency, self.laminar_ratio, &air);
+        self.exhaust.map_or(valve, |standard| valve.with_exhaust(own(standard).expect("a flow law")))
     }
 
     /// The actuator, with its valve when there is a command.
@@ -163,8 +174,11 @@ impl Paper {
         let limits =
             LengthLimits::new(&braid, self.min_length, self.max_length, self.limit_stiffness, self.limit_damping)
                 .expect("limits");
-        let law = Effective { law: IdealBraid { braid }, effectiveness: self.effectiveness };
-        let friction = Friction::new(self.viscous, self.coulomb_width).expect("a friction");
+        let law = self.characteristic.clone().unwrap_or(IdealBraid { braid }.into());
+        let law = Effective { law, effectiveness: self.effectiveness };
+        let coulomb = self.coulomb.unwrap_or_else(|| Coulomb::new(self.coulomb_width).expect("dry friction"));
+        let friction = Friction::with_coulomb(self.viscous, coulomb).expect("a friction");
+        let friction = self.hysteresis.map_or(friction, |law| friction.with_hysteresis(law));
         let actuator = Actuator::new(law, limits, friction, self.external_volume, self.air()).expect("an actuator");
         if self.command.is_some() { actuator.with_valve(self.valve()) } else { actuator }
     }

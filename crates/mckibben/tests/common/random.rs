@@ -3,6 +3,7 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, Paper};
 use mckibben::air::Process;
+use mckibben::friction::{Coulomb, Hysteresis, MaxwellSlip};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::InitialLength;
 use mckibben::valve::{Command, ExhaustTemperature, FlowStandard, Request, ValveKind};
@@ -84,9 +85,33 @@ fn valve(paper: Paper) -> impl Strategy<Value = Paper> {
             paper.clone().with(|rig| {
                 (rig.kind, rig.command, rig.standard, rig.exhaust_temperature) = (kind, command, standard, outflow);
                 (rig.supply_gauge, rig.supply_temperature, rig.delays) = (gauge, kelvin, (open, close));
+                // One in four has a passage of its own to the surroundings, stated by Kv, of a size of its own.
+                if kelvin.fract() < 0.25 {
+                    let kv = 1e-6 * 10.0_f64.powf(8.0 * kelvin.fract());
+                    rig.exhaust = Some(FlowStandard::Kv { kv, pressure_drop_ratio: 0.4 + 1.5 * kelvin.fract() });
+                }
             })
         },
     )
+}
+
+/// Dry friction of another scale that falls with velocity, now and then.
+fn falling() -> impl Strategy<Value = Option<Coulomb>> {
+    let numbers = (decades(1e-7, 1e-3), 0.0..2.0_f64, decades(1e-8, 1e-5), 1.0..2.0_f64, decades(1e-3, 0.1));
+    let law = |(width, force, per_pressure, ratio, velocity)| {
+        let law = Coulomb::new(width).and_then(|law| law.with_force(force, per_pressure));
+        law.and_then(|law| law.with_stribeck(ratio, velocity)).expect("a law")
+    };
+    prop_oneof![4 => Just(None), 1 => numbers.prop_map(move |numbers| Some(law(numbers)))]
+}
+
+/// Elements that slip, now and then.
+fn elements() -> impl Strategy<Value = Option<Hysteresis>> {
+    let some = prop::collection::vec((decades(1e-6, 1e-2), decades(1e-3, 3.0)), 1..=12).prop_map(|pairs| {
+        let (reach, ratio): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        Some(Hysteresis::MaxwellSlip(MaxwellSlip::new(&reach, &ratio).expect("elements")))
+    });
+    prop_oneof![3 => Just(None), 1 => some]
 }
 
 /// Load and start.
@@ -103,8 +128,9 @@ fn load(paper: Paper) -> impl Strategy<Value = Paper> {
     let start = prop_oneof![1 => Just(None), 2 => (0.3..1.02_f64).prop_map(Some)];
     let gauge = prop_oneof![3 => 0.0..7e5_f64, 1 => -0.9 * ATMOSPHERE..0.0, 1 => Just(0.0)];
     let friction = (prop_oneof![Just(0.0), decades(0.01, 30.0)], prop_oneof![Just(0.0), decades(1e-7, 3e-3)]);
-    (kind, start, gauge, -1.0..1.0_f64, friction, process()).prop_map(
-        move |(load, start, gauge, velocity, (viscous, width), process)| {
+    let laws = (falling(), elements());
+    (kind, start, gauge, -1.0..1.0_f64, friction, process(), laws).prop_map(
+        move |(load, start, gauge, velocity, (viscous, width), process, (coulomb, hysteresis))| {
             paper.clone().with(|rig| {
                 rig.length = match (&load, start) {
                     (Load::HangingMass { .. } | Load::ConstantForce { .. }, None) => InitialLength::Equilibrium,
@@ -119,6 +145,7 @@ fn load(paper: Paper) -> impl Strategy<Value = Paper> {
                 rig.limit_stiffness = rig.limit_stiffness.max(20.0 * weight / (rig.thread_length - rig.max_length));
                 (rig.load, rig.gauge, rig.velocity, rig.process) = (load, gauge, velocity, process);
                 (rig.viscous, rig.coulomb_width) = (viscous, width);
+                (rig.coulomb, rig.hysteresis) = (coulomb, hysteresis);
             })
         },
     )

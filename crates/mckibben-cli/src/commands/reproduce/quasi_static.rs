@@ -59,7 +59,7 @@ impl<'a> SealedMuscle<'a> {
 
     /// Least and largest load in N that friction holds at a length in m.
     fn holdable(&self, length: f64) -> (f64, f64) {
-        self.rig.holdable(length, self.pressure(length))
+        self.rig.holdable(length, self.pressure(length), 0.0)
     }
 
     /// Force in N without friction at a length in m.

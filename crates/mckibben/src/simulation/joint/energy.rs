@@ -68,7 +68,7 @@ impl<R: Real> JointTrajectory<R> {
                 let ends = [sample.length, sample.velocity, sample.pressure.0, sample.air_mass];
                 let chamber = actuator.chamber(ends[0], ends[1], ends[2], ends[3], slack);
                 let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
-                of.load += of.add(actuator, weight, sample, mode, &flow);
+                of.load += of.add(actuator, weight, sample, mode, (&flow, &None));
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();

@@ -36,6 +36,7 @@ use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
+use crate::force::Statics;
 use crate::load::{Joint, SIGN};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -110,6 +111,12 @@ impl JointRig {
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
             check_drive(actuator, actuation.as_ref())?;
+            if actuator.friction().hysteresis().is_some() {
+                return Err(Error::Unsupported {
+                    what: "an actuator of a joint has friction that remembers, which a joint does not follow yet",
+                    remedy: "leave out actuator.friction.hysteresis; Coulomb friction with coulomb_width is supported",
+                });
+            }
         }
         let rig = Self { driven, joint };
         let [low, high] = rig.straight();
@@ -195,7 +202,7 @@ impl<S: Scalar> JointRig<S> {
 
     /// The angles in rad at which the agonist's and the antagonist's braid would be straight: the open range of the angle.
     fn straight(&self) -> [S; 2] {
-        core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.braid.thread_length()))
+        core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.end_length()))
     }
 }
 

@@ -111,6 +111,8 @@ impl<'a, R: Real> JointSystem<'a, R> {
                 supply_zone: None,
                 exhaust_zone: None,
                 effectiveness_piece: self.members[i].effectiveness_piece(pressure),
+                pressed: self.members[i].pressed(pressure),
+                force_piece: self.members[i].force_piece(lengths[i], pressure),
                 extent: Extent::Free,
                 sliding: Sliding::Frictionless,
                 clamped: false,
@@ -140,7 +142,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
     /// Tensions in N of both actuators in a mode.
     pub fn tensions(&self, state: &[R; 6], mode: &JointMode) -> [R; 2] {
         if mode.turning != Turning::Stuck {
-            return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i]));
+            return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &None));
         }
         self.shared_tensions(state, mode)
     }
@@ -227,7 +229,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         let [velocity, acceleration] = if mode.turning == Turning::Stuck {
             [T::zero(); 2]
         } else {
-            let tensions = [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i]));
+            let tensions = [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &None));
             let load = self.load_torque(state[ANGLE], state[VELOCITY], mode.contact);
             [state[VELOCITY], (self.joint().torque_of(tensions) + load) * T::of(self.per_inertia)]
         };
@@ -364,7 +366,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             JointGuard::Of(i, guard) => match self.limit_angle(i, guard) {
                 Some((limit, true)) => angle - T::of(limit),
                 Some((limit, false)) => T::of(limit) - angle,
-                None => self.members[i].guard(guard, self.ends(i, state), &mode.actuators[i]),
+                None => self.members[i].guard(guard, self.ends(i, state), &mode.actuators[i], &None),
             },
             JointGuard::Reach(end) => -beyond(end),
             JointGuard::Leave(end) => beyond(end),
@@ -475,13 +477,13 @@ impl<R: Real> JointSystem<'_, R> {
             Guard::Slack | Guard::Tight => {
                 let slack = guard == Guard::Slack;
                 mode.actuators[i].extent = if slack { Extent::Slack } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i]);
+                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i], &None);
                 of_member(if slack { EventKind::Slack } else { EventKind::Tight })
             }
             Guard::Taut | Guard::Untaut => {
                 let taut = guard == Guard::Taut;
                 mode.actuators[i].extent = if taut { Extent::Taut } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i]);
+                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i], &None);
                 of_member(if taut { EventKind::Taut } else { EventKind::Untaut })
             }
             _ => match Member::<R>::cross(guard, &mut mode.actuators[i]) {

@@ -30,7 +30,8 @@ impl<R: Real> JointSystem<'_, R> {
         }
         let [length, _, pressure] = self.ends(i, state);
         let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
-        self.members[i].actuator.holdable(length, pressure, above.le(T::zero()))
+        let rubbing = self.members[i].rubbing(length, &mode.actuators[i], &None);
+        self.members[i].actuator.holdable(length, pressure, above.le(T::zero()), rubbing)
     }
 
     /// The least and the largest torque in N·m on the joint at rest.
@@ -56,7 +57,7 @@ impl<R: Real> JointSystem<'_, R> {
         for i in 0..2 {
             let member = &mut mode.actuators[i];
             member.sliding = turning.sliding(self.has_coulomb(i), SIGN[i]);
-            self.members[i].enter_clamp(self.ends(i, state), member);
+            self.members[i].enter_clamp(self.ends(i, state), member, &None);
         }
     }
 

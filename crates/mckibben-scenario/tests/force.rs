@@ -1,0 +1,107 @@
+//! Laws of force in scenario files: each by its name, in its own units, and what is refused.
+
+use mckibben::force::Law;
+use mckibben_scenario::{BladderForm, Document, Force, Scenario};
+
+const REST: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"2 lb\"\n[initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.1 s\"\n";
+
+const MAP: &str = "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"20 psi\", \"60 psi\"]\nlength = [\"7 cm\", \"9 cm\"]\n\
+                   tension = [\"4 N\", \"20 N\", \"12 N\", \"60 N\"]";
+
+fn document(lines: &str) -> Document {
+    Document::parse(&format!("{lines}\n{REST}"), "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn read(lines: &str) -> Scenario {
+    document(lines).scenario().unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn refused(lines: &str) -> String {
+    document(lines).experiment().expect_err("a mistake").to_string()
+}
+
+#[test]
+fn the_ideal_braid_is_the_default() {
+    let named = read("[actuator.force]\nlaw = \"ideal-braid\"");
+    assert_eq!(read(""), named);
+    assert_eq!(named.actuator.force, Force::IdealBraid);
+    assert_eq!((named.actuator.bladder, named.actuator.wall_thickness), (None, 0.0));
+}
+
+#[test]
+fn each_law_is_read_written_and_built() {
+    let files = [
+        "[actuator.force]\nlaw = \"tondu-lopez\"",
+        "[actuator.force]\nlaw = \"tondu-lopez\"\nend_factor = 1.1\nend_factor_rise = 0.3\nend_factor_pressure = \"2 bar\"",
+        "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3.2 mm\"\na = 11.5\nb = 4.8",
+        "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [0.01, 5, -0.2, -0.006, 0.2, -6]\npressure_unit = \"kPa\"\nforce_unit = \"N\"",
+        MAP,
+        "[actuator]\nwall_thickness = \"0.4 mm\"",
+        "[actuator.bladder]\nform = \"linear\"\nforce = \"6 N\"",
+        "[actuator.bladder]\nform = \"saturating\"\nforce = \"6 N\"\nscale = 0.05",
+        "[actuator.force]\nlaw = \"tondu-lopez\"\n[actuator.bladder]\nform = \"exponential\"\nforce = \"1 N\"\nscale = 0.1",
+    ];
+    for file in files {
+        let scenario = read(file);
+        let again = Scenario::from_str(&scenario.to_toml(), "written.toml").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(again, scenario);
+        let experiment = scenario.experiment().unwrap_or_else(|error| panic!("{file}: {error}"));
+        let law = &experiment.rig.actuator().law().law;
+        assert_eq!(law.bladder().is_some(), file.contains("bladder"));
+        assert_eq!(law.wall().is_some(), file.contains("wall"));
+        assert_eq!(matches!(law.law(), Law::TonduLopez(_)), file.contains("tondu"));
+        assert_eq!(matches!(law.law(), Law::Sarosi(_)), file.contains("sarosi"));
+    }
+    let saturating = read(files[7]).actuator.bladder.expect("a bladder");
+    assert_eq!((saturating.form, saturating.force, saturating.scale), (BladderForm::Saturating, 6.0, 0.05));
+}
+
+#[test]
+fn the_coefficients_of_sarosi_take_their_units_along() {
+    let file = |pressure: &str, force: &str, list: &str| {
+        read(&format!(
+            "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = {list}\npressure_unit = \"{pressure}\"\nforce_unit = \"{force}\""
+        ))
+    };
+    let Force::Sarosi(a) = file("kPa", "kN", "[1, 2, 3, 4, 5, 6]").actuator.force else { panic!("another law") };
+    assert_eq!(a, [1.0, 2e3, 3.0, 4.0, 5.0, 6e3]);
+}
+
+#[test]
+fn what_is_missing_or_out_of_place_is_said() {
+    let short = MAP.replace(", \"60 N\"]", "]");
+    let falling = MAP.replace("60 psi", "10 psi");
+    let cases = [
+        ("[actuator.force]\nlaw = \"tondu-lopes\"", "did you mean \"tondu-lopez\"?"),
+        (
+            "[actuator.force]\nend_factor = 1.1",
+            "`actuator.force.end_factor` has no meaning with `actuator.force.law` = \"ideal-braid\"",
+        ),
+        ("[actuator.force]\nlaw = \"tondu-lopez\"\na = 12", "which `a` needs beside it"),
+        ("[actuator.force]\nlaw = \"tondu-lopez\"\nend_factor = 0", "end_factor"),
+        ("[actuator.force]\nlaw = \"sarosi\"", "`actuator.force.coefficients` (a_i) is missing"),
+        (
+            "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3]\npressure_unit = \"kPa\"\nforce_unit = \"N\"",
+            "has 3 entries instead of six",
+        ),
+        (
+            "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3, 4, 5, 6]\npressure_unit = \"mm\"\nforce_unit = \"N\"",
+            "is a unit of a length",
+        ),
+        (short.as_str(), "it has not one entry for each pressure and length"),
+        (falling.as_str(), "the entries do not rise"),
+        ("[actuator.force]\nlaw = \"map\"", "`actuator.force.tension` (F) is missing"),
+        ("[actuator.bladder]\nforce = \"1 N\"", "`actuator.bladder.form` is missing"),
+        ("[actuator.bladder]\nform = \"linear\"\nforce = \"1 N\"\nscale = 0.1", "has no meaning with"),
+        ("[actuator.bladder]\nform = \"saturating\"\nforce = \"1 N\"", "`actuator.bladder.scale` (s) is missing"),
+        ("[actuator]\nwall_thickness = \"4 mm\"", "must be less than the braid's radius"),
+        (
+            "[actuator]\nthread_length = \"20 cm\"\nturns = 2.5\nmax_length = \"10 cm\"\nmin_length = \"5 cm\"",
+            "a tendon cannot",
+        ),
+    ];
+    for (lines, words) in cases {
+        let text = refused(lines);
+        assert!(text.contains(words), "{lines}\n{text}\ndoes not say {words}");
+    }
+}

@@ -1,0 +1,49 @@
+//! Friction in a scenario file.
+
+use mckibben::friction::{Coulomb, Friction, Hysteresis, MaxwellSlip};
+use mckibben_scenario::Document;
+
+const LOAD: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"1 s\"\n";
+
+fn document(friction: &str) -> Document {
+    Document::parse(&format!("[actuator]\npreset = \"colbrunn-2001\"\n{friction}\n{LOAD}"), "muscle.toml")
+        .expect("TOML")
+}
+
+fn problem(friction: &str) -> String {
+    document(friction).experiment().expect_err("a mistake").to_string()
+}
+
+const ELEMENTS: &str = "[actuator.friction]\nviscous = \"2 N*s/m\"\ncoulomb_width = \"0.1 mm\"\ncoulomb_force = \"0.5 N\"\n\
+    coulomb_force_per_pressure = \"2 mm^2\"\nstatic_ratio = 1.4\nstribeck_velocity = \"5 mm/s\"\n\
+    [actuator.friction.hysteresis]\nlaw = \"maxwell-slip\"\nreach = [\"0.1 mm\", \"1 mm\"]\nstiffness_ratio = [0.8, 0.1]\n";
+
+#[test]
+fn every_number_reaches_the_core() {
+    let experiment = document(ELEMENTS).experiment().expect("a scenario");
+    let coulomb =
+        Coulomb::new(1e-4).and_then(|law| law.with_force(0.5, 2e-6)).and_then(|law| law.with_stribeck(1.4, 5e-3));
+    let elements = MaxwellSlip::new(&[1e-4, 1e-3], &[0.8, 0.1]).expect("elements");
+    let friction = Friction::with_coulomb(2.0, coulomb.expect("a law")).expect("friction");
+    let expected = friction.with_hysteresis(Hysteresis::MaxwellSlip(elements));
+    assert_eq!(*experiment.rig.actuator().friction(), expected);
+}
+
+#[test]
+fn what_is_written_reads_back_the_same() {
+    let scenario = document(ELEMENTS).scenario().expect("a scenario");
+    let again = Document::parse(&scenario.to_toml(), "again.toml").expect("TOML").scenario().expect("a scenario");
+    assert_eq!(again, scenario);
+}
+
+#[test]
+fn mistakes_are_shown_where_they_are() {
+    let section = "[actuator.friction.hysteresis]\n";
+    assert!(problem(&format!("{section}reach = [\"1 mm\"]")).contains("stiffness_ratio` (w_i) is missing"));
+    let uneven = problem(&format!("{section}reach = [\"1 mm\", \"2 mm\"]\nstiffness_ratio = [0.1]"));
+    assert!(uneven.contains("stiffness_ratio"), "{uneven}");
+    let negative = problem(&format!("{section}reach = [\"-1 mm\"]\nstiffness_ratio = [0.1]"));
+    assert!(negative.contains("reach"), "{negative}");
+    assert!(problem("[actuator.friction]\nstatic_ratio = 0.5").contains("static_ratio"));
+    assert!(problem(&format!("{section}law = \"maxwel-slip\"")).contains("maxwell-slip"));
+}

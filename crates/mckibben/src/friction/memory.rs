@@ -1,0 +1,106 @@
+//! What friction remembers: the hysteresis laws behind one face, and the state that they share.
+//!
+//! The memory is a value that belongs to the caller, as pressure and air mass do. It says what the elements of the law were
+//! at an actuator length, and every law can say what they are when the length has moved on from there in one direction:
+//! a step of any length is stable, and one that goes in one direction is exact.
+
+use super::maxwell_slip::MaxwellSlip;
+use crate::convert::Convert;
+use crate::scalar::{Over, Real, Scalar};
+
+/// The largest number of elements of a hysteresis law.
+pub const MAX_ELEMENTS: usize = 12;
+
+/// A law of hysteresis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hysteresis<S = f64> {
+    /// Elastic elements that slip.
+    MaxwellSlip(MaxwellSlip<S>),
+}
+
+/// The state of a law of hysteresis; it belongs to the caller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory<S = f64> {
+    /// The actuator length in m at which the elements are as they are.
+    pub at: S,
+    /// The elements in the law's own unit: deflections in m; those that the law does not have are zero.
+    pub elements: [S; MAX_ELEMENTS],
+}
+
+impl<S: Scalar> Memory<S> {
+    /// A relaxed one at an actuator length in m.
+    pub fn relaxed(length: S) -> Self {
+        Self { at: length, elements: [S::zero(); MAX_ELEMENTS] }
+    }
+}
+
+/// The smooth law that a hysteresis follows while the length goes in one direction, up to where the next element slips.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch<S = f64> {
+    /// Where it begins, as an actuator length in m.
+    pub from: S,
+    /// The force over the secant stiffness in m at its beginning.
+    pub width: S,
+    /// How the width grows with the length.
+    pub slope: S,
+    /// The part of the width that slips, in magnitude: what dissipates.
+    pub slipping: S,
+    /// The actuator length in m at which the next element slips, if one is left.
+    pub end: Option<S>,
+}
+
+impl<S: Scalar> Branch<S> {
+    /// The width in m at an actuator length in m.
+    #[inline(always)]
+    pub fn width<T: Over<S>>(&self, length: T) -> T {
+        T::of(self.width) + T::of(self.slope) * (length - T::of(self.from))
+    }
+}
+
+impl<R: Real> Hysteresis<R> {
+    /// The branch from where the memory is, in a `direction` of the length (−1 or +1; 0 when it does not move).
+    pub fn branch(&self, memory: &Memory<R>, direction: f64) -> Branch<R> {
+        match self {
+            Self::MaxwellSlip(law) => law.branch(memory, direction),
+        }
+    }
+
+    /// Takes the memory to the end of its branch: what slips from there on has reached its bound.
+    pub fn slip(&self, memory: &mut Memory<R>, direction: f64, length: R) {
+        match self {
+            Self::MaxwellSlip(law) => law.slip(memory, direction, length),
+        }
+    }
+}
+
+impl<S: Scalar> Hysteresis<S> {
+    pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Hysteresis<T> {
+        match self {
+            Self::MaxwellSlip(law) => Hysteresis::MaxwellSlip(law.convert(convert)),
+        }
+    }
+
+    /// How many elements of the memory the law has.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::MaxwellSlip(law) => law.count(),
+        }
+    }
+
+    /// The force over the secant stiffness in m, at an actuator length in m that has been reached from the memory's in one
+    /// direction; positive when it adds to the tension.
+    #[inline(always)]
+    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, length: T) -> T {
+        match self {
+            Self::MaxwellSlip(law) => law.width(memory, length),
+        }
+    }
+
+    /// Takes the memory on to an actuator length in m in one direction.
+    #[inline(always)]
+    pub fn moved(&self, memory: &mut Memory<S>, length: S) {
+        match self {
+            Self::MaxwellSlip(law) => law.moved(memory, length),
+        }
+    }
+}

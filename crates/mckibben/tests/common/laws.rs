@@ -1,0 +1,67 @@
+//! Every law of force, on the braid of a rig, with coefficients of a usual size.
+#![allow(dead_code)]
+
+use crate::common::{INCH, PSI, Paper};
+use mckibben::force::{
+    Bladder, BladderForm, Characteristic, Coefficients, EndFactor, ForceMap, IdealBraid, Law, Sarosi, TonduLopez,
+};
+
+/// Coefficients of Sárosi's law for pressures in Pa.
+pub(crate) const SAROSI: [f64; 6] = [1e-5, 5.0, -0.2, -6e-6, 2e-4, -6.0];
+/// End factor, its rise and the pressure in Pa over which it falls.
+pub(crate) const END_FACTOR: [f64; 3] = [1.1, 0.4, 1e5];
+/// Radius in m, a and b.
+pub(crate) const COEFFICIENTS: [f64; 3] = [3.1e-3, 12.0, 4.6];
+/// Wall thickness in m.
+pub(crate) const WALL: f64 = 0.4e-3;
+/// Force in N and scale of the bladder.
+pub(crate) const BLADDER: [f64; 2] = [6.0, 0.07];
+
+pub(crate) fn bladder(paper: &Paper, form: BladderForm) -> Characteristic {
+    let bladder = Bladder::new(form, paper.max_length, BLADDER[0], BLADDER[1]).expect("a bladder");
+    Characteristic::from(IdealBraid { braid: paper.braid() }).with_bladder(bladder)
+}
+
+pub(crate) fn tondu_lopez(paper: &Paper, end_factor: EndFactor, given: Option<Coefficients>) -> Characteristic {
+    let law = TonduLopez::new(&paper.braid(), paper.max_length, end_factor, given).expect("a law");
+    Characteristic::new(paper.braid(), Law::TonduLopez(law))
+}
+
+pub(crate) fn coefficients() -> Coefficients {
+    let [radius, a, b] = COEFFICIENTS;
+    Coefficients { radius, a, b }
+}
+
+pub(crate) fn walled(paper: &Paper) -> Characteristic {
+    Characteristic::from(IdealBraid { braid: paper.braid() }).with_wall(WALL, paper.max_length).expect("a wall")
+}
+
+pub(crate) fn all(paper: &Paper) -> Vec<(&'static str, Characteristic)> {
+    let [limit, rise, pressure] = END_FACTOR;
+    let falling = EndFactor::falling(limit, rise, pressure).expect("an end factor");
+    let sarosi = Law::Sarosi(Sarosi::new(paper.max_length, SAROSI).expect("a law"));
+    let saturating =
+        Bladder::new(BladderForm::Saturating, paper.max_length, BLADDER[0], BLADDER[1]).expect("a bladder");
+    vec![
+        ("ideal braid", IdealBraid { braid: paper.braid() }.into()),
+        ("tondu-lopez", tondu_lopez(paper, falling, None)),
+        ("sarosi", Characteristic::new(paper.braid(), sarosi)),
+        ("wall and saturating bladder", walled(paper).with_bladder(saturating)),
+        ("exponential bladder", bladder(paper, BladderForm::Exponential)),
+        ("linear bladder", bladder(paper, BladderForm::Linear)),
+        ("tondu-lopez, coefficients", tondu_lopez(paper, falling, Some(coefficients()))),
+        ("wall", walled(paper)),
+    ]
+}
+
+/// The ideal braid measured on a grid.
+pub(crate) fn measured(paper: &Paper) -> Characteristic {
+    let braid = paper.braid();
+    let pressures: Vec<f64> = (0..8).map(|n| (15.0 * f64::from(n) + 5.0) * PSI).collect();
+    let lengths: Vec<f64> = (0..9).map(|n| (2.5 + 0.16 * f64::from(n)) * INCH).collect();
+    let tensions: Vec<f64> = pressures
+        .iter()
+        .flat_map(|gauge| lengths.iter().map(move |length| -gauge * braid.volume_slope::<f64>(*length)))
+        .collect();
+    Characteristic::new(paper.braid(), Law::Map(ForceMap::new(&pressures, &lengths, &tensions).expect("a map")))
+}

@@ -1,0 +1,295 @@
+//! The laws of force beside the paper's: transcriptions, limiting cases, virtual work, energy, derivatives, secants, and
+//! both engines on each.
+
+mod common;
+#[path = "common/laws.rs"]
+mod laws;
+
+use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
+use laws::{BLADDER, COEFFICIENTS, END_FACTOR, WALL, all, bladder, tondu_lopez, walled};
+use mckibben::force::{Bladder, BladderForm, EndFactor, IdealBraid, LengthLimits, Sarosi, StaticForce, Statics, Wall};
+use mckibben::load::{Load, Motion};
+use mckibben::simulation::{FixedStepper, InitialLength, Method};
+use mckibben::{Braid, Dual, Error, GaugePressure};
+use std::f64::consts::PI;
+
+/// Lengths in m and gauge pressures in Pa of the paper's actuator.
+fn places() -> impl Iterator<Item = (f64, f64)> {
+    (0..60).map(|n| (common::between(n, 0, 2.4, 3.84) * INCH, common::between(n, 1, -2.0, 95.0) * PSI))
+}
+
+/// A pressure of which a law may be asked.
+fn at(gauge: f64) -> GaugePressure<f64> {
+    GaugePressure(gauge)
+}
+
+#[test]
+fn tondu_and_lopez_transcribed() {
+    let paper = Paper::sealed();
+    let ([limit, rise, decay], [radius, a, b]) = (END_FACTOR, COEFFICIENTS);
+    let falling = EndFactor::falling(limit, rise, decay).expect("a factor");
+    let law = tondu_lopez(&paper, falling, Some(laws::coefficients()));
+    // The braid's own coefficients, from its angle at the longest length.
+    let angle = (paper.max_length / paper.thread_length).acos();
+    let of_braid = tondu_lopez(&paper, falling, None);
+    let own = [0.5 * paper.braid().diameter(paper.max_length), 3.0 / angle.tan().powi(2), 1.0 / angle.sin().powi(2)];
+    for (length, gauge) in places() {
+        let contraction = (paper.max_length - length) / paper.max_length;
+        let factor = rise * (-gauge / decay).exp() + limit;
+        let literal =
+            |[radius, a, b]: [f64; 3]| PI * radius * radius * gauge * (a * (1.0 - factor * contraction).powi(2) - b);
+        let size = PI * radius * radius * gauge.abs() * (a + b);
+        assert_within(law.force(length, at(gauge)), literal([radius, a, b]), 1e-14 * size);
+        assert_within(of_braid.force(length, at(gauge)), literal(own), 1e-13 * size);
+    }
+}
+
+#[test]
+fn without_taper_tondu_and_lopez_is_the_ideal_braid() {
+    let paper = Paper::sealed();
+    let law = tondu_lopez(&paper, EndFactor::constant(1.0).expect("a factor"), None);
+    let ideal = IdealBraid { braid: paper.braid() };
+    for (length, gauge) in places() {
+        let size = gauge.abs() * 1e-4;
+        assert_within(law.force(length, at(gauge)), ideal.force(length, at(gauge)), 1e-13 * size);
+    }
+    // With a factor k the largest contraction is (1 − √(b/a))/k.
+    let (factor, [_, a, b]) = (1.17, COEFFICIENTS);
+    let law = tondu_lopez(&paper, EndFactor::constant(factor).expect("a factor"), Some(laws::coefficients()));
+    let shortest = paper.max_length * (1.0 - (1.0 - (b / a).sqrt()) / factor);
+    assert_within(law.force(shortest, at(60.0 * PSI)), 0.0, 1e-12);
+}
+
+#[test]
+fn sarosi_transcribed_in_kilopascals_and_percent() {
+    let law = Sarosi::new(0.3, [-4.35e-3, 287.0, -0.33, -9.2e-3, 0.302, -298.0]).expect("a law");
+    let literal = |p: f64, k: f64| (-4.35 * p + 287.0) * (-0.33 * k).exp() + (-9.2 * k * p) + 302.0 * p - 298.0;
+    for (kilopascals, percent) in [(100.0, 0.0), (350.0, 4.0), (500.0, 17.5), (0.0, 9.0), (600.0, -2.0)] {
+        let force: f64 = law.force(0.3 * (1.0 - percent / 100.0), at(1e3 * kilopascals));
+        assert_within(force, literal(kilopascals, percent), 1e-12 * 302.0 * 600.0);
+    }
+}
+
+#[test]
+fn a_wall_is_the_law_of_chou_and_hannaford_over_the_braid_angle() {
+    let paper = Paper::sealed();
+    let law = walled(&paper);
+    let widest = paper.thread_length / (paper.turns * PI);
+    for (length, gauge) in places() {
+        let angle = (length / paper.thread_length).acos();
+        let (sine, cosine) = (angle.sin(), angle.cos());
+        let thin = 0.25 * PI * widest * widest * gauge * (3.0 * cosine * cosine - 1.0);
+        let thick = PI * gauge * (widest * WALL * (2.0 * sine - 1.0 / sine) - WALL * WALL);
+        assert_within(law.force(length, at(gauge)), thin + thick, 1e-13 * gauge.abs() * widest * widest * 4.0);
+        let bore = widest * sine - 2.0 * WALL;
+        assert_close(law.volume(length), 0.25 * PI * bore * bore * length, 1e-13);
+        // Virtual work.
+        let by_work = -gauge * slope(1e-5, |h| law.volume(length + h));
+        assert_within(law.force(length, at(gauge)), by_work, 1e-9 * gauge.abs() * 1e-4);
+    }
+    let closed = law.wall().expect("a wall").closed_length();
+    assert_close(paper.braid().diameter::<f64>(closed), 2.0 * WALL, 1e-12);
+    let none = mckibben::force::Characteristic::from(IdealBraid { braid: paper.braid() })
+        .with_wall(0.0, paper.max_length)
+        .expect("no wall");
+    assert_eq!(none, IdealBraid { braid: paper.braid() }.into());
+}
+
+#[test]
+fn a_bladder_is_the_derivative_of_its_energy() {
+    let paper = Paper::sealed();
+    let [force, scale] = BLADDER;
+    type Form = (BladderForm, fn(f64, f64) -> f64);
+    let forms: [Form; 3] = [
+        (BladderForm::Linear, |e, _| -e),
+        (BladderForm::Saturating, |e, s| -(1.0 - (-e / s).exp())),
+        (BladderForm::Exponential, |e, s| -((e / s).exp() - 1.0)),
+    ];
+    for (form, literal) in forms {
+        let bladder = Bladder::new(form, paper.max_length, force, scale).expect("a bladder");
+        assert_eq!(bladder.tension::<f64>(paper.max_length), 0.0);
+        assert_eq!(bladder.stored_energy::<f64>(paper.max_length), 0.0);
+        for (length, _) in places() {
+            let contraction = (paper.max_length - length) / paper.max_length;
+            let expected = force * literal(contraction, scale);
+            assert_within(bladder.tension(length), expected, 1e-13 * force * (contraction / scale).exp());
+            let by_energy: f64 = slope(1e-5, |h| bladder.stored_energy(length + h));
+            assert_within(by_energy, expected, 1e-8 * force * (contraction / scale).exp());
+            assert!(bladder.stored_energy::<f64>(length) > 0.0);
+        }
+    }
+    // Over a contraction much larger than any, both curved forms are the linear one with K₀/s.
+    let linear = Bladder::new(BladderForm::Linear, 0.1, 1.0, 1.0).expect("a bladder");
+    for form in [BladderForm::Saturating, BladderForm::Exponential] {
+        let wide = Bladder::new(form, 0.1, 1e6, 1e6).expect("a bladder");
+        assert_close(wide.tension::<f64>(0.07), linear.tension(0.07), 1e-6);
+    }
+}
+
+#[test]
+fn dual_numbers_give_the_derivatives_of_every_law() {
+    let paper = Paper::sealed();
+    for (name, law) in all(&paper) {
+        for (length, gauge) in places() {
+            let force: Dual<f64, 2> = law.force(Dual::variable(length, 0), GaugePressure(Dual::variable(gauge, 1)));
+            let by_length = slope(1e-5, |h| law.force(length + h, at(gauge)));
+            let by_pressure = slope(100.0, |h| law.force(length, at(gauge + h)));
+            assert_eq!(force.value, law.force(length, at(gauge)), "{name}");
+            assert_within(force.slope[0], by_length, 1e-7 * 1e4);
+            assert_within(force.slope[1], by_pressure, 1e-9 * 1e-3);
+        }
+    }
+}
+
+#[test]
+fn the_secant_is_the_quotient_and_the_derivative_where_there_is_none() {
+    let paper = Paper::sealed();
+    for (name, law) in all(&paper) {
+        for (place, (length, gauge)) in places().enumerate() {
+            let from = common::between(place, 2, 2.4, 3.8) * INCH;
+            let secant: f64 = law.secant_stiffness(length, from, at(gauge));
+            let quotient = (law.force(length, at(gauge)) - law.force(from, at(gauge))) / (length - from);
+            let rounding = 1e-13 * 200.0 / (length - from).abs();
+            assert!((secant - quotient).abs() <= rounding, "{name}: {secant} is not {quotient}");
+            let here: f64 = law.secant_stiffness(from, from, at(gauge));
+            let tangent: Dual<f64, 1> = law.force(Dual::variable(from, 0), GaugePressure(Dual::of_value(gauge)));
+            assert_close(here, tangent.slope[0], 1e-12);
+        }
+    }
+}
+
+/// A dual constant, without naming the trait at every use.
+trait OfValue {
+    fn of_value(value: f64) -> Self;
+}
+
+impl OfValue for Dual<f64, 1> {
+    fn of_value(value: f64) -> Self {
+        mckibben::Over::of(value)
+    }
+}
+
+/// The derivative by a parameter passes through everything that follows from it.
+#[test]
+fn derivatives_by_parameters_reach_every_law() {
+    use mckibben::parameter as p;
+    let gauge = 50.0 * PSI;
+    let rows = [&p::TURNS, &p::THREAD_LENGTH, &p::MAX_LENGTH, &p::END_FACTOR, &p::INITIAL_RADIUS, &p::WALL_THICKNESS];
+    let paper = Paper::sealed();
+    for (name, law) in all(&paper) {
+        let actuator = paper.clone().with(|rig| rig.characteristic = Some(law.clone())).actuator();
+        let length = 3.3 * INCH;
+        let pressure = gauge + actuator.air().atmosphere().0;
+        for row in rows {
+            let mut seen = 0.0;
+            let dual = actuator.map(|of, value| {
+                let hit = of.key == row.key;
+                seen = if hit { value } else { seen };
+                Dual::<f64, 1> { value, slope: [f64::from(u8::from(hit))] }
+            });
+            let force = dual.static_force(Dual::of_value(length), Dual::of_value(pressure));
+            let moved = |h: f64| {
+                let moved = actuator.map(|of, value| if of.key == row.key { value + h } else { value });
+                moved.static_force(length, pressure)
+            };
+            let expected = slope(1e-4 * f64::max(seen, 1e-6), moved);
+            assert!(
+                (force.slope[0] - expected).abs() <= 1e-6 * expected.abs() + 1e-9,
+                "{name}: d/d {} is {} and not {expected}",
+                row.key,
+                force.slope[0]
+            );
+        }
+    }
+}
+
+/// The ends move to and fro on a sealed muscle whose air keeps its temperature.
+fn cycle(paper: &Paper) -> Paper {
+    let motion = Motion::sinusoid(3.4 * INCH, 0.3 * INCH, 2.0, 0.0, paper.thread_length).expect("a motion");
+    paper.clone().gauge(60.0 * PSI).friction(0.0, 0.0).with(|rig| {
+        rig.load = Load::Prescribed(motion);
+        rig.length = InitialLength::At(3.4 * INCH);
+    })
+}
+
+#[test]
+fn virtual_work_and_a_bladder_lose_nothing_and_other_laws_do() {
+    let paper = Paper::sealed();
+    for (name, law) in all(&paper) {
+        let conservative = !name.contains("tondu") && !name.contains("sarosi");
+        let audit = cycle(&paper).with(|rig| rig.characteristic = Some(law)).run(0.37, 1e-10).audit();
+        assert!(audit.residual().abs() < 1e-9 * audit.turnover(), "{name}: {audit:?}");
+        let share = audit.effectiveness_loss.abs() / audit.turnover();
+        assert_eq!(share < 1e-9, conservative, "{name}: {share}");
+        if name.contains("bladder") {
+            assert!(audit.bladder_storage.abs() > 1e-3 * audit.turnover(), "{name}: {audit:?}");
+        }
+    }
+}
+
+/// Around a rectangle in pressure and length, whose corners are apart by two isobars, the work of a law beside virtual work
+/// differs from the gas's by the integral of the difference: here in closed form for the end factor.
+#[test]
+fn a_cycle_of_tondu_and_lopez_takes_what_the_difference_of_the_volumes_says() {
+    let paper = Paper::sealed();
+    let factor = 1.2;
+    let law = tondu_lopez(&paper, EndFactor::constant(factor).expect("a factor"), None);
+    let (low, high, rise) = (3.1 * INCH, 3.7 * INCH, 30.0 * PSI);
+    let work = |gauge: f64| {
+        let count = 2000;
+        let width = (high - low) / f64::from(count);
+        // Simpson's rule is exact for the square of a length.
+        let value = |x: f64| law.force(x, at(gauge));
+        (0..count)
+            .map(|n| low + width * f64::from(n))
+            .map(|x| width / 6.0 * (value(x) + 4.0 * value(x + 0.5 * width) + value(x + width)))
+            .sum::<f64>()
+    };
+    let cycle = work(30.0 * PSI + rise) - work(30.0 * PSI);
+    let middle = |length: f64| paper.max_length - factor * (paper.max_length - length);
+    let volume = |length: f64| paper.braid().volume(middle(length)) / factor;
+    assert_close(cycle, rise * (volume(low) - volume(high)), 1e-11);
+    let gas = rise * (paper.braid().volume::<f64>(low) - paper.braid().volume::<f64>(high));
+    assert!((cycle / gas - 1.0).abs() > 0.05, "{cycle} {gas}");
+}
+
+#[test]
+fn both_engines_agree_on_every_law() {
+    let paper = Paper::pwm(20.0, 0.5).gauge(40.0 * PSI);
+    for (name, law) in all(&paper) {
+        let paper = paper.clone().with(|rig| rig.characteristic = Some(law));
+        let (rig, start) = (paper.rig(), paper.start());
+        let located = paper.run(0.1, 1e-9).at(0.1);
+        let mut stepper = FixedStepper::new(&rig, start, Method::Rk4);
+        for step in 1..=8000 {
+            stepper.advance_to(0.1 * f64::from(step) / 8000.0).expect("a step");
+        }
+        let stepped = stepper.state();
+        let off = ((stepped.length - located.length) / 0.1, stepped.pressure.0 / located.pressure.0 - 1.0);
+        assert!(off.0.abs() < 2e-6 && off.1.abs() < 2e-5, "{name}: {off:?}");
+        assert!((located.length - start.length).abs() > 1e-4, "{name} does not move");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_by_name() {
+    let key = |error: Error| match error {
+        Error::OutOfRange { parameter, .. } | Error::Inconsistent { parameter, .. } => parameter.key,
+        other => panic!("{other}"),
+    };
+    let braid = Braid::new(0.11, 2.5).expect("a braid");
+    assert_eq!(key(EndFactor::constant(0.0).unwrap_err()), "actuator.force.end_factor");
+    assert_eq!(key(EndFactor::falling(1.0, 0.1, 0.0).unwrap_err()), "actuator.force.end_factor_pressure");
+    assert_eq!(key(Wall::new(-1e-3, &braid, 0.098).unwrap_err()), "actuator.wall_thickness");
+    assert_eq!(key(Wall::new(4e-3, &braid, 0.098).unwrap_err()), "actuator.wall_thickness");
+    assert_eq!(key(Sarosi::new(0.1, [f64::NAN; 6]).unwrap_err()), "actuator.force.coefficients");
+    assert_eq!(key(Bladder::new(BladderForm::Linear, 0.1, -1.0, 1.0).unwrap_err()), "actuator.bladder.force");
+    assert_eq!(key(Bladder::new(BladderForm::Linear, 0.1, 1.0, 0.0).unwrap_err()), "actuator.bladder.scale");
+    // A braid that pushes wherever it is.
+    for shortest in [None, Some(0.03)] {
+        let error = LengthLimits::new(&braid, shortest, 0.06, 1e5, 0.0).unwrap_err();
+        assert!(error.to_string().contains("pushes, and a tendon cannot"), "{error}");
+    }
+    let linear = bladder(&Paper::sealed(), BladderForm::Linear);
+    assert!(linear.bladder().is_some() && linear.wall().is_none());
+}
