@@ -98,7 +98,7 @@ impl Problem {
         });
         let (area, laminar_ratio) = valve.as_ref().map_or((0.0, 0.999), |valve| match valve.passage {
             Passage::FlowArea(area) => (valve.efficiency * area, valve.laminar_ratio),
-            Passage::Iso6358 { .. } => (f64::NAN, f64::NAN),
+            Passage::Iso6358 { .. } | Passage::Kv { .. } | Passage::Cv { .. } => (f64::NAN, f64::NAN),
         });
         let magnitudes = self.magnitudes();
         vec![

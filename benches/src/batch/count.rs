@@ -6,6 +6,7 @@ mod counted;
 use crate::work::STEP;
 use counted::{Books, Counts};
 use mckibben::batch::Row;
+use mckibben::friction::Memory;
 use mckibben::load::Line;
 use mckibben::simulation::{Held, Method};
 
@@ -29,6 +30,7 @@ impl Operations {
             slack: false,
             taut: false,
             line: Line::resting(0.0),
+            memory: Memory::relaxed(0.0),
         };
         let step = |method| counted::step(&row.rig, row.start, &held, STEP, method).1;
         Self { runge_kutta: step(Method::Rk4), stable: step(Method::Stable) }

@@ -8,6 +8,7 @@ mod laws;
 mod random;
 
 use common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
+use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::load::{Joint, Limb, Pulley, Stops};
 use mckibben::simulation::{
     Actuation, Driven, EventKind, InitialAngle, InitialLength, JointInitial, JointRig, JointTrajectory, Turning,
@@ -208,8 +209,18 @@ fn energy_and_air_balance_on_every_law_of_force() {
 /// With a slack antagonist, a limb of inertia M r² and the constant torque −M g r the joint is the rig of the paper.
 #[test]
 fn with_a_slack_antagonist_it_is_the_hanging_mass() {
+    let elements = MaxwellSlip::new(&[5e-5, 4e-4], &[0.8, 0.1]).expect("elements");
+    for hysteresis in [None, Some(Hysteresis::MaxwellSlip(elements))] {
+        compare_with_the_hanging_mass(hysteresis);
+    }
+}
+
+fn compare_with_the_hanging_mass(hysteresis: Option<Hysteresis>) {
     let (mass, radius, rest) = (2.0, 0.02, 0.09);
-    let paper = Paper::pwm(10.0, 0.5).mass(mass).with(|rig| rig.length = InitialLength::Equilibrium);
+    let paper = Paper::pwm(10.0, 0.5).mass(mass).with(|rig| {
+        rig.length = InitialLength::Equilibrium;
+        rig.hysteresis = hysteresis;
+    });
     let line = paper.run(0.8, 1e-11);
     let pair = Pair::of(paper.clone()).with(|pair| {
         pair.papers[1] = Paper::sealed();
@@ -228,11 +239,29 @@ fn with_a_slack_antagonist_it_is_the_hanging_mass() {
         assert_close(agonist.air_mass, on_line.air_mass, 1e-7);
         assert_eq!(on_pulley.actuators[1].tension, 0.0);
     }
+    assert_eq!(hysteresis.is_some(), line.events().iter().any(|event| event.kind == EventKind::Slip));
     // The same story, apart from events between formulas that agree.
-    let telling = |kind: &EventKind| matches!(kind, EventKind::Stick | EventKind::BreakAway | EventKind::Valve);
+    let telling = |kind: &EventKind| matches!(kind, EventKind::Stick | EventKind::Slip | EventKind::Valve);
     let of_line = line.events().iter().map(|event| event.kind).filter(telling);
     let of_turn = turn.events().iter().map(|event| event.kind.kind).filter(telling);
     assert!(of_line.eq(of_turn));
+}
+
+/// Two muscles whose friction remembers: it slips, and energy closes.
+#[test]
+fn a_joint_with_hysteresis_balances_its_energy() {
+    let elements = MaxwellSlip::new(&[2e-5, 2e-4, 1e-3], &[0.8, 0.2, 0.05]).expect("elements");
+    let paper = Paper::driven(pulses(20.0, 0.6)).friction(2.0, 0.0);
+    let pair = Pair::of(paper.with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(elements)))).with(|pair| {
+        pair.papers[1].command = Some(pulses(7.0, 0.3));
+        pair.limb.distance = 0.12;
+    });
+    let audit = pair.run(1.0, 1e-9).audit();
+    assert_within(audit.residual(), 0.0, 1e-6 * audit.turnover());
+    for of in &audit.actuators {
+        assert_within(of.residual(), 0.0, 1e-6 * audit.turnover());
+        assert!(of.slip > 0.0 && of.coulomb == 0.0, "{of:?}");
+    }
 }
 
 /// A limb against a stop, with both tendons slack: the coefficient of restitution of a damped linear contact that does not

@@ -145,7 +145,7 @@ macro_rules! one_by_one {
 
 macro_rules! wide {
     ($number:ident, $wide:ident($lanes:ident), $mask:ident($mask_lanes:ident);
-     $add:ident $sub:ident $mul:ident $div:ident $neg:ident $sqrt:ident $splat:ident $lt:ident $le:ident $select:ident
+     $add:ident $sub:ident $mul:ident $div:ident $xor:ident $sqrt:ident $splat:ident $lt:ident $le:ident $select:ident
      $min:ident $max:ident $and:ident $or:ident $not:ident $first:ident) => {
         #[doc = concat!("A register of `", stringify!($number), "`.")]
         #[derive(Clone, Copy, Debug)]
@@ -171,7 +171,8 @@ macro_rules! wide {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
-                Self { lanes: self.simd.$neg(self.lanes), ..self }
+                // The library's own function is not always inlined, and then knows nothing of the instructions.
+                Self { lanes: self.simd.$xor(self.lanes, self.simd.$splat(-0.0)), ..self }
             }
         }
 
@@ -271,11 +272,11 @@ macro_rules! wide {
 
 wide! {
     f64, Doubles(f64s), DoubleMask(m64s);
-    add_f64s sub_f64s mul_f64s div_f64s neg_f64s sqrt_f64s splat_f64s less_than_f64s less_than_or_equal_f64s select_f64s
+    add_f64s sub_f64s mul_f64s div_f64s xor_f64s sqrt_f64s splat_f64s less_than_f64s less_than_or_equal_f64s select_f64s
     min_f64s max_f64s and_m64s or_m64s not_m64s first_true_m64s
 }
 wide! {
     f32, Singles(f32s), SingleMask(m32s);
-    add_f32s sub_f32s mul_f32s div_f32s neg_f32s sqrt_f32s splat_f32s less_than_f32s less_than_or_equal_f32s select_f32s
+    add_f32s sub_f32s mul_f32s div_f32s xor_f32s sqrt_f32s splat_f32s less_than_f32s less_than_or_equal_f32s select_f32s
     min_f32s max_f32s and_m32s or_m32s not_m32s first_true_m32s
 }

@@ -17,6 +17,7 @@
 mod command;
 mod five_way;
 mod flow;
+mod passage;
 mod ramp;
 mod regulator;
 mod solenoid;
@@ -26,7 +27,8 @@ mod spool;
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
-pub use flow::{FlowLaw, FlowStandard, FlowZone, REFERENCE_DENSITY};
+pub use flow::{FlowLaw, FlowZone};
+pub use passage::{FlowStandard, REFERENCE_DENSITY};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Regulated, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};

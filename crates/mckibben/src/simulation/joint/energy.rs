@@ -58,17 +58,17 @@ impl<R: Real> JointTrajectory<R> {
     pub fn audit(&self) -> JointAudit {
         let joint = self.rig().joint();
         let mut audit = JointAudit::default();
-        self.quadrature(|weight, sample, mode| {
-            let weight = weight.value();
+        self.visit(|weight, sample, phase| {
+            let (weight, mode) = (weight.value(), &phase.mode);
             for i in 0..2 {
                 let actuator = &self.rig().driven()[i].actuator;
                 let of = &mut audit.actuators[i];
-                let (sample, mode) = (&sample.actuators[i], &mode.actuators[i]);
+                let (sample, mode) = (&sample.actuators[i], &phase.mode.actuators[i]);
                 let slack = mode.extent == Extent::Slack;
                 let ends = [sample.length, sample.velocity, sample.pressure.0, sample.air_mass];
                 let chamber = actuator.chamber(ends[0], ends[1], ends[2], ends[3], slack);
                 let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
-                of.load += of.add(actuator, weight, sample, mode, (&flow, &None));
+                of.load += of.add(actuator, weight, sample, mode, (&flow, &phase.traces[i]));
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();

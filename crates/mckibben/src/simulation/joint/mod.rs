@@ -15,6 +15,7 @@
 //!
 //! The event-located engine alone goes through time here. Checked by `tests/joint.rs`.
 
+mod crossing;
 #[cfg(feature = "alloc")]
 mod energy;
 mod mode;
@@ -111,12 +112,6 @@ impl JointRig {
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
             check_drive(actuator, actuation.as_ref())?;
-            if actuator.friction().hysteresis().is_some() {
-                return Err(Error::Unsupported {
-                    what: "an actuator of a joint has friction that remembers, which a joint does not follow yet",
-                    remedy: "leave out actuator.friction.hysteresis; Coulomb friction with coulomb_width is supported",
-                });
-            }
         }
         let rig = Self { driven, joint };
         let [low, high] = rig.straight();

@@ -11,7 +11,7 @@ pub enum Turning {
     Backward,
     /// The friction of both actuators together holds the joint at rest.
     Stuck,
-    /// There is no Coulomb friction to decide.
+    /// There is no friction to decide that depends on the direction.
     Frictionless,
 }
 
@@ -26,11 +26,11 @@ impl Turning {
     }
 
     /// How the ends of an actuator slide whose length has a slope of this sign over the angle.
-    pub(super) fn sliding(self, has_coulomb: bool, slope: f64) -> Sliding {
+    pub(super) fn sliding(self, has_direction: bool, slope: f64) -> Sliding {
         match self {
             Self::Stuck => Sliding::Stuck,
             Self::Frictionless => Sliding::Frictionless,
-            _ if !has_coulomb => Sliding::Frictionless,
+            _ if !has_direction => Sliding::Frictionless,
             _ if self.direction() * slope < 0.0 => Sliding::Shortening,
             _ => Sliding::Lengthening,
         }

@@ -17,7 +17,7 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::{Joint, SIGN};
 use crate::scalar::{Over, Real};
-use crate::simulation::member::Member;
+use crate::simulation::member::{Member, Trace};
 use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use crate::simulation::system::{GuardForm, Guards, HybridSystem};
 use crate::simulation::timetable::Progress;
@@ -43,7 +43,12 @@ pub struct JointPhase<R = f64> {
     progress: [Progress<R>; 2],
     /// `P V/m` of isothermal processes, which nothing changes.
     isothermal: [Option<R>; 2],
+    /// What the hysteresis of each actuator remembers.
+    pub(super) traces: Traces<R>,
 }
+
+/// What the hysteresis of each actuator remembers, where there is one.
+pub(super) type Traces<R> = [Option<Trace<R>>; 2];
 
 /// A joint with the tolerance to which its events are told from rounding.
 #[derive(Clone, Copy, Debug)]
@@ -128,8 +133,22 @@ impl<'a, R: Real> JointSystem<'a, R> {
             let [length, velocity, _] = self.ends(i, state);
             mode.actuators[i].extent = self.members[i].extent_at([length, velocity], above, false);
         }
-        self.enter_turning(state, &mut mode);
-        JointPhase { mode, progress, isothermal }
+        let traces =
+            [0, 1].map(|i| self.members[i].trace(self.members[i].actuator.limits().actuator_length(lengths[i])));
+        self.enter_turning(state, &mut mode, &traces);
+        let mut phase = JointPhase { mode, progress, isothermal, traces };
+        self.follow(state, &mut phase, None);
+        phase
+    }
+
+    /// Takes the memories of the hysteresis on to a state, and to the branches that follow; `slips` says which actuator's
+    /// is at the end of its branch.
+    fn follow(&self, state: &[R; 6], phase: &mut JointPhase<R>, slips: Option<usize>) {
+        for (i, length) in self.joint().lengths(state[ANGLE]).into_iter().enumerate() {
+            let member = &self.members[i];
+            let length = member.actuator.limits().actuator_length(length);
+            member.follow(&mut phase.traces[i], length, phase.mode.actuators[i].sliding, slips == Some(i));
+        }
     }
 
     /// Length, velocity and pressure of an actuator.
@@ -140,17 +159,18 @@ impl<'a, R: Real> JointSystem<'a, R> {
     }
 
     /// Tensions in N of both actuators in a mode.
-    pub fn tensions(&self, state: &[R; 6], mode: &JointMode) -> [R; 2] {
+    pub fn tensions(&self, state: &[R; 6], phase: &JointPhase<R>) -> [R; 2] {
+        let JointPhase { mode, traces, .. } = phase;
         if mode.turning != Turning::Stuck {
-            return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &None));
+            return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &traces[i]));
         }
-        self.shared_tensions(state, mode)
+        self.shared_tensions(state, mode, traces)
     }
 
     /// The sample of a state in a mode.
     #[cfg(feature = "alloc")]
-    pub(super) fn sample(&self, time: R, state: &[R; 6], mode: &JointMode) -> JointSample<R> {
-        let tensions = self.tensions(state, mode);
+    pub(super) fn sample(&self, time: R, state: &[R; 6], phase: &JointPhase<R>) -> JointSample<R> {
+        let (mode, tensions) = (&phase.mode, self.tensions(state, phase));
         let actuators = [0, 1].map(|i| {
             let [length, velocity, pressure] = self.ends(i, state);
             let of_member = [length, velocity, pressure, state[PRESSURE[i] + 1]];
@@ -199,7 +219,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
     }
 
     /// The angle in rad at which a length of an actuator that ends an extent is reached.
-    fn limit_angle(&self, i: usize, guard: Guard) -> Option<(R, bool)> {
+    pub(super) fn limit_angle(&self, i: usize, guard: Guard) -> Option<(R, bool)> {
         let (limit, lasts_above) = match guard {
             Guard::Slack => (0, true),
             Guard::Tight => (0, false),
@@ -229,7 +249,8 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         let [velocity, acceleration] = if mode.turning == Turning::Stuck {
             [T::zero(); 2]
         } else {
-            let tensions = [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &None));
+            let traces = &phase.traces;
+            let tensions = [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &traces[i]));
             let load = self.load_torque(state[ANGLE], state[VELOCITY], mode.contact);
             [state[VELOCITY], (self.joint().torque_of(tensions) + load) * T::of(self.per_inertia)]
         };
@@ -347,6 +368,9 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         }
         for i in 0..2 {
             let add = &mut |guard, form| guards.add(JointGuard::Of(i, guard), form);
+            if mode.actuators[i].extent != Extent::Slack && phase.traces[i].as_ref().and_then(Trace::end).is_some() {
+                add(Guard::Slip, GuardForm::Function);
+            }
             self.members[i].each_other_guard(&mode.actuators[i], PRESSURE[i], (PRESSURE[i], true), add);
         }
         guards
@@ -366,15 +390,15 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             JointGuard::Of(i, guard) => match self.limit_angle(i, guard) {
                 Some((limit, true)) => angle - T::of(limit),
                 Some((limit, false)) => T::of(limit) - angle,
-                None => self.members[i].guard(guard, self.ends(i, state), &mode.actuators[i], &None),
+                None => self.members[i].guard(guard, self.ends(i, state), &mode.actuators[i], &phase.traces[i]),
             },
             JointGuard::Reach(end) => -beyond(end),
             JointGuard::Leave(end) => beyond(end),
             JointGuard::Rebound(end) => press(end) + band,
             JointGuard::Press(end) => band - press(end),
             JointGuard::Rest => T::constant(self.rest_band()) + T::constant(mode.turning.direction()) * velocity,
-            JointGuard::BreakForward => band - self.torques_at_rest(state, mode).0,
-            JointGuard::BreakBackward => band + self.torques_at_rest(state, mode).1,
+            JointGuard::BreakForward => band - self.torques_at_rest(state, mode, &phase.traces).0,
+            JointGuard::BreakBackward => band + self.torques_at_rest(state, mode, &phase.traces).1,
         }
     }
 
@@ -385,39 +409,10 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         state: &mut [R; 6],
         phase: &mut JointPhase<R>,
     ) -> Result<JointEventKind, Error> {
-        let mode = &mut phase.mode;
-        let of_joint = |kind| Ok(JointEventKind { actuator: None, kind });
-        let stop = |end: End| self.joint().stops().ends[end.index()];
-        match guard {
-            JointGuard::Of(i, guard) => self.cross_member(i, guard, time, state, phase),
-            JointGuard::Reach(end) => {
-                state[ANGLE] = stop(end).unwrap_or(state[ANGLE]);
-                mode.contact = Contact::Pressed(end);
-                of_joint(EventKind::StopReached)
-            }
-            JointGuard::Press(end) => {
-                mode.contact = Contact::Pressed(end);
-                of_joint(EventKind::StopReached)
-            }
-            JointGuard::Rebound(end) => {
-                mode.contact = Contact::Rebound(end);
-                of_joint(EventKind::StopRebound)
-            }
-            JointGuard::Leave(end) => {
-                state[ANGLE] = stop(end).unwrap_or(state[ANGLE]);
-                mode.contact = Contact::None;
-                of_joint(EventKind::StopLeft)
-            }
-            JointGuard::Rest => {
-                state[VELOCITY] = R::zero();
-                self.enter_turning(state, mode);
-                of_joint(if mode.turning == Turning::Stuck { EventKind::Stick } else { EventKind::Reversal })
-            }
-            JointGuard::BreakForward | JointGuard::BreakBackward => {
-                self.head(state, mode, if guard == JointGuard::BreakForward { 1.0 } else { -1.0 });
-                of_joint(EventKind::BreakAway)
-            }
-        }
+        let kind = self.pass_guard(guard, time, state, phase)?;
+        let slips = if let JointGuard::Of(i, Guard::Slip) = guard { Some(i) } else { None };
+        self.follow(state, phase, slips);
+        Ok(kind)
     }
 
     fn project(&self, _time: R, state: &mut [R; 6], phase: &JointPhase<R>) {
@@ -438,58 +433,6 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             value: state[ANGLE].value(),
             unit: "rad",
             remedy: "loosen run.relative_tolerance, or check that inertia, volumes and flow area are of usual size",
-        }
-    }
-}
-
-impl<R: Real> JointSystem<'_, R> {
-    /// Crosses a guard of an actuator.
-    fn cross_member(
-        &self,
-        i: usize,
-        guard: Guard,
-        time: R,
-        state: &mut [R; 6],
-        phase: &mut JointPhase<R>,
-    ) -> Result<JointEventKind, Error> {
-        let mode = &mut phase.mode;
-        let of_member = |kind| Ok(JointEventKind { actuator: Some(i), kind });
-        if let Some((limit, _)) = self.limit_angle(i, guard)
-            && guard != Guard::ThreadLength
-        {
-            state[ANGLE] = limit;
-        }
-        match guard {
-            Guard::ThreadLength => Err(Error::Stopped {
-                time: time.value(),
-                reason: "the joint pulled a braid straight",
-                quantity: "joint angle",
-                value: state[ANGLE].value(),
-                unit: "rad",
-                remedy: "lighten the load, stiffen actuator.limit.stiffness or give the joint stops",
-            }),
-            Guard::Slack | Guard::Tight if self.rests_on_the_shortest(i, state, mode) => {
-                state[VELOCITY] = R::zero();
-                mode.actuators[i].extent = Extent::Free;
-                self.turn(state, mode, Turning::Stuck);
-                Ok(JointEventKind { actuator: None, kind: EventKind::Stick })
-            }
-            Guard::Slack | Guard::Tight => {
-                let slack = guard == Guard::Slack;
-                mode.actuators[i].extent = if slack { Extent::Slack } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i], &None);
-                of_member(if slack { EventKind::Slack } else { EventKind::Tight })
-            }
-            Guard::Taut | Guard::Untaut => {
-                let taut = guard == Guard::Taut;
-                mode.actuators[i].extent = if taut { Extent::Taut } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i], &None);
-                of_member(if taut { EventKind::Taut } else { EventKind::Untaut })
-            }
-            _ => match Member::<R>::cross(guard, &mut mode.actuators[i]) {
-                Some(kind) => of_member(kind),
-                None => Err(self.stuck(time, state, phase)),
-            },
         }
     }
 }

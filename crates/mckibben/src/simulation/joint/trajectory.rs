@@ -111,7 +111,7 @@ impl<R: Real> JointTrajectory<R> {
     pub fn at(&self, time: R) -> JointSample<R> {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
         let (time, state, phase) = self.stored.at(&system, self.stored.begun(time.value()), time);
-        system.sample(time, &state, &phase.mode)
+        system.sample(time, &state, &phase)
     }
 
     /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
@@ -123,16 +123,20 @@ impl<R: Real> JointTrajectory<R> {
             let time = times.time(index);
             place = self.stored.begun_after(place, time);
             let (time, state, phase) = self.stored.at(&system, place, R::constant(time));
-            system.sample(time, &state, &phase.mode)
+            system.sample(time, &state, &phase)
         })
     }
 
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointMode)) {
+        self.visit(|weight, sample, phase| visit(weight, sample, &phase.mode));
+    }
+
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointPhase<R>)) {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
         self.stored.quadrature(&system, |weight, time, state, phase| {
-            visit(weight, &system.sample(time, state, &phase.mode), &phase.mode);
+            visit(weight, &system.sample(time, state, phase), phase);
         });
     }
 }

@@ -6,16 +6,16 @@
 //! without friction. Stuck, both use the same share of what they can hold: the tensions themselves are indeterminate.
 
 use super::mode::{JointMode, Turning};
-use super::system::{ANGLE, JointSystem, VELOCITY};
+use super::system::{ANGLE, JointSystem, Traces, VELOCITY};
 use crate::load::SIGN;
 use crate::scalar::{Over, Real};
 use crate::simulation::mode::Extent;
 
 impl<R: Real> JointSystem<'_, R> {
     /// Tensions in N of both actuators while the joint sticks: of what each can hold, the share that balances the joint.
-    pub(super) fn shared_tensions(&self, state: &[R; 6], mode: &JointMode) -> [R; 2] {
-        let held = [0, 1].map(|i| self.holdable(i, state, mode));
-        let (least, most) = self.torques_at_rest(state, mode);
+    pub(super) fn shared_tensions(&self, state: &[R; 6], mode: &JointMode, traces: &Traces<R>) -> [R; 2] {
+        let held = [0, 1].map(|i| self.holdable(i, state, mode, traces));
+        let (least, most) = self.torques_at_rest(state, mode, traces);
         let width = most - least;
         let share = if width.value() > 0.0 { -least / width } else { R::constant(0.5) };
         let share = share.larger(R::zero()).smaller(R::one());
@@ -24,19 +24,19 @@ impl<R: Real> JointSystem<'_, R> {
     }
 
     /// The least and the largest tension in N that an actuator can hold at rest.
-    fn holdable<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> (T, T) {
+    fn holdable<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> (T, T) {
         if mode.actuators[i].extent == Extent::Slack {
             return (T::zero(), T::zero());
         }
         let [length, _, pressure] = self.ends(i, state);
         let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
-        let rubbing = self.members[i].rubbing(length, &mode.actuators[i], &None);
+        let rubbing = self.members[i].rubbing(length, &mode.actuators[i], &traces[i]);
         self.members[i].actuator.holdable(length, pressure, above.le(T::zero()), rubbing)
     }
 
     /// The least and the largest torque in N·m on the joint at rest.
-    pub(super) fn torques_at_rest<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode) -> (T, T) {
-        let [(least, most), (other_least, other_most)] = [0, 1].map(|i| self.holdable(i, state, mode));
+    pub(super) fn torques_at_rest<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> (T, T) {
+        let [(least, most), (other_least, other_most)] = [0, 1].map(|i| self.holdable(i, state, mode, traces));
         let load = self.load_torque(state[ANGLE], T::zero(), mode.contact);
         let joint = self.joint();
         (joint.torque_of([least, other_most]) + load, joint.torque_of([most, other_least]) + load)
@@ -46,68 +46,72 @@ impl<R: Real> JointSystem<'_, R> {
         self.members[i].actuator.friction().has_coulomb()
     }
 
+    fn has_direction(&self, i: usize) -> bool {
+        self.members[i].actuator.friction().has_direction()
+    }
+
     /// Whether an actuator rests, or could rest, on its shortest length.
     fn on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
         mode.actuators[i].extent != Extent::Slack && state[ANGLE].value() == self.limits[i][0].value()
     }
 
     /// Sets how the joint turns, and with it how both actuators slide.
-    pub(super) fn turn(&self, state: &[R; 6], mode: &mut JointMode, turning: Turning) {
+    pub(super) fn turn(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>, turning: Turning) {
         mode.turning = turning;
         for i in 0..2 {
             let member = &mut mode.actuators[i];
-            member.sliding = turning.sliding(self.has_coulomb(i), SIGN[i]);
-            self.members[i].enter_clamp(self.ends(i, state), member, &None);
+            member.sliding = turning.sliding(self.has_direction(i), SIGN[i]);
+            self.members[i].enter_clamp(self.ends(i, state), member, &traces[i]);
         }
     }
 
     /// Sets the joint turning the way that the sign of `heading` says; an actuator on its shortest length that this would
     /// shorten falls slack.
-    pub(super) fn head(&self, state: &[R; 6], mode: &mut JointMode, heading: f64) {
+    pub(super) fn head(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>, heading: f64) {
         for i in 0..2 {
             if heading * SIGN[i] < 0.0 && self.on_the_shortest(i, state, mode) {
                 mode.actuators[i].extent = Extent::Slack;
             }
         }
-        let turning = match (self.has_coulomb(0) || self.has_coulomb(1), heading < 0.0) {
+        let turning = match (self.has_direction(0) || self.has_direction(1), heading < 0.0) {
             (false, _) => Turning::Frictionless,
             (true, true) => Turning::Backward,
             (true, false) => Turning::Forward,
         };
-        self.turn(state, mode, turning);
+        self.turn(state, mode, traces, turning);
     }
 
     /// How a joint turns in a state that may be at rest: from there it sticks if the torque can be held.
-    pub(super) fn enter_turning(&self, state: &[R; 6], mode: &mut JointMode) {
+    pub(super) fn enter_turning(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>) {
         let velocity = state[VELOCITY].value();
         if velocity != 0.0 {
-            return self.head(state, mode, velocity);
+            return self.head(state, mode, traces, velocity);
         }
         let holds = |i: usize| {
             let slack = mode.actuators[i].extent == Extent::Slack;
             !slack && (self.has_coulomb(i) || self.on_the_shortest(i, state, mode))
         };
         let can_stick = holds(0) || holds(1);
-        let (least, most) = self.torques_at_rest(state, mode);
+        let (least, most) = self.torques_at_rest(state, mode, traces);
         let middle = 0.5 * (least.value() + most.value());
         if !can_stick {
-            self.head(state, mode, middle);
+            self.head(state, mode, traces, middle);
         } else if most.value() < -self.torque_band {
-            self.head(state, mode, -1.0);
+            self.head(state, mode, traces, -1.0);
         } else if least.value() > self.torque_band {
-            self.head(state, mode, 1.0);
+            self.head(state, mode, traces, 1.0);
         } else {
-            self.turn(state, mode, Turning::Stuck);
+            self.turn(state, mode, traces, Turning::Stuck);
         }
     }
 
     /// Whether the joint, arriving where an actuator is at its shortest, comes to rest there: the torque can be held, and
     /// it turns too slowly to be told from rest, or would bounce less than the tolerance of its angle.
-    pub(super) fn rests_on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
+    pub(super) fn rests_on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode, traces: &Traces<R>) -> bool {
         let with = |extent| {
             let mut mode = *mode;
             mode.actuators[i].extent = extent;
-            let (least, most) = self.torques_at_rest(state, &mode);
+            let (least, most) = self.torques_at_rest(state, &mode, traces);
             (least.value(), most.value())
         };
         let (slack, free) = (with(Extent::Slack), with(Extent::Free));
