@@ -5,6 +5,7 @@
 use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
 use crate::commands::curves::CurvesArguments;
+use crate::commands::gallery::GalleryArguments;
 use crate::commands::init::InitArguments;
 use crate::commands::linearize::LinearizeArguments;
 use crate::commands::presets::PresetsArguments;
@@ -60,6 +61,8 @@ pub enum Command {
     Linearize(LinearizeArguments),
     /// Reproduce the experiments of the paper
     Reproduce(ReproduceArguments),
+    /// Draw every scenario file of a folder and show them on one page
+    Gallery(GalleryArguments),
     /// Print a completion script for a shell
     Completions(CompletionsArguments),
 }

@@ -6,16 +6,16 @@
 use crate::engine::Outcome;
 use crate::failure::Failure;
 use crate::terminal::{FAINT, styled};
-use mckibben::simulation::{Event, EventKind, Extent, Sliding};
+use mckibben::simulation::{Event, EventKind, Extent, Mode, Sliding};
 use mckibben::valve::FlowZone;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
 
-/// The columns of the CSV.
-pub const COLUMNS: [&str; 8] =
-    ["time_s", "event", "valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
+/// The columns of the CSV that say what holds of an actuator.
+pub(crate) const OF_ACTUATOR: [&str; 6] =
+    ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
 
 /// The events of a run, or `None` where the engine keeps no log of them.
 pub fn of<'o>(outcome: &'o Outcome<'_>) -> Option<&'o [Event]> {
@@ -56,17 +56,20 @@ pub fn table(events: &[Event]) -> String {
 pub fn write(events: &[Event], path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
     let failed = |error: csv::Error| Failure::output(path, error);
     let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(COLUMNS).map_err(failed)?;
+    writer.write_record(["time_s", "event"].into_iter().chain(OF_ACTUATOR)).map_err(failed)?;
     for event in events {
-        let after = &event.after;
         let time = format!("{:?}", event.time);
-        let [supply, exhaust] = [after.supply_zone, after.exhaust_zone].map(|flow| flow.map_or("", zone));
-        let clamped = if after.clamped { "true" } else { "false" };
-        let words = [event.kind.name(), after.ports.name(), supply, exhaust];
-        let words = words.into_iter().chain([extent(after.extent), sliding(after.sliding), clamped]);
-        writer.write_record([time.as_str()].into_iter().chain(words)).map_err(failed)?;
+        let own = [time.as_str(), event.kind.name()];
+        writer.write_record(own.into_iter().chain(words(&event.after))).map_err(failed)?;
     }
     writer.flush().map_err(|error| Failure::output(path, error))
+}
+
+/// What holds of an actuator, in the order of [`OF_ACTUATOR`].
+pub(crate) fn words<'w>(mode: &Mode) -> [&'w str; 6] {
+    let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
+    let clamped = if mode.clamped { "true" } else { "false" };
+    [mode.ports.name(), supply, exhaust, extent(mode.extent), sliding(mode.sliding), clamped]
 }
 
 /// The name of a piece of the flow law.
@@ -90,7 +93,7 @@ pub(crate) fn extent(extent: Extent) -> &'static str {
     }
 }
 
-pub(crate) fn sliding(sliding: Sliding) -> &'static str {
+fn sliding(sliding: Sliding) -> &'static str {
     match sliding {
         Sliding::Lengthening => "lengthening",
         Sliding::Shortening => "shortening",

@@ -56,11 +56,18 @@ pub fn draw(
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    let figure = match over {
-        Over::Time => figure(experiment, outcome, title),
+    bytes(&figure(experiment, outcome, over, title)?, (path, format))
+}
+
+/// The figure of a run.
+///
+/// # Errors
+/// What the core finds when a fixed-step run is repeated.
+pub fn figure(experiment: &Experiment, outcome: &Outcome<'_>, over: Over, title: &str) -> Result<Figure, Error> {
+    match over {
+        Over::Time => courses(experiment, outcome, title),
         Over::Length => loops(experiment, outcome, title),
-    };
-    figure.map_err(Failure::from).and_then(|figure| bytes(&figure, (path, format)))
+    }
 }
 
 /// A figure as the bytes of a file.
@@ -119,7 +126,7 @@ impl Bands {
     }
 }
 
-fn figure(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {
+fn courses(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {
     let duration = experiment.run.duration;
     let curves = curves(experiment, outcome)?;
     let limits = experiment.rig.actuator().limits();

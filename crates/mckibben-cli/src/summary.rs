@@ -6,8 +6,9 @@ use crate::events;
 use crate::observation::{Observation, Range, Ripple};
 use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
+use mckibben::air::Process;
 use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{Counts, EnergyAudit};
+use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
 use std::fmt::Write as _;
@@ -50,7 +51,11 @@ impl Summary<'_> {
         self.states(&mut page);
         self.air(&mut page);
         if let Outcome::Located(trajectory) = self.outcome {
-            energy(&mut page, &trajectory.audit());
+            let of_circuit = trajectory.circuit();
+            energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
+            if let Some(audit) = of_circuit {
+                circuit(&mut page, &audit, trajectory.rig().actuator().air().process());
+            }
         }
         page.text + &assumptions(self.assumed)
     }
@@ -220,6 +225,40 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
         }
     }
     residual(page, audit.residual(), turnover);
+}
+
+/// Where the exergy of the air from the supply went.
+fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
+    page.heading("Exergy of the supply's air");
+    let heat = match process {
+        Process::Isentropic | Process::Polytropic { .. } => {
+            "lost through heat that the process implies; negative: gained"
+        }
+        Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
+    };
+    let work = audit.work.gas_work;
+    let named = [
+        ("drawn", audit.drawn, "work potential at the supply's temperature and outside pressure"),
+        ("gas work", work, "by the gauge pressure, see Energy"),
+        ("left inside", audit.stored, "gained by the air in the actuator"),
+        ("exhaust", audit.exhaust, "thrown out with the air"),
+        ("valve", audit.throttled, "destroyed in the valve on the way in"),
+        ("mixing", audit.mixed, "destroyed as air of two temperatures mixes"),
+        ("heat", audit.heat, heat),
+    ];
+    let turnover = audit.turnover();
+    let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
+    for (index, (name, value, where_to)) in named.into_iter().enumerate() {
+        if index < 2 || value.abs() > 1e-12 * turnover {
+            page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
+        }
+    }
+    residual(page, audit.residual(), turnover);
+    if let (Some(whole), Some(compressor)) = (audit.efficiency(), audit.compressor_efficiency()) {
+        let compressor_work = quantity(audit.compressor, "J");
+        page.value("efficiency", &percent(whole), "work on the load over what was drawn");
+        page.value("of compressor", &percent(compressor), &format!("over its isothermal work, {compressor_work}"));
+    }
 }
 
 /// The closing note about numbers that nobody states.

@@ -376,3 +376,19 @@ fn a_joint_is_refused_by_what_takes_one_actuator() {
         assert!(output.status.code() == Some(2) && error.contains(word), "{error}");
     }
 }
+
+#[test]
+fn the_exergy_of_the_supply_is_told_where_there_is_a_valve() {
+    let folder = Folder::new("exergy");
+    let told = |file: &str| {
+        let output = folder.mckibben().arg("simulate").arg(of_repository(file)).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let with = told("examples/fill-hold-exhaust.toml");
+    let (_, exergy) = with.split_once("Exergy of the supply's air").expect("its heading");
+    for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
+        assert!(exergy.contains(&format!("\n  {name}")), "{name}: {exergy}");
+    }
+    assert!(!told("examples/paper/fig-08.toml").contains("Exergy"), "a sealed muscle draws nothing");
+}

@@ -41,7 +41,7 @@ pub struct CurvesArguments {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next.
-    #[arg(long, value_name = "LIST", default_value = "35,45,55,65,75,85,95psi")]
+    #[arg(long, value_name = "LIST", default_value = USUAL)]
     pub pressures: Pressures,
     /// Write the curves as a table: .csv.
     #[arg(short, long, value_name = "FILE")]
@@ -66,6 +66,8 @@ pub enum Over {
     Contraction,
 }
 
+/// The pressures when none are given: those of the paper's Fig. 3.
+const USUAL: &str = "35,45,55,65,75,85,95psi";
 /// Intervals of a curve, and every how many stand in the printed table.
 const INTERVALS: usize = 120;
 const PRINTED: usize = 12;
@@ -84,8 +86,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let experiment = document.experiment()?;
     let pressures = arguments.pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
-    let notes = [beyond_ideal(&scenario.actuator), assumed(&document)];
-    let notes = notes.into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join(" ");
+    let notes = notes(&scenario, &document);
     if let Some(path) = &arguments.output {
         let csv = curves.data().to_csv().map_err(|error| Failure::output(path, error))?;
         output::write(path, &csv)?;
@@ -103,6 +104,22 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
         text.push_str(&format!("{} {}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
     }
     terminal::print(&text)
+}
+
+/// The figure over length at the usual pressures.
+pub(crate) fn figure(document: &Document) -> Result<Figure, Failure> {
+    let scenario = document.scenario()?;
+    let experiment = document.experiment()?;
+    let pressures: Pressures = USUAL.parse().map_err(Failure::stopped)?;
+    let pressures = pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
+    let curves = Curves { actuator: experiment.rig.actuator(), pressures };
+    Ok(curves.figure(Over::Length, &notes(&scenario, document)))
+}
+
+/// What a reader of the curves must know, as sentences; empty when there is nothing.
+fn notes(scenario: &Scenario, document: &Document) -> String {
+    let notes = [beyond_ideal(&scenario.actuator), assumed(document)];
+    notes.into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 /// Refuses a name whose ending does not say what to write, before anything is done.

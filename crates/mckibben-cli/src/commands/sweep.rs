@@ -5,6 +5,7 @@
 use crate::describe;
 use crate::failure::Failure;
 use crate::output;
+use crate::plot::{PlotError, Theme};
 use crate::portrait;
 use crate::progress::Progress;
 use crate::quantities::{count, digits, given, quantity};
@@ -205,8 +206,7 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     for key in idle {
         document.remove(key);
     }
-    let by_default = (!document.contains("run.engine")).then(|| Engine::FixedStep.name().to_owned());
-    let engine = arguments.engine.clone().or(by_default);
+    let engine = arguments.engine.clone().or(engine_by_default(&document));
     for (option, key, value) in
         [("--engine", "run.engine", engine), ("--record", "sweep.record", arguments.record.clone())]
     {
@@ -216,6 +216,37 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
         }
     }
     Ok((document, set))
+}
+
+/// The engine of a sweep that names none.
+fn engine_by_default(document: &Document) -> Option<String> {
+    (!document.contains("run.engine")).then(|| Engine::FixedStep.name().to_owned())
+}
+
+/// The sweep of a document as it is done without options; none where it has no section `[sweep]`.
+pub(crate) fn of(document: &Document) -> Result<Option<Sweep>, Failure> {
+    let mut document = document.clone();
+    if let Some(engine) = engine_by_default(&document) {
+        document.set_text("run.engine", &format!("\"{engine}\""))?;
+    }
+    Ok(document.sweep()?)
+}
+
+/// Does all runs of a sweep, on all cores, and draws them.
+pub(crate) fn svg(sweep: &Sweep, theme: Theme) -> Result<Result<String, PlotError>, Failure> {
+    let plan = Plan { rows: sweep.rows(), part_rows: sweep.part_rows().max(1) };
+    let parts = plan.shard(Shard::WHOLE).collect();
+    let jobs = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let choice = Choice::of(sweep, jobs)?;
+    let mut tally = Tally::new(sweep, true);
+    let destination = Destination::new(sweep, plan, Vec::new(), Place::Nowhere);
+    simulate((sweep, choice.as_ref()), plan, parts, jobs, destination, &mut tally)?;
+    match tally.first_reason() {
+        Some(reason) if tally.failed() == tally.runs() => {
+            Err(Failure::stopped(format!("every run failed; the first because {reason}")))
+        }
+        _ => Ok(chart::svg(sweep, &tally, theme)),
+    }
 }
 
 /// Finds the parts that are finished, and takes up what is in them.

@@ -5,7 +5,7 @@
 //! itself, and what stands behind it holds from then on.
 
 use super::NAMES;
-use crate::events::{extent, sliding, zone};
+use crate::events::{OF_ACTUATOR, extent, words, zone};
 use crate::failure::Failure;
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{Contact, End, EventKind, JointEvent, JointMode, Turning};
@@ -13,9 +13,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
-
-/// The columns of each actuator.
-const OF_ACTUATOR: [&str; 6] = ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
 
 /// How many events of each kind there are.
 pub fn counts(events: &[JointEvent]) -> BTreeMap<EventKind, u64> {
@@ -64,12 +61,7 @@ pub fn write(events: &[JointEvent], path: &Path, out: &mut dyn Write) -> Result<
         let time = format!("{:?}", event.time);
         let whose = event.kind.actuator.map_or("", |index| NAMES[index]);
         let own = [time.as_str(), event.kind.kind.name(), whose, turning(after.turning), contact(after.contact)];
-        let of_actuators = after.actuators.iter().flat_map(|mode| {
-            let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
-            let clamped = if mode.clamped { "true" } else { "false" };
-            [mode.ports.name(), supply, exhaust, extent(mode.extent), sliding(mode.sliding), clamped]
-        });
-        writer.write_record(own.into_iter().chain(of_actuators)).map_err(failed)?;
+        writer.write_record(own.into_iter().chain(after.actuators.iter().flat_map(words))).map_err(failed)?;
     }
     writer.flush().map_err(|error| Failure::output(path, error))
 }

@@ -20,7 +20,8 @@ pub fn draw(
     bytes(&figure(trajectory, interval, title), target)
 }
 
-fn figure(trajectory: &JointTrajectory, interval: f64, title: &str) -> Figure {
+/// The figure of a run.
+pub(crate) fn figure(trajectory: &JointTrajectory, interval: f64, title: &str) -> Figure {
     let duration = trajectory.duration();
     let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
     let samples: Vec<_> = trajectory.samples(interval).collect();

@@ -227,7 +227,8 @@ fn subscripts(out: &mut String, words: &str) {
     out.push_str(&escaped(rest));
 }
 
-fn escaped(text: &str) -> String {
+/// Text as HTML shows it.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

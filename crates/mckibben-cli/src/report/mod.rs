@@ -16,6 +16,8 @@
 mod html;
 mod text;
 
+pub(crate) use html::escaped;
+
 use crate::plot::Figure;
 
 /// Everything that is reported.

@@ -33,6 +33,17 @@ pub fn draw(sweep: &Sweep, tally: &Tally, title: &str, (path, format): (&Path, F
     picture.bytes(format).map_err(|error| Failure::output(path, error))
 }
 
+/// The sweep as SVG.
+///
+/// # Errors
+/// When the figure contradicts itself.
+pub fn svg(sweep: &Sweep, tally: &Tally, theme: Theme) -> Result<String, PlotError> {
+    match picture(sweep, tally, "") {
+        Picture::One(figure) => figure.to_svg(theme),
+        Picture::Beside(beside) => beside.to_svg(theme),
+    }
+}
+
 /// A figure, or several side by side.
 enum Picture {
     One(Figure),

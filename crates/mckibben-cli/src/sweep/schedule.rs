@@ -10,6 +10,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
+/// Bytes of stack of a worker: without optimisation the numbers of a block are copied on it several times over.
+const STACK: usize = 16 << 20;
+
 /// Units under way for each thread, so that none waits for work while a long one holds up the order.
 const AHEAD: usize = 4;
 
@@ -23,7 +26,7 @@ pub fn in_order<U: Send, T: Send>(
     work: impl Fn(&U) -> T + Sync,
     mut each: impl FnMut(U, T) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let pool = ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|error| {
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).stack_size(STACK).build().map_err(|error| {
         Failure::input(format!("{jobs} threads cannot be started: {error}"), "ask for fewer with --jobs")
     })?;
     let (work, cancelled) = (&work, &AtomicBool::new(false));

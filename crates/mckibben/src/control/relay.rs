@@ -13,11 +13,8 @@
 //! | δ | `dead_band` | the quantity's |
 //! | h | `hysteresis`, at most δ | the quantity's |
 //!
-//! Without a dead band wider than what the valve moves in one sample and its own closing delay, the relay chatters.
-//! Pressure control of pneumatic muscles by on-off valves with such a dead zone: Van Ham, Verrelst, Daerden & Lefeber
-//! (2003), "Pressure control with on-off valves of pleated pneumatic artificial muscles in a modular one-dimensional
-//! rotational joint". The hysteresis is the textbook's.
-//! Checked by `tests/control.rs`.
+//! Without a dead band wider than what the valve moves in one sample and its own closing delay, the relay chatters. Dead band
+//! and hysteresis are the textbook's. Checked by `tests/control.rs`.
 
 use super::Quantity;
 use crate::error::{Error, Requirement};

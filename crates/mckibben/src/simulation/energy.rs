@@ -22,7 +22,6 @@ use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
 use crate::air::Flow;
 use crate::force::{StaticForce, Statics};
-use crate::friction::Touch;
 use crate::scalar::Real;
 
 /// Where the work of the gas went, in J, and the air, in kg.
@@ -64,8 +63,13 @@ pub struct EnergyAudit {
 impl EnergyAudit {
     /// What does not close, in J.
     pub fn residual(&self) -> f64 {
+        self.gas_work - self.accounted()
+    }
+
+    /// Where the work of the gas is known to have gone, in J.
+    pub(super) fn accounted(&self) -> f64 {
         let stored = self.load + self.bladder_storage + self.braid_storage + self.hysteresis_storage;
-        self.gas_work - self.effectiveness_loss - stored - self.dissipated()
+        self.effectiveness_loss + stored + self.dissipated()
     }
 
     /// Everything dissipated in J.
@@ -113,8 +117,7 @@ impl EnergyAudit {
         self.effectiveness_loss += weight * (gas_power + (static_force * velocity).value());
         let viscous = friction.viscous_force(velocity);
         let direction = R::constant(mode.sliding.direction());
-        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
-        let pressing = actuator.pressing(sample.length, sample.pressure.0, touch);
+        let pressing = actuator.pressing(sample.length, sample.pressure.0, mode.touch());
         let coulomb = friction.coulomb().sliding(direction, velocity, friction.coulomb().kinetic(pressing));
         let [mut hysteresis, mut slipping] = [R::zero(); 2];
         if let Some(trace) = trace {

@@ -61,10 +61,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
 
     /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        let Course { time, state, held } = &self.walk.course;
-        let sample = Sample::new(*time, &of_rig(state), &self.rig.observe(state, held), self.walk.ports);
-        let hose = self.rig.line().hose.as_ref();
-        hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None))
+        self.walk.sample(self.rig)
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -86,9 +83,19 @@ pub(crate) struct Walk<R: Real> {
     pub(crate) ports: Ports,
 }
 
+impl<R: Real<Time = R>> Walk<R> {
+    /// Everything that is known at the time that has been reached.
+    pub(super) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
+        let Course { time, state, held } = &self.course;
+        let sample = Sample::new(*time, &of_rig(state), &rig.observe(state, held), self.ports);
+        let hose = rig.line().hose.as_ref();
+        hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None))
+    }
+}
+
 impl<R: Real> Walk<R> {
     /// At t = 0, before what is due then has been passed.
-    fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
+    pub(super) fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
         let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
         let course = Course { time: R::Time::zero(), state, held: Held { memory, ..Held::nothing() } };
         Self { course, progress: Progress::none(), ports: Ports::CLOSED }

@@ -11,10 +11,11 @@
 
 use super::member::{Member, Trace};
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
-use super::plumbing::{LineMode, Plumbing};
+use super::plumbing::{LineMode, Plumbing, Room};
 use super::rig::{Rig, State};
 use super::system::{GuardForm, Guards, HybridSystem};
 use super::timetable::Progress;
+use super::zones::Places;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::error::Error;
@@ -96,15 +97,15 @@ impl<'a, R: Real> RigSystem<'a, R> {
         state
     }
 
-    /// Place of the pressure that the valve opens into, and that of the supply if it is not constant.
+    /// Places of the pressures that the air depends on.
     #[inline(always)]
-    pub(super) fn valve_places(&self) -> (usize, Option<usize>) {
-        self.plumbing.as_ref().map_or((PRESSURE, None), |line| (line.valve_pressure(), line.supply_pressure()))
+    pub(super) fn places(&self) -> Places {
+        self.plumbing.as_ref().map_or(Places::direct(PRESSURE), Plumbing::places)
     }
 
     /// Enters the zones of the passages that are open.
     fn enter_ports<const N: usize>(&self, state: &[R; N], mode: &mut Mode) {
-        let (valve, supply) = self.valve_places();
+        let Places { valve, supply, .. } = self.places();
         self.member.enter_ports(state[valve], supply.map(|place| state[place]), mode);
     }
 
@@ -298,6 +299,11 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     type Kind = EventKind;
 
     #[inline(always)]
+    fn states(&self) -> usize {
+        if Room::<N>::FOR_LINE { RigSystem::states(self) } else { N }
+    }
+
+    #[inline(always)]
     fn rates<T: Over<R>>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> [T; N] {
         let mode = &phase.mode;
         let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
@@ -315,15 +321,16 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         let air = [length, velocity, state[PRESSURE], state[AIR_MASS]];
         let mut rates = [T::zero(); N];
         (rates[LENGTH], rates[VELOCITY]) = (velocity, acceleration);
-        [rates[PRESSURE], rates[AIR_MASS]] = match &self.plumbing {
-            None => self.member.air_rates(air, mode),
-            Some(plumbing) => {
-                let [length, velocity, pressure, mass] = air;
-                let actuator = self.rig.actuator();
-                let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
-                let inflow = plumbing.rates(&self.member, &chamber, state, (mode, &phase.line), &mut rates);
-                [actuator.pressure_rate(&chamber, &inflow), inflow.net()]
-            }
+        [rates[PRESSURE], rates[AIR_MASS]] = if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            let [length, velocity, pressure, mass] = air;
+            let actuator = self.rig.actuator();
+            let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+            let inflow = plumbing.rates(&self.member, &chamber, state, (mode, &phase.line), &mut rates);
+            [actuator.pressure_rate(&chamber, &inflow), inflow.net()]
+        } else {
+            self.member.air_rates(air, mode)
         };
         rates
     }
@@ -334,13 +341,18 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             seeded[place] = value;
             self.rates(Dual::of(time), &seeded, phase)
         };
-        let (valve, supply) = self.valve_places();
+        let Places { valve, supply, .. } = self.places();
         let supply = supply.map(|place| state[place]);
         let rate = |pressure| seeded_at(valve, pressure)[valve];
         let settling = self.member.pressure_settling_rate(state[valve], supply, &phase.mode, rate);
-        let rates = |place| seeded_at(place, Dual::variable(state[place], 0));
-        let of_line = self.plumbing.as_ref().map_or(0.0, |line| line.settling_rate(state, &phase.line, rates));
-        (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling).max(of_line)
+        let fastest = (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling);
+        if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            let rates = |place| seeded_at(place, Dual::variable(state[place], 0));
+            return fastest.max(plumbing.settling_rate(state, &phase.line, rates));
+        }
+        fastest
     }
 
     fn scales(&self, state: &[R; N], phase: &Phase<R>) -> [f64; N] {
@@ -360,7 +372,9 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             pressure + 0.1 * atmosphere,
             mass + 0.1 * air_mass,
         ]);
-        if let Some(plumbing) = &self.plumbing {
+        if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
             plumbing.scales(&self.member, state, &mut scales);
         }
         scales
@@ -421,9 +435,8 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         {
             guards.add(Guard::Slip, if lasts_above { above(LENGTH, end) } else { below(LENGTH, end) });
         }
-        let (valve, supply) = self.valve_places();
         let mut add = |guard, form| guards.add(guard, form);
-        self.member.each_other_guard(mode, PRESSURE, (valve, supply.is_none()), &mut add);
+        self.member.each_other_guard(mode, self.places(), &mut add);
         if let Some(plumbing) = &self.plumbing {
             plumbing.guards(&phase.line, &mut guards);
         }
@@ -433,16 +446,16 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
         let [length, velocity, _] = ends(state);
-        let of_line = self.plumbing.as_ref().and_then(|plumbing| {
-            let of_exhaust = matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp);
-            let ends = [length, velocity, state[plumbing.valve_pressure()]];
-            if of_exhaust {
-                return Some(self.member.guard(guard, ends, mode, &phase.trace));
+        if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            if matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp) {
+                let ends = [length, velocity, state[plumbing.places().valve]];
+                return self.member.guard(guard, ends, mode, &phase.trace);
             }
-            plumbing.guard(guard, &self.member, state, (mode, &phase.line))
-        });
-        if let Some(value) = of_line {
-            return value;
+            if let Some(value) = plumbing.guard(guard, &self.member, state, (mode, &phase.line)) {
+                return value;
+            }
         }
         let band = T::constant(self.member.force_band);
         let pull = || self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));

@@ -33,6 +33,20 @@ pub struct Counts {
     pub events: u64,
 }
 
+#[cfg(feature = "alloc")]
+impl Counts {
+    /// The cost of one after the other.
+    pub(super) fn and(self, next: Self) -> Self {
+        Self {
+            explicit_steps: self.explicit_steps + next.explicit_steps,
+            implicit_steps: self.implicit_steps + next.implicit_steps,
+            rejected_steps: self.rejected_steps + next.rejected_steps,
+            evaluations: self.evaluations + next.evaluations,
+            events: self.events + next.events,
+        }
+    }
+}
+
 /// A stretch of time within one mode: one step, cut where an event ended it.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<R, M, K, const N: usize> {
@@ -200,7 +214,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     /// A first step in a new mode: a part of the time in which the rates would change a state by its own size.
     fn first_step(&self, slope: &[R; N]) -> f64 {
         let scales = self.scales();
-        let fastest = (0..N).map(|n| slope[n].value().abs() / scales[n]).fold(0.0, f64::max);
+        let fastest = (0..self.system.states()).map(|n| slope[n].value().abs() / scales[n]).fold(0.0, f64::max);
         if fastest > 0.0 { self.first_part / fastest } else { f64::INFINITY }
     }
 
@@ -213,7 +227,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let (system, mode) = (self.system, self.mode);
         let rates = |time: R, state: &[R; N]| system.rates(time, state, &mode);
         let allowed = self.allowed();
-        self.explicit.attempt(self.time, &self.state, slope, length, &allowed, rates);
+        self.explicit.attempt(self.time, &self.state, slope, length, &allowed[..system.states()], rates);
         self.counts.evaluations += explicit::EVALUATIONS.0;
         if !self.control(length.value(), self.explicit.error, eighth_root) {
             return None;
@@ -250,12 +264,14 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     fn try_implicit(&mut self, slope: &[R; N], length: R) -> Option<(Arc<R, N>, [R; N])> {
         let (system, mode) = (self.system, self.mode);
         let linear =
-            rosenbrock::Linearisation::at(self.time, &self.state, |time, state| system.rates(time, state, &mode));
+            rosenbrock::Linearisation::at(self.time, &self.state, system.states(), |time, state| {
+                system.rates(time, state, &mode)
+            });
         let allowed = self.allowed();
         let attempt = rosenbrock::attempt(self.time, &self.state, slope, &linear, length, &allowed, |time, state| {
             system.rates(time, state, &mode)
         });
-        self.counts.evaluations += rosenbrock::EVALUATIONS + N as u64 + 1;
+        self.counts.evaluations += rosenbrock::EVALUATIONS + system.states() as u64 + 1;
         if !self.control(length.value(), attempt.error, fifth_root) {
             return None;
         }

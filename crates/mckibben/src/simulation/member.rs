@@ -20,14 +20,14 @@ use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
 use super::sample::Sample;
 use super::system::GuardForm;
+use super::zones::Places;
 use crate::actuator::Actuator;
 #[cfg(feature = "alloc")]
 use crate::air::Flow;
 use crate::air::Process;
 use crate::force::Statics;
-use crate::friction::{Branch, Memory, Rubbing, Touch};
+use crate::friction::{Branch, Memory, Rubbing};
 use crate::scalar::{Over, Real};
-use crate::valve::{FlowZone, Port};
 
 /// Temperature in K at which the scale of the air mass is taken.
 const ROOM_TEMPERATURE: f64 = 293.15;
@@ -138,9 +138,8 @@ impl<'a, R: Real> Member<'a, R> {
     /// How the threads rub at an actuator length.
     #[inline(always)]
     pub(super) fn rubbing<T: Over<R>>(&self, length: T, mode: &Mode, trace: &Option<Trace<R>>) -> Rubbing<T> {
-        let touch = if mode.pressed { Touch::Pressed } else { Touch::Apart };
         let width = trace.as_ref().map(|trace| trace.width(length));
-        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch }
+        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch: mode.touch() }
     }
 
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
@@ -232,21 +231,12 @@ impl<'a, R: Real> Member<'a, R> {
         }
     }
 
-    /// The guards of the tension and of the air, in the order in which they are crossed; `pressure` is its place among the
-    /// states, `valve` the place of the pressure that the valve opens into and whether the supply's is constant.
-    pub(super) fn each_other_guard(
-        &self,
-        mode: &Mode,
-        pressure: usize,
-        valve: (usize, bool),
-        add: &mut impl FnMut(Guard, GuardForm),
-    ) {
+    /// The guards of the tension and of the air, in the order in which they are crossed.
+    pub(super) fn each_other_guard(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
         if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
             add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
-        self.zone_guards(mode, valve, add);
-        self.piece_guards(mode, pressure, add);
-        self.press_guard(mode, pressure, add);
+        self.piece_guards(mode, places, add);
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
@@ -255,9 +245,12 @@ impl<'a, R: Real> Member<'a, R> {
         let [length, velocity, pressure] = ends;
         let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
         let band = T::constant(self.force_band);
-        let bound = |port, zone: Option<FlowZone>, up| {
-            zone.and_then(|zone| self.zone_bound(port, zone, up)).map_or(pressure, T::of)
+        let within = |number: T, (bound, lasts_above): (R, bool)| {
+            if lasts_above { number - T::of(bound) } else { T::of(bound) - number }
         };
+        if let Some(limit) = self.pressure_limit(guard, mode) {
+            return within(pressure, limit);
+        }
         match guard {
             Guard::ThreadLength => T::of(self.thread_length()) - length,
             Guard::Slack => length - shortest,
@@ -268,33 +261,17 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::Retaut => band - limits.taut_force(length, velocity),
             Guard::TensionZero => self.signed_force(ends, mode, trace) + band,
             Guard::TensionBack => band - self.signed_force(ends, mode, trace),
-            Guard::SupplyDown => pressure - bound(Port::Supply, mode.supply_zone, false),
-            Guard::SupplyUp => bound(Port::Supply, mode.supply_zone, true) - pressure,
-            Guard::ExhaustDown => pressure - bound(Port::Exhaust, mode.exhaust_zone, false),
-            Guard::ExhaustUp => bound(Port::Exhaust, mode.exhaust_zone, true) - pressure,
-            Guard::MapShorter => length - self.map_length_bound(mode, false).map_or(length, T::of),
-            Guard::MapLonger => self.map_length_bound(mode, true).map_or(length, T::of) - length,
-            Guard::MapDown => pressure - self.map_pressure_bound(mode, false).map_or(pressure, T::of),
-            Guard::MapUp => self.map_pressure_bound(mode, true).map_or(pressure, T::of) - pressure,
-            Guard::PieceDown => pressure - self.piece_bound(mode, false).map_or(pressure, T::of),
-            Guard::PieceUp => self.piece_bound(mode, true).map_or(pressure, T::of) - pressure,
-            Guard::PressDown => pressure - T::of(self.press_bound(true)),
-            Guard::PressUp => T::of(self.press_bound(false)) - pressure,
-            Guard::Slip => match trace.as_ref().and_then(Trace::end) {
-                Some((end, true)) => length - T::of(end),
-                Some((end, false)) => T::of(end) - length,
-                None => T::one(),
-            },
-            // The load's or the line's, not the member's: they never end what a member knows of.
-            Guard::Rest
-            | Guard::BreakLonger
-            | Guard::BreakShorter
-            | Guard::RegimeDown
-            | Guard::RegimeUp
-            | Guard::CutOut
-            | Guard::CutIn
-            | Guard::RegulatorUp
-            | Guard::RegulatorDown => T::one(),
+            Guard::Slip => trace.as_ref().and_then(Trace::end).map_or(T::one(), |end| within(length, end)),
+            Guard::MapShorter | Guard::MapLonger => {
+                self.map_length_limit(guard, mode).map_or(T::one(), |limit| within(length, limit))
+            }
+            // An end that the mode has not, or the load's or the line's: they never end what a member knows of.
+            Guard::SupplyDown | Guard::SupplyUp | Guard::ExhaustDown | Guard::ExhaustUp => T::one(),
+            Guard::PieceDown | Guard::PieceUp | Guard::MapDown | Guard::MapUp => T::one(),
+            Guard::PressDown | Guard::PressUp => T::one(),
+            Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
+            Guard::RegimeDown | Guard::RegimeUp | Guard::CutOut | Guard::CutIn => T::one(),
+            Guard::RegulatorUp | Guard::RegulatorDown => T::one(),
         }
     }
 

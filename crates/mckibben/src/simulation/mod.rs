@@ -5,11 +5,18 @@
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
 //!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
 //!
-//! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other.
+//! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other. [`simulate_controlled`]
+//! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way.
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
 mod arc;
+#[cfg(feature = "alloc")]
+mod circuit;
+#[cfg(feature = "alloc")]
+mod closed_loop;
+#[cfg(feature = "alloc")]
+mod controlled;
 pub(crate) mod course;
 #[cfg(feature = "alloc")]
 mod energy;
@@ -36,6 +43,12 @@ mod trajectory;
 mod zones;
 
 pub use arc::Arc;
+#[cfg(feature = "alloc")]
+pub use circuit::CircuitAudit;
+#[cfg(feature = "alloc")]
+pub use closed_loop::Decision;
+#[cfg(feature = "alloc")]
+pub use controlled::{Controlled, ControlledStepper, simulate_controlled, simulate_controlled_watched};
 #[cfg(feature = "alloc")]
 pub use energy::EnergyAudit;
 pub use fixed_step::FixedStepper;

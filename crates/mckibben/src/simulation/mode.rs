@@ -1,6 +1,7 @@
 //! The discrete state of an actuator on its load: which formulas hold.
 
 use crate::force::Piece;
+use crate::friction::Touch;
 use crate::valve::{FlowZone, Ports};
 
 /// Where the distance between the attachments lies, (10) and (14).
@@ -64,6 +65,13 @@ pub struct Mode {
     pub sliding: Sliding,
     /// Whether the sum of forces is kept at zero because a tendon cannot push.
     pub clamped: bool,
+}
+
+impl Mode {
+    /// Whether the gas presses the threads together.
+    pub(super) fn touch(&self) -> Touch {
+        if self.pressed { Touch::Pressed } else { Touch::Apart }
+    }
 }
 
 /// What happened at an event.

@@ -15,7 +15,7 @@
 use super::member::Member;
 use super::mode::{EventKind, Guard, Mode};
 use super::system::{GuardForm, Guards};
-use super::zones::MEETING;
+use super::zones::{MEETING, Places};
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::line::{FlowRegime, HoseKind, Line, MAX_CELLS, Poppet, SupplyLine, split};
@@ -24,9 +24,6 @@ use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
 const FIRST: usize = 4;
-/// The states of a rig with every part of a line, its hose lumped.
-#[cfg(feature = "alloc")]
-pub(super) const LUMPED: usize = FIRST + 3;
 /// The most states that a rig with a line may have.
 #[cfg(feature = "alloc")]
 pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 2;
@@ -34,6 +31,14 @@ pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 2;
 const SLOW: f64 = 0.1;
 /// Part of a bound between two regimes by which it is passed at least: their slopes agree there.
 const LEAST_BAND: f64 = 1e-6;
+
+/// Whether `N` states have room for those of a line: known where a system is compiled, so that a rig alone does not carry
+/// a line's code.
+pub(super) struct Room<const N: usize>;
+
+impl<const N: usize> Room<N> {
+    pub(super) const FOR_LINE: bool = N > FIRST;
+}
 
 /// The line's part of the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,14 +93,11 @@ impl<'a, R: Real> Plumbing<'a, R> {
         Some(Self { line, volumes, flows, reservoir, regulator, states })
     }
 
-    /// Place of the pressure that the valve opens into.
-    pub(super) fn valve_pressure(&self) -> usize {
-        if self.volumes > 0 { FIRST } else { super::hybrid::PRESSURE }
-    }
-
-    /// Place of the pressure that feeds the valve, unless that is constant.
-    pub(super) fn supply_pressure(&self) -> Option<usize> {
-        self.regulator.or(self.reservoir)
+    /// Places of the pressures that the air depends on.
+    pub(super) fn places(&self) -> Places {
+        let own = super::hybrid::PRESSURE;
+        let valve = if self.volumes > 0 { FIRST } else { own };
+        Places { own, valve, supply: self.regulator.or(self.reservoir) }
     }
 
     fn supply(&self) -> Option<&SupplyLine<R>> {
@@ -158,7 +160,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
 
     /// The pressure that feeds the valve.
     fn feed<T: Over<R>, const N: usize>(&self, valve: &Valve<R>, state: &[T; N]) -> T {
-        self.supply_pressure().map_or_else(|| T::of(valve.port_pressure(Port::Supply)), |place| state[place])
+        self.places().supply.map_or_else(|| T::of(valve.port_pressure(Port::Supply)), |place| state[place])
     }
 
     fn ends<T: Over<R>, const N: usize>(&self, valve: &Valve<R>, own: &Chamber<T>, state: &[T; N]) -> Ends<T> {
@@ -406,7 +408,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
             Guard::RegulatorDown => regulate(if line.poppet == Poppet::Rests { -1.0 } else { 1.0 }, -1.0),
             Guard::SupplyDown | Guard::SupplyUp => {
                 let (up, zone) = (guard == Guard::SupplyUp, mode.supply_zone?);
-                let (pressure, feed) = (state[self.valve_pressure()], self.feed(member.actuator.valve()?, state));
+                let (pressure, feed) = (state[self.places().valve], self.feed(member.actuator.valve()?, state));
                 let bound = T::of(member.zone_ratio(zone, up)?) * feed;
                 Some(if up { bound - pressure } else { pressure - bound })
             }

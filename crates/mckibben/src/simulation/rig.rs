@@ -265,6 +265,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_ref()
     }
 
+    /// What drives the valve, to be told more.
+    #[cfg(feature = "alloc")]
+    pub(super) fn actuation_mut(&mut self) -> Option<&mut Actuation<S>> {
+        self.actuation.as_mut()
+    }
+
     /// The load.
     #[inline(always)]
     pub fn load(&self) -> &Load<S> {

@@ -25,42 +25,67 @@ pub(super) struct Stored<R: Real, M, K, const N: usize> {
 pub(super) type StoredOf<R, S, const N: usize> =
     Stored<R, <S as HybridSystem<R, N>>::Mode, <S as HybridSystem<R, N>>::Kind, N>;
 
-/// Runs a system from a state and mode at t = 0 for `duration` s with `relative_tolerance` for each step; `piece` sees
+/// Runs a system from a state and mode at t = 0 for `duration` s with `relative_tolerance` for each step; `see` sees
 /// every piece, `watch` the time in s that has been reached, now and then.
 pub(super) fn run<R: Real, S: HybridSystem<R, N>, const N: usize>(
     system: &S,
     (state, mode): ([R; N], S::Mode),
     duration: R,
     relative_tolerance: f64,
-    mut see: impl FnMut(&PieceOf<R, S, N>),
-    mut watch: impl FnMut(f64),
+    see: impl FnMut(&PieceOf<R, S, N>),
+    watch: impl FnMut(f64),
 ) -> Result<StoredOf<R, S, N>, Error> {
     parameter::DURATION.check(duration.value())?;
     parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-    let mut integrator = Integrator::new(system, R::zero(), state, mode, duration, relative_tolerance);
-    let mut pieces = Vec::new();
-    while let Some(piece) = integrator.advance()? {
-        see(&piece);
-        pieces.push(piece);
-        if pieces.len().is_multiple_of(WATCHED) {
-            watch(integrator.time().value());
-        }
-        if pieces.len() > MAX_PIECES {
-            return Err(Error::Stopped {
-                time: integrator.time().value(),
-                reason: "the run takes more steps than a stored trajectory may have",
-                quantity: "steps",
-                value: MAX_PIECES as f64,
-                unit: "",
-                remedy: "shorten run.duration, loosen run.relative_tolerance, or use the fixed-step engine",
-            });
-        }
-    }
-    let last = (integrator.time(), *integrator.state(), *integrator.mode());
-    Ok(Stored { pieces, last, counts: integrator.counts() })
+    let mut stored = Stored::begin(state, mode);
+    stored.extend(system, duration, relative_tolerance, see, watch)?;
+    Ok(stored)
 }
 
 impl<R: Real, M: Copy, K, const N: usize> Stored<R, M, K, N> {
+    /// Nothing yet, at t = 0 in a state and mode.
+    pub(super) fn begin(state: [R; N], mode: M) -> Self {
+        Self { pieces: Vec::new(), last: (R::zero(), state, mode), counts: Counts::default() }
+    }
+
+    /// Goes on to `until` s; `see` and `watch` as for [`run`].
+    pub(super) fn extend<S: HybridSystem<R, N, Mode = M, Kind = K>>(
+        &mut self,
+        system: &S,
+        until: R,
+        relative_tolerance: f64,
+        mut see: impl FnMut(&PieceOf<R, S, N>),
+        mut watch: impl FnMut(f64),
+    ) -> Result<(), Error> {
+        let (time, state, mode) = self.last;
+        let mut integrator = Integrator::new(system, time, state, mode, until, relative_tolerance);
+        while let Some(piece) = integrator.advance()? {
+            see(&piece);
+            self.pieces.push(piece);
+            if self.pieces.len().is_multiple_of(WATCHED) {
+                watch(integrator.time().value());
+            }
+            if self.pieces.len() > MAX_PIECES {
+                return Err(Error::Stopped {
+                    time: integrator.time().value(),
+                    reason: "the run takes more steps than a stored trajectory may have",
+                    quantity: "steps",
+                    value: MAX_PIECES as f64,
+                    unit: "",
+                    remedy: "shorten run.duration, loosen run.relative_tolerance, or use the fixed-step engine",
+                });
+            }
+        }
+        self.last = (integrator.time(), *integrator.state(), *integrator.mode());
+        self.counts = self.counts.and(integrator.counts());
+        Ok(())
+    }
+
+    /// Time in s, states and mode that have been reached.
+    pub(super) fn reached(&self) -> &(R, [R; N], M) {
+        &self.last
+    }
+
     pub(super) fn counts(&self) -> Counts {
         self.counts
     }

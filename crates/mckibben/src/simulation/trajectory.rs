@@ -1,14 +1,16 @@
 //! A stored trajectory: samples at any time, the log of events, and what it cost.
 
 use super::hybrid::{Phase, RigSystem};
-use super::integrator::{Counts, PieceOf};
+use super::integrator::{Counts, Piece};
 use super::mode::{EventKind, Mode};
-use super::plumbing::{LUMPED, MOST};
+use super::plumbing::MOST;
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
-use super::stored::{self, Stored};
+use super::stored::Stored;
+use super::zones::Places;
 use crate::air::Flow;
 use crate::error::Error;
+use crate::parameter;
 use crate::scalar::Real;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -38,21 +40,19 @@ pub struct Trajectory<R: Real = f64> {
 /// The run of a rig with `N` states.
 type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
 
-/// A run by its number of states; of a rig with a line, the least of these that holds them all.
+/// A run of a rig alone, or with an air line.
 #[derive(Clone, Debug)]
 enum Run<R: Real> {
     Rig(Of<R, 4>),
-    Line(Of<R, LUMPED>),
-    Cells(Box<Of<R, MOST>>),
+    Line(Box<Of<R, MOST>>),
 }
 
-/// Does the same with a run of any number of states.
+/// Does the same with a run of either kind.
 macro_rules! with_run {
     ($run:expr, $stored:ident => $do:expr) => {
         match $run {
             Run::Rig($stored) => $do,
             Run::Line($stored) => $do,
-            Run::Cells($stored) => $do,
         }
     };
 }
@@ -82,31 +82,69 @@ pub fn simulate_watched<R: Real>(
     relative_tolerance: f64,
     watch: impl FnMut(f64),
 ) -> Result<Trajectory<R>, Error> {
-    let system = RigSystem::new(rig, relative_tolerance);
-    let asked = (start, duration, relative_tolerance);
-    let mut events = Vec::new();
-    let run = match system.states() {
-        4 => Run::Rig(run_of(&system, asked, &mut events, watch)?),
-        5..=LUMPED => Run::Line(run_of(&system, asked, &mut events, watch)?),
-        _ => Run::Cells(Box::new(run_of(&system, asked, &mut events, watch)?)),
-    };
-    Ok(Trajectory { rig: rig.clone(), relative_tolerance, run, events })
+    parameter::DURATION.check(duration.value())?;
+    let mut growing = Growing::begin(rig.clone(), start, relative_tolerance)?;
+    growing.extend(duration, watch)?;
+    Ok(growing.finish())
 }
 
-fn run_of<R: Real, const N: usize>(
-    system: &RigSystem<'_, R>,
-    (start, duration, relative_tolerance): (State<R>, R, f64),
-    events: &mut Vec<Event<R>>,
-    watch: impl FnMut(f64),
-) -> Result<Of<R, N>, Error> {
+/// Writes what ended a piece into a log.
+fn log<R: Real, const N: usize>(events: &mut Vec<Event<R>>, piece: &Piece<R, Phase<R>, EventKind, N>) {
+    if let Some((kind, after)) = piece.event {
+        events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
+    }
+}
+
+/// A trajectory in the making, in parts between which the rig's command may be continued.
+#[derive(Debug)]
+pub(super) struct Growing<R: Real> {
+    pub(super) rig: Rig<R>,
+    relative_tolerance: f64,
+    run: Run<R>,
+    events: Vec<Event<R>>,
+}
+
+impl<R: Real> Growing<R> {
+    /// Nothing yet, at t = 0 in a state.
+    pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
+        parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+        let system = RigSystem::new(&rig, relative_tolerance);
+        let run = match system.states() {
+            4 => Run::Rig(begin(&system, start)),
+            _ => Run::Line(Box::new(begin(&system, start))),
+        };
+        Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
+    }
+
+    /// Goes on to `until` s.
+    pub(super) fn extend(&mut self, until: R, watch: impl FnMut(f64)) -> Result<(), Error> {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let events = &mut self.events;
+        with_run!(&mut self.run, stored => {
+            stored.extend(&system, until, self.relative_tolerance, |piece| log(events, piece), watch)
+        })
+    }
+
+    /// The sample at the time that has been reached.
+    pub(super) fn sample(&self) -> Sample<R> {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.reached();
+            sample(&system, *time, state, phase)
+        })
+    }
+
+    /// The trajectory up to the time that has been reached.
+    pub(super) fn finish(self) -> Trajectory<R> {
+        let Self { rig, relative_tolerance, run, events } = self;
+        Trajectory { rig, relative_tolerance, run, events }
+    }
+}
+
+/// The run of a system with `N` states at its start.
+fn begin<R: Real, const N: usize>(system: &RigSystem<'_, R>, start: State<R>) -> Of<R, N> {
     let state = system.start(start);
-    let phase = system.begin(&state);
-    let see = |piece: &PieceOf<R, RigSystem<'_, R>, N>| {
-        if let Some((kind, after)) = piece.event {
-            events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
-        }
-    };
-    stored::run(system, (state, phase), duration, relative_tolerance, see, watch)
+    Stored::begin(state, system.begin(&state))
 }
 
 impl<R: Real> Trajectory<R> {
@@ -231,7 +269,7 @@ fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
 }
 
 fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
-    let (mode, (valve, supply)) = (&phase.mode, system.valve_places());
+    let (mode, Places { valve, supply, .. }) = (&phase.mode, system.places());
     let (tension, flow) = (system.tension(state, phase), system.inflow(state, phase));
     let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
     sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))

@@ -12,6 +12,39 @@ use crate::valve::{FlowZone, Port};
 
 /// Rate of settling for which two pressures that would meet in a second count.
 pub(super) const MEETING: f64 = 4.0;
+/// The guards of the air and of the pieces, in the order in which they are crossed.
+const GUARDS: [Guard; 12] = [
+    Guard::SupplyDown,
+    Guard::SupplyUp,
+    Guard::ExhaustDown,
+    Guard::ExhaustUp,
+    Guard::PieceDown,
+    Guard::PieceUp,
+    Guard::MapDown,
+    Guard::MapUp,
+    Guard::MapShorter,
+    Guard::MapLonger,
+    Guard::PressDown,
+    Guard::PressUp,
+];
+
+/// Places among the states of the pressures that an actuator's air depends on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Places {
+    /// Of the actuator's own.
+    pub(super) own: usize,
+    /// Of what its valve opens into.
+    pub(super) valve: usize,
+    /// Of what feeds its valve, unless that is constant.
+    pub(super) supply: Option<usize>,
+}
+
+impl Places {
+    /// The valve opens into the actuator and is fed by a constant pressure.
+    pub(super) fn direct(own: usize) -> Self {
+        Self { own, valve: own, supply: None }
+    }
+}
 
 impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode.
@@ -54,7 +87,7 @@ impl<R: Real> Member<'_, R> {
     }
 
     /// The bound of a zone in Pa on one side, passed by the band.
-    pub(super) fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
+    fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
         self.zone_bound_from(port, self.actuator.valve()?.port_pressure(port), zone, up)
     }
 
@@ -65,42 +98,12 @@ impl<R: Real> Member<'_, R> {
 
     fn zone_bound_from(&self, port: Port, beyond: R, zone: FlowZone, up: bool) -> Option<R> {
         let valve = self.actuator.valve()?;
-        let (low, high) = valve.law_of(port).bounds(zone, beyond);
+        let law = valve.law_of(port);
+        let (low, high) = law.bounds(zone, beyond);
         // A subsonic piece ends before the pressures are equal, where its root would.
-        let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
+        let band = self.band.min(0.1 * (1.0 - law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
         if up { high.map(|bound| widened(bound, 1.0 + band)) } else { low.map(|bound| widened(bound, 1.0 - band)) }
-    }
-
-    /// The guards of the zones; `index` is the place of the pressure that the valve opens into, and `constant` says whether
-    /// the supply's pressure is.
-    pub(super) fn zone_guards(
-        &self,
-        mode: &Mode,
-        (index, constant): (usize, bool),
-        add: &mut impl FnMut(Guard, GuardForm),
-    ) {
-        let sides = [
-            (Port::Supply, mode.supply_zone, Guard::SupplyDown, Guard::SupplyUp),
-            (Port::Exhaust, mode.exhaust_zone, Guard::ExhaustDown, Guard::ExhaustUp),
-        ];
-        for (port, zone, down, up) in sides {
-            let Some(zone) = zone else { continue };
-            if port == Port::Supply && !constant {
-                for (guard, up) in [(down, false), (up, true)] {
-                    if self.zone_ratio(zone, up).is_some() {
-                        add(guard, GuardForm::Function);
-                    }
-                }
-                continue;
-            }
-            if let Some(bound) = self.zone_bound(port, zone, false) {
-                add(down, GuardForm::Above { index, bound: bound.value() });
-            }
-            if let Some(bound) = self.zone_bound(port, zone, true) {
-                add(up, GuardForm::Below { index, bound: bound.value() });
-            }
-        }
     }
 
     /// Rate in 1/s at which the pressure settles to that of an open port; zero while the flow does not depend on it. `rate`
@@ -144,14 +147,44 @@ impl<R: Real> Member<'_, R> {
         }
     }
 
-    /// The length in m at which a piece of a force map ends on one side, passed by the band.
-    pub(super) fn map_length_bound(&self, mode: &Mode, up: bool) -> Option<R> {
-        self.passed(self.actuator.law().law.length_bounds(mode.force_piece.length), up)
+    /// The absolute pressure in Pa that ends a mode by a guard, passed by the band, and whether the mode lasts above it;
+    /// `None` where there is no such end.
+    pub(super) fn pressure_limit(&self, guard: Guard, mode: &Mode) -> Option<(R, bool)> {
+        let law = self.actuator.law();
+        let zone = |port, zone: Option<FlowZone>, up| zone.and_then(|zone| self.zone_bound(port, zone, up));
+        let piece = |up| self.passed(self.absolute(law.effectiveness.piece_bounds(mode.effectiveness_piece)), up);
+        let of_map = |up| self.passed(self.absolute(law.law.pressure_bounds(mode.force_piece.pressure)), up);
+        let press = |up| {
+            let atmosphere = Some(self.actuator.air().atmosphere().0);
+            let ends = self.actuator.friction().has_direction() && mode.pressed != up;
+            ends.then(|| self.passed((atmosphere, atmosphere), up)).flatten()
+        };
+        let (bound, lasts_above) = match guard {
+            Guard::SupplyDown => (zone(Port::Supply, mode.supply_zone, false), true),
+            Guard::SupplyUp => (zone(Port::Supply, mode.supply_zone, true), false),
+            Guard::ExhaustDown => (zone(Port::Exhaust, mode.exhaust_zone, false), true),
+            Guard::ExhaustUp => (zone(Port::Exhaust, mode.exhaust_zone, true), false),
+            Guard::PieceDown => (piece(false), true),
+            Guard::PieceUp => (piece(true), false),
+            Guard::MapDown => (of_map(false), true),
+            Guard::MapUp => (of_map(true), false),
+            Guard::PressDown => (press(false), true),
+            Guard::PressUp => (press(true), false),
+            _ => return None,
+        };
+        bound.map(|bound| (bound, lasts_above))
     }
 
-    /// The absolute pressure in Pa at which a piece of a force map ends on one side, passed by the band.
-    pub(super) fn map_pressure_bound(&self, mode: &Mode, up: bool) -> Option<R> {
-        self.passed(self.absolute(self.actuator.law().law.pressure_bounds(mode.force_piece.pressure)), up)
+    /// The length in m that ends a piece of a force map by a guard, passed by the band, and whether the piece lasts above it;
+    /// `None` where there is no such end.
+    pub(super) fn map_length_limit(&self, guard: Guard, mode: &Mode) -> Option<(R, bool)> {
+        let up = match guard {
+            Guard::MapShorter => false,
+            Guard::MapLonger => true,
+            _ => return None,
+        };
+        let bounds = self.actuator.law().law.length_bounds(mode.force_piece.length);
+        self.passed(bounds, up).map(|bound| (bound, !up))
     }
 
     /// One of two bounds, passed by the band.
@@ -167,48 +200,26 @@ impl<R: Real> Member<'_, R> {
         (low.map(absolute), high.map(absolute))
     }
 
-    /// The absolute pressure in Pa at which a piece of the effectiveness ends on one side, passed by the band.
-    pub(super) fn piece_bound(&self, mode: &Mode, up: bool) -> Option<R> {
-        self.passed(self.absolute(self.actuator.law().effectiveness.piece_bounds(mode.effectiveness_piece)), up)
-    }
-
     /// Whether the gas presses the threads together at an absolute pressure, as far as that matters.
     pub(super) fn pressed(&self, pressure: R) -> bool {
         !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
     }
 
-    /// The absolute pressure in Pa at which the threads begin or cease to be pressed, passed by the band.
-    pub(super) fn press_bound(&self, pressed: bool) -> R {
-        let factor = if pressed { 1.0 - self.band } else { 1.0 + self.band };
-        self.actuator.air().atmosphere().0 * R::constant(factor)
-    }
-
-    pub(super) fn press_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
-        if self.actuator.friction().has_direction() {
-            let bound = self.press_bound(mode.pressed).value();
-            match mode.pressed {
-                true => add(Guard::PressDown, GuardForm::Above { index: pressure, bound }),
-                false => add(Guard::PressUp, GuardForm::Below { index: pressure, bound }),
-            }
-        }
-    }
-
-    pub(super) fn piece_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
-        if let Some(bound) = self.piece_bound(mode, false) {
-            add(Guard::PieceDown, GuardForm::Above { index, bound: bound.value() });
-        }
-        if let Some(bound) = self.piece_bound(mode, true) {
-            add(Guard::PieceUp, GuardForm::Below { index, bound: bound.value() });
-        }
-        if let Some(bound) = self.map_pressure_bound(mode, false) {
-            add(Guard::MapDown, GuardForm::Above { index, bound: bound.value() });
-        }
-        if let Some(bound) = self.map_pressure_bound(mode, true) {
-            add(Guard::MapUp, GuardForm::Below { index, bound: bound.value() });
-        }
-        // Not everyone's length is a state.
-        for (guard, up) in [(Guard::MapShorter, false), (Guard::MapLonger, true)] {
-            if self.map_length_bound(mode, up).is_some() {
+    /// The guards of the air and of the pieces.
+    pub(super) fn piece_guards(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
+        for guard in GUARDS {
+            let of_supply = matches!(guard, Guard::SupplyDown | Guard::SupplyUp);
+            if let Some((bound, lasts_above)) = self.pressure_limit(guard, mode) {
+                let of_valve = of_supply || matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp);
+                let (index, bound) = (if of_valve { places.valve } else { places.own }, bound.value());
+                let form = match lasts_above {
+                    _ if of_supply && places.supply.is_some() => GuardForm::Function,
+                    true => GuardForm::Above { index, bound },
+                    false => GuardForm::Below { index, bound },
+                };
+                add(guard, form);
+            } else if self.map_length_limit(guard, mode).is_some() {
+                // Not everyone's length is a state.
                 add(guard, GuardForm::Function);
             }
         }

@@ -94,8 +94,19 @@ impl Solenoid {
     /// Checks that the valve can do what the command asks.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for `hold` on a three-way valve and for `exhaust` on a two-way valve.
+    /// As [`Solenoid::check_request`].
     pub fn check(&self, command: &Command) -> Result<(), Error> {
+        let requests = [Request::Fill, Request::Hold, Request::Exhaust];
+        requests.into_iter().filter(|request| command.asks_for(*request)).try_for_each(|one| self.check_request(one))
+    }
+}
+
+impl<S: Scalar> Solenoid<S> {
+    /// Checks that the valve can do what is asked.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for `hold` on a three-way valve and for `exhaust` on a two-way valve.
+    pub fn check_request(&self, request: Request) -> Result<(), Error> {
         let (impossible, what, remedy) = match self.kind {
             ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => (
                 Request::Hold,
@@ -109,11 +120,9 @@ impl Solenoid {
             ),
             ValveKind::FillHoldExhaust => return Ok(()),
         };
-        if command.asks_for(impossible) { Err(Error::Unsupported { what, remedy }) } else { Ok(()) }
+        if request == impossible { Err(Error::Unsupported { what, remedy }) } else { Ok(()) }
     }
-}
 
-impl<S: Scalar> Solenoid<S> {
     /// The same solenoid over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Solenoid<T> {
         Solenoid {

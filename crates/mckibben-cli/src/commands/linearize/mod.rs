@@ -16,7 +16,7 @@ mod told;
 
 use crate::failure::Failure;
 use crate::output::{self, Pending};
-use crate::plot::{PRINT_SCALE, PlotError, Theme};
+use crate::plot::{Figure, PRINT_SCALE, PlotError, Theme};
 use crate::settings::Setting;
 use crate::terminal;
 use given::{Measure, length, load, pressure, temperature};
@@ -25,7 +25,7 @@ use mckibben_scenario::{Assumed, Document};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben linearize` is asked.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 #[command(after_help = "\
 Examples:
   mckibben linearize muscle.toml
@@ -141,6 +141,14 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
         text.push_str(&format!("{} {}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
     }
     terminal::print(&text)
+}
+
+/// The Bode plot of a scenario at its own point.
+pub(crate) fn figure(file: &Path, document: &Document) -> Result<Figure, Failure> {
+    let arguments = LinearizeArguments::default();
+    let name = file.display().to_string();
+    let linear = given::linearization(&arguments, &document.experiment()?)?;
+    bode::figure(&Model::new(&name, linear, &arguments, document.assumed())?, None)
 }
 
 impl<'a> Model<'a> {

@@ -13,6 +13,7 @@ use super::JointRig;
 use super::mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
 #[cfg(feature = "alloc")]
 use super::trajectory::JointSample;
+use crate::simulation::zones::Places;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::{Joint, SIGN};
@@ -371,7 +372,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             if mode.actuators[i].extent != Extent::Slack && phase.traces[i].as_ref().and_then(Trace::end).is_some() {
                 add(Guard::Slip, GuardForm::Function);
             }
-            self.members[i].each_other_guard(&mode.actuators[i], PRESSURE[i], (PRESSURE[i], true), add);
+            self.members[i].each_other_guard(&mode.actuators[i], Places::direct(PRESSURE[i]), add);
         }
         guards
     }

@@ -1,0 +1,128 @@
+//! `mckibben gallery`: a page with a figure of every scenario file under a folder.
+//!
+//! | file | its idea |
+//! |---|---|
+//! | `picture` | which figure a file gets, and the command that draws it |
+//! | `page` | the page |
+//!
+//! Beside the page stand the figures as SVG and the files' texts, in the folders of the files. A file that fails has its
+//! message on the page in place of a figure. Checked by `tests/gallery.rs`.
+
+mod page;
+mod picture;
+
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::Progress;
+use crate::terminal;
+use mckibben_scenario::Style;
+use page::{Entry, Group};
+use std::path::{Path, PathBuf};
+
+/// What `mckibben gallery` is asked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  mckibben gallery
+  mckibben gallery studies --output studies-gallery
+
+A file is simulated. It gets the curves of `mckibben curves` or the plot of `mckibben linearize` where that is the first \
+command that its comments name, and the figure of `mckibben sweep` where it has a sweep of at most 100 runs. A prescribed \
+motion is drawn as tension over length.
+
+Exit codes:
+  0  done
+  2  there is no such folder, or no scenario file in it; nothing was written
+  3  a file failed; the page is written and shows why
+  4  the page or a figure could not be written")]
+pub struct GalleryArguments {
+    /// The folder whose scenario files are shown, with those below it.
+    #[arg(value_name = "FOLDER", default_value = "examples")]
+    pub folder: PathBuf,
+    /// The folder for the page; it is made if it is not there.
+    #[arg(short, long, value_name = "DIR", default_value = "gallery")]
+    pub output: PathBuf,
+}
+
+/// Draws every scenario file and writes the page.
+///
+/// # Errors
+/// There is nothing to show, a file failed, or something could not be written.
+pub fn run(arguments: &GalleryArguments) -> Result<(), Failure> {
+    let files = scenario_files(&arguments.folder)?;
+    let mut groups: Vec<Group> = Vec::new();
+    let progress = Progress::begin("drawing", Some(files.len() as u64));
+    for (file, done) in files.iter().zip(1..) {
+        let (group, entry) = shown(arguments, file)?;
+        match groups.last_mut().filter(|last| last.name == group) {
+            Some(last) => last.entries.push(entry),
+            None => groups.push(Group { name: group, entries: vec![entry] }),
+        }
+        progress.at(done);
+    }
+    drop(progress);
+    // The page comes last, so that where it stands everything that it refers to stands too.
+    let path = arguments.output.join("index.html");
+    output::write(&path, page::html(&arguments.folder.display().to_string(), &groups).as_bytes())?;
+    terminal::print(&format!(
+        "{} {}, {} figures\n",
+        terminal::styled(terminal::GOOD, "wrote"),
+        path.display(),
+        files.len()
+    ))?;
+    let entries = groups.iter().flat_map(|group| &group.entries);
+    let failed: Vec<&str> = entries.filter(|entry| entry.drawn.is_err()).map(|entry| entry.file.as_str()).collect();
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let (count, names) = (failed.len(), failed.join(", "));
+    Err(Failure::stopped(format!("{count} of {} files failed: {names}; {} shows why", files.len(), path.display())))
+}
+
+/// The scenario files under a folder, relative to it: first its own, then those of each folder in it, by name.
+fn scenario_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let unreadable = |error: std::io::Error| {
+        let title = format!("the folder `{}` could not be read: {error}", folder.display());
+        Failure::input(title, "give a folder that holds scenario files, such as the `examples` of the repository")
+    };
+    let mut files = Vec::new();
+    let mut open = vec![PathBuf::new()];
+    while let Some(inner) = open.pop() {
+        for entry in std::fs::read_dir(folder.join(&inner)).map_err(unreadable)? {
+            let entry = entry.map_err(unreadable)?;
+            let path = inner.join(entry.file_name());
+            if entry.file_type().map_err(unreadable)?.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "toml") {
+                files.push(path);
+            }
+        }
+    }
+    if files.is_empty() {
+        let title = format!("there is no scenario file (.toml) under `{}`", folder.display());
+        return Err(Failure::input(title, "give a folder that holds some"));
+    }
+    files.sort_by(|a, b| (a.parent(), a.file_name()).cmp(&(b.parent(), b.file_name())));
+    Ok(files)
+}
+
+/// Draws a file and writes what the page refers to; the name of its group and what the page shows.
+fn shown(arguments: &GalleryArguments, file: &Path) -> Result<(String, Entry), Failure> {
+    let source = arguments.folder.join(file);
+    let text = std::fs::read(&source).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
+    let target = arguments.output.join(file);
+    let folder = target.parent().unwrap_or(&arguments.output);
+    std::fs::create_dir_all(folder).map_err(|error| Failure::output(folder, error))?;
+    output::write(&target.with_extension("toml.txt"), text.as_bytes())?;
+    let drawn = picture::of(&source, &text);
+    let drawn = match drawn {
+        Ok(picture) => {
+            output::write(&target.with_extension("svg"), picture.svg.as_bytes())?;
+            Ok((picture.command, picture.note))
+        }
+        Err(failure) => Err(failure.render(Style::Plain)),
+    };
+    let group = file.parent().map(|parent| parent.to_string_lossy().into_owned()).unwrap_or_default();
+    let file = file.to_string_lossy().into_owned();
+    Ok((group, Entry { title: page::first_sentence(&text).unwrap_or_else(|| file.clone()), file, drawn }))
+}

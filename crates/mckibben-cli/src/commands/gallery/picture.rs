@@ -1,0 +1,84 @@
+//! The figure of a scenario file: that of its sweep, its static curves, its linear model or its run.
+
+use crate::commands::{curves, linearize, sweep};
+use crate::failure::Failure;
+use crate::plot::Theme;
+use crate::portrait::{self, Over};
+use crate::{engine, joint};
+use mckibben::load::Load;
+use mckibben::simulation::simulate_joint;
+use mckibben_scenario::{Document, Record};
+use std::path::Path;
+
+/// Runs of a sweep above which it is left to `mckibben sweep`.
+const RUNS: u64 = 100;
+
+/// A figure, and how to make it without this page.
+pub(super) struct Picture {
+    /// The figure.
+    pub(super) svg: String,
+    /// The command that draws it.
+    pub(super) command: String,
+    /// What else is to be said; empty for nothing.
+    pub(super) note: String,
+}
+
+/// The figure of the scenario `file`, which holds `text`.
+pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
+    let document = Document::load(file)?;
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let picture = |svg: Result<String, _>, what: &str, options: &str| {
+        let svg = svg.map_err(|error| Failure::stopped(format!("the figure could not be drawn: {error}")))?;
+        let command = format!("mckibben {what} {} --plot {stem}.svg{options}", file.display());
+        Ok(Picture { svg, command, note: String::new() })
+    };
+    let mut note = String::new();
+    if let Some(sweep) = sweep::of(&document)? {
+        let rows = sweep.rows();
+        match sweep.record() {
+            Record::Reductions(_) if rows <= RUNS => return picture(sweep::svg(&sweep, Theme::Auto)?, "sweep", ""),
+            _ => note = format!("One run; mckibben sweep {} does the {rows} of its sweep.", file.display()),
+        }
+    }
+    match first_command(text) {
+        Some("curves") => return picture(curves::figure(&document)?.to_svg(Theme::Auto), "curves", ""),
+        Some("linearize") => {
+            return picture(linearize::figure(file, &document)?.to_svg(Theme::Auto), "linearize", "");
+        }
+        _ => {}
+    }
+    if let Some(experiment) = document.joint_experiment()? {
+        let run = &experiment.run;
+        let trajectory = simulate_joint(&experiment.rig, experiment.start, run.duration, run.relative_tolerance)
+            .map_err(|error| Failure::of_core(&error, &document))?;
+        let figure = joint::portrait::figure(&trajectory, run.sample_interval, "");
+        return picture(figure.to_svg(Theme::Auto), "simulate", "");
+    }
+    let experiment = document.experiment()?;
+    let outcome = engine::run(&experiment, &mut |_| ()).map_err(|error| Failure::of_core(&error, &document))?;
+    // A given motion is not worth a curve; what it costs in force is.
+    let (over, options) = match experiment.rig.load() {
+        Load::Prescribed(_) => (Over::Length, " --over length"),
+        _ => (Over::Time, ""),
+    };
+    let figure = portrait::figure(&experiment, &outcome, over, "")?;
+    Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", options)? })
+}
+
+/// The first command of this program that the comments of a file name.
+fn first_command(text: &str) -> Option<&str> {
+    let comments = text.lines().map_while(|line| line.strip_prefix('#'));
+    let mut commands = comments.filter_map(|comment| comment.split_once("mckibben ")).map(|(_, after)| after);
+    commands.next()?.split_whitespace().next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_command;
+
+    #[test]
+    fn the_comments_at_the_head_name_the_command() {
+        assert_eq!(first_command("# `mckibben curves a.toml` draws\n#  mckibben simulate a.toml\n"), Some("curves"));
+        assert_eq!(first_command("# Words.\n\n[run]\n# mckibben curves a.toml\n"), None);
+    }
+}

@@ -1,0 +1,223 @@
+//! Both engines with a controller in the loop.
+
+mod common;
+
+use common::{PSI, Paper, assert_close, assert_within};
+use mckibben::control::{
+    Between, Controller, Drive, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint,
+    Tracker,
+};
+use mckibben::simulation::{
+    Controlled, ControlledStepper, EventKind, FixedStepper, Method, Rig, simulate, simulate_controlled,
+};
+use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
+use mckibben::{Dual, Error, Over};
+
+/// The same command always.
+#[derive(Debug)]
+struct Fixed(Drive);
+
+impl Controller for Fixed {
+    type Memory = ();
+
+    fn begin(&self) {}
+
+    fn decide(&self, _seen: &Measurement, (): &mut ()) -> Drive {
+        self.0
+    }
+}
+
+fn fill_hold_exhaust() -> Paper {
+    Paper::pwm(50.0, 0.5).gauge(20.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust)
+}
+
+fn pressure_pid(target: f64) -> Tracker {
+    let pid = Pid::new(Quantity::Pressure, 60.0 * PSI, Output::FillHoldExhaust).and_then(|pid| pid.with_integral(0.2));
+    let set_point = SetPoint::constant(Quantity::Pressure, target).expect("a set point");
+    Tracker::new(Quantity::Pressure, set_point, Regulator::Pid(pid.expect("a controller"))).expect("a tracker")
+}
+
+fn sampling(rate: f64, delay: usize) -> Sampling {
+    Sampling::new(rate, delay).expect("a rate")
+}
+
+fn run(paper: &Paper, duration: f64, controller: &impl Controller, sampling: Sampling) -> Controlled {
+    let sensors = Sensors::perfect();
+    simulate_controlled(&paper.rig(), paper.start(), duration, 1e-9, controller, (sampling, sensors)).expect("a run")
+}
+
+#[test]
+fn a_constant_duty_is_the_open_loop_with_seats_at_the_same_instants() {
+    let paper = Paper::pwm(25.0, 0.4).gauge(20.0 * PSI);
+    let pulses = Fixed(Drive::Pulses { duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust });
+    let closed = run(&paper, 0.5, &pulses, sampling(25.0, 0)).trajectory;
+    let open = paper.run(0.5, 1e-9);
+    let seats = |events: &[mckibben::simulation::Event]| -> Vec<f64> {
+        events.iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect()
+    };
+    assert_eq!(seats(closed.events()), seats(open.events()));
+    // The seat follows the coil: opens 4 ms after k/25 s, shuts 1 ms after (k + 0.4)/25 s.
+    for (index, time) in seats(closed.events()).into_iter().enumerate() {
+        let period = (index / 2) as f64;
+        assert_within(time, if index % 2 == 0 { period / 25.0 + 4e-3 } else { (period + 0.4) / 25.0 + 1e-3 }, 1e-15);
+    }
+    for sample in open.samples(0.01) {
+        assert_close(closed.at(sample.time).length, sample.length, 1e-7);
+        assert_close(closed.at(sample.time).pressure.0, sample.pressure.0, 1e-7);
+    }
+}
+
+#[test]
+fn samples_are_exact_instants_and_effects_come_after_the_delay() {
+    for (rate, delay) in [(100.0, 0), (30.0, 1), (100.0, 3)] {
+        let controlled = run(&fill_hold_exhaust(), 0.2, &Fixed(Drive::Steady(Request::Fill)), sampling(rate, delay));
+        let times: Vec<f64> = controlled.decisions.iter().map(|decision| decision.seen.time).collect();
+        let expected: Vec<f64> = (0..=(0.2 * rate) as u32).map(|k| f64::from(k) / rate).collect();
+        assert_eq!(times, expected);
+        let events = controlled.trajectory.events();
+        let opened = events.iter().find(|event| event.kind == EventKind::Valve).expect("the valve opens");
+        assert_within(opened.time, delay as f64 / rate + 4e-3, 1e-15);
+    }
+}
+
+#[test]
+fn what_is_seen_is_the_trajectory_at_the_instant() {
+    let Controlled { trajectory, decisions } =
+        run(&fill_hold_exhaust(), 0.4, &pressure_pid(40.0 * PSI), sampling(50.0, 1));
+    let atmosphere = trajectory.rig().actuator().air().atmosphere();
+    for decision in &decisions {
+        let truth = trajectory.at(decision.seen.time);
+        assert_close(decision.seen.length, truth.length, 1e-12);
+        assert_close(decision.seen.pressure.0, truth.pressure.gauge(atmosphere).0, 1e-9);
+        assert_eq!(decision.aim, Some((Quantity::Pressure, 40.0 * PSI)));
+    }
+}
+
+#[test]
+fn the_command_that_was_asked_for_gives_the_same_run_without_the_controller() {
+    let paper = fill_hold_exhaust();
+    let sampling = sampling(40.0, 1).with_pulse_frequency(70.0).expect("a frequency");
+    let closed = run(&paper, 0.6, &pressure_pid(45.0 * PSI), sampling).trajectory;
+    let rig = closed.rig().clone();
+    let Some(Command::Table { time, .. }) = rig.actuation().map(|drive| &drive.command) else { panic!("a table") };
+    assert!(time.len() > 20 && time.windows(2).all(|pair| pair[0] < pair[1]), "{time:?}");
+    let open = simulate(&rig, paper.start(), 0.6, 1e-9).expect("a run");
+    for sample in open.samples(0.005) {
+        assert_close(closed.at(sample.time).length, sample.length, 1e-6);
+        assert_close(closed.at(sample.time).air_mass, sample.air_mass, 1e-6);
+    }
+}
+
+#[test]
+fn integral_action_brings_the_pressure_to_its_set_point() {
+    let paper = fill_hold_exhaust().with(|rig| rig.delays = (0.0, 0.0));
+    let controlled = run(&paper, 4.0, &pressure_pid(45.0 * PSI), sampling(100.0, 0));
+    let late = controlled.decisions.iter().filter(|decision| decision.seen.time > 3.0);
+    for decision in late {
+        assert_close(decision.seen.pressure.0, 45.0 * PSI, 5e-3);
+    }
+}
+
+#[test]
+fn a_relay_rests_within_its_dead_band() {
+    // A small valve: at full flow a sample and the closing delay move less than the band.
+    let paper =
+        fill_hold_exhaust().isometric(0.09).with(|rig| rig.standard = FlowStandard::Orifice { flow_area: 8e-8 });
+    let band = 3.0 * PSI;
+    let relay = Relay::new(Quantity::Pressure, band, 0.0, Between::Hold).expect("a relay");
+    let set_point = SetPoint::constant(Quantity::Pressure, 45.0 * PSI).expect("a set point");
+    let tracker = Tracker::new(Quantity::Pressure, set_point, Regulator::Relay(relay)).expect("a tracker");
+    let controlled = run(&paper, 3.0, &tracker, sampling(500.0, 0));
+    let last = controlled.decisions.last().expect("a decision");
+    assert_eq!(last.drive, Drive::Steady(Request::Hold));
+    assert_within(last.seen.pressure.0, 45.0 * PSI, band);
+    // At rest nothing is asked any more: with the valve shut the air stays.
+    let early = controlled.trajectory.at(2.5);
+    assert_close(controlled.trajectory.at(3.0).air_mass, early.air_mass, 1e-13);
+}
+
+/// The fixed-step engine with a controller, in so many steps.
+fn stepped<'c, C: Controller>(
+    paper: &Paper,
+    controller: &'c C,
+    sampling: Sampling,
+    (duration, steps): (f64, u32),
+) -> ControlledStepper<'c, f64, C> {
+    let loop_of = (sampling, Sensors::perfect());
+    let mut stepper =
+        ControlledStepper::new(&paper.rig(), paper.start(), Method::Rk4, controller, loop_of).expect("a stepper");
+    for step in 1..=steps {
+        stepper.advance_to(duration * f64::from(step) / f64::from(steps)).expect("a step");
+    }
+    stepper
+}
+
+#[test]
+fn the_fixed_step_engine_comes_to_the_same_run() {
+    let (paper, controller) = (fill_hold_exhaust(), pressure_pid(45.0 * PSI));
+    // Steps that do and do not fall on the samples.
+    for (rate, delay) in [(50.0, 0), (33.0, 2)] {
+        let located = run(&paper, 0.5, &controller, sampling(rate, delay));
+        let errors = [1_000, 4_000].map(|steps| {
+            let stepper = stepped(&paper, &controller, sampling(rate, delay), (0.5, steps));
+            let (last, exact) = (stepper.sample(), located.trajectory.at(0.5));
+            let seen = stepper.decisions().last().expect("a decision").seen;
+            assert_eq!(seen.time, located.decisions.last().expect("a decision").seen.time);
+            (last.length / exact.length - 1.0).abs().max((last.pressure.0 / exact.pressure.0 - 1.0).abs())
+        });
+        assert!(errors[1] < 1e-4 && errors[1] < (0.5 * errors[0]).max(1e-6), "{errors:?}");
+    }
+}
+
+#[test]
+fn a_fixed_step_run_is_the_open_loop_s_with_its_command_to_the_last_bit() {
+    let (paper, controller) = (fill_hold_exhaust(), pressure_pid(45.0 * PSI));
+    let closed = stepped(&paper, &controller, sampling(50.0, 0), (0.5, 500));
+    let again = stepped(&paper, &controller, sampling(50.0, 0), (0.5, 500));
+    assert_eq!(closed.sample(), again.sample());
+    let mut open = FixedStepper::new(closed.rig(), paper.start(), Method::Rk4);
+    for step in 1..=500 {
+        open.advance_to(0.5 * f64::from(step) / 500.0).expect("a step");
+    }
+    assert_eq!(open.sample(), closed.sample());
+}
+
+#[test]
+fn dual_numbers_carry_the_derivative_by_a_set_point_through_the_loop() {
+    type D = Dual<f64, 1>;
+    let paper = fill_hold_exhaust();
+    let (rig, start, target) = (paper.rig(), paper.start(), 45.0 * PSI);
+    let wide = rig.map(|_, value| D::of(value));
+    let begin = wide.begin(&paper.initial().map(|_, value| D::of(value))).expect("a start");
+    let tracker = pressure_pid(target)
+        .map(|row, value| if row.key == "controller.gauge_pressure" { D::variable(value, 0) } else { D::of(value) });
+    let timing = sampling(50.0, 1).map(|_, value| D::of(value));
+    let controlled =
+        simulate_controlled(&wide, begin, D::of(0.3), 1e-11, &tracker, (timing, Sensors::perfect())).expect("a run");
+    let slope = controlled.trajectory.at(D::of(0.3)).pressure.0.slope[0];
+    let at = |target: f64| {
+        let loop_of = (sampling(50.0, 1), Sensors::perfect());
+        let run = simulate_controlled(&rig, start, 0.3, 1e-11, &pressure_pid(target), loop_of).expect("a run");
+        run.trajectory.at(0.3).pressure.0
+    };
+    let step = 20.0;
+    let difference = common::slope(step, |by| at(target + by));
+    assert!(slope.abs() > 0.1, "{slope}");
+    assert_close(slope, difference, 1e-4);
+}
+
+#[test]
+fn what_cannot_be_controlled_is_refused() {
+    let refused = |rig: &Rig, paper: &Paper, asked: Request, part: &str| {
+        let loop_of = (sampling(50.0, 0), Sensors::perfect());
+        let controller = Fixed(Drive::Steady(asked));
+        let error = simulate_controlled(rig, paper.start(), 0.1, 1e-8, &controller, loop_of).expect_err("refused");
+        assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains(part), "{error}");
+        let stepper = ControlledStepper::new(rig, paper.start(), Method::Stable, &controller, loop_of);
+        assert!(stepper.expect_err("refused").to_string().contains(part));
+    };
+    let sealed = Paper::sealed();
+    refused(&sealed.rig(), &sealed, Request::Fill, "no valve");
+    let three_way = Paper::pwm(25.0, 0.5);
+    refused(&three_way.rig(), &three_way, Request::Hold, "three-way valve cannot hold");
+}
