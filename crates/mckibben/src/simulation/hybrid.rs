@@ -89,6 +89,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// The states at the start: the rig's four, and those of its line; zero in places that have no meaning.
     pub fn start<const N: usize>(&self, rig: State<R>) -> [R; N] {
+        debug_assert!(Room::<N>::FOR_LINE || self.plumbing.is_none(), "a line has no room in {N} states");
         let mut state = [R::zero(); N];
         state[..4].copy_from_slice(&rig.to_array());
         if let Some(plumbing) = &self.plumbing {

@@ -80,11 +80,11 @@ pub fn simulate_watched<R: Real>(
     start: State<R>,
     duration: R,
     relative_tolerance: f64,
-    watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64),
 ) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     let mut growing = Growing::begin(rig.clone(), start, relative_tolerance)?;
-    growing.extend(duration, watch)?;
+    growing.extend(duration, &mut watch)?;
     Ok(growing.finish())
 }
 
@@ -109,19 +109,19 @@ impl<R: Real> Growing<R> {
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = match system.states() {
-            4 => Run::Rig(begin(&system, start)),
-            _ => Run::Line(Box::new(begin(&system, start))),
+        let run = match rig.line().is_none() {
+            true => Run::Rig(begin(&system, start)),
+            false => Run::Line(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
 
     /// Goes on to `until` s.
-    pub(super) fn extend(&mut self, until: R, watch: impl FnMut(f64)) -> Result<(), Error> {
+    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64)) -> Result<(), Error> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         let events = &mut self.events;
         with_run!(&mut self.run, stored => {
-            stored.extend(&system, until, self.relative_tolerance, |piece| log(events, piece), watch)
+            stored.extend(&system, until, self.relative_tolerance, &mut |piece| log(events, piece), watch)
         })
     }
 
