@@ -10,6 +10,7 @@
 
 use crate::progress::Progress;
 use mckibben::Error;
+use mckibben::line::Line;
 use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{FixedStepper, Sample, SampleTimes, Trajectory, simulate_watched};
 use mckibben_scenario::{Engine, Experiment, Run};
@@ -86,6 +87,14 @@ pub fn run_steps<'e>(
 }
 
 impl Outcome<'_> {
+    /// The air line of what was run.
+    pub fn line(&self) -> &Line {
+        match self {
+            Self::Located(trajectory) => trajectory.rig().line(),
+            Self::Stepped { experiment, .. } => experiment.rig.line(),
+        }
+    }
+
     /// Hands the sample at t = 0, at every sample interval and at the end to `each`.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 
 use crate::engine::Outcome;
 use mckibben::Actuator;
+use mckibben::air::Flow;
 use mckibben::simulation::{Extent, Mode, Sample, Trajectory};
 use mckibben::valve::Command;
 use mckibben_scenario::Experiment;
@@ -78,12 +79,17 @@ pub struct AirUse {
 }
 
 impl AirUse {
-    /// Adds the flow at a point of a quadrature with its weight in s.
-    pub fn see(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
+    /// Adds the flow of an actuator without an air line at a point of a quadrature with its weight in s.
+    pub fn see_actuator(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
         let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
         let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
         let supply = actuator.flow(&chamber, sample.ports.supply, false);
         let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
+        self.see(weight, [supply, surroundings]);
+    }
+
+    /// Adds the flows to the supply and to the surroundings at a point of a quadrature with its weight in s.
+    pub fn see(&mut self, weight: f64, [supply, surroundings]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;
         self.to_supply += weight * supply.outward;
         self.from_surroundings += weight * surroundings.inward;
@@ -212,7 +218,8 @@ impl Observer {
         self.extremes.see(sample);
         self.first.get_or_insert(*sample);
         if let Some(before) = self.last.replace(*sample) {
-            let gain = sample.air_mass - before.air_mass;
+            let air = |sample: &Sample| sample.air_mass + sample.hose_air_mass;
+            let gain = air(sample) - air(&before);
             self.air.from_supply += gain.max(0.0);
             self.air.to_surroundings += (-gain).max(0.0);
             if let Some(window) = &mut self.window {
@@ -237,11 +244,8 @@ impl Observer {
 
     /// Looks at a whole trajectory.
     fn look_over(&mut self, trajectory: &Trajectory) {
-        let actuator = trajectory.rig().actuator();
-        trajectory.quadrature(|weight, sample, mode| {
-            self.extremes.see(sample);
-            self.air.see(actuator, weight, sample, mode);
-        });
+        trajectory.quadrature(|_, sample, _| self.extremes.see(sample));
+        trajectory.valve_flows(|weight, flows| self.air.see(weight, flows));
         let end = trajectory.duration();
         let (first, last) = (trajectory.at(0.0), trajectory.at(end));
         let at_events = trajectory.events().iter().map(|event| trajectory.at(event.time));

@@ -56,7 +56,7 @@ impl Document {
 
     /// Whether a key applies and is not given, and nothing that the file gives says the same in another way.
     fn is_left_out(&self, key: &Key) -> bool {
-        let optional = ["supply", "valve", "command"];
+        let optional = ["supply", "valve", "hose", "command"];
         let section = key.section().split('.').next().unwrap_or_default();
         if self.contains(key.path) || (optional.contains(&section) && !self.contains(section)) {
             return false;
@@ -74,6 +74,9 @@ impl Document {
             }
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
+            // What describes a reservoir or a compressor more closely.
+            path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),
+            path if path == p::CLEARANCE.key => self.contains(p::DISPLACEMENT.key),
             path if path.starts_with("valve.") => self.is_in_force(path),
             // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
             path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),

@@ -78,6 +78,11 @@ words! {
         FiveWayPressurised = "five-way-pressurised", "5/3 that fills both outputs when neither coil is energised.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
     }
+    /// How finely a hose is resolved.
+    HoseKind {
+        Lumped = "lumped", "A second volume behind a friction loss, and a delay.";
+        Distributed = "distributed", "A line of cells with waves; by the event-located engine.";
+    }
     /// Whose temperature the air that leaves the actuator has in the flow law.
     ExhaustTemperature {
         Actuator = "actuator", "The actuator's own temperature.";

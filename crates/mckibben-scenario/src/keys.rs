@@ -9,7 +9,7 @@
 
 use crate::choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, ValveKind,
+    HoseKind, HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, ValveKind,
 };
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
@@ -270,6 +270,7 @@ pub static SECTIONS: &[Section] = &[
         "The valve's passage to the surroundings, where it differs from the one to the supply.",
         false,
     ),
+    section("hose", "The hose from the valve to the actuator; none when absent.", false),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section(CONTROLLER, "The controller; given exactly when `command.kind` is `controllers`.", false),
     section("load", "What the actuator pulls on.", true),
@@ -327,6 +328,7 @@ const MAP: &[&str] = &[ForceLaw::Map.name()];
 const BLADDER: &str = "actuator.bladder.form";
 const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponential.name()];
 const PROCESS: &str = "air.process";
+const HOSE: &str = "hose.kind";
 const COMMAND: &str = "command.kind";
 const CONTROL: &str = "controller.kind";
 const TRACKING: &[&str] = &[ControllerKind::BangBang.name(), ControllerKind::Pid.name()];
@@ -354,6 +356,7 @@ pub static KEYS: &[Key] = &[
     quantity(&p::MAX_LENGTH, "\"3.85 in\""),
     quantity(&p::MIN_LENGTH, "\"2.4952 in\""),
     quantity(&p::EXTERNAL_VOLUME, "\"3 cm^3\""),
+    quantity(&p::LEAKAGE, "\"1e-12 m^3/(s*Pa)\""),
     quantity(&p::WALL_THICKNESS, "\"0.5 mm\""),
     choice(FORCE, ForceLaw::CHOICES, "The law of static force.", "\"ideal-braid\"").or("ideal-braid"),
     quantity(&p::END_FACTOR, "1.1").when(FORCE, TONDU_LOPEZ),
@@ -407,6 +410,17 @@ pub static KEYS: &[Key] = &[
     quantity(&p::HEAT_CAPACITY_RATIO, "1.4"),
     quantity(&p::SUPPLY_GAUGE_PRESSURE, "\"100 psi\"").required(),
     quantity(&p::SUPPLY_TEMPERATURE, "\"293.15 K\""),
+    quantity(&p::RESERVOIR_VOLUME, "\"2 L\""),
+    quantity(&p::RESERVOIR_PRESSURE, "\"110 psi\""),
+    quantity(&p::RESERVOIR_INDEX, "1.4"),
+    quantity(&p::DISPLACEMENT, "\"20 L/min\""),
+    quantity(&p::CLEARANCE, "0.05"),
+    quantity(&p::CUT_IN, "\"90 psi\""),
+    quantity(&p::CUT_OUT, "\"110 psi\""),
+    quantity(&p::LAG, "\"20 ms\""),
+    quantity(&p::DROOP, "\"2e7 Pa*s/kg\""),
+    quantity(&p::DEAD_BAND, "\"5 kPa\""),
+    quantity(&p::ACTUATORS, "4.0"),
     choice(
         "valve.preset",
         presets::VALVE_CHOICES,
@@ -442,6 +456,12 @@ pub static KEYS: &[Key] = &[
     quantity(&p::EXHAUST_KV, "\"0.06 m^3/h\""),
     quantity(&p::EXHAUST_CV, "0.07"),
     quantity(&p::EXHAUST_PRESSURE_DROP_RATIO, "0.7"),
+    choice(HOSE, HoseKind::CHOICES, "How finely the hose is resolved.", "\"lumped\"").or("lumped"),
+    quantity(&p::HOSE_LENGTH, "\"1 m\"").required(),
+    quantity(&p::HOSE_DIAMETER, "\"2.5 mm\"").required(),
+    quantity(&p::HOSE_VISCOSITY, "\"1.82e-5 Pa*s\""),
+    quantity(&p::HOSE_INDEX, "1.0"),
+    whole(&p::HOSE_CELLS, "4").when(HOSE, &[HoseKind::Distributed.name()]),
     choice(COMMAND, CommandKind::CHOICES, "What makes the valve's command.", "\"pwm\"").required(),
     quantity(&p::PWM_FREQUENCY, "\"25 Hz\"").required().when(COMMAND, &["pwm"]),
     quantity(&p::DUTY, "0.5").required().when(COMMAND, &["pwm"]),

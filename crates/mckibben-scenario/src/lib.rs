@@ -61,7 +61,7 @@ mod write;
 pub use assumed::Assumed;
 pub use choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, Spacing, ValveKind,
+    HoseKind, HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, Spacing, ValveKind,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
@@ -69,9 +69,9 @@ pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use scenario::{
-    Actuator, Aim, Air, Antagonist, Bladder, Command, Controller, Effectiveness, Force, Friction, Hysteresis, Initial,
-    InitialAngle, InitialLength, Joint, Limit, Load, Motion, Passage, Process, Pulley, Regulator, Run, Scenario,
-    Supply, TonduLopezCoefficients, Valve,
+    Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
+    Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, Motion, Passage, PressureRegulator, Process,
+    Pulley, Regulator, Reservoir, Run, Scenario, Supply, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

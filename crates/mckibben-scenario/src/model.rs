@@ -1,6 +1,6 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
@@ -8,6 +8,7 @@ use crate::scenario::{
     Motion, Passage, Process, Run, Scenario, Supply, Valve,
 };
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
+use mckibben::line::{self, Line};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, Rig, State};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
@@ -81,6 +82,13 @@ impl Document {
             return Ok(None);
         };
         let failed = |error: Error| Diagnostics::from(self.diagnose(&error));
+        if scenario.has_line() || second.has_line() {
+            let (what, remedy) = (
+                "an antagonistic joint takes no air line yet",
+                "leave out [hose], actuator.leakage and the reservoir or regulator of [supply]",
+            );
+            return Err(failed(Error::Unsupported { what, remedy }));
+        }
         if scenario.run.engine == Engine::FixedStep {
             let (what, remedy) = (
                 "the fixed-step engine does not take an antagonistic joint yet",
@@ -179,8 +187,33 @@ impl Scenario {
             });
         }
         let Driven { actuator, actuation } = self.driven()?;
+        let line = self.core_line(actuator.air())?;
         let load = self.core_load(actuator.law().law.end_length())?;
-        Rig::new(actuator, actuation, load)
+        let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
+        if self.run.engine == Engine::FixedStep {
+            rig.check_fixed_steps()?;
+        }
+        Ok(rig)
+    }
+
+    /// The air line: hose, leak, reservoir and regulator, as far as there are such.
+    fn core_line(&self, air: &air::Air) -> Result<Line, Error> {
+        let room = mckibben::parameter::SUPPLY_TEMPERATURE.default.unwrap_or_default();
+        let temperature = self.supply.map_or(room, |supply| supply.temperature);
+        let hose = self.hose.map(|hose| {
+            let kind = match hose.kind {
+                HoseKind::Lumped => line::HoseKind::Lumped,
+                HoseKind::Distributed => line::HoseKind::Distributed { cells: hose.cells },
+            };
+            let gas = [hose.viscosity, temperature, hose.polytropic_index];
+            line::Hose::new(kind, [hose.length, hose.diameter], gas, air)
+        });
+        let supply = self.supply.filter(|_| self.valve.is_some()).map(|supply| core_supply_line(&supply, air));
+        Ok(Line {
+            hose: hose.transpose()?,
+            leakage: self.actuator.leakage.map(line::Leakage::new).transpose()?,
+            supply: supply.transpose()?.flatten(),
+        })
     }
 
     /// The actuator and what drives its valve; of a joint the agonist.
@@ -216,6 +249,12 @@ impl Scenario {
             initial,
             ..self.clone()
         })
+    }
+
+    /// Whether it has a part of an air line.
+    fn has_line(&self) -> bool {
+        let changes = |supply: &Supply| supply.reservoir.is_some() || supply.regulator.is_some();
+        self.hose.is_some() || self.actuator.leakage.is_some() || self.supply.as_ref().is_some_and(changes)
     }
 
     fn core_air(&self) -> Result<air::Air, Error> {
@@ -305,6 +344,23 @@ impl Scenario {
             velocity: self.initial.velocity,
         }
     }
+}
+
+/// What makes a supply change, if anything does.
+fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::SupplyLine>, Error> {
+    let reservoir = supply.reservoir.map(|reservoir| {
+        let compressor = reservoir.compressor.map(|compressor| {
+            let switch = [compressor.cut_in, compressor.cut_out].map(GaugePressure);
+            line::Compressor::new([compressor.displacement, compressor.clearance], switch, air)
+        });
+        let start = GaugePressure(reservoir.gauge_pressure.unwrap_or(supply.gauge_pressure));
+        let numbers = [reservoir.volume, reservoir.polytropic_index, supply.temperature];
+        line::Reservoir::new(numbers, start, compressor.transpose()?, air)
+    });
+    let regulator =
+        supply.regulator.map(|regulator| line::Regulator::new(regulator.droop, regulator.dead_band, regulator.lag));
+    let line = line::SupplyLine::new(reservoir.transpose()?, regulator.transpose()?, supply.actuators)?;
+    Ok((line.reservoir().is_some() || line.regulator().is_some()).then_some(line))
 }
 
 /// What drives one output of a valve.

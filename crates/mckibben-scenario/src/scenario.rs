@@ -5,7 +5,7 @@
 //! (whether the braid's lengths fit each other, say) is judged by the constructors of the core, whose errors
 //! [`Document::diagnose`](crate::Document::diagnose) shows in the file.
 
-use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use mckibben::control::{Quantity, SetPoint};
@@ -22,6 +22,8 @@ pub struct Scenario {
     pub supply: Option<Supply>,
     /// The valve; without one the actuator is sealed.
     pub valve: Option<Valve>,
+    /// The hose from the valve to the actuator; there only with a valve.
+    pub hose: Option<Hose>,
     /// What the valve is told; there exactly when `valve` is.
     pub command: Option<Command>,
     /// What the actuator pulls on.
@@ -43,8 +45,10 @@ pub struct Actuator {
     pub max_length: f64,
     /// Length L_min in m of full contraction.
     pub min_length: f64,
-    /// Volume V_ext of hose and fittings in m³.
+    /// Volume V_ext of hose and fittings in m³; a [`Hose`] has its volume beside it.
     pub external_volume: f64,
+    /// Conductance k of a leak in m³/(s·Pa), if there is one.
+    pub leakage: Option<f64>,
     /// Thickness t in m of the bladder's wall.
     pub wall_thickness: f64,
     /// The law of static force.
@@ -207,6 +211,66 @@ pub struct Supply {
     pub gauge_pressure: f64,
     /// Temperature in K of the supply's air and the surroundings.
     pub temperature: f64,
+    /// A reservoir that sags; without one the air has no end.
+    pub reservoir: Option<Reservoir>,
+    /// A regulator that holds the gauge pressure above; without one it is constant, or the reservoir's.
+    pub regulator: Option<PressureRegulator>,
+    /// How many actuators, all alike, draw from reservoir or regulator.
+    pub actuators: f64,
+}
+
+/// A reservoir that feeds the valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reservoir {
+    /// Volume V_r in m³.
+    pub volume: f64,
+    /// Gauge pressure at the start in Pa; the supply's when absent.
+    pub gauge_pressure: Option<f64>,
+    /// Polytropic exponent κ_r of its air.
+    pub polytropic_index: f64,
+    /// What fills it; a bottle when absent.
+    pub compressor: Option<Compressor>,
+}
+
+/// A compressor with a pressure switch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compressor {
+    /// Free air Q in m³/s.
+    pub displacement: f64,
+    /// Dead over swept volume ε.
+    pub clearance: f64,
+    /// Gauge pressure in Pa at which it starts.
+    pub cut_in: f64,
+    /// Gauge pressure in Pa at which it stops.
+    pub cut_out: f64,
+}
+
+/// A pressure regulator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureRegulator {
+    /// Time constant τ in s.
+    pub lag: f64,
+    /// Loss of outlet pressure over flow D in Pa·s/kg.
+    pub droop: f64,
+    /// Error within which it rests B in Pa.
+    pub dead_band: f64,
+}
+
+/// The hose from the valve to the actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hose {
+    /// How finely it is resolved.
+    pub kind: HoseKind,
+    /// How many cells it is divided into when distributed.
+    pub cells: usize,
+    /// Length L_h in m.
+    pub length: f64,
+    /// Inner diameter d in m.
+    pub diameter: f64,
+    /// Viscosity μ of the gas in Pa·s.
+    pub viscosity: f64,
+    /// Polytropic exponent κ of its air.
+    pub polytropic_index: f64,
 }
 
 /// The valve.

@@ -38,7 +38,7 @@ pub fn schema() -> Value {
         "type": "object",
         "properties": properties,
         "required": required,
-        "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"] },
+        "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"], "hose": ["valve"] },
         "additionalProperties": false,
         "$defs": definitions,
     })

@@ -4,14 +4,14 @@
 //! identify them, in units of size 1. Checked by `tests/scenario.rs`.
 
 use crate::choice::{
-    BladderForm, CommandKind, ControllerKind, ForceLaw, HysteresisLaw, LoadKind, ProcessKind, SetPointTable,
+    BladderForm, CommandKind, ControllerKind, ForceLaw, HoseKind, HysteresisLaw, LoadKind, ProcessKind, SetPointTable,
 };
 use crate::keys::{self, BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
     Actuator, Aim, Command, Controller, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load,
-    Motion, Passage, Process, Pulley, Regulator, Scenario,
+    Motion, Passage, Process, Pulley, Regulator, Scenario, Supply,
 };
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::parameter::{self as p, Parameter};
@@ -93,6 +93,9 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::MAX_LENGTH, actuator.max_length);
     w.number(&p::MIN_LENGTH, actuator.min_length);
     w.number(&p::EXTERNAL_VOLUME, actuator.external_volume);
+    if let Some(leakage) = actuator.leakage {
+        w.number(&p::LEAKAGE, leakage);
+    }
     w.number(&p::WALL_THICKNESS, actuator.wall_thickness);
     force(w, actuator);
     match &actuator.effectiveness {
@@ -194,9 +197,45 @@ fn drive(w: &mut Writer, scenario: &Scenario) {
     if let Some(supply) = &scenario.supply {
         w.number(&p::SUPPLY_GAUGE_PRESSURE, supply.gauge_pressure);
         w.number(&p::SUPPLY_TEMPERATURE, supply.temperature);
+        supply_line(w, supply);
     }
     valve(w, scenario);
+    hose(w, scenario);
     command(w, scenario);
+}
+
+fn supply_line(w: &mut Writer, supply: &Supply) {
+    if let Some(reservoir) = &supply.reservoir {
+        w.number(&p::RESERVOIR_VOLUME, reservoir.volume);
+        if let Some(start) = reservoir.gauge_pressure {
+            w.number(&p::RESERVOIR_PRESSURE, start);
+        }
+        w.number(&p::RESERVOIR_INDEX, reservoir.polytropic_index);
+        if let Some(compressor) = &reservoir.compressor {
+            w.number(&p::DISPLACEMENT, compressor.displacement);
+            w.number(&p::CLEARANCE, compressor.clearance);
+            w.number(&p::CUT_IN, compressor.cut_in);
+            w.number(&p::CUT_OUT, compressor.cut_out);
+        }
+    }
+    if let Some(regulator) = &supply.regulator {
+        w.number(&p::LAG, regulator.lag);
+        w.number(&p::DROOP, regulator.droop);
+        w.number(&p::DEAD_BAND, regulator.dead_band);
+    }
+    w.number(&p::ACTUATORS, supply.actuators);
+}
+
+fn hose(w: &mut Writer, scenario: &Scenario) {
+    let Some(hose) = &scenario.hose else { return };
+    w.word("hose.kind", hose.kind.name());
+    w.number(&p::HOSE_LENGTH, hose.length);
+    w.number(&p::HOSE_DIAMETER, hose.diameter);
+    w.number(&p::HOSE_VISCOSITY, hose.viscosity);
+    w.number(&p::HOSE_INDEX, hose.polytropic_index);
+    if hose.kind == HoseKind::Distributed {
+        w.line(p::HOSE_CELLS.key, &hose.cells.to_string());
+    }
 }
 
 fn pulley(w: &mut Writer, pulley: &Pulley) {

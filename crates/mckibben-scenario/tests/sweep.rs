@@ -188,6 +188,15 @@ fn surroundings(path: &str) -> String {
         let wave = "kind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"";
         base = base.replace(mass, wave);
     }
+    if path.starts_with("hose.") {
+        base.push_str("[hose]\nlength = \"2 m\"\ndiameter = \"3 mm\"\n");
+    }
+    if path.starts_with("supply.") && !["supply.gauge_pressure", "supply.temperature"].contains(&path) {
+        let line = "reservoir_volume = \"1 L\"\nreservoir_gauge_pressure = \"7 bar\"\nlag = \"10 ms\"\n\
+                    compressor_displacement = \"10 L/min\"\ncut_in_gauge_pressure = \"6 bar\"\n\
+                    cut_out_gauge_pressure = \"8 bar\"\n";
+        base = base.replace("[supply]\n", &format!("[supply]\n{line}"));
+    }
     format!("{process}{base}")
 }
 
@@ -200,7 +209,8 @@ fn a_row_is_what_its_text_says() {
         let example = if key.path == "initial.length" { "\"3.5 in\"" } else { key.example };
         let at_example = quantity::parse(example.trim_matches('"')).expect("a quantity").value;
         // Other values near the example that are in range; a list, so that text and list hold the same bits.
-        let values = [0.9, 0.95, 1.0].map(|factor| at_example * factor);
+        let factors = if row.range.low == 1.0 { [1.05, 1.1, 1.0] } else { [0.9, 0.95, 1.0] };
+        let values = factors.map(|factor| at_example * factor);
         let literal = |value: f64| match row.unit {
             "" => format!("{value:?}"),
             unit => format!("\"{}\"", quantity::format(value, unit)),

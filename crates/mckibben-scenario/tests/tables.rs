@@ -146,6 +146,23 @@ fn surroundings_of(path: &str) -> &'static str {
         "sweep.rows" | "sweep.seed" => "[sweep]\ndesign = \"random\"\nrows = 2",
         "sweep.design" => "[sweep]\nrows = 2",
         "sweep.sample_times" => "[sweep]\nrecord = \"samples\"",
+        "supply.reservoir_gauge_pressure" | "supply.reservoir_index" | "supply.reservoir_volume" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\nreservoir_volume = \"1 L\""
+        }
+        "supply.compressor_displacement"
+        | "supply.compressor_clearance"
+        | "supply.cut_in_gauge_pressure"
+        | "supply.cut_out_gauge_pressure" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\nreservoir_volume = \"1 L\"\ncompressor_displacement = \"10 L/min\"\n\
+             cut_in_gauge_pressure = \"6 bar\"\ncut_out_gauge_pressure = \"8 bar\""
+        }
+        "supply.lag" | "supply.droop" | "supply.dead_band" | "supply.actuators" => {
+            "[supply]\ngauge_pressure = \"1 bar\"\nlag = \"10 ms\""
+        }
+        _ if path.starts_with("hose") => {
+            "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+             [hose]\nkind = \"distributed\"\nlength = \"1 m\"\ndiameter = \"2 mm\"\n[command]\nkind = \"fill\""
+        }
         _ if path.starts_with("valve") || path.starts_with("command") => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
              [command]\nkind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5"

@@ -27,6 +27,7 @@
 //! | [`friction`] | viscous and Coulomb friction |
 //! | [`air`] | the processes of the air |
 //! | [`valve`] | flow law, solenoid, commands |
+//! | [`line`] | hose, leak, reservoir, regulator |
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
 //! | [`control`] | controllers that sample the state at a stated rate |
@@ -51,6 +52,7 @@ pub mod batch;
 pub mod control;
 pub mod force;
 pub mod friction;
+pub mod line;
 #[cfg(feature = "alloc")]
 pub mod linearize;
 pub mod load;

@@ -133,6 +133,9 @@ parameters! {
     EXTERNAL_VOLUME = "actuator.external_volume", "V_ext", "m^3", Range::POSITIVE, Some(3e-6),
         "Volume of hose and fittings that shares the actuator's air.",
         "assumed: the paper gives no hose volume", "give the hose's and fittings' volume, for instance 0.01 mL for none to speak of";
+    LEAKAGE = "actuator.leakage", "k", "m^3/(s*Pa)", Range::NON_NEGATIVE, None,
+        "Laminar leak of the actuator: flow of volume at the mean pressure over the gauge pressure; none when absent.",
+        "textbook (Hagen-Poiseuille)", "give zero or more, such as 1e-12 m^3/(s*Pa)";
     WALL_THICKNESS = "actuator.wall_thickness", "t", "m", Range::NON_NEGATIVE, Some(0.0),
         "Thickness of the bladder's wall inside the braid, the same at any length.",
         "Chou & Hannaford (1996); the paper has none", "give zero or more, below the braid's radius";
@@ -229,6 +232,39 @@ parameters! {
     SUPPLY_TEMPERATURE = "supply.temperature", "T_am", "K", Range::POSITIVE, Some(293.15),
         "Temperature of the supply's air and of the surroundings.",
         "paper, (21); the value is assumed", "give an absolute temperature above zero, such as 20 degC";
+    RESERVOIR_VOLUME = "supply.reservoir_volume", "V_r", "m^3", Range::POSITIVE, None,
+        "Volume of a reservoir that feeds the valve and sags; a supply of constant pressure when absent.",
+        "choice of the experiment", "give a volume such as 5 L";
+    RESERVOIR_PRESSURE = "supply.reservoir_gauge_pressure", "P_g,r(0)", "Pa", Range::FINITE, None,
+        "Gauge pressure in the reservoir at the start; the supply's gauge pressure when absent.",
+        "choice of the experiment", "give a gauge pressure above minus the atmospheric pressure";
+    RESERVOIR_INDEX = "supply.reservoir_index", "kappa_r", "", Range { low: 1.0, low_included: true, high: 2.0, high_included: true }, Some(1.0),
+        "Polytropic exponent of the reservoir's air: 1 where it keeps its temperature, gamma where it is drawn upon quickly.",
+        "textbook; the default is assumed", "give a number from 1 to gamma";
+    DISPLACEMENT = "supply.compressor_displacement", "Q", "m^3/s", Range::POSITIVE, None,
+        "Free air that a compressor takes in to fill the reservoir; a bottle, which none fills, when absent.",
+        "textbook", "give a flow of free air such as 20 L/min";
+    CLEARANCE = "supply.compressor_clearance", "epsilon", "", Range::FRACTION, Some(0.05),
+        "Dead over swept volume of the compressor, by which it delivers less the higher the pressure.",
+        "textbook; the default is assumed", "give a ratio such as 0.05";
+    CUT_IN = "supply.cut_in_gauge_pressure", "P_g,in", "Pa", Range::FINITE, None,
+        "Gauge pressure in the reservoir at which the compressor starts.",
+        "choice of the experiment", "give a gauge pressure below supply.cut_out_gauge_pressure";
+    CUT_OUT = "supply.cut_out_gauge_pressure", "P_g,out", "Pa", Range::FINITE, None,
+        "Gauge pressure in the reservoir at which the compressor stops.",
+        "choice of the experiment", "give a gauge pressure above supply.cut_in_gauge_pressure";
+    LAG = "supply.lag", "tau", "s", Range::POSITIVE, None,
+        "Time constant of a regulator that holds the supply's gauge pressure; no regulator when absent.",
+        "choice of the experiment", "give a time such as 20 ms";
+    DROOP = "supply.droop", "D", "Pa*s/kg", Range::NON_NEGATIVE, Some(0.0),
+        "Loss of the regulator's outlet pressure over the flow.",
+        "data sheet of the regulator", "give zero or more, the slope of the maker's flow curve";
+    DEAD_BAND = "supply.dead_band", "B", "Pa", Range::NON_NEGATIVE, Some(0.0),
+        "Error of the outlet pressure to either side within which the regulator rests.",
+        "data sheet of the regulator", "give zero or more";
+    ACTUATORS = "supply.actuators", "N", "", Range { low: 1.0, low_included: true, ..Range::POSITIVE }, Some(1.0),
+        "How many actuators, all alike, draw from the reservoir or the regulator.",
+        "choice of the experiment", "give a number of one or more";
     FLOW_AREA = "valve.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
         "Effective area of the valve's passage, area times flow coefficient.",
         "paper, section 3.2: 1.8e-5 ft^2", "give an area such as 1.8e-5 ft^2";
@@ -277,6 +313,21 @@ parameters! {
     LAMINAR_RATIO = "valve.laminar_ratio", "r_lam", "", Range::open(0.0, 1.0), Some(0.999),
         "Pressure ratio above which the flow law is a straight line to zero.",
         "ISO 6358 practice; the value is assumed", "give a ratio just below 1, above the critical ratio";
+    HOSE_LENGTH = "hose.length", "L_h", "m", Range::POSITIVE, None,
+        "Length of the hose from the valve to the actuator.",
+        "the paper names the hose and gives none", "give a length such as 1 m, or leave [hose] out";
+    HOSE_DIAMETER = "hose.diameter", "d", "m", Range::POSITIVE, None,
+        "Inner diameter of the hose.",
+        "the paper names the hose and gives none", "give an inner diameter such as 2.5 mm";
+    HOSE_VISCOSITY = "hose.viscosity", "mu", "Pa*s", Range::POSITIVE, Some(1.82e-5),
+        "Dynamic viscosity of the gas in the hose.",
+        "textbook: air at 20 degC", "give a viscosity such as 1.82e-5 Pa*s";
+    HOSE_INDEX = "hose.polytropic_index", "kappa", "", Range { low: 1.0, low_included: true, high: 2.0, high_included: true }, Some(1.0),
+        "Polytropic exponent of the hose's air: 1 where the wall keeps its temperature, gamma for quick small waves.",
+        "textbook; the default is assumed", "give a number from 1 to gamma";
+    HOSE_CELLS = "hose.cells", "n", "", Range { low: 1.0, low_included: true, high: 8.0, high_included: true }, Some(4.0),
+        "Number of cells of a distributed hose.",
+        "choice of the user", "give a whole number from 1 to 8";
     PWM_FREQUENCY = "command.frequency", "f", "Hz", Range::POSITIVE, None,
         "Frequency of the pulse-width modulation.",
         "paper, section 3.3: 25 and 50 Hz", "give a frequency such as 25 Hz";

@@ -9,8 +9,9 @@ mod laws;
 #[path = "common/random.rs"]
 mod random;
 
-use common::{INCH, LB, PSI, Paper};
+use common::{INCH, LB, PSI, Paper, ROOM};
 use mckibben::batch::{Batch, Float, Row, Width};
+use mckibben::line::{Hose, HoseKind, Leakage, Line};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, InitialLength, Method, Sample};
 use mckibben::valve::{Command, Request};
@@ -54,7 +55,21 @@ fn row(index: usize) -> Row {
         9 => paper.with(|rig| rig.command = None).from((3.3 + 0.2 * u) * INCH, v - 0.5),
         _ => paper,
     };
-    Row { rig: paper.rig(), start: paper.start() }
+    let line = match index % 11 {
+        1 => Line { hose: Some(hose(HoseKind::Lumped, [0.3 + 2.0 * u, (1.5 + 3.0 * v) * 1e-3])), ..Line::NONE },
+        2 => Line { leakage: Some(Leakage::new(2e-11 * u).expect("a leak")), ..Line::NONE },
+        8 => Line {
+            hose: Some(hose(HoseKind::Lumped, [0.3 + 2.0 * u, (1.5 + 3.0 * v) * 1e-3])),
+            leakage: Some(Leakage::new(2e-11 * v).expect("a leak")),
+            ..Line::NONE
+        },
+        _ => Line::NONE,
+    };
+    Row { rig: paper.rig().with_line(line).expect("a line"), start: paper.start() }
+}
+
+fn hose(kind: HoseKind, size: [f64; 2]) -> Hose {
+    Hose::new(kind, size, [1.82e-5, ROOM, 1.2], &Paper::sealed().air()).expect("a hose")
 }
 
 fn rows(count: usize) -> Vec<Row> {
@@ -87,10 +102,11 @@ fn alone(row: &Row, method: Method) -> Result<Sample, Error> {
 }
 
 /// Bits, so that no two numbers are equal that are not the same.
-fn bits(sample: &Result<Sample, Error>) -> [u64; 9] {
+fn bits(sample: &Result<Sample, Error>) -> [u64; 10] {
     let s = sample.as_ref().expect("a row that goes on");
+    let [pressure, hose] = [s.pressure.0, s.hose_pressure.0];
     let numbers =
-        [s.time, s.length, s.velocity, s.pressure.0, s.air_mass, s.temperature, s.volume, s.tension, s.mass_flow];
+        [s.time, s.length, s.velocity, pressure, s.air_mass, s.temperature, s.volume, s.tension, s.mass_flow, hose];
     numbers.map(f64::to_bits)
 }
 
@@ -130,6 +146,24 @@ fn a_row_has_the_same_bits_whatever_the_size_the_place_and_the_threads() {
 }
 
 /// A rig a centimetre long, whose air is so little that explicit steps of 0.1 ms leave the physics when it is filled.
+#[test]
+fn a_row_that_a_batch_cannot_take_says_so_and_touches_no_other() {
+    let good = end_of::<f64>(rows(16), Method::Stable, Width::widest());
+    let mut mixed = rows(16);
+    let distributed = Row {
+        rig: mixed[1]
+            .rig
+            .clone()
+            .with_line(Line { hose: Some(hose(HoseKind::Distributed { cells: 3 }, [1.0, 2.5e-3])), ..Line::NONE })
+            .expect("a line"),
+        start: mixed[1].start,
+    };
+    mixed.insert(5, distributed);
+    let mut ended = end_of::<f64>(mixed, Method::Stable, Width::widest());
+    assert!(matches!(ended.remove(5), Err(Error::Unsupported { .. })));
+    assert_eq!(ended.iter().map(bits).collect::<Vec<_>>(), good.iter().map(bits).collect::<Vec<_>>());
+}
+
 fn doomed() -> Row {
     let command = Command::table(vec![0.0, 0.02], vec![Request::Exhaust, Request::Fill]).expect("a command");
     let paper = Paper::driven(command).isometric(0.008).with(|rig| {

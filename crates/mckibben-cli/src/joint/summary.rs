@@ -104,7 +104,7 @@ impl Summary<'_> {
         self.trajectory.quadrature(|weight, sample, mode| {
             for (index, air) in used.iter_mut().enumerate() {
                 let actuator = &self.trajectory.rig().driven()[index].actuator;
-                air.see(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
+                air.see_actuator(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
             }
         });
         page.heading("Air");

@@ -2,6 +2,7 @@
 
 use super::{COLUMNS, VALVE};
 use crate::closed_loop::Goal;
+use mckibben::line::Line;
 use mckibben::simulation::{JointSample, Sample};
 
 /// A column of a file over samples `S`.
@@ -21,15 +22,23 @@ pub(super) enum Value<S> {
 /// Two times that differ by less than this part of themselves are one.
 const ROUNDING: f64 = 1e-14;
 
-/// The columns of one actuator in their order.
-pub(super) fn of_actuator() -> Vec<Field<Sample>> {
+/// The columns of one actuator in their order: those that every run has, then those of its air line.
+pub(super) fn of_actuator(line: &Line) -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
-    numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect()
+    let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
+    if line.hose.is_some() {
+        fields.push(number("hose_pressure_pa", "Pa", |sample: &Sample| sample.hose_pressure.0));
+    }
+    if line.supply.is_some() {
+        let own = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
+        fields.push(number("supply_pressure_pa", "Pa", own));
+    }
+    fields
 }
 
 /// The columns of one actuator under a controller: its goals follow.
-pub(super) fn of_controlled(goals: &[Goal]) -> Vec<Field<Sample>> {
-    let mut fields = of_actuator();
+pub(super) fn of_controlled(line: &Line, goals: &[Goal]) -> Vec<Field<Sample>> {
+    let mut fields = of_actuator(line);
     fields.extend(of_goals(goals, |sample: &Sample| sample.time));
     fields
 }
@@ -77,7 +86,7 @@ fn member(index: usize, prefix: &str) -> Vec<Field<JointSample>> {
             Value::Word(value) => Value::Word(Box::new(move |sample: &JointSample| value(&sample.actuators[index]))),
         },
     };
-    of_actuator().into_iter().map(of).collect()
+    of_actuator(&Line::NONE).into_iter().map(of).collect()
 }
 
 fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {

@@ -24,7 +24,8 @@ pub struct Column {
     pub value: fn(&Sample) -> f64,
 }
 
-/// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`].
+/// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`], and the columns of an air
+/// line if there is one.
 pub const COLUMNS: [Column; 9] = [
     column("time_s", "s", |sample| sample.time),
     column("length_m", "m", |sample| sample.length),
@@ -37,7 +38,7 @@ pub const COLUMNS: [Column; 9] = [
     column("mass_flow_kg_s", "kg/s", |sample| sample.mass_flow),
 ];
 
-/// The last column.
+/// The column of words.
 pub const VALVE: &str = "valve";
 
 const fn column(name: &'static str, unit: &'static str, value: fn(&Sample) -> f64) -> Column {
@@ -98,7 +99,7 @@ pub fn write(
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_actuator(), rows, provenance, (path, format), out)
+    write_fields(&field::of_actuator(outcome.line()), rows, provenance, (path, format), out)
 }
 
 /// Writes a run under a controller: with the set points and what was measured after the columns of the run.
@@ -114,7 +115,7 @@ pub fn write_controlled(
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_controlled(goals), rows, provenance, (path, format), out)
+    write_fields(&field::of_controlled(outcome.line(), goals), rows, provenance, (path, format), out)
 }
 
 /// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's.

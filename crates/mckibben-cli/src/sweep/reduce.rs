@@ -97,7 +97,8 @@ impl Reducer {
         if let Some(before) = self.before.replace(*sample)
             && (before.ports.supply || sample.ports.supply)
         {
-            self.air_used += (sample.air_mass - before.air_mass).max(0.0);
+            let air = |sample: &Sample| sample.air_mass + sample.hose_air_mass;
+            self.air_used += (air(sample) - air(&before)).max(0.0);
         }
     }
 
@@ -228,6 +229,9 @@ mod tests {
                 tension: 10.0,
                 mass_flow: 0.0,
                 ports,
+                hose_pressure: AbsolutePressure(1e5),
+                hose_air_mass: 0.0,
+                supply_pressure: None,
             });
         }
         reducer.finish(&reductions)

@@ -216,7 +216,6 @@ fn locate(experiment: &Experiment, record: &Record) -> Outcome {
 /// Air in kg that came from the supply.
 fn air_used(trajectory: &Trajectory) -> f64 {
     let mut air = AirUse::default();
-    let actuator = trajectory.rig().actuator();
-    trajectory.quadrature(|weight, sample, mode| air.see(actuator, weight, sample, mode));
+    trajectory.valve_flows(|weight, flows| air.see(weight, flows));
     air.from_supply
 }

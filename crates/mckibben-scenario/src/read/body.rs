@@ -37,6 +37,7 @@ pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
         max_length,
         min_length: min_length.unwrap_or(thread_length / 3_f64.sqrt()),
         external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
+        leakage: r.number(&p::LEAKAGE),
         wall_thickness: r.value(&p::WALL_THICKNESS, preset),
         force: force(r),
         bladder: r.has("actuator.bladder").then(|| bladder(r)).flatten(),

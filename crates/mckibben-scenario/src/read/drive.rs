@@ -4,7 +4,7 @@
 //! valve that can close.
 
 use super::passage::{EXHAUST, SUPPLY, passage};
-use super::{columns, controller, gauge_pressure};
+use super::{columns, controller, gauge_pressure, line};
 use crate::choice::{CommandKind, CommandState, ExhaustTemperature, ValveKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::keys::CONTROLLER;
@@ -45,6 +45,9 @@ fn supply(r: &mut Reader<'_>, air: &Air) -> Supply {
     Supply {
         gauge_pressure: gauge_pressure(r, &p::SUPPLY_GAUGE_PRESSURE, air),
         temperature: r.value(&p::SUPPLY_TEMPERATURE, None),
+        reservoir: line::reservoir(r, air),
+        regulator: line::regulator(r),
+        actuators: line::actuators(r),
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `body` | actuator, air |
 //! | `drive` | supply, valve, command |
 //! | `controller` | controller |
+//! | `line` | hose, reservoir and regulator of the supply |
 //! | `passage` | how much the valve's passages let through |
 //! | `course` | load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
@@ -20,6 +21,7 @@ mod course;
 mod drive;
 mod friction;
 mod joint;
+mod line;
 pub(crate) mod passage;
 
 pub(crate) use body::GEOMETRY;
@@ -45,6 +47,7 @@ impl Document {
         let actuator = body::actuator(r);
         let air = body::air(r);
         let driven = drive::drive(r, &air);
+        let hose = line::hose(r);
         let load = if self.contains("load") { course::load(r, &air) } else { None };
         let initial = course::initial(r, load.as_ref(), &air);
         let run = if self.contains("run") { Some(course::run(r)) } else { None };
@@ -52,7 +55,7 @@ impl Document {
         match (load, run) {
             (Some(load), Some(run)) => {
                 let (supply, valve, command) = driven;
-                Ok(Scenario { actuator, air, supply, valve, command, load, initial, run })
+                Ok(Scenario { actuator, air, supply, valve, hose, command, load, initial, run })
             }
             // Not reached: a part that could not be read has been noted. Said rather than assumed.
             _ => Err(Diagnostic::whole(Class::Missing, self.source().name(), "the scenario is incomplete").into()),

@@ -5,7 +5,8 @@
 
 use crate::choice::BladderForm;
 use crate::scenario::{
-    Command, Effectiveness, Force, InitialLength, Load, Motion, Passage, Process, Scenario, TonduLopezCoefficients,
+    Command, Compressor, Effectiveness, Force, InitialLength, Load, Motion, Passage, PressureRegulator, Process,
+    Reservoir, Scenario, TonduLopezCoefficients,
 };
 use mckibben::parameter::{self as p, Parameter};
 
@@ -19,6 +20,7 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::MAX_LENGTH, |s| Some(&mut s.actuator.max_length)),
     (&p::MIN_LENGTH, |s| Some(&mut s.actuator.min_length)),
     (&p::EXTERNAL_VOLUME, |s| Some(&mut s.actuator.external_volume)),
+    (&p::LEAKAGE, |s| s.actuator.leakage.as_mut()),
     (&p::WALL_THICKNESS, |s| Some(&mut s.actuator.wall_thickness)),
     (&p::END_FACTOR, |s| match &mut s.actuator.force {
         Force::TonduLopez { end_factor, .. } => Some(end_factor),
@@ -69,6 +71,21 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::HEAT_CAPACITY_RATIO, |s| Some(&mut s.air.heat_capacity_ratio)),
     (&p::SUPPLY_GAUGE_PRESSURE, |s| Some(&mut s.supply.as_mut()?.gauge_pressure)),
     (&p::SUPPLY_TEMPERATURE, |s| Some(&mut s.supply.as_mut()?.temperature)),
+    (&p::RESERVOIR_VOLUME, |s| Some(&mut reservoir(s)?.volume)),
+    (&p::RESERVOIR_PRESSURE, |s| reservoir(s)?.gauge_pressure.as_mut()),
+    (&p::RESERVOIR_INDEX, |s| Some(&mut reservoir(s)?.polytropic_index)),
+    (&p::DISPLACEMENT, |s| Some(&mut compressor(s)?.displacement)),
+    (&p::CLEARANCE, |s| Some(&mut compressor(s)?.clearance)),
+    (&p::CUT_IN, |s| Some(&mut compressor(s)?.cut_in)),
+    (&p::CUT_OUT, |s| Some(&mut compressor(s)?.cut_out)),
+    (&p::LAG, |s| Some(&mut regulator(s)?.lag)),
+    (&p::DROOP, |s| Some(&mut regulator(s)?.droop)),
+    (&p::DEAD_BAND, |s| Some(&mut regulator(s)?.dead_band)),
+    (&p::ACTUATORS, |s| Some(&mut s.supply.as_mut()?.actuators)),
+    (&p::HOSE_LENGTH, |s| Some(&mut s.hose.as_mut()?.length)),
+    (&p::HOSE_DIAMETER, |s| Some(&mut s.hose.as_mut()?.diameter)),
+    (&p::HOSE_VISCOSITY, |s| Some(&mut s.hose.as_mut()?.viscosity)),
+    (&p::HOSE_INDEX, |s| Some(&mut s.hose.as_mut()?.polytropic_index)),
     (&p::FLOW_AREA, |s| flow_area(supply(s)?)),
     (&p::SONIC_CONDUCTANCE, |s| sonic_conductance(supply(s)?)),
     (&p::CRITICAL_RATIO, |s| critical_ratio(supply(s)?)),
@@ -134,6 +151,18 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::STEP, |s| s.run.step.as_mut()),
     (&p::ACCURACY, |s| Some(&mut s.run.accuracy)),
 ];
+
+fn reservoir(s: &mut Scenario) -> Option<&mut Reservoir> {
+    s.supply.as_mut()?.reservoir.as_mut()
+}
+
+fn compressor(s: &mut Scenario) -> Option<&mut Compressor> {
+    reservoir(s)?.compressor.as_mut()
+}
+
+fn regulator(s: &mut Scenario) -> Option<&mut PressureRegulator> {
+    s.supply.as_mut()?.regulator.as_mut()
+}
 
 /// The coefficients of the law of Tondu & Lopez, where they are given.
 fn tondu_lopez(scenario: &mut Scenario) -> Option<&mut TonduLopezCoefficients> {

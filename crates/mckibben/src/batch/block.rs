@@ -14,7 +14,8 @@ use crate::friction::{Hysteresis, Memory};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::course::Course;
-use crate::simulation::fixed_step::Walk;
+use crate::simulation::fixed_step::{Walk, check_line, stepped};
+use crate::simulation::hosed::Stepped as States;
 use crate::simulation::kernel::Held;
 use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
@@ -53,7 +54,7 @@ pub(super) struct Block<W: Wide> {
     rigs: Rigs<W>,
     method: Method,
     time: f64,
-    state: [W; 4],
+    state: States<W>,
     held: Held<W>,
     /// How many elements of the memory are in use.
     elements: usize,
@@ -125,14 +126,14 @@ impl<W: Wide> Block<W> {
             progress: Progress::none(),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: None,
+            fault: check_line(row.rig.line()).err(),
         };
         let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
         // Lanes without a row hold no number.
         let start = |number: usize| {
-            W::from_lanes(|lane| W::Lane::constant(rows.get(lane).map_or(f64::NAN, |row| row.start.to_array()[number])))
+            W::from_lanes(|lane| W::Lane::constant(rows.get(lane).map_or(f64::NAN, |row| stepped(row.start)[number])))
         };
-        let (rig, state) = (gather(&rigs), [start(0), start(1), start(2), start(3)]);
+        let (rig, state) = (gather(&rigs), [start(0), start(1), start(2), start(3), start(4)]);
         let actuator = rig.actuator();
         let elements = actuator.friction().hysteresis().map_or(0, Hysteresis::count);
         let memory = Memory::relaxed(actuator.limits().actuator_length(state[0]));
@@ -143,7 +144,7 @@ impl<W: Wide> Block<W> {
             state,
             held: Held { memory, ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| lane < rows.len()),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_line(row.rig.line()).is_ok())),
             known_until: 0.0,
             soonest: f64::INFINITY,
             shared: false,
@@ -170,8 +171,8 @@ impl<W: Wide> Block<W> {
             },
             memory: self.memory_of(index),
         };
-        let [length, velocity, pressure, mass] = &self.state;
-        let state = [number(length), number(velocity), number(pressure), number(mass)];
+        let [length, velocity, pressure, mass, hose] = &self.state;
+        let state = [number(length), number(velocity), number(pressure), number(mass), number(hose)];
         let Lane { progress, ports, .. } = self.lanes[index];
         Walk { course: Course { time: self.time, state, held }, progress, ports }
     }
@@ -187,7 +188,7 @@ impl<W: Wide> Block<W> {
     }
 
     /// Takes a lane back; its state into that of the block at the end of a step.
-    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut [W; 4]) {
+    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut States<W>) {
         let Course { state, held: of_lane, .. } = &walk.course;
         for (wide, number) in end.iter_mut().zip(state) {
             wide.put(index, *number);
@@ -230,14 +231,15 @@ impl<W: Wide> Block<W> {
 
     /// The lanes of `which` by themselves from where they are to `until`.
     #[inline(never)]
-    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut [W; 4]) {
+    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut States<W>) {
         for index in 0..self.lanes.len() {
             if !W::holds(which, index) {
                 continue;
             }
             let mut walk = self.walk(index);
             let lane = &self.lanes[index];
-            let known = Some([end[0].lane(index), end[1].lane(index), end[2].lane(index), end[3].lane(index)]);
+            let at = |number: usize| end[number].lane(index);
+            let known = Some([at(0), at(1), at(2), at(3), at(4)]);
             match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until, known) {
                 Ok(()) => self.take_back(index, &walk, end),
                 Err(fault) => self.stop(index, fault, end),
@@ -247,7 +249,7 @@ impl<W: Wide> Block<W> {
     }
 
     /// Gives a lane its fault; it holds no number from here on.
-    fn stop(&mut self, index: usize, fault: Error, end: &mut [W; 4]) {
+    fn stop(&mut self, index: usize, fault: Error, end: &mut States<W>) {
         let lane = &mut self.lanes[index];
         (lane.fault, lane.next) = (Some(fault), f64::INFINITY);
         self.alive = self.alive & !W::mask(|lane| lane == index);
@@ -316,13 +318,14 @@ impl<W: Wide> Block<W> {
     /// What each row shows now, or why it has stopped.
     #[inline(always)]
     fn samples(&self) -> Vec<Result<Sample, Error>> {
-        let observed = match &self.rigs {
-            Rigs::Ideal(rig) => rig.observe(&self.state, &self.held),
-            Rigs::Any(rig) => rig.observe(&self.state, &self.held),
+        let (observed, line) = match &self.rigs {
+            Rigs::Ideal(rig) => (rig.observe(&self.state, &self.held), rig.line()),
+            Rigs::Any(rig) => (rig.observe(&self.state, &self.held), rig.line()),
         };
+        let hose_air = line.hose.as_ref().map(|hose| hose.content(self.state[4]));
         let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
             Some(fault) => Err(fault.clone()),
-            None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, lane.ports)),
+            None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air))),
         };
         self.lanes.iter().enumerate().map(sample).collect()
     }
@@ -330,7 +333,7 @@ impl<W: Wide> Block<W> {
 
 /// The end of a step for each lane, and where something happens before it.
 struct Stepped<W: Wide> {
-    end: [W; 4],
+    end: States<W>,
     sliding: W,
     happens: W::Mask,
 }

@@ -11,6 +11,7 @@
 //!
 //! Checked by `tests/fixed_step.rs` and `tests/batch.rs`.
 
+use super::hosed::Stepped;
 use super::kernel::{Held, Method};
 use super::rig::Rig;
 use crate::force::Statics;
@@ -30,13 +31,13 @@ const MAX_SECANTS: usize = 60;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course<R: Real> {
     pub(crate) time: R::Time,
-    pub(crate) state: [R; 4],
+    pub(crate) state: Stepped<R>,
     pub(crate) held: Held<R>,
 }
 
 impl<R: Real> Course<R> {
     /// Goes on to `until` with the same passages open. The end of the whole step is given where it is known already.
-    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time, mut end: Option<[R; 4]>) {
+    pub(crate) fn advance(&mut self, rig: &Rig<R>, method: Method, until: R::Time, mut end: Option<Stepped<R>>) {
         for _ in 0..MAX_TURNS {
             let Some(turn) = self.attempt(rig, method, until, end.take()) else { return };
             self.turn(rig, &turn);
@@ -46,7 +47,7 @@ impl<R: Real> Course<R> {
     }
 
     /// Takes the whole step, or says where in it something ceases to hold.
-    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time, end: Option<[R; 4]>) -> Option<Turn<R>> {
+    fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time, end: Option<Stepped<R>>) -> Option<Turn<R>> {
         let step = self.step_to(until);
         let end = end.unwrap_or_else(|| self.take(rig, method, step));
         let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
@@ -57,7 +58,7 @@ impl<R: Real> Course<R> {
         None
     }
 
-    fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: [R; 4]) {
+    fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: Stepped<R>) {
         self.state = end;
         rig.actuator().remember(&mut self.held.memory, end[0]);
         self.time = self.time.larger(until);
@@ -70,7 +71,7 @@ impl<R: Real> Course<R> {
         R::of_time((until - self.time).larger(R::Time::zero()))
     }
 
-    fn take(&self, rig: &Rig<R>, method: Method, step: R) -> [R; 4] {
+    fn take(&self, rig: &Rig<R>, method: Method, step: R) -> Stepped<R> {
         rig.take(method, R::of_time(self.time), &self.state, step, &self.held)
     }
 
@@ -131,9 +132,9 @@ impl<R: Real> Course<R> {
     ///
     /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
     /// that the bracket shrinks whatever the function.
-    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: [R; 4], ceases: [bool; 2]) -> Turn<R> {
+    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>, ceases: [bool; 2]) -> Turn<R> {
         let endless = R::constant(f64::INFINITY);
-        let margin = |state: &[R; 4]| {
+        let margin = |state: &Stepped<R>| {
             let [sliding, extent] = rig.keeps(&self.held, state);
             let (sliding, extent) = (R::select(ceases[0], sliding, endless), R::select(ceases[1], extent, endless));
             (sliding.smaller(extent), extent.lt(sliding))
@@ -184,7 +185,7 @@ impl<R: Real> Course<R> {
 struct Turn<R> {
     /// How much of the step is taken up to there.
     part: R,
-    state: [R; 4],
+    state: Stepped<R>,
     /// Whether it is the extent that ends.
     at_limit: bool,
 }
@@ -192,7 +193,7 @@ struct Turn<R> {
 impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
     #[inline(always)]
-    pub(crate) fn keeps(&self, held: &Held<S>, state: &[S; 4]) -> [S; 2] {
+    pub(crate) fn keeps(&self, held: &Held<S>, state: &Stepped<S>) -> [S; 2] {
         match self.load() {
             Load::Isometric => [S::constant(f64::INFINITY); 2],
             _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
@@ -201,13 +202,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// The least and the largest tension in N that can be held at rest in a state.
     #[inline(always)]
-    fn held_tensions(&self, held: &Held<S>, state: &[S; 4]) -> (S, S) {
+    fn held_tensions(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S) {
         self.holdable(state[0], state[2], self.rubbing(state[0], held))
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
     #[inline(always)]
-    fn keeps_sliding(&self, held: &Held<S>, state: &[S; 4]) -> S {
+    fn keeps_sliding(&self, held: &Held<S>, state: &Stepped<S>) -> S {
         let endless = S::constant(f64::INFINITY);
         let Some(inertia) = self.load().inertia() else { return endless };
         if !self.actuator().friction().has_coulomb() {
@@ -224,7 +225,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The force in N by which a state is within its extent, negative beyond: a length counts by the force that the taut
     /// braid would make of it.
     #[inline(always)]
-    fn keeps_extent(&self, held: &Held<S>, state: &[S; 4]) -> S {
+    fn keeps_extent(&self, held: &Held<S>, state: &Stepped<S>) -> S {
         let limits = self.actuator().limits();
         let [length, velocity, ..] = *state;
         let above = limits.stiffness() * (length - limits.min_length());
@@ -235,7 +236,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
     #[inline(always)]
-    pub(crate) fn slides(&self, held: &Held<S>, state: &[S; 4]) -> (S, S::Mask) {
+    pub(crate) fn slides(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S::Mask) {
         let [length, velocity, ..] = *state;
         let nowhere = S::Mask::splat(false);
         if !self.actuator().friction().has_coulomb() {
@@ -259,11 +260,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Where the state is one that the laws hold for.
     #[expect(clippy::eq_op, reason = "what is not a number differs from itself")]
     #[inline(always)]
-    pub(crate) fn admissible(&self, state: &[S; 4]) -> S::Mask {
-        let [length, velocity, pressure, mass] = *state;
+    pub(crate) fn admissible(&self, state: &Stepped<S>) -> S::Mask {
+        let [length, velocity, pressure, mass, hose] = *state;
         let thread = self.actuator().law().law.end_length();
         // What is infinite or not a number makes the sum so, and that less itself is not zero.
         let sum = (length + velocity) + (pressure + mass);
-        (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass)
+        let holds = (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);
+        // The pressure in a hose that is not there says nothing.
+        if self.line().hose.is_none() { holds } else { holds & (hose - hose).le(S::zero()) & S::zero().lt(hose) }
     }
 }

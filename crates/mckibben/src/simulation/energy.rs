@@ -20,6 +20,7 @@ use super::mode::{Extent, Mode};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
+use crate::air::Flow;
 use crate::force::{StaticForce, Statics};
 use crate::scalar::Real;
 
@@ -55,7 +56,7 @@ pub struct EnergyAudit {
     pub air_in: f64,
     /// Air that went out, in kg.
     pub air_out: f64,
-    /// Air that the actuator gained, in kg.
+    /// Air that the actuator and its hose gained, in kg.
     pub air_gain: f64,
 }
 
@@ -91,19 +92,18 @@ impl EnergyAudit {
 
 impl EnergyAudit {
     /// Adds what happens in an instant of `weight` s: the flows and what is dissipated. Returns the work on the ends in J.
+    /// `flow` is that from and to outside of all volumes that are counted.
     pub(super) fn add<R: Real>(
         &mut self,
         actuator: &Actuator<R>,
         weight: f64,
         sample: &Sample<R>,
         mode: &Mode,
-        trace: &Option<Trace<R>>,
+        (flow, trace): (&Flow<R>, &Option<Trace<R>>),
     ) -> f64 {
         let (limits, friction, law) = (actuator.limits(), actuator.friction(), actuator.law());
         let velocity = sample.velocity;
         let slack = mode.extent == Extent::Slack;
-        let chamber = actuator.chamber(sample.length, velocity, sample.pressure.0, sample.air_mass, slack);
-        let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
         self.air_in += weight * flow.inward.value();
         self.air_out += weight * flow.outward.value();
         let work_on_ends = -weight * (sample.tension * velocity).value();
@@ -156,11 +156,12 @@ impl<R: Real> Trajectory<R> {
         let actuator = rig.actuator();
         let mut audit = EnergyAudit::default();
         let mut work_on_ends = 0.0;
-        self.visit(|weight, sample, phase| {
-            work_on_ends += audit.add(actuator, weight.value(), sample, &phase.mode, &phase.trace);
+        self.visit(|weight, sample, phase, flow| {
+            work_on_ends += audit.add(actuator, weight.value(), sample, &phase.mode, (flow, &phase.trace));
         });
         let (start, end) = (self.at(R::zero()), self.at(self.duration()));
         audit.add_gains(actuator, &start, &end);
+        audit.air_gain += self.hose_gain().value();
         audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
             let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();
             kinetic(end.velocity) - kinetic(start.velocity) - (inertia.pull * (end.length - start.length)).value()

@@ -163,7 +163,8 @@ impl<R: Real, const N: usize> Attempt<R, N> {
         core::array::from_fn(|n| start[n] + step * slope[n])
     }
 
-    /// Attempts a step of length `step` from `start`, where the rates are `slope`.
+    /// Attempts a step of length `step` from `start`, where the rates are `slope`; `allowed` are the errors that the states
+    /// with a meaning may have.
     #[inline]
     pub(super) fn attempt(
         &mut self,
@@ -171,7 +172,7 @@ impl<R: Real, const N: usize> Attempt<R, N> {
         start: &[R; N],
         slope: &[R; N],
         step: R,
-        allowed: &[f64; N],
+        allowed: &[f64],
         mut rates: impl FnMut(R, &[R; N]) -> [R; N],
     ) {
         self.stages[0] = *slope;
@@ -183,14 +184,17 @@ impl<R: Real, const N: usize> Attempt<R, N> {
         let of_order_5 = weighted(&self.stages, LATE, &ORDER_5);
         let of_order_3 = weighted(&self.stages, LATE, &ORDER_3);
         let (mut fifth, mut third) = (0.0, 0.0);
-        for n in 0..N {
+        for n in 0..allowed.len() {
             let (five, three) = (of_order_5[n].value() / allowed[n], of_order_3[n].value() / allowed[n]);
             fifth += five * five;
             third += three * three;
         }
         let denominator = fifth + 0.01 * third;
-        self.error =
-            if denominator == 0.0 { 0.0 } else { step.value().abs() * fifth / Scalar::sqrt(denominator * N as f64) };
+        self.error = if denominator == 0.0 {
+            0.0
+        } else {
+            step.value().abs() * fifth / Scalar::sqrt(denominator * allowed.len() as f64)
+        };
     }
 
     /// Accepts the step: its dense output, and the rates at its end.

@@ -10,6 +10,7 @@
 //! Checked by `tests/fixed_step.rs`.
 
 use super::course::Course;
+use super::hosed::{Stepped, of_rig};
 use super::kernel::{Held, Method};
 use super::rig::{Rig, State};
 use super::sample::Sample;
@@ -17,6 +18,7 @@ use super::timetable::{Progress, Timetable};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::friction::Memory;
+use crate::line::{self, HoseKind};
 use crate::load::Line;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Ports;
@@ -32,7 +34,7 @@ pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
 impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let mut walk = Walk::new(rig, start.to_array());
+        let mut walk = Walk::new(rig, stepped(start));
         walk.pass(rig, &rig.timetable());
         Self { rig, method, walk }
     }
@@ -44,7 +46,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
 
     /// The state at that time.
     pub fn state(&self) -> State<R> {
-        State::from_array(self.walk.course.state)
+        State::from_array(of_rig(&self.walk.course.state))
     }
 
     /// Which passages are open at that time.
@@ -66,7 +68,9 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
+    /// [`Error::Unsupported`] for a distributed hose or a supply that changes.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        check_line(self.rig.line())?;
         self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None)
     }
 }
@@ -83,13 +87,15 @@ impl<R: Real<Time = R>> Walk<R> {
     /// Everything that is known at the time that has been reached.
     pub(super) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
         let Course { time, state, held } = &self.course;
-        Sample::new(*time, state, &rig.observe(state, held), self.ports)
+        let sample = Sample::new(*time, &of_rig(state), &rig.observe(state, held), self.ports);
+        let hose = rig.line().hose.as_ref();
+        hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None))
     }
 }
 
 impl<R: Real> Walk<R> {
     /// At t = 0, before what is due then has been passed.
-    pub(super) fn new(rig: &Rig<R>, state: [R; 4]) -> Self {
+    pub(super) fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
         let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
         let course = Course { time: R::Time::zero(), state, held: Held { memory, ..Held::nothing() } };
         Self { course, progress: Progress::none(), ports: Ports::CLOSED }
@@ -103,7 +109,7 @@ impl<R: Real> Walk<R> {
         timetable: &Timetable<'_, R::Time>,
         method: Method,
         until: R::Time,
-        mut end: Option<[R; 4]>,
+        mut end: Option<Stepped<R>>,
     ) -> Result<(), Error> {
         loop {
             let instant = timetable.next(&self.progress, until);
@@ -114,7 +120,7 @@ impl<R: Real> Walk<R> {
                 let left = self.course;
                 self.course = before;
                 let thread = rig.actuator().law().law.end_length().value();
-                return Err(outside(thread, left.time.value(), left.state.map(Real::value)));
+                return Err(outside(thread, left.time.value(), of_rig(&left.state).map(Real::value)));
             }
             if instant.is_none() {
                 return Ok(());
@@ -132,6 +138,24 @@ impl<R: Real> Walk<R> {
         (held.supply, held.exhaust) = (self.ports.supply, self.ports.exhaust);
         self.course.enter(rig);
     }
+}
+
+/// The states at a start: a hose begins at the actuator's pressure.
+pub(crate) fn stepped<S: Scalar>(start: State<S>) -> Stepped<S> {
+    let [length, velocity, pressure, mass] = start.to_array();
+    [length, velocity, pressure, mass, pressure]
+}
+
+/// That fixed steps can take an air line.
+pub(crate) fn check_line<S>(line: &line::Line<S>) -> Result<(), Error> {
+    let distributed = line.hose.as_ref().is_some_and(|hose| matches!(hose.kind, HoseKind::Distributed { .. }));
+    if distributed || line.supply.is_some() {
+        return Err(Error::Unsupported {
+            what: "the fixed-step engine and batches take neither a distributed hose nor a supply whose pressure changes",
+            remedy: "set run.engine = \"event-located\", or hose.kind = \"lumped\" and a supply of constant pressure",
+        });
+    }
+    Ok(())
 }
 
 /// The error of a state beyond the laws of a braid of a given thread length in m.

@@ -11,9 +11,11 @@
 
 use super::member::{Member, Trace};
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
-use super::rig::Rig;
+use super::plumbing::{LineMode, Plumbing, Room};
+use super::rig::{Rig, State};
 use super::system::{GuardForm, Guards, HybridSystem};
 use super::timetable::Progress;
+use super::zones::Places;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::error::Error;
@@ -22,7 +24,7 @@ use crate::scalar::{Over, Real};
 
 const LENGTH: usize = 0;
 const VELOCITY: usize = 1;
-const PRESSURE: usize = 2;
+pub(super) const PRESSURE: usize = 2;
 const AIR_MASS: usize = 3;
 
 /// The mode with what its clocks remember.
@@ -33,6 +35,7 @@ pub struct Phase<R = f64> {
     progress: Progress<R>,
     /// `P V/m` of an isothermal process, which nothing changes.
     isothermal: Option<R>,
+    line: LineMode,
     /// What the hysteresis remembers, where there is one.
     pub(super) trace: Option<Trace<R>>,
 }
@@ -42,6 +45,7 @@ pub struct Phase<R = f64> {
 pub struct RigSystem<'a, R: Real = f64> {
     rig: &'a Rig<R>,
     member: Member<'a, R>,
+    plumbing: Option<Plumbing<'a, R>>,
     inertia: Option<Inertia<R>>,
     /// `1/M`, or zero when the motion is given.
     per_mass: R,
@@ -55,6 +59,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
         Self {
             rig,
             member: Member::new(rig.actuator(), relative_tolerance, pull),
+            plumbing: Plumbing::new(rig.line()),
             inertia,
             per_mass: inertia.map_or(R::zero(), |inertia| R::one() / inertia.mass),
         }
@@ -77,14 +82,87 @@ impl<'a, R: Real> RigSystem<'a, R> {
         [longest, longest * USUAL_RATE, atmosphere, air_mass]
     }
 
-    /// Flow through the passages that are open in a mode.
+    /// How many states the rig has with its line.
+    pub fn states(&self) -> usize {
+        self.plumbing.map_or(4, |plumbing| plumbing.states)
+    }
+
+    /// The states at the start: the rig's four, and those of its line; zero in places that have no meaning.
+    pub fn start<const N: usize>(&self, rig: State<R>) -> [R; N] {
+        debug_assert!(Room::<N>::FOR_LINE || self.plumbing.is_none(), "a line has no room in {N} states");
+        let mut state = [R::zero(); N];
+        state[..4].copy_from_slice(&rig.to_array());
+        if let Some(plumbing) = &self.plumbing {
+            plumbing.start(&self.member, &mut state);
+        }
+        state
+    }
+
+    /// Places of the pressures that the air depends on.
     #[inline(always)]
-    pub fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
-        self.member.flow(chamber, mode)
+    pub(super) fn places(&self) -> Places {
+        self.plumbing.as_ref().map_or(Places::direct(PRESSURE), Plumbing::places)
+    }
+
+    /// Enters the zones of the passages that are open.
+    fn enter_ports<const N: usize>(&self, state: &[R; N], mode: &mut Mode) {
+        let Places { valve, supply, .. } = self.places();
+        self.member.enter_ports(state[valve], supply.map(|place| state[place]), mode);
+    }
+
+    /// The air in the actuator.
+    #[cfg(feature = "alloc")]
+    pub(super) fn chamber<const N: usize>(&self, state: &[R; N], mode: &Mode) -> Chamber<R> {
+        let slack = mode.extent == Extent::Slack;
+        self.rig.actuator().chamber(state[LENGTH], state[VELOCITY], state[PRESSURE], state[AIR_MASS], slack)
+    }
+
+    /// Flow into the actuator in a mode.
+    #[cfg(feature = "alloc")]
+    pub(super) fn inflow<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
+        let mode = &phase.mode;
+        let chamber = self.chamber(state, mode);
+        match &self.plumbing {
+            Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, (mode, &phase.line)),
+            None => self.member.flow(&chamber, mode),
+        }
+    }
+
+    /// Flow between the rig with its line and the surroundings or the supply.
+    #[cfg(feature = "alloc")]
+    pub(super) fn exchange<const N: usize>(&self, state: &[R; N], mode: &Mode) -> Flow<R> {
+        let chamber = self.chamber(state, mode);
+        match &self.plumbing {
+            Some(plumbing) => plumbing.exchange(&self.member, &chamber, state, mode),
+            None => self.member.flow(&chamber, mode),
+        }
+    }
+
+    /// Flows through the valve's passages to the supply and to the surroundings, into hose or actuator.
+    #[cfg(feature = "alloc")]
+    pub(super) fn valve_flows<const N: usize>(&self, state: &[R; N], mode: &Mode) -> [Flow<R>; 2] {
+        let chamber = self.chamber(state, mode);
+        match &self.plumbing {
+            Some(plumbing) => plumbing.passages(&self.member, &chamber, state, mode),
+            None => {
+                let only = |supply: bool, exhaust: bool| Mode {
+                    supply_zone: mode.supply_zone.filter(|_| supply),
+                    exhaust_zone: mode.exhaust_zone.filter(|_| exhaust),
+                    ..*mode
+                };
+                [only(true, false), only(false, true)].map(|one| self.member.flow(&chamber, &one))
+            }
+        }
+    }
+
+    /// Content of the hose in kg.
+    #[cfg(feature = "alloc")]
+    pub(super) fn hose_content<const N: usize>(&self, state: &[R; N]) -> R {
+        self.plumbing.as_ref().map_or(R::zero(), |plumbing| plumbing.content(state))
     }
 
     /// The phase at t = 0 in a state.
-    pub fn begin(&self, state: &[R; 4]) -> Phase<R> {
+    pub fn begin<const N: usize>(&self, state: &[R; N]) -> Phase<R> {
         let mut progress = Progress::none();
         let ports = self.rig.timetable().pass(&mut progress, R::zero());
         let mode = Mode {
@@ -102,9 +180,13 @@ impl<'a, R: Real> RigSystem<'a, R> {
             mode,
             progress,
             isothermal: self.member.isothermal_content(state[LENGTH], [state[PRESSURE], state[AIR_MASS]]),
+            line: LineMode::AT_REST,
             trace: self.member.trace(self.rig.actuator().limits().actuator_length(state[LENGTH])),
         };
-        self.member.enter_ports(state[PRESSURE], &mut phase.mode);
+        self.enter_ports(state, &mut phase.mode);
+        if let Some(plumbing) = &self.plumbing {
+            phase.line = plumbing.enter(&self.member, state, &phase.mode);
+        }
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(R::zero(), state, &mut phase);
         self.follow(state, &mut phase, false);
@@ -113,7 +195,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// Tension in N in a mode: what the load feels.
     #[inline(always)]
-    pub fn tension<T: Over<R>>(&self, state: &[T; 4], phase: &Phase<R>) -> T {
+    pub fn tension<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
         if mode.sliding == Sliding::Stuck {
             return self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
@@ -122,13 +204,13 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// The least and the largest tension in N that can be held at rest.
-    fn holdable<T: Over<R>>(&self, state: &[T; 4], phase: &Phase<R>) -> (T, T) {
+    fn holdable<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> (T, T) {
         let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
         self.rig.holdable(state[LENGTH], state[PRESSURE], rubbing)
     }
 
     /// Takes the memory of the hysteresis on to a state, and to the branch that follows.
-    fn follow(&self, state: &[R; 4], phase: &mut Phase<R>, slips: bool) {
+    fn follow<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>, slips: bool) {
         if phase.trace.is_some() {
             let length = self.rig.actuator().limits().actuator_length(state[LENGTH]);
             self.member.follow(&mut phase.trace, length, phase.mode.sliding, slips);
@@ -136,16 +218,16 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// The extent of a state that may lie on a limit: then the velocity, or at rest the balance, decides.
-    fn enter_extent(&self, state: &[R; 4], mode: &mut Mode) {
+    fn enter_extent<const N: usize>(&self, state: &[R; N], mode: &mut Mode) {
         let limits = self.rig.actuator().limits();
-        let [length, velocity, ..] = *state;
+        let [length, velocity] = [state[LENGTH], state[VELOCITY]];
         let above = [limits.min_length(), limits.max_length()].map(|limit| length.value() - limit.value());
         let pushed_up = self.inertia.is_some_and(|inertia| inertia.pull.value() < 0.0);
         mode.extent = self.member.extent_at([length, velocity], above, pushed_up);
     }
 
     /// The direction of sliding in a state that may be at rest, and whether the force is clamped.
-    fn enter_sliding(&self, time: R, state: &[R; 4], phase: &mut Phase<R>) {
+    fn enter_sliding<const N: usize>(&self, time: R, state: &[R; N], phase: &mut Phase<R>) {
         let velocity = state[VELOCITY].value();
         phase.mode.sliding = match (self.rig.load(), self.inertia) {
             (Load::Isometric, _) => Sliding::Held,
@@ -161,7 +243,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// From rest: stick if the load can be held, else slide the way it pulls.
-    fn rest_or_slide(&self, inertia: Inertia<R>, state: &[R; 4], phase: &mut Phase<R>) -> Sliding {
+    fn rest_or_slide<const N: usize>(&self, inertia: Inertia<R>, state: &[R; N], phase: &mut Phase<R>) -> Sliding {
         let actuator = self.rig.actuator();
         let on_the_stop = state[LENGTH].value() == actuator.limits().min_length().value();
         if phase.mode.extent == Extent::Slack || !(actuator.friction().has_direction() || on_the_stop) {
@@ -185,13 +267,13 @@ impl<'a, R: Real> RigSystem<'a, R> {
         }
     }
 
-    fn enter_clamp(&self, state: &[R; 4], phase: &mut Phase<R>) {
+    fn enter_clamp<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>) {
         self.member.enter_clamp(ends(state), &mut phase.mode, &phase.trace);
     }
 
     /// Whether the load, arriving at the shortest length, comes to rest there: it can be held, and it would bounce less
     /// than the tolerance of its length.
-    fn rests_on_the_stop(&self, state: &[R; 4], phase: &Phase<R>) -> bool {
+    fn rests_on_the_stop<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> bool {
         let Some(inertia) = self.inertia else { return false };
         let (pull, mass) = (inertia.pull.value(), inertia.mass.value());
         let most = self.holdable(state, phase).1.value();
@@ -208,17 +290,22 @@ const SLOW: f64 = 0.1;
 
 /// Length, velocity and pressure of a state.
 #[inline(always)]
-fn ends<T: Copy>(state: &[T; 4]) -> [T; 3] {
+fn ends<T: Copy, const N: usize>(state: &[T; N]) -> [T; 3] {
     [state[LENGTH], state[VELOCITY], state[PRESSURE]]
 }
 
-impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
+impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     type Mode = Phase<R>;
     type Guard = Guard;
     type Kind = EventKind;
 
     #[inline(always)]
-    fn rates<T: Over<R>>(&self, time: T, state: &[T; 4], phase: &Phase<R>) -> [T; 4] {
+    fn states(&self) -> usize {
+        if Room::<N>::FOR_LINE { RigSystem::states(self) } else { N }
+    }
+
+    #[inline(always)]
+    fn rates<T: Over<R>>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> [T; N] {
         let mode = &phase.mode;
         let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
         match self.rig.load() {
@@ -232,41 +319,80 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
             }
         }
         let [length, velocity, acceleration] = ends;
-        let [pressure_rate, air_rate] =
-            self.member.air_rates([length, velocity, state[PRESSURE], state[AIR_MASS]], mode);
-        [velocity, acceleration, pressure_rate, air_rate]
-    }
-
-    fn settling_rate(&self, time: R, state: &[R; 4], phase: &Phase<R>) -> f64 {
-        let rate = |pressure: Dual<R, 1>| {
-            let mut seeded = state.map(Dual::<R, 1>::of);
-            seeded[PRESSURE] = pressure;
-            self.rates(Dual::of(time), &seeded, phase)[PRESSURE]
+        let air = [length, velocity, state[PRESSURE], state[AIR_MASS]];
+        let mut rates = [T::zero(); N];
+        (rates[LENGTH], rates[VELOCITY]) = (velocity, acceleration);
+        [rates[PRESSURE], rates[AIR_MASS]] = if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            let [length, velocity, pressure, mass] = air;
+            let actuator = self.rig.actuator();
+            let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+            let inflow = plumbing.rates(&self.member, &chamber, state, (mode, &phase.line), &mut rates);
+            [actuator.pressure_rate(&chamber, &inflow), inflow.net()]
+        } else {
+            self.member.air_rates(air, mode)
         };
-        let settling = self.member.pressure_settling_rate(state[PRESSURE], &phase.mode, rate);
-        (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling)
+        rates
     }
 
-    fn scales(&self, state: &[R; 4], phase: &Phase<R>) -> [f64; 4] {
+    fn settling_rate(&self, time: R, state: &[R; N], phase: &Phase<R>) -> f64 {
+        let seeded_at = |place: usize, value: Dual<R, 1>| {
+            let mut seeded = state.map(Dual::<R, 1>::of);
+            seeded[place] = value;
+            self.rates(Dual::of(time), &seeded, phase)
+        };
+        let Places { valve, supply, .. } = self.places();
+        let supply = supply.map(|place| state[place]);
+        let rate = |pressure| seeded_at(valve, pressure)[valve];
+        let settling = self.member.pressure_settling_rate(state[valve], supply, &phase.mode, rate);
+        let fastest = (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling);
+        if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            let rates = |place| seeded_at(place, Dual::variable(state[place], 0));
+            return fastest.max(plumbing.settling_rate(state, &phase.line, rates));
+        }
+        fastest
+    }
+
+    fn scales(&self, state: &[R; N], phase: &Phase<R>) -> [f64; N] {
         let Member { longest, atmosphere, air_mass, taut_scale, .. } = self.member;
-        let [length, velocity, pressure, mass] = state.map(|value| value.value().abs());
+        let [length, velocity, pressure, mass] =
+            [LENGTH, VELOCITY, PRESSURE, AIR_MASS].map(|place| state[place].value().abs());
         // On the taut braid a length counts by the force that an error in it makes.
         let length = match phase.mode.extent {
             Extent::Taut | Extent::Rebound => taut_scale,
             Extent::Slack | Extent::Free => length.max(longest),
         };
-        [length, velocity + self.slow(), pressure + 0.1 * atmosphere, mass + 0.1 * air_mass]
+        // What has no meaning never errs.
+        let mut scales = [1.0; N];
+        scales[..4].copy_from_slice(&[
+            length,
+            velocity + self.slow(),
+            pressure + 0.1 * atmosphere,
+            mass + 0.1 * air_mass,
+        ]);
+        if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            plumbing.scales(&self.member, state, &mut scales);
+        }
+        scales
     }
 
     fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
         self.rig.timetable().next(&phase.progress, until)
     }
 
-    fn pass_instant(&self, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
+    fn pass_instant(&self, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
         let ports = self.rig.timetable().pass_seats(&mut phase.progress, time);
         if ports != phase.mode.ports {
             phase.mode.ports = ports;
-            self.member.enter_ports(state[PRESSURE], &mut phase.mode);
+            self.enter_ports(state, &mut phase.mode);
+            if let Some(plumbing) = &self.plumbing {
+                plumbing.pass_seats(&self.member, state, &phase.mode, &mut phase.line);
+            }
             return Ok(EventKind::Valve);
         }
         phase.progress.corners_passed += 1;
@@ -310,13 +436,28 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         {
             guards.add(Guard::Slip, if lasts_above { above(LENGTH, end) } else { below(LENGTH, end) });
         }
-        self.member.each_other_guard(mode, PRESSURE, &mut |guard, form| guards.add(guard, form));
+        let mut add = |guard, form| guards.add(guard, form);
+        self.member.each_other_guard(mode, self.places(), &mut add);
+        if let Some(plumbing) = &self.plumbing {
+            plumbing.guards(&phase.line, &mut guards);
+        }
         guards
     }
 
-    fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; 4], phase: &Phase<R>) -> T {
+    fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
-        let velocity = state[VELOCITY];
+        let [length, velocity, _] = ends(state);
+        if Room::<N>::FOR_LINE
+            && let Some(plumbing) = &self.plumbing
+        {
+            if matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp) {
+                let ends = [length, velocity, state[plumbing.places().valve]];
+                return self.member.guard(guard, ends, mode, &phase.trace);
+            }
+            if let Some(value) = plumbing.guard(guard, &self.member, state, (mode, &phase.line)) {
+                return value;
+            }
+        }
         let band = T::constant(self.member.force_band);
         let pull = || self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
         match guard {
@@ -328,23 +469,23 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
         }
     }
 
-    fn cross(&self, guard: Guard, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
+    fn cross(&self, guard: Guard, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
         let kind = self.pass_guard(guard, time, state, phase)?;
         self.follow(state, phase, guard == Guard::Slip);
         Ok(kind)
     }
 
-    fn project(&self, time: R, state: &mut [R; 4], phase: &Phase<R>) {
+    fn project(&self, time: R, state: &mut [R; N], phase: &Phase<R>) {
         if let Load::Prescribed(motion) = self.rig.load() {
             let [length, velocity, _] = motion.at(time, phase.progress.corners_passed);
             (state[LENGTH], state[VELOCITY]) = (length, velocity);
         }
         if let Some(content) = phase.isothermal {
-            state[PRESSURE] = content * state[3] / self.rig.actuator().volume(state[LENGTH]);
+            state[PRESSURE] = content * state[AIR_MASS] / self.rig.actuator().volume(state[LENGTH]);
         }
     }
 
-    fn stuck(&self, time: R, state: &[R; 4], _phase: &Phase<R>) -> Error {
+    fn stuck(&self, time: R, state: &[R; N], _phase: &Phase<R>) -> Error {
         Error::Stopped {
             time: time.value(),
             reason: "no step is short enough for the tolerance",
@@ -358,7 +499,13 @@ impl<R: Real> HybridSystem<R, 4> for RigSystem<'_, R> {
 
 impl<R: Real> RigSystem<'_, R> {
     /// What follows when a guard has come down through zero; the memory of the hysteresis is taken on after it.
-    fn pass_guard(&self, guard: Guard, time: R, state: &mut [R; 4], phase: &mut Phase<R>) -> Result<EventKind, Error> {
+    fn pass_guard<const N: usize>(
+        &self,
+        guard: Guard,
+        time: R,
+        state: &mut [R; N],
+        phase: &mut Phase<R>,
+    ) -> Result<EventKind, Error> {
         let limits = self.rig.actuator().limits();
         let inertial = self.inertia.is_some();
         match guard {
@@ -410,7 +557,9 @@ impl<R: Real> RigSystem<'_, R> {
                 Ok(EventKind::BreakAway)
             }
             Guard::Slip => Ok(EventKind::Slip),
-            _ => Member::<R>::cross(guard, &mut phase.mode).ok_or_else(|| self.stuck(time, state, phase)),
+            _ => Member::<R>::cross(guard, &mut phase.mode)
+                .or_else(|| Plumbing::<R>::cross(guard, &mut phase.line))
+                .ok_or_else(|| self.stuck(time, state, phase)),
         }
     }
 
@@ -425,7 +574,7 @@ impl<R: Real> RigSystem<'_, R> {
     }
 
     /// The velocity has come to zero: stick, or go the other way.
-    fn turn(&self, state: &[R; 4], phase: &mut Phase<R>) -> EventKind {
+    fn turn<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>) -> EventKind {
         phase.mode.sliding = match self.inertia {
             Some(inertia) => self.rest_or_slide(inertia, state, phase),
             None => self.rig.sliding(-phase.mode.sliding.direction()),

@@ -214,7 +214,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
     /// A first step in a new mode: a part of the time in which the rates would change a state by its own size.
     fn first_step(&self, slope: &[R; N]) -> f64 {
         let scales = self.scales();
-        let fastest = (0..N).map(|n| slope[n].value().abs() / scales[n]).fold(0.0, f64::max);
+        let fastest = (0..self.system.states()).map(|n| slope[n].value().abs() / scales[n]).fold(0.0, f64::max);
         if fastest > 0.0 { self.first_part / fastest } else { f64::INFINITY }
     }
 
@@ -227,7 +227,7 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         let (system, mode) = (self.system, self.mode);
         let rates = |time: R, state: &[R; N]| system.rates(time, state, &mode);
         let allowed = self.allowed();
-        self.explicit.attempt(self.time, &self.state, slope, length, &allowed, rates);
+        self.explicit.attempt(self.time, &self.state, slope, length, &allowed[..system.states()], rates);
         self.counts.evaluations += explicit::EVALUATIONS.0;
         if !self.control(length.value(), self.explicit.error, eighth_root) {
             return None;
@@ -263,13 +263,14 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
 
     fn try_implicit(&mut self, slope: &[R; N], length: R) -> Option<(Arc<R, N>, [R; N])> {
         let (system, mode) = (self.system, self.mode);
-        let linear =
-            rosenbrock::Linearisation::at(self.time, &self.state, |time, state| system.rates(time, state, &mode));
+        let linear = rosenbrock::Linearisation::at(self.time, &self.state, system.states(), |time, state| {
+            system.rates(time, state, &mode)
+        });
         let allowed = self.allowed();
         let attempt = rosenbrock::attempt(self.time, &self.state, slope, &linear, length, &allowed, |time, state| {
             system.rates(time, state, &mode)
         });
-        self.counts.evaluations += rosenbrock::EVALUATIONS + N as u64 + 1;
+        self.counts.evaluations += rosenbrock::EVALUATIONS + system.states() as u64 + 1;
         if !self.control(length.value(), attempt.error, fifth_root) {
             return None;
         }

@@ -17,10 +17,11 @@
 //! overshoots the port. With this γ the first stage goes at most 0.59 of the way.
 //!
 //! Masks and selects stand where branches would, and everything is inlined, so that all of it becomes part of the kernel
-//! that calls it and is compiled for that kernel's instructions.
+//! that calls it and is compiled for that kernel's instructions. With a hose the step is that of [`hosed`](super::hosed).
 //!
 //! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
 
+use super::hosed::{Stepped, of_rig};
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
@@ -127,32 +128,23 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let actuator = self.actuator();
         let [length, velocity, pressure, mass] = state;
         let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
-        (chamber, actuator.flow(&chamber, held.supply, held.exhaust))
+        let flow = actuator.flow(&chamber, held.supply, held.exhaust);
+        (chamber, self.with_leak(&chamber, flow))
     }
 
     /// What a sample shows beside the state.
     #[inline(always)]
-    pub(crate) fn observe(&self, state: &[S; 4], held: &Held<S>) -> Observed<S> {
+    pub(crate) fn observe(&self, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
         let actuator = self.actuator();
-        let [length, velocity, pressure, _] = *state;
-        let (chamber, flow) = self.contents(*state, held, actuator.limits().is_slack(length));
+        let [length, velocity, pressure, ..] = *state;
+        let (chamber, mut flow) = self.contents(of_rig(state), held, actuator.limits().is_slack(length));
+        if let Some(hose) = &self.line().hose {
+            flow = self.through_hose(hose, &chamber, state[4]);
+        }
         let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);
         let tension = S::select(held.stuck, pull, sliding);
         Observed { tension, volume: chamber.volume, temperature: actuator.air().temperature(&chamber), flow }
-    }
-
-    /// One part of a step, with a prescribed motion where it ends exactly.
-    #[inline(always)]
-    pub(crate) fn take(&self, method: Method, time: S, state: &[S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let mut end = match method {
-            Method::Rk4 => self.step_rk4(time, *state, step, held),
-            Method::Stable => self.step_stable(time, *state, step, held),
-        };
-        if let Load::Prescribed(motion) = self.load() {
-            [end[0], end[1], _] = motion.on_line(time + step, &held.line);
-        }
-        end
     }
 
     /// One part of a step by the classical Runge–Kutta method.
@@ -206,35 +198,42 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
         let [length, _, pressure, mass] = *state;
         let chamber = actuator.chamber(length, rates[0], pressure, mass, held.slack);
-        let by_flow = rates[2] - actuator.pressure_rate(&chamber, &Flow::none());
+        let (beside, by_mass) = match self.leak(&chamber) {
+            None => (Flow::none(), rates[3]),
+            Some(leak) => (leak, rates[3] - leak.net()),
+        };
+        let by_flow = rates[2] - actuator.pressure_rate(&chamber, &beside);
         let gap = port - pressure;
         let per_gap = S::one() / gap;
         let settling = by_flow * per_gap;
         // Where the pressures are equal there is no secant, and the tangent has the slope of the straight line.
         let settles = one_open & S::zero().lt(gap.magnitude()) & S::zero().lt(settling);
-        [S::select(settles, settling, S::zero()), S::select(settles, rates[3] * per_gap, S::zero())]
+        [S::select(settles, settling, S::zero()), S::select(settles, by_mass * per_gap, S::zero())]
     }
 }
 
 /// `y + h k`.
 #[inline(always)]
-fn ahead<S: Scalar>(state: &[S; 4], step: S, slope: &[S; 4]) -> [S; 4] {
-    let at = |n: usize| slope[n].multiply_add(step, state[n]);
-    [at(0), at(1), at(2), at(3)]
+pub(super) fn ahead<S: Scalar, const N: usize>(state: &[S; N], step: S, slope: &[S; N]) -> [S; N] {
+    let mut end = *state;
+    for n in 0..N {
+        end[n] = slope[n].multiply_add(step, state[n]);
+    }
+    end
 }
 
 /// What the matrix of the stable method is made of.
-struct Slopes<S> {
+pub(super) struct Slopes<S> {
     /// Of the acceleration, by length and by velocity.
-    acceleration: [S; 2],
+    pub(super) acceleration: [S; 2],
     /// Of the pressure's rate, by the pressure.
-    pressure_rate: S,
+    pub(super) pressure_rate: S,
     /// Of the air mass's rate, by the pressure.
-    mass_rate: S,
+    pub(super) mass_rate: S,
 }
 
 /// `I − γhA` in the blocks that it has: length and velocity, pressure, air mass.
-struct Matrix<S> {
+pub(super) struct Matrix<S> {
     reach: S,
     velocity_by_length: S,
     velocity_pivot: S,
@@ -244,7 +243,7 @@ struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     #[inline(always)]
-    fn new(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], step: S) -> Self {
+    pub(super) fn new(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], step: S) -> Self {
         let reach = step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
         let velocity_by_length = reach * slopes.acceleration[0];
         let velocity_by_velocity = reach * slopes.acceleration[1];
@@ -262,7 +261,7 @@ impl<S: Scalar> Matrix<S> {
     }
 
     #[inline(always)]
-    fn solve(&self, right: [S; 4]) -> [S; 4] {
+    pub(super) fn solve(&self, right: [S; 4]) -> [S; 4] {
         let velocity = (right[1] + self.velocity_by_length * right[0]) * self.velocity_pivot;
         let pressure = right[2] * self.pressure_pivot;
         [right[0] + self.reach * velocity, velocity, pressure, right[3] + self.mass_by_pressure * pressure]

@@ -20,7 +20,10 @@ use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
 use super::sample::Sample;
 use super::system::GuardForm;
+use super::zones::Places;
 use crate::actuator::Actuator;
+#[cfg(feature = "alloc")]
+use crate::air::Flow;
 use crate::air::Process;
 use crate::force::Statics;
 use crate::friction::{Branch, Memory, Rubbing};
@@ -172,8 +175,17 @@ impl<'a, R: Real> Member<'a, R> {
         let [length, velocity, pressure, mass] = *state;
         let slack = mode.extent == Extent::Slack;
         let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
+        self.sample_with(time, state, tension, mode, self.flow(&chamber, mode))
+    }
+
+    /// The same with a given flow into the actuator.
+    #[cfg(feature = "alloc")]
+    pub(super) fn sample_with(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
+        let [length, velocity, pressure, mass] = *state;
+        let slack = mode.extent == Extent::Slack;
+        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
         let temperature = self.actuator.air().temperature(&chamber);
-        let observed = Observed { tension, volume: chamber.volume, temperature, flow: self.flow(&chamber, mode) };
+        let observed = Observed { tension, volume: chamber.volume, temperature, flow };
         Sample::new(time, state, &observed, mode.ports)
     }
 
@@ -219,13 +231,12 @@ impl<'a, R: Real> Member<'a, R> {
         }
     }
 
-    /// The guards of the tension and of the air, in the order in which they are crossed; `pressure` is its place among the
-    /// states.
-    pub(super) fn each_other_guard(&self, mode: &Mode, pressure: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+    /// The guards of the tension and of the air, in the order in which they are crossed.
+    pub(super) fn each_other_guard(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
         if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
             add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
-        self.piece_guards(mode, pressure, add);
+        self.piece_guards(mode, places, add);
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
@@ -254,11 +265,13 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::MapShorter | Guard::MapLonger => {
                 self.map_length_limit(guard, mode).map_or(T::one(), |limit| within(length, limit))
             }
-            // An end that the mode has not, or the load's: they never end what a member knows of.
+            // An end that the mode has not, or the load's or the line's: they never end what a member knows of.
             Guard::SupplyDown | Guard::SupplyUp | Guard::ExhaustDown | Guard::ExhaustUp => T::one(),
             Guard::PieceDown | Guard::PieceUp | Guard::MapDown | Guard::MapUp => T::one(),
             Guard::PressDown | Guard::PressUp => T::one(),
             Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
+            Guard::RegimeDown | Guard::RegimeUp | Guard::CutOut | Guard::CutIn => T::one(),
+            Guard::RegulatorUp | Guard::RegulatorDown => T::one(),
         }
     }
 

@@ -112,6 +112,12 @@ pub enum EventKind {
     Press,
     /// The length or the pressure passed a line of a measured force map; the outer ones are its hull.
     ForceMap,
+    /// The flow through the hose became laminar, turbulent, or something between.
+    Regime,
+    /// The compressor started or stopped.
+    Compressor,
+    /// The regulator's poppet entered or left its dead band.
+    Regulator,
     /// A joint came to a stop, or pressed it again.
     StopReached,
     /// A stop ceased to press while the joint came back.
@@ -141,6 +147,9 @@ impl EventKind {
             Self::Effectiveness => "effectiveness",
             Self::Press => "press",
             Self::ForceMap => "force-map",
+            Self::Regime => "regime",
+            Self::Compressor => "compressor",
+            Self::Regulator => "regulator",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",
             Self::StopLeft => "stop-left",
@@ -201,4 +210,16 @@ pub enum Guard {
     MapDown,
     /// The pressure leaves the piece of a force map upwards.
     MapUp,
+    /// The flow through the hose leaves a piece of its law downwards.
+    RegimeDown,
+    /// The flow through the hose leaves a piece of its law upwards.
+    RegimeUp,
+    /// The reservoir has come to the pressure at which the compressor stops.
+    CutOut,
+    /// The reservoir has fallen to the pressure at which the compressor starts.
+    CutIn,
+    /// The regulator's error leaves a piece of its law upwards.
+    RegulatorUp,
+    /// The regulator's error leaves a piece of its law downwards.
+    RegulatorDown,
 }

@@ -21,6 +21,7 @@ use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
 use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::friction::Rubbing;
+use crate::line::Line;
 use crate::load::Load;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -43,6 +44,7 @@ pub struct Rig<S = f64, L = Characteristic<S>> {
     actuator: Actuator<S, L>,
     actuation: Option<Actuation<S>>,
     load: Load<S>,
+    line: Line<S>,
 }
 
 /// The four states.
@@ -147,7 +149,29 @@ impl Rig {
     /// cannot do what the command asks.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
         check_drive(&actuator, actuation.as_ref())?;
-        Ok(Self { actuator, actuation, load })
+        Ok(Self { actuator, actuation, load, line: Line::NONE })
+    }
+
+    /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a hose or a supply line without a valve.
+    pub fn with_line(self, line: Line) -> Result<Self, Error> {
+        if self.actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
+            return Err(Error::Unsupported {
+                what: "a hose or a reservoir is given, but the actuator has no valve",
+                remedy: "give the actuator a valve, or leave the hose and the reservoir out",
+            });
+        }
+        Ok(Self { line, ..self }.with_transport())
+    }
+
+    /// That the fixed-step engine and batches can take the rig: neither a distributed hose nor a supply that changes.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when they cannot.
+    pub fn check_fixed_steps(&self) -> Result<(), Error> {
+        super::fixed_step::check_line(&self.line)
     }
 
     /// The same rig with another load.
@@ -194,22 +218,42 @@ impl<S: Scalar> Rig<S> {
     fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
         let mut rig = self.undriven(convert);
         rig.actuation = self.actuation.as_ref().map(|actuation| actuation.convert(convert));
-        rig
+        rig.with_transport()
     }
 
     /// The actuator and its load over another scalar, without what drives the valve.
     pub(crate) fn undriven<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
-        Rig { actuator: self.actuator.convert(convert), actuation: None, load: self.load.convert(convert) }
+        Rig {
+            actuator: self.actuator.convert(convert),
+            actuation: None,
+            load: self.load.convert(convert),
+            line: self.line.convert(convert),
+        }
+    }
+
+    /// The same with the seats seen as late as the line makes them.
+    fn with_transport(mut self) -> Self {
+        let transport = self.line.hose.as_ref().map_or(S::zero(), |hose| hose.transport_delay());
+        if let Some(actuation) = &mut self.actuation {
+            actuation.solenoid = actuation.solenoid.seen_late(transport);
+        }
+        self
     }
 
     /// The same rig with the ideal braid for its law, if that is its law.
     pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
         let actuator = self.actuator.ideal()?;
-        Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone() })
+        Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone(), line: self.line })
     }
 }
 
 impl<S: Scalar, L: Statics<S>> Rig<S, L> {
+    /// The air line.
+    #[inline(always)]
+    pub fn line(&self) -> &Line<S> {
+        &self.line
+    }
+
     /// The actuator.
     #[inline(always)]
     pub fn actuator(&self) -> &Actuator<S, L> {

@@ -71,16 +71,23 @@ pub(super) const EVALUATIONS: u64 = STAGES as u64;
 
 /// The rates' derivatives at the start of a step.
 pub(super) struct Linearisation<R, const N: usize> {
+    /// How many of the states have a meaning.
+    states: usize,
     jacobian: [[R; N]; N],
     per_time: [R; N],
 }
 
 impl<R: Real, const N: usize> Linearisation<R, N> {
-    /// The exact Jacobian `∂f/∂y` and `∂f/∂t`.
-    pub(super) fn at(time: R, state: &[R; N], rates: impl Fn(Dual<R, 1>, &[Dual<R, 1>; N]) -> [Dual<R, 1>; N]) -> Self {
+    /// The exact Jacobian `∂f/∂y` and `∂f/∂t` over the first of the states, as many as have a meaning.
+    pub(super) fn at(
+        time: R,
+        state: &[R; N],
+        states: usize,
+        rates: impl Fn(Dual<R, 1>, &[Dual<R, 1>; N]) -> [Dual<R, 1>; N],
+    ) -> Self {
         let constants = state.map(Dual::of);
         let mut jacobian = [[R::zero(); N]; N];
-        for column in 0..N {
+        for column in 0..states {
             let mut seeded = constants;
             seeded[column] = Dual::variable(state[column], 0);
             for (row, rate) in rates(Dual::of(time), &seeded).iter().enumerate() {
@@ -88,15 +95,15 @@ impl<R: Real, const N: usize> Linearisation<R, N> {
             }
         }
         let per_time = rates(Dual::variable(time, 0), &constants).map(|rate| rate.slope[0]);
-        Self { jacobian, per_time }
+        Self { states, jacobian, per_time }
     }
 
     /// A bound on the fastest rate in 1/s: the largest row sum with each state in its own scale.
     pub(super) fn fastest_rate(&self, scale: &[f64; N]) -> f64 {
         let row_sum = |row: usize| {
-            (0..N).map(|column| self.jacobian[row][column].value().abs() * scale[column] / scale[row]).sum()
+            (0..self.states).map(|column| self.jacobian[row][column].value().abs() * scale[column] / scale[row]).sum()
         };
-        (0..N).map(row_sum).fold(0.0, f64::max)
+        (0..self.states).map(row_sum).fold(0.0, f64::max)
     }
 }
 
@@ -121,7 +128,7 @@ pub(super) fn attempt<R: Real, const N: usize>(
     mut rates: impl FnMut(R, &[R; N]) -> [R; N],
 ) -> Attempt<R, N> {
     let failed = Attempt { end: *start, error: f64::NAN, stages: [[R::zero(); N]; STAGES] };
-    let Some(matrix) = Factored::shifted(&linear.jacobian, R::one() / (step * R::constant(GAMMA))) else {
+    let Some(matrix) = Factored::shifted(linear, R::one() / (step * R::constant(GAMMA))) else {
         return failed;
     };
     let mut k = [[R::zero(); N]; STAGES];
@@ -146,11 +153,11 @@ pub(super) fn attempt<R: Real, const N: usize>(
     }
     let end: [R; N] = core::array::from_fn(|n| state[n] + k[STAGES - 1][n]);
     let mut sum = 0.0;
-    for n in 0..N {
+    for n in 0..linear.states {
         let ratio = k[STAGES - 1][n].value() / allowed[n];
         sum += ratio * ratio;
     }
-    Attempt { end, error: Scalar::sqrt(sum / N as f64), stages: k }
+    Attempt { end, error: Scalar::sqrt(sum / linear.states as f64), stages: k }
 }
 
 impl<R: Real, const N: usize> Attempt<R, N> {
@@ -177,46 +184,52 @@ impl<R: Real, const N: usize> Attempt<R, N> {
 
 /// `s I − J` as triangular factors with row exchanges.
 struct Factored<R, const N: usize> {
+    states: usize,
     rows: [[R; N]; N],
     order: [usize; N],
 }
 
 impl<R: Real, const N: usize> Factored<R, N> {
-    /// Factors `shift · I − matrix`; `None` when it is singular or not finite.
-    fn shifted(matrix: &[[R; N]; N], shift: R) -> Option<Self> {
-        let mut rows: [[R; N]; N] = core::array::from_fn(|i| {
-            core::array::from_fn(|j| if i == j { shift - matrix[i][j] } else { -matrix[i][j] })
-        });
+    /// Factors `shift · I − J`; `None` when it is singular or not finite.
+    fn shifted(linear: &Linearisation<R, N>, shift: R) -> Option<Self> {
+        let states = linear.states;
+        let mut rows = linear.jacobian;
+        for (i, row) in rows.iter_mut().enumerate().take(states) {
+            for entry in row.iter_mut().take(states) {
+                *entry = -*entry;
+            }
+            row[i] = shift + row[i];
+        }
         let mut order: [usize; N] = core::array::from_fn(|i| i);
-        for column in 0..N {
-            let largest =
-                (column..N).max_by(|&a, &b| rows[a][column].value().abs().total_cmp(&rows[b][column].value().abs()))?;
+        for column in 0..states {
+            let largest = (column..states)
+                .max_by(|&a, &b| rows[a][column].value().abs().total_cmp(&rows[b][column].value().abs()))?;
             rows.swap(column, largest);
             order.swap(column, largest);
             let pivot = rows[column][column];
             if !(pivot.value().is_finite() && pivot.value() != 0.0) {
                 return None;
             }
-            for row in column + 1..N {
+            for row in column + 1..states {
                 let factor = rows[row][column] / pivot;
                 rows[row][column] = factor;
-                for j in column + 1..N {
+                for j in column + 1..states {
                     rows[row][j] = rows[row][j] - factor * rows[column][j];
                 }
             }
         }
-        Some(Self { rows, order })
+        Some(Self { states, rows, order })
     }
 
     fn solve(&self, right: [R; N]) -> [R; N] {
         let mut x: [R; N] = core::array::from_fn(|i| right[self.order[i]]);
-        for i in 0..N {
+        for i in 0..self.states {
             for j in 0..i {
                 x[i] = x[i] - self.rows[i][j] * x[j];
             }
         }
-        for i in (0..N).rev() {
-            for j in i + 1..N {
+        for i in (0..self.states).rev() {
+            for j in i + 1..self.states {
                 x[i] = x[i] - self.rows[i][j] * x[j];
             }
             x[i] = x[i] / self.rows[i][i];

@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{air::Flow, batch::wide::Wide, scalar::Real};
+use crate::{air::Flow, batch::wide::Wide, scalar::Real, simulation::hosed::Stepped};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +28,14 @@ pub struct Sample<R = f64> {
     pub tension: R,
     /// Net mass flow into the actuator in kg/s.
     pub mass_flow: R,
-    /// Which passages of the valve are open.
+    /// Which passages of the valve are open, as the actuator sees it: a lumped hose shows it late.
     pub ports: Ports,
+    /// Absolute pressure at the valve's end of the hose; the actuator's own without a hose.
+    pub hose_pressure: AbsolutePressure<R>,
+    /// Mass of the air in the hose in kg; zero without one.
+    pub hose_air_mass: R,
+    /// Absolute pressure behind the valve's port to the supply where it changes, of the regulator or the reservoir.
+    pub supply_pressure: Option<AbsolutePressure<R>>,
 }
 
 impl<R: Scalar> Sample<R> {
@@ -43,27 +49,52 @@ impl<R: Scalar> Sample<R> {
         let &Observed { tension, volume, temperature, flow } = observed;
         let tension = tension.larger(R::zero());
         let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
-        Self { time, length, velocity, pressure, air_mass, temperature, volume, tension, mass_flow, ports }
+        let hose_pressure = pressure;
+        let supply_pressure = None;
+        Self {
+            time,
+            length,
+            velocity,
+            pressure,
+            air_mass,
+            temperature,
+            volume,
+            tension,
+            mass_flow,
+            ports,
+            hose_pressure,
+            hose_air_mass: R::zero(),
+            supply_pressure,
+        }
+    }
+
+    /// The same with the absolute pressure (Pa) at the valve's end of the hose and the air in it (kg), and the absolute
+    /// pressure of a supply that is not constant.
+    pub(super) fn with_line(self, [hose, air]: [R; 2], supply: Option<R>) -> Self {
+        let (hose_pressure, supply_pressure) = (AbsolutePressure(hose), supply.map(AbsolutePressure));
+        Self { hose_pressure, hose_air_mass: air, supply_pressure, ..self }
     }
 }
 
 impl Sample {
-    /// The sample of one lane.
+    /// The sample of one lane, with the air in its hose in kg if it has one.
     #[cfg(feature = "batch")]
     pub(crate) fn of_lane<W: Wide>(
         time: f64,
-        state: &[W; 4],
+        state: &Stepped<W>,
         observed: &Observed<W>,
         lane: usize,
-        ports: Ports,
+        (ports, hose_air): (Ports, Option<W>),
     ) -> Self {
         let number = |wide: &W| wide.lane(lane).value();
         let Observed { tension, volume, temperature, flow } = observed;
         let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
         let observed =
             Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
-        let [length, velocity, pressure, mass] = state;
-        Self::new(time, &[number(length), number(velocity), number(pressure), number(mass)], &observed, ports)
+        let [length, velocity, pressure, mass, hose] = state;
+        let four = [number(length), number(velocity), number(pressure), number(mass)];
+        let sample = Self::new(time, &four, &observed, ports);
+        hose_air.map_or(sample, |air| sample.with_line([number(hose), number(&air)], None))
     }
 }
 

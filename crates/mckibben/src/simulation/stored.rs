@@ -32,8 +32,8 @@ pub(super) fn run<R: Real, S: HybridSystem<R, N>, const N: usize>(
     (state, mode): ([R; N], S::Mode),
     duration: R,
     relative_tolerance: f64,
-    see: impl FnMut(&PieceOf<R, S, N>),
-    watch: impl FnMut(f64),
+    see: &mut dyn FnMut(&PieceOf<R, S, N>),
+    watch: &mut dyn FnMut(f64),
 ) -> Result<StoredOf<R, S, N>, Error> {
     parameter::DURATION.check(duration.value())?;
     parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
@@ -54,8 +54,8 @@ impl<R: Real, M: Copy, K, const N: usize> Stored<R, M, K, N> {
         system: &S,
         until: R,
         relative_tolerance: f64,
-        mut see: impl FnMut(&PieceOf<R, S, N>),
-        mut watch: impl FnMut(f64),
+        see: &mut dyn FnMut(&PieceOf<R, S, N>),
+        watch: &mut dyn FnMut(f64),
     ) -> Result<(), Error> {
         let (time, state, mode) = self.last;
         let mut integrator = Integrator::new(system, time, state, mode, until, relative_tolerance);

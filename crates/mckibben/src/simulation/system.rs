@@ -82,6 +82,11 @@ pub trait HybridSystem<R: Real, const N: usize> {
     /// What an event was, for the log.
     type Kind: Copy + Debug;
 
+    /// How many of the states have a meaning: the first ones.
+    fn states(&self) -> usize {
+        N
+    }
+
     /// Time derivatives of the states by the formulas of `mode`.
     fn rates<T: Over<R>>(&self, time: T, state: &[T; N], mode: &Self::Mode) -> [T; N];
 
@@ -89,7 +94,7 @@ pub trait HybridSystem<R: Real, const N: usize> {
     /// of the Jacobian, unless the system knows better.
     fn settling_rate(&self, time: R, state: &[R; N], mode: &Self::Mode) -> f64 {
         let constants = state.map(Dual::<R, 1>::of);
-        (0..N).fold(0.0, |fastest: f64, n| {
+        (0..self.states()).fold(0.0, |fastest: f64, n| {
             let mut seeded = constants;
             seeded[n] = Dual::variable(state[n], 0);
             fastest.max(-self.rates(Dual::of(time), &seeded, mode)[n].slope[0].value())

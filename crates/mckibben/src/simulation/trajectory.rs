@@ -1,14 +1,18 @@
 //! A stored trajectory: samples at any time, the log of events, and what it cost.
 
 use super::hybrid::{Phase, RigSystem};
-use super::integrator::{Counts, PieceOf};
+use super::integrator::{Counts, Piece};
 use super::mode::{EventKind, Mode};
+use super::plumbing::MOST;
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
-use super::stored::{self, Stored};
+use super::stored::Stored;
+use super::zones::Places;
+use crate::air::Flow;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// A change of mode.
@@ -29,8 +33,28 @@ pub struct Event<R = f64> {
 pub struct Trajectory<R: Real = f64> {
     rig: Rig<R>,
     relative_tolerance: f64,
-    stored: Stored<R, Phase<R>, EventKind, 4>,
+    run: Run<R>,
     events: Vec<Event<R>>,
+}
+
+/// The run of a rig with `N` states.
+type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
+
+/// A run of a rig alone, or with an air line.
+#[derive(Clone, Debug)]
+enum Run<R: Real> {
+    Rig(Of<R, 4>),
+    Line(Box<Of<R, MOST>>),
+}
+
+/// Does the same with a run of either kind.
+macro_rules! with_run {
+    ($run:expr, $stored:ident => $do:expr) => {
+        match $run {
+            Run::Rig($stored) => $do,
+            Run::Line($stored) => $do,
+        }
+    };
 }
 
 /// Simulates a rig from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
@@ -56,19 +80,16 @@ pub fn simulate_watched<R: Real>(
     start: State<R>,
     duration: R,
     relative_tolerance: f64,
-    watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64),
 ) -> Result<Trajectory<R>, Error> {
-    let system = RigSystem::new(rig, relative_tolerance);
-    let state = start.to_array();
-    let phase = system.begin(&state);
-    let mut events = Vec::new();
-    let stored =
-        stored::run(&system, (state, phase), duration, relative_tolerance, |piece| log(&mut events, piece), watch)?;
-    Ok(Trajectory { rig: rig.clone(), relative_tolerance, stored, events })
+    parameter::DURATION.check(duration.value())?;
+    let mut growing = Growing::begin(rig.clone(), start, relative_tolerance)?;
+    growing.extend(duration, &mut watch)?;
+    Ok(growing.finish())
 }
 
 /// Writes what ended a piece into a log.
-fn log<R: Real>(events: &mut Vec<Event<R>>, piece: &PieceOf<R, RigSystem<'_, R>, 4>) {
+fn log<R: Real, const N: usize>(events: &mut Vec<Event<R>>, piece: &Piece<R, Phase<R>, EventKind, N>) {
     if let Some((kind, after)) = piece.event {
         events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
     }
@@ -79,7 +100,7 @@ fn log<R: Real>(events: &mut Vec<Event<R>>, piece: &PieceOf<R, RigSystem<'_, R>,
 pub(super) struct Growing<R: Real> {
     pub(super) rig: Rig<R>,
     relative_tolerance: f64,
-    stored: Stored<R, Phase<R>, EventKind, 4>,
+    run: Run<R>,
     events: Vec<Event<R>>,
 }
 
@@ -87,30 +108,43 @@ impl<R: Real> Growing<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-        let state = start.to_array();
-        let phase = RigSystem::new(&rig, relative_tolerance).begin(&state);
-        Ok(Self { rig, relative_tolerance, stored: Stored::begin(state, phase), events: Vec::new() })
+        let system = RigSystem::new(&rig, relative_tolerance);
+        let run = match rig.line().is_none() {
+            true => Run::Rig(begin(&system, start)),
+            false => Run::Line(Box::new(begin(&system, start))),
+        };
+        Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
 
     /// Goes on to `until` s.
-    pub(super) fn extend(&mut self, until: R, watch: impl FnMut(f64)) -> Result<(), Error> {
+    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64)) -> Result<(), Error> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         let events = &mut self.events;
-        self.stored.extend(&system, until, self.relative_tolerance, |piece| log(events, piece), watch)
+        with_run!(&mut self.run, stored => {
+            stored.extend(&system, until, self.relative_tolerance, &mut |piece| log(events, piece), watch)
+        })
     }
 
     /// The sample at the time that has been reached.
     pub(super) fn sample(&self) -> Sample<R> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        let (time, state, phase) = self.stored.reached();
-        sample(&system, *time, state, phase)
+        with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.reached();
+            sample(&system, *time, state, phase)
+        })
     }
 
     /// The trajectory up to the time that has been reached.
     pub(super) fn finish(self) -> Trajectory<R> {
-        let Self { rig, relative_tolerance, stored, events } = self;
-        Trajectory { rig, relative_tolerance, stored, events }
+        let Self { rig, relative_tolerance, run, events } = self;
+        Trajectory { rig, relative_tolerance, run, events }
     }
+}
+
+/// The run of a system with `N` states at its start.
+fn begin<R: Real, const N: usize>(system: &RigSystem<'_, R>, start: State<R>) -> Of<R, N> {
+    let state = system.start(start);
+    Stored::begin(state, system.begin(&state))
 }
 
 impl<R: Real> Trajectory<R> {
@@ -126,67 +160,117 @@ impl<R: Real> Trajectory<R> {
 
     /// Steps, evaluations and events.
     pub fn counts(&self) -> Counts {
-        self.stored.counts()
+        with_run!(&self.run, stored => stored.counts())
     }
 
     /// End of the trajectory in s.
     pub fn duration(&self) -> R {
-        self.stored.duration()
+        with_run!(&self.run, stored => stored.duration())
+    }
+
+    fn system(&self) -> RigSystem<'_, R> {
+        RigSystem::new(&self.rig, self.relative_tolerance)
     }
 
     /// The sample at `time` in s, by dense output; at the instant of an event, after it. Times before the start and
     /// after the end give the first and the last sample.
     pub fn at(&self, time: R) -> Sample<R> {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        self.sample_with(&system, self.stored.begun(time.value()), time)
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.at(&system, stored.begun(time.value()), time);
+            sample(&system, time, &state, &phase)
+        })
     }
 
     /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
     pub fn samples(&self, interval: f64) -> impl Iterator<Item = Sample<R>> + '_ {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let system = self.system();
         let times = SampleTimes::new(self.duration().value(), interval);
         let mut place = 0;
         (0..=times.last()).map(move |index| {
             let time = times.time(index);
-            place = self.stored.begun_after(place, time);
-            self.sample_with(&system, place, R::constant(time))
+            with_run!(&self.run, stored => {
+                place = stored.begun_after(place, time);
+                let (time, state, phase) = stored.at(&system, place, R::constant(time));
+                sample(&system, time, &state, &phase)
+            })
         })
     }
 
-    /// Reads the four states at times in s that do not fall from one call to the next.
+    /// Reads the rig's four states at times in s that do not fall from one call to the next.
     pub(super) fn states(&self) -> impl FnMut(f64) -> [R; 4] + '_ {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        let system = self.system();
         let mut place = 0;
         move |time| {
-            place = self.stored.begun_after(place, time);
-            self.stored.at(&system, place, R::constant(time)).1
+            with_run!(&self.run, stored => {
+                place = stored.begun_after(place, time);
+                four(stored.at(&system, place, R::constant(time)).1)
+            })
         }
     }
 
-    /// The least and the greatest value of each state, at five points of each step.
-    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
-        self.stored.ranges()
+    /// The states of the air line at `time` in s, in the order of its parts: the pressures (Pa, absolute) of the hose's
+    /// volumes from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and
+    /// regulator. As far as there are such parts.
+    pub fn line_at(&self, time: R) -> Vec<R> {
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
+            state[4..system.states()].to_vec()
+        })
     }
 
-    fn sample_with(&self, system: &RigSystem<'_, R>, begun: usize, time: R) -> Sample<R> {
-        let (time, state, phase) = self.stored.at(system, begun, time);
-        sample(system, time, &state, &phase)
+    /// The least and the greatest value of each of the rig's four states, at five points of each step.
+    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
+        with_run!(&self.run, stored => four(stored.ranges()))
     }
 
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
-        self.visit(|weight, sample, phase| visit(weight, sample, &phase.mode));
+        self.visit(|weight, sample, phase, _| visit(weight, sample, &phase.mode));
     }
 
-    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>)) {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        self.stored.quadrature(&system, |weight, time, state, phase| {
-            visit(weight, &sample(&system, time, state, phase), phase);
-        });
+    /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
+    /// into hose or actuator, at the Gauss points of each step.
+    pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
+        let system = self.system();
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, _, state, phase| {
+            visit(weight, system.valve_flows(state, &phase.mode));
+        }));
+    }
+
+    /// As [`Trajectory::quadrature`], with the phase and the flow between the rig, its hose included, and the supply or the
+    /// surroundings.
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>, &Flow<R>)) {
+        let system = self.system();
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
+            let flow = system.exchange(state, &phase.mode);
+            visit(weight, &sample(&system, time, state, phase), phase, &flow);
+        }));
+    }
+
+    /// Air in kg that the hose gained.
+    pub(super) fn hose_gain(&self) -> R {
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let content = |time: R| {
+                let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
+                system.hose_content(&state)
+            };
+            content(self.duration()) - content(R::zero())
+        })
     }
 }
 
-fn sample<R: Real>(system: &RigSystem<'_, R>, time: R, state: &[R; 4], phase: &Phase<R>) -> Sample<R> {
-    system.member().sample(time, state, system.tension(state, phase), &phase.mode)
+/// The first four of the states.
+fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
+    [states[0], states[1], states[2], states[3]]
+}
+
+fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
+    let (mode, Places { valve, supply, .. }) = (&phase.mode, system.places());
+    let (tension, flow) = (system.tension(state, phase), system.inflow(state, phase));
+    let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
+    sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))
 }

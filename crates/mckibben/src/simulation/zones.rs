@@ -11,7 +11,7 @@ use crate::scalar::{Over, Real};
 use crate::valve::{FlowZone, Port};
 
 /// Rate of settling for which two pressures that would meet in a second count.
-const MEETING: f64 = 4.0;
+pub(super) const MEETING: f64 = 4.0;
 /// The guards of the air and of the pieces, in the order in which they are crossed.
 const GUARDS: [Guard; 12] = [
     Guard::SupplyDown,
@@ -27,6 +27,24 @@ const GUARDS: [Guard; 12] = [
     Guard::PressDown,
     Guard::PressUp,
 ];
+
+/// Places among the states of the pressures that an actuator's air depends on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Places {
+    /// Of the actuator's own.
+    pub(super) own: usize,
+    /// Of what its valve opens into.
+    pub(super) valve: usize,
+    /// Of what feeds its valve, unless that is constant.
+    pub(super) supply: Option<usize>,
+}
+
+impl Places {
+    /// The valve opens into the actuator and is fed by a constant pressure.
+    pub(super) fn direct(own: usize) -> Self {
+        Self { own, valve: own, supply: None }
+    }
+}
 
 impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode.
@@ -45,10 +63,11 @@ impl<R: Real> Member<'_, R> {
         }
     }
 
-    pub(super) fn enter_ports(&self, pressure: R, mode: &mut Mode) {
+    /// Enters the zones of the open passages at a pressure, with the pressure of the supply if that is not constant.
+    pub(super) fn enter_ports(&self, pressure: R, supply: Option<R>, mode: &mut Mode) {
         let zone = |port| {
             let valve = self.actuator.valve()?;
-            let beyond = valve.port_pressure(port);
+            let beyond = supply.filter(|_| port == Port::Supply).unwrap_or(valve.port_pressure(port));
             let below_end = |zone: &FlowZone| match valve.law_of(port).bounds(*zone, beyond).1 {
                 Some(end) => pressure.value() <= end.value(),
                 None => true,
@@ -69,10 +88,20 @@ impl<R: Real> Member<'_, R> {
 
     /// The bound of a zone in Pa on one side, passed by the band.
     fn zone_bound(&self, port: Port, zone: FlowZone, up: bool) -> Option<R> {
+        self.zone_bound_from(port, self.actuator.valve()?.port_pressure(port), zone, up)
+    }
+
+    /// The same over the pressure beyond the supply's port.
+    pub(super) fn zone_ratio(&self, zone: FlowZone, up: bool) -> Option<R> {
+        self.zone_bound_from(Port::Supply, R::one(), zone, up)
+    }
+
+    fn zone_bound_from(&self, port: Port, beyond: R, zone: FlowZone, up: bool) -> Option<R> {
         let valve = self.actuator.valve()?;
-        let (low, high) = valve.law_of(port).bounds(zone, valve.port_pressure(port));
+        let law = valve.law_of(port);
+        let (low, high) = law.bounds(zone, beyond);
         // A subsonic piece ends before the pressures are equal, where its root would.
-        let band = self.band.min(0.1 * (1.0 - valve.law.laminar_ratio().value()));
+        let band = self.band.min(0.1 * (1.0 - law.laminar_ratio().value()));
         let widened = |bound: R, factor: f64| bound * R::constant(factor);
         if up { high.map(|bound| widened(bound, 1.0 + band)) } else { low.map(|bound| widened(bound, 1.0 - band)) }
     }
@@ -82,6 +111,7 @@ impl<R: Real> Member<'_, R> {
     pub(super) fn pressure_settling_rate(
         &self,
         pressure: R,
+        supply: Option<R>,
         mode: &Mode,
         rate: impl FnOnce(Dual<R, 1>) -> Dual<R, 1>,
     ) -> f64 {
@@ -96,7 +126,8 @@ impl<R: Real> Member<'_, R> {
             return settling;
         }
         // Below the speed of sound the slope grows without bound as the pressures meet: the time until they would counts.
-        let gap = (valve.port_pressure(port) - pressure).value();
+        let beyond = supply.filter(|_| port == Port::Supply).unwrap_or(valve.port_pressure(port));
+        let gap = (beyond - pressure).value();
         settling.max(MEETING * rate.value.value() / gap)
     }
 
@@ -174,13 +205,19 @@ impl<R: Real> Member<'_, R> {
         !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
     }
 
-    /// The guards of the air and of the pieces; `index` is the place of the pressure among the states.
-    pub(super) fn piece_guards(&self, mode: &Mode, index: usize, add: &mut impl FnMut(Guard, GuardForm)) {
+    /// The guards of the air and of the pieces.
+    pub(super) fn piece_guards(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
         for guard in GUARDS {
+            let of_supply = matches!(guard, Guard::SupplyDown | Guard::SupplyUp);
             if let Some((bound, lasts_above)) = self.pressure_limit(guard, mode) {
-                let bound = bound.value();
-                let above = GuardForm::Above { index, bound };
-                add(guard, if lasts_above { above } else { GuardForm::Below { index, bound } });
+                let of_valve = of_supply || matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp);
+                let (index, bound) = (if of_valve { places.valve } else { places.own }, bound.value());
+                let form = match lasts_above {
+                    _ if of_supply && places.supply.is_some() => GuardForm::Function,
+                    true => GuardForm::Above { index, bound },
+                    false => GuardForm::Below { index, bound },
+                };
+                add(guard, form);
             } else if self.map_length_limit(guard, mode).is_some() {
                 // Not everyone's length is a state.
                 add(guard, GuardForm::Function);

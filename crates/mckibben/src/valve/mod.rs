@@ -237,14 +237,32 @@ impl<S: Scalar> Valve<S> {
     /// Flow through one open port in the zone that `zone` says, smoothly continued beyond the zone's bounds.
     #[inline(always)]
     pub fn flow_in_zone<T: Over<S>>(&self, port: Port, zone: FlowZone, chamber: &Chamber<T>) -> Flow<T> {
-        let (law, beyond) = (self.law_of(port), T::of(self.port_pressure(port)));
+        let Beyond { pressure, per_pressure, squared_drive } = self.beyond(port);
+        let beyond = Beyond {
+            pressure: T::of(pressure),
+            per_pressure: T::of(per_pressure),
+            squared_drive: T::of(squared_drive),
+        };
+        self.flow_in_zone_from(port, &beyond, zone, chamber)
+    }
+
+    /// The same from what lies beyond a port, which may change.
+    #[inline(always)]
+    pub(crate) fn flow_in_zone_from<T: Over<S>>(
+        &self,
+        port: Port,
+        beyond: &Beyond<T>,
+        zone: FlowZone,
+        chamber: &Chamber<T>,
+    ) -> Flow<T> {
+        let law = self.law_of(port);
         let conductance = T::of(law.conductance());
         if zone.is_inward() {
-            let drive = beyond * T::of(self.supply.per_root_temperature);
-            let gap = || (beyond - chamber.pressure) * T::of(self.beyond(port).per_pressure);
+            let drive = beyond.pressure * T::of(self.supply.per_root_temperature);
+            let gap = || (beyond.pressure - chamber.pressure) * beyond.per_pressure;
             Flow { inward: conductance * drive * law.in_zone(zone, gap), outward: T::zero() }
         } else {
-            let gap = || (chamber.pressure - beyond) * chamber.per_pressure;
+            let gap = || (chamber.pressure - beyond.pressure) * chamber.per_pressure;
             let outward = conductance * self.outward_drive(chamber) * law.in_zone(zone, gap);
             Flow { inward: T::zero(), outward }
         }
@@ -302,6 +320,12 @@ impl<S: Scalar> Valve<S> {
 }
 
 impl<S: Scalar> Beyond<S> {
+    /// Air at rest at an absolute pressure in Pa and a temperature in K.
+    #[inline(always)]
+    pub(crate) fn at(pressure: S, temperature: S) -> Self {
+        Self { pressure, per_pressure: S::one() / pressure, squared_drive: pressure * pressure / temperature }
+    }
+
     fn new(pressure: S, supply: &Supply<S>) -> Self {
         let squared_drive = pressure * pressure * supply.per_temperature;
         Self { pressure, per_pressure: S::one() / pressure, squared_drive }

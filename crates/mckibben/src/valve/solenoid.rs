@@ -72,6 +72,8 @@ pub struct Solenoid<S = f64> {
     kind: ValveKind,
     opening_delay: S,
     closing_delay: S,
+    /// By how much the seats take effect late where it counts, in s.
+    transport: S,
 }
 
 impl Solenoid {
@@ -85,6 +87,7 @@ impl Solenoid {
             kind,
             opening_delay: parameter::OPENING_DELAY.check(opening_delay)?,
             closing_delay: parameter::CLOSING_DELAY.check(closing_delay)?,
+            transport: 0.0,
         })
     }
 
@@ -126,6 +129,7 @@ impl<S: Scalar> Solenoid<S> {
             kind: self.kind,
             opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
             closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
+            transport: T::zero(),
         }
     }
 
@@ -137,6 +141,11 @@ impl<S: Scalar> Solenoid<S> {
     /// Opening and closing delay in s.
     pub fn delays(&self) -> [S; 2] {
         [self.opening_delay, self.closing_delay]
+    }
+
+    /// The same valve at the far end of a line: coil and seats are seen `transport` s late.
+    pub(crate) fn seen_late(self, transport: S) -> Self {
+        Self { transport, ..self }
     }
 
     /// Which coils a request energises; every kind but fill-hold-exhaust has the first only.
@@ -175,14 +184,14 @@ impl<S: Real> SeatClock<S> {
     }
 
     /// The next instant in s at which a coil or a seat moves.
-    pub fn next(&self, command: &Command<S>) -> Option<S> {
-        let change = command.change(self.next_change).map(|(time, _)| time);
+    pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
+        let change = command.change(self.next_change).map(|(time, _)| time + solenoid.transport);
         [change, self.due[0], self.due[1]].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.
     pub fn advance(&mut self, time: S, solenoid: &Solenoid<S>, command: &Command<S>) {
-        self.pass(self.next(command), time, solenoid, command);
+        self.pass(self.next(solenoid, command), time, solenoid, command);
     }
 
     /// Moves what is due up to and with `time`, given what comes next; what comes next then.
@@ -200,16 +209,16 @@ impl<S: Real> SeatClock<S> {
             }
             if !seat_moved && let Some((when, request)) = command.change(self.next_change) {
                 self.next_change += 1;
-                self.drive(when, solenoid, solenoid.coils(request));
+                self.drive(when + solenoid.transport, solenoid, solenoid.coils(request));
             }
-            upcoming = self.next(command);
+            upcoming = self.next(solenoid, command);
         }
         upcoming
     }
 
     /// The next instant in s, up to and with `until`, at which a seat moves and so the passages change.
     pub fn next_motion(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
-        let (mut probe, mut upcoming) = (*self, self.next(command));
+        let (mut probe, mut upcoming) = (*self, self.next(solenoid, command));
         loop {
             let instant = upcoming.filter(|next| is_due(*next, until))?;
             upcoming = probe.pass(upcoming, instant, solenoid, command);

@@ -14,6 +14,7 @@ use super::trajectory::JointTrajectory;
 use crate::load::SIGN;
 use crate::scalar::Real;
 use crate::simulation::energy::EnergyAudit;
+use crate::simulation::mode::Extent;
 
 /// Where the work of both gases went, in J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,7 +63,12 @@ impl<R: Real> JointTrajectory<R> {
             for i in 0..2 {
                 let actuator = &self.rig().driven()[i].actuator;
                 let of = &mut audit.actuators[i];
-                of.load += of.add(actuator, weight, &sample.actuators[i], &mode.actuators[i], &phase.traces[i]);
+                let (sample, mode) = (&sample.actuators[i], &phase.mode.actuators[i]);
+                let slack = mode.extent == Extent::Slack;
+                let ends = [sample.length, sample.velocity, sample.pressure.0, sample.air_mass];
+                let chamber = actuator.chamber(ends[0], ends[1], ends[2], ends[3], slack);
+                let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
+                of.load += of.add(actuator, weight, sample, mode, (&flow, &phase.traces[i]));
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();

@@ -21,6 +21,7 @@ use crate::simulation::member::{Member, Trace};
 use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use crate::simulation::system::{GuardForm, Guards, HybridSystem};
 use crate::simulation::timetable::Progress;
+use crate::simulation::zones::Places;
 
 pub(super) const ANGLE: usize = 0;
 pub(super) const VELOCITY: usize = 1;
@@ -122,7 +123,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
                 sliding: Sliding::Frictionless,
                 clamped: false,
             };
-            self.members[i].enter_ports(pressure, &mut mode);
+            self.members[i].enter_ports(pressure, None, &mut mode);
             mode
         });
         let isothermal = [0, 1]
@@ -277,7 +278,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
                 seeded[PRESSURE[i]] = pressure;
                 self.rates_of_member(i, &seeded, mode)[0]
             };
-            fastest.max(self.members[i].pressure_settling_rate(state[PRESSURE[i]], &mode.actuators[i], rate))
+            fastest.max(self.members[i].pressure_settling_rate(state[PRESSURE[i]], None, &mode.actuators[i], rate))
         })
     }
 
@@ -315,7 +316,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         let ports = self.rig.timetable(i).pass_seats(&mut phase.progress[i], time);
         let member = &mut phase.mode.actuators[i];
         member.ports = ports;
-        self.members[i].enter_ports(state[PRESSURE[i]], member);
+        self.members[i].enter_ports(state[PRESSURE[i]], None, member);
         Ok(JointEventKind { actuator: Some(i), kind: EventKind::Valve })
     }
 
@@ -371,7 +372,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             if mode.actuators[i].extent != Extent::Slack && phase.traces[i].as_ref().and_then(Trace::end).is_some() {
                 add(Guard::Slip, GuardForm::Function);
             }
-            self.members[i].each_other_guard(&mode.actuators[i], PRESSURE[i], add);
+            self.members[i].each_other_guard(&mode.actuators[i], Places::direct(PRESSURE[i]), add);
         }
         guards
     }

@@ -70,18 +70,18 @@ pub fn simulate_joint_watched<R: Real>(
     start: JointState<R>,
     duration: R,
     relative_tolerance: f64,
-    watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64),
 ) -> Result<JointTrajectory<R>, Error> {
     let system = JointSystem::new(rig, relative_tolerance);
     let state = start.to_array();
     let phase = system.begin(&state);
     let mut events = Vec::new();
-    let see = |piece: &PieceOf<R, JointSystem<'_, R>, 6>| {
+    let mut see = |piece: &PieceOf<R, JointSystem<'_, R>, 6>| {
         if let Some((kind, after)) = piece.event {
             events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
         }
     };
-    let stored = stored::run(&system, (state, phase), duration, relative_tolerance, see, watch)?;
+    let stored = stored::run(&system, (state, phase), duration, relative_tolerance, &mut see, &mut watch)?;
     Ok(JointTrajectory { rig: rig.clone(), relative_tolerance, stored, events })
 }
 

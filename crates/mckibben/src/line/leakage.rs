@@ -1,0 +1,60 @@
+//! A leak of the actuator to the surroundings: air that seeps through walls and past fittings.
+//!
+//! ```text
+//! ṁ = k ρ (P² − P_atm²)/(2P)        ρ = m/V
+//! ```
+//!
+//! | symbol | name in code | unit |
+//! |---|---|---|
+//! | k | `conductance`: flow of volume, at the mean pressure, over the difference of pressure | m³/(s·Pa) |
+//! | P, P_atm | absolute pressures of the actuator and of the surroundings | Pa |
+//!
+//! It is the laminar law of [`Tube`](super::Tube) for a passage whose shape is not known: a narrow one, since a leak that is
+//! worth modelling is slow. Below atmospheric pressure air seeps in.
+//!
+//! Source: Hagen–Poiseuille with the mean density, textbook. Checked by `tests/line_rig.rs`: the decay of a fixed volume.
+
+use crate::air::{Chamber, Flow};
+use crate::convert::Convert;
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::{Over, Scalar};
+
+/// A laminar leak.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leakage<S = f64> {
+    conductance: S,
+}
+
+impl Leakage {
+    /// A leak of `conductance` in m³/(s·Pa).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a negative or infinite conductance.
+    pub fn new(conductance: f64) -> Result<Self, Error> {
+        Ok(Self { conductance: parameter::LEAKAGE.check(conductance)? })
+    }
+}
+
+impl<S: Scalar> Leakage<S> {
+    /// The same leak over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Leakage<T> {
+        Leakage { conductance: convert.parameter(&parameter::LEAKAGE, self.conductance) }
+    }
+
+    /// Flow into a chamber from surroundings at `atmosphere` Pa; it is outward above that pressure.
+    #[inline(always)]
+    pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, atmosphere: T) -> Flow<T> {
+        let pressure = chamber.pressure;
+        let squares = (pressure - atmosphere) * (pressure + atmosphere);
+        let density = T::constant(0.5) * chamber.density() * chamber.per_pressure;
+        split(-(T::of(self.conductance) * density * squares))
+    }
+}
+
+/// A net flow by its direction.
+#[inline(always)]
+pub(crate) fn split<T: Scalar>(net: T) -> Flow<T> {
+    let outwards = net.lt(T::zero());
+    Flow { inward: T::select(outwards, T::zero(), net), outward: T::select(outwards, -net, T::zero()) }
+}
