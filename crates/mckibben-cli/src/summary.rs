@@ -157,7 +157,10 @@ pub(crate) fn goals<'g>(page: &mut Page, goals: impl IntoIterator<Item = &'g Goa
     page.head(["rms error", "largest error", "at"]);
     for goal in goals {
         let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
-        let name = describe::controlled(goal.quantity);
+        let name = match goal.whose {
+            Some(1) => "  antagonist",
+            _ => describe::controlled(goal.quantity),
+        };
         page.columns(name, [quantity(rms, unit), quantity(largest, unit), quantity(at, "s")]);
     }
 }

@@ -5,7 +5,7 @@ use super::integrator::{Counts, PieceOf};
 use super::mode::{EventKind, Mode};
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
-use super::stored::{self, Stored};
+use super::stored::Stored;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
@@ -58,13 +58,10 @@ pub fn simulate_watched<R: Real>(
     relative_tolerance: f64,
     watch: impl FnMut(f64),
 ) -> Result<Trajectory<R>, Error> {
-    let system = RigSystem::new(rig, relative_tolerance);
-    let state = start.to_array();
-    let phase = system.begin(&state);
-    let mut events = Vec::new();
-    let stored =
-        stored::run(&system, (state, phase), duration, relative_tolerance, |piece| log(&mut events, piece), watch)?;
-    Ok(Trajectory { rig: rig.clone(), relative_tolerance, stored, events })
+    parameter::DURATION.check(duration.value())?;
+    let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
+    trajectory.extend(duration, watch)?;
+    Ok(trajectory)
 }
 
 /// Writes what ended a piece into a log.
@@ -74,16 +71,8 @@ fn log<R: Real>(events: &mut Vec<Event<R>>, piece: &PieceOf<R, RigSystem<'_, R>,
     }
 }
 
-/// A trajectory in the making, in parts between which the rig's command may be continued.
-#[derive(Debug)]
-pub(super) struct Growing<R: Real> {
-    pub(super) rig: Rig<R>,
-    relative_tolerance: f64,
-    stored: Stored<R, Phase<R>, EventKind, 4>,
-    events: Vec<Event<R>>,
-}
-
-impl<R: Real> Growing<R> {
+/// In the making: in parts, between which the rig's command may be continued.
+impl<R: Real> Trajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
@@ -100,16 +89,15 @@ impl<R: Real> Growing<R> {
     }
 
     /// The sample at the time that has been reached.
-    pub(super) fn sample(&self) -> Sample<R> {
+    pub(super) fn reached(&self) -> Sample<R> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         let (time, state, phase) = self.stored.reached();
         sample(&system, *time, state, phase)
     }
 
-    /// The trajectory up to the time that has been reached.
-    pub(super) fn finish(self) -> Trajectory<R> {
-        let Self { rig, relative_tolerance, stored, events } = self;
-        Trajectory { rig, relative_tolerance, stored, events }
+    /// The rig, to be told more.
+    pub(super) fn rig_mut(&mut self) -> &mut Rig<R> {
+        &mut self.rig
     }
 }
 
