@@ -74,6 +74,8 @@ impl Document {
             }
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
+            // Without a derivative there is nothing to filter.
+            path if path == p::DERIVATIVE_FILTER.key => self.contains(p::DERIVATIVE_TIME.key),
             path if path.starts_with("valve.") => self.is_in_force(path),
             // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
             path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),
