@@ -88,19 +88,13 @@ fn controlled(
     experiment: JointExperiment,
 ) -> Result<ControlledJointExperiment, Error> {
     let own = ways(scenario)?;
-    if let Some(second) = scenario.of_antagonist() {
-        if second.command != scenario.command {
-            return Err(Error::Unsupported {
-                what: "one controller drives both actuators of a joint, and the antagonist is given a command of its own",
-                remedy: "remove the section [antagonist.command]",
-            });
-        }
-        if ways(&second)? != own {
-            return Err(Error::Unsupported {
-                what: "one controller drives both actuators of a joint, and their valves are of different kinds",
-                remedy: "remove valve.kind from [antagonist.valve]",
-            });
-        }
+    if let Some(second) = scenario.of_antagonist()
+        && ways(&second)? != own
+    {
+        return Err(Error::Unsupported {
+            what: "one controller drives both actuators of a joint, and their valves are of different kinds",
+            remedy: "remove valve.kind from [antagonist.valve]",
+        });
     }
     let regulated = of.aim.regulated();
     let regulator = core_regulator(&of.regulator, regulated, own)?;

@@ -256,6 +256,8 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             let states: Vec<String> = state.iter().map(|state| format!("\"{}\"", state.name())).collect();
             w.line("command.state", &format!("[{}]", states.join(", ")));
         }
+        // One controller drives both actuators of a joint and stands with the first.
+        Some(Command::Controller(_)) if !w.prefix.is_empty() => {}
         Some(Command::Controller(of)) => {
             w.word("command.kind", CommandKind::Controllers.name());
             controller(w, of);

@@ -122,7 +122,7 @@ fn what_is_wrong_with_a_controller_of_a_joint_is_said() {
         ("three-way", LAWS[4].to_owned(), "`controller.angle`"),
         ("three-way", LAWS_OF_JOINTS[3].replace("\"5 deg\"", "\"80 deg\""), "actuator.min_length"),
         ("three-way", LAWS_OF_JOINTS[2].replace("0.6 N*m/rad", "-1 N*m/rad"), "`controller.stiffness` = -1 N*m/rad"),
-        ("fill-hold-exhaust", LAWS_OF_JOINTS[0].to_owned() + antagonist, "a command of its own"),
+        ("fill-hold-exhaust", LAWS_OF_JOINTS[0].to_owned() + antagonist, "`command.kind` does not ask for it"),
         (
             "fill-hold-exhaust",
             LAWS_OF_JOINTS[0].to_owned() + "\n[antagonist.valve]\nkind = \"three-way\"",
