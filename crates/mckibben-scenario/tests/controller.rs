@@ -125,7 +125,7 @@ fn what_is_wrong_with_a_controller_of_a_joint_is_said() {
         ("fill-hold-exhaust", LAWS_OF_JOINTS[0].to_owned() + antagonist, "`command.kind` does not ask for it"),
         (
             "fill-hold-exhaust",
-            LAWS_OF_JOINTS[0].to_owned() + "\n[antagonist.valve]\nkind = \"three-way\"",
+            LAWS_OF_JOINTS[0].to_owned() + "\n[antagonist.valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"",
             "valves are of different kinds",
         ),
         ("five-way", LAWS_OF_JOINTS[0].to_owned(), "a three-way or a fill-hold-exhaust valve"),
