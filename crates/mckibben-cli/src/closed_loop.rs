@@ -5,7 +5,8 @@ use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::control::Quantity;
 use mckibben::simulation::{
-    Controlled, ControlledStepper, Decision, Rig, Sample, SampleTimes, Trajectory, simulate_controlled_watched,
+    Actuation, Controlled, ControlledStepper, Decision, Rig, Sample, SampleTimes, Trajectory,
+    simulate_controlled_watched,
 };
 use mckibben::valve::Command;
 use mckibben_scenario::{ControlledExperiment, Engine, Experiment};
@@ -28,13 +29,15 @@ pub struct Closed {
 pub struct Goal {
     /// Of what.
     pub quantity: Quantity,
+    /// Of which actuator of a joint, 0 the agonist and 1 the antagonist; `None` for one actuator alone and for the joint.
+    pub whose: Option<usize>,
     /// Whether the controller regulates it; what is not regulated is as near as the controller's model is right.
     pub regulated: bool,
     /// The instants in s.
     pub time: Vec<f64>,
     /// Where it was to be.
     pub target: Vec<f64>,
-    /// Where it was, as the sensor showed it.
+    /// Where it was, as the sensor showed it; a stiffness follows from what it showed.
     pub measured: Vec<f64>,
 }
 
@@ -52,7 +55,8 @@ pub struct Miss {
 impl Goal {
     /// Set points of a quantity with what was measured, as `(time, target, measured)`.
     pub fn new(quantity: Quantity, regulated: bool, rows: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
-        let mut goal = Self { quantity, regulated, time: Vec::new(), target: Vec::new(), measured: Vec::new() };
+        let mut goal =
+            Self { quantity, whose: None, regulated, time: Vec::new(), target: Vec::new(), measured: Vec::new() };
         for (time, target, measured) in rows {
             goal.time.push(time);
             goal.target.push(target);
@@ -112,6 +116,14 @@ pub fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
     }
 }
 
+/// How often something else was asked of a valve.
+pub(crate) fn asked(actuation: Option<&Actuation>) -> usize {
+    match actuation.map(|actuation| &actuation.command) {
+        Some(Command::Table { time, .. }) => time.len(),
+        _ => 0,
+    }
+}
+
 /// What is regulated, then what else the file gives set points of.
 fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
     let measured = |quantity: Quantity, decision: &Decision| quantity.of(&decision.seen);
@@ -138,10 +150,7 @@ impl Closed {
 
     /// How often it asked something else of the valve.
     pub fn requests(&self) -> usize {
-        match self.experiment.rig.actuation().map(|actuation| &actuation.command) {
-            Some(Command::Table { time, .. }) => time.len(),
-            _ => 0,
-        }
+        asked(self.experiment.rig.actuation())
     }
 
     /// The run; the fixed-step engine repeats it, divided at the sampling instants as before, and shows every step.

@@ -63,7 +63,7 @@ fn controller(of: &Controller) -> String {
     let regulated = controlled(of.aim.regulated());
     let by_model = match of.aim {
         Aim::Track { .. } => "",
-        Aim::Model { .. } => " by the static model",
+        Aim::Model { .. } | Aim::Joint { .. } => " by the static model",
     };
     let delay = match of.delay {
         0 => String::new(),

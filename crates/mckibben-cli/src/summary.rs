@@ -154,11 +154,18 @@ impl Summary<'_> {
 /// How far the goals of a controller were missed.
 pub(crate) fn goals<'g>(page: &mut Page, goals: impl IntoIterator<Item = &'g Goal>) {
     page.heading("Control");
-    page.head(["rms error", "largest error", "at"]);
+    // Wider than the other tables: a stiffness has a long unit.
+    let row = |page: &mut Page, name: &str, [a, b, c]: [String; 3]| {
+        page.put(format_args!("  {name:<NAMES$}{a:>16}{b:>16}{c:>12}\n"));
+    };
+    row(page, "", ["rms error", "largest error", "at"].map(str::to_owned));
     for goal in goals {
         let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
-        let name = describe::controlled(goal.quantity);
-        page.columns(name, [quantity(rms, unit), quantity(largest, unit), quantity(at, "s")]);
+        let name = match goal.whose {
+            Some(1) => "  antagonist",
+            _ => describe::controlled(goal.quantity),
+        };
+        row(page, name, [quantity(rms, unit), quantity(largest, unit), quantity(at, "s")]);
     }
 }
 

@@ -98,3 +98,45 @@ fn static_curves_need_no_controller_and_linear_models_refuse_one() {
     let told = String::from_utf8_lossy(&linear.stderr).into_owned();
     assert!(linear.status.code() == Some(2) && told.contains("a controller is not supported here yet"), "{told}");
 }
+
+#[test]
+fn two_masses_of_air_bring_a_joint_to_angle_and_stiffness() {
+    let folder = Folder::new("control-joint");
+    let isothermal = ["--set", "air.process=isothermal", "--set", "actuator.friction.coulomb_width=0 in"];
+    let file = of_repository("examples/control/joint-air-mass.toml");
+    let text = std::fs::read_to_string(file).expect("an example");
+    let line = text.lines().find(|line| line.starts_with("heat_transfer")).expect("a key");
+    folder.file("joint.toml", &text.replace(line, ""));
+    let mut program = folder.mckibben();
+    program.args(["simulate", "joint.toml", "--output", "run.csv", "--plot", "run.svg"]).args(isothermal);
+    let output = program.output().expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let of = columns(&folder.path("run.csv"));
+    // At rest before the step of the stiffness, before the step back, before that of the angle, and at the end.
+    for (row, angle, stiffness) in [(1999, 12.0, 0.8), (3999, 12.0, 1.4), (5999, 12.0, 0.8), (8000, -8.0, 0.8)] {
+        assert!((of["set_point_rad"][row] - f64::to_radians(angle)).abs() < 1e-12);
+        assert!((of["angle_rad"][row].to_degrees() - angle).abs() < 0.5, "{row}: {}", of["angle_rad"][row]);
+        assert!((of["measured_n_m_rad"][row] - stiffness).abs() < 0.02, "{row}: {}", of["measured_n_m_rad"][row]);
+        for prefix in ["", "antagonist_"] {
+            let [set, mass] = ["set_point_kg", "air_mass_kg"].map(|name| of[&format!("{prefix}{name}")][row]);
+            assert!((set - mass).abs() < 0.2e-6, "{row}: {set} {mass}");
+        }
+    }
+    let summary = String::from_utf8(output.stdout).expect("UTF-8");
+    for part in ["mass of air", "antagonist", "stiffness", "requests"] {
+        assert!(summary.contains(part), "{summary}");
+    }
+}
+
+#[test]
+fn a_relay_on_both_actuators_rests_at_the_angle() {
+    let folder = Folder::new("control-joint-relay");
+    let (summary, of) = run(&folder, "joint-bang-bang", &["--plot", "run.svg"]);
+    for (row, angle) in [(2499, 15.0), (4500, -10.0)] {
+        assert!((of["angle_rad"][row].to_degrees() - angle).abs() < 2.1, "{row}: {}", of["angle_rad"][row]);
+        assert!((of["measured_rad"][row] - of["angle_rad"][row]).abs() < f64::to_radians(0.051));
+    }
+    assert!(summary.contains("bang-bang control of angle at 200 Hz"), "{summary}");
+    let figure = std::fs::read_to_string(folder.path("run.svg")).expect("a figure");
+    assert!(figure.contains("set point"));
+}

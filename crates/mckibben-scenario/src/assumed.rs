@@ -77,6 +77,8 @@ impl Document {
             // What describes a reservoir or a compressor more closely.
             path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),
             path if path == p::CLEARANCE.key => self.contains(p::DISPLACEMENT.key),
+            // Without a derivative there is nothing to filter.
+            path if path == p::DERIVATIVE_FILTER.key => self.contains(p::DERIVATIVE_TIME.key),
             path if path.starts_with("valve.") => self.is_in_force(path),
             // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
             path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),

@@ -71,8 +71,14 @@ impl Scenario {
     /// The same with nothing asked of the valve where a controller would ask.
     pub fn open_loop(&self) -> Self {
         let mut open = self.clone();
-        if let Some(command) = open.command.as_mut().filter(|command| matches!(command, Command::Controller(_))) {
-            *command = Command::Constant(CommandState::Exhaust);
+        let still = |command: &mut Option<Command>| {
+            if let Some(command) = command.as_mut().filter(|command| matches!(command, Command::Controller(_))) {
+                *command = Command::Constant(CommandState::Exhaust);
+            }
+        };
+        still(&mut open.command);
+        if let Load::AntagonisticJoint(joint) = &mut open.load {
+            still(&mut joint.antagonist.command);
         }
         open
     }
@@ -86,41 +92,29 @@ impl Document {
     pub fn controlled_experiment(&self) -> Result<Option<ControlledExperiment>, Diagnostics> {
         let scenario = self.scenario()?;
         let Some(Command::Controller(controller)) = &scenario.command else { return Ok(None) };
+        if matches!(scenario.load, Load::AntagonisticJoint(_)) {
+            return Ok(None);
+        }
         controlled(&scenario, controller).map(Some).map_err(|error| self.diagnose(&error).into())
     }
 }
 
 fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
-    let unsupported = |what, remedy| Err(Error::Unsupported { what, remedy });
-    if matches!(scenario.load, Load::AntagonisticJoint(_)) {
-        return unsupported(
-            "a controller of an antagonistic joint is not supported yet",
-            "choose another load.kind, or another command.kind",
-        );
-    }
     if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
-        return unsupported(
-            "the fixed-step engine cannot choose its step under a controller yet",
-            "give run.step, such as \"0.1 ms\"",
-        );
+        return Err(Error::Unsupported {
+            what: "the fixed-step engine cannot choose its step under a controller yet",
+            remedy: "give run.step, such as \"0.1 ms\"",
+        });
     }
-    let (between, output) = match scenario.valve.map(|valve| valve.kind) {
-        Some(ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen) => (Between::Keep, Output::FillExhaust),
-        Some(ValveKind::FillHoldExhaust) => (Between::Hold, Output::FillHoldExhaust),
-        _ => {
-            return unsupported(
-                "a controller drives a three-way or a fill-hold-exhaust valve, and no other yet",
-                "set valve.kind to one of these",
-            );
-        }
-    };
+    let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
     let regulated = of.aim.regulated();
-    let regulator = core_regulator(&of.regulator, regulated, between, output)?;
+    let regulator = core_regulator(&of.regulator, regulated, ways)?;
     let law = match &of.aim {
         Aim::Track { quantity, set_point } => {
             ControlLaw::Tracker(Tracker::new(*quantity, set_point.clone(), regulator)?)
         }
+        Aim::Joint { .. } => return Err(without_joint()),
         Aim::Model { force, length, highest_gauge_pressure, temperature } => {
             let place = length.clone().map_or(Place::Measured, Place::Wanted);
             let highest = GaugePressure(*highest_gauge_pressure);
@@ -131,8 +125,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
             }
         }
     };
-    let sampling = Sampling::new(of.rate, of.delay)?;
-    let sampling = of.pulse_frequency.map_or(Ok(sampling), |frequency| sampling.with_pulse_frequency(frequency))?;
+    let sampling = core_sampling(of)?;
     let sensor = Sensor::new(regulated, of.resolution, None)?;
     let mut sensors = Sensors::perfect();
     match regulated {
@@ -147,15 +140,37 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
             let length = length.clone().map(|length| (Quantity::Length, length));
             length.into_iter().chain([(Quantity::Force, force.clone())]).collect()
         }
+        Aim::Joint { .. } => Vec::new(),
     };
     Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
 }
 
-fn core_regulator(
+/// An aim of a joint where there is none; a file is refused before.
+fn without_joint() -> Error {
+    Error::Unsupported { what: "an aim of a joint is given, but there is no joint", remedy: "choose another load.kind" }
+}
+
+/// What a valve can be asked by a relay and by a PID controller.
+pub(crate) fn ways(scenario: &Scenario) -> Result<(Between, Output), Error> {
+    match scenario.valve.map(|valve| valve.kind) {
+        Some(ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen) => Ok((Between::Keep, Output::FillExhaust)),
+        Some(ValveKind::FillHoldExhaust) => Ok((Between::Hold, Output::FillHoldExhaust)),
+        _ => Err(Error::Unsupported {
+            what: "a controller drives a three-way or a fill-hold-exhaust valve, and no other yet",
+            remedy: "set valve.kind to one of these",
+        }),
+    }
+}
+
+pub(crate) fn core_sampling(of: &Controller) -> Result<Sampling, Error> {
+    let sampling = Sampling::new(of.rate, of.delay)?;
+    of.pulse_frequency.map_or(Ok(sampling), |frequency| sampling.with_pulse_frequency(frequency))
+}
+
+pub(crate) fn core_regulator(
     of: &Regulator,
     regulated: Quantity,
-    between: Between,
-    output: Output,
+    (between, output): (Between, Output),
 ) -> Result<control::Regulator, Error> {
     match *of {
         Regulator::Relay { dead_band, hysteresis } => {

@@ -495,6 +495,8 @@ pub static KEYS: &[Key] = &[
     course(&p::SET_LENGTH, "\"85 mm\""),
     course(&p::SET_AIR_MASS, "\"0.05 g\"").when(CONTROL, TRACKING),
     course(&p::SET_FORCE, "\"20 N\""),
+    course(&p::SET_ANGLE, "\"20 deg\""),
+    course(&p::SET_STIFFNESS, "\"1 N*m/rad\"").when(CONTROL, BY_MODEL),
     regulated("controller.amplitude", "Amplitude of a sinusoidal set point.", "\"0.5 bar\"").when(CONTROL, TRACKING),
     quantity(&p::SET_FREQUENCY, "\"0.5 Hz\"").when(CONTROL, TRACKING),
     quantity(&p::SET_PHASE, "\"0 deg\"").when(CONTROL, TRACKING),

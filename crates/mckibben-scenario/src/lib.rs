@@ -40,6 +40,7 @@
 mod assumed;
 mod choice;
 mod controlled;
+mod controlled_joint;
 mod diagnose;
 pub mod diagnostic;
 mod dimension;
@@ -64,6 +65,7 @@ pub use choice::{
     HoseKind, HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, Spacing, ValveKind,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
+pub use controlled_joint::{ControlledJointExperiment, JointLaw};
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;

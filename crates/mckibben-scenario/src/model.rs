@@ -77,7 +77,11 @@ impl Document {
     /// # Errors
     /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
     pub fn joint_experiment(&self) -> Result<Option<JointExperiment>, Diagnostics> {
-        let scenario = self.scenario()?;
+        self.joint_of(&self.scenario()?)
+    }
+
+    /// The joint that a scenario of this document describes.
+    pub(crate) fn joint_of(&self, scenario: &Scenario) -> Result<Option<JointExperiment>, Diagnostics> {
         let (Load::AntagonisticJoint(joint), Some(second)) = (&scenario.load, scenario.of_antagonist()) else {
             return Ok(None);
         };
@@ -97,7 +101,7 @@ impl Document {
             return Err(failed(Error::Unsupported { what, remedy }));
         }
         let agonist = scenario.driven().map_err(failed)?;
-        let output = opposite_output(&scenario, &second).map_err(failed)?;
+        let output = opposite_output(scenario, &second).map_err(failed)?;
         let antagonist = second.driven_by(output).map_err(|error| self.antagonist().diagnose(&error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
         let starts = [scenario.initial, second.initial];
@@ -423,7 +427,7 @@ fn core_command(command: &Command) -> Result<valve::Command, Error> {
         }
         Command::Controller(_) => Err(Error::Unsupported {
             what: "a controller is not supported here yet",
-            remedy: "run one actuator with a controller by `mckibben simulate`, or choose another command.kind",
+            remedy: "run it by `mckibben simulate`, or choose another command.kind",
         }),
     }
 }

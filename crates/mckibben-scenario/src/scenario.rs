@@ -371,10 +371,21 @@ pub struct Controller {
 pub enum Aim {
     /// A quantity at its set point.
     Track {
-        /// Gauge pressure, length, air mass or tension.
+        /// Gauge pressure, length, air mass or tension; of a joint the angle.
         quantity: Quantity,
         /// Where it is to be, in its unit.
         set_point: SetPoint,
+    },
+    /// What the static model of a joint needs for an angle and a stiffness.
+    Joint {
+        /// The angle in rad.
+        angle: SetPoint,
+        /// The stiffness of the two actuators in N·m/rad.
+        stiffness: SetPoint,
+        /// Highest gauge pressure in Pa.
+        highest_gauge_pressure: f64,
+        /// Regulates the masses of air at this temperature in K, or the pressures when absent.
+        temperature: Option<f64>,
     },
     /// What the static model needs for a force at a length.
     Model {
@@ -394,8 +405,10 @@ impl Aim {
     pub fn regulated(&self) -> Quantity {
         match self {
             Self::Track { quantity, .. } => *quantity,
-            Self::Model { temperature: Some(_), .. } => Quantity::AirMass,
-            Self::Model { temperature: None, .. } => Quantity::Pressure,
+            Self::Model { temperature, .. } | Self::Joint { temperature, .. } => match temperature {
+                Some(_) => Quantity::AirMass,
+                None => Quantity::Pressure,
+            },
         }
     }
 }

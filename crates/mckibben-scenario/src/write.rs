@@ -295,6 +295,8 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             let states: Vec<String> = state.iter().map(|state| format!("\"{}\"", state.name())).collect();
             w.line("command.state", &format!("[{}]", states.join(", ")));
         }
+        // One controller drives both actuators of a joint and stands with the first.
+        Some(Command::Controller(_)) if !w.prefix.is_empty() => {}
         Some(Command::Controller(of)) => {
             w.word("command.kind", CommandKind::Controllers.name());
             controller(w, of);
@@ -304,8 +306,10 @@ fn command(w: &mut Writer, scenario: &Scenario) {
 
 fn controller(w: &mut Writer, of: &Controller) {
     let kind = match (&of.aim, of.regulator) {
-        (Aim::Model { temperature: None, .. }, _) => ControllerKind::FeedForward,
-        (Aim::Model { .. }, _) => ControllerKind::AirMass,
+        (Aim::Model { temperature, .. } | Aim::Joint { temperature, .. }, _) => match temperature {
+            Some(_) => ControllerKind::AirMass,
+            None => ControllerKind::FeedForward,
+        },
         (Aim::Track { .. }, Regulator::Relay { .. }) => ControllerKind::BangBang,
         (Aim::Track { .. }, Regulator::Pid { .. }) => ControllerKind::Pid,
     };
@@ -319,10 +323,12 @@ fn controller(w: &mut Writer, of: &Controller) {
                 // Both lists have the times of one table.
                 course(w, Quantity::Length, length, matches!(force, SetPoint::Constant(_)));
             }
-            w.number(&p::HIGHEST_GAUGE_PRESSURE, *highest_gauge_pressure);
-            if let Some(temperature) = temperature {
-                w.number(&p::CONTROL_TEMPERATURE, *temperature);
-            }
+            model(w, *highest_gauge_pressure, *temperature);
+        }
+        Aim::Joint { angle, stiffness, highest_gauge_pressure, temperature } => {
+            course(w, Quantity::Angle, angle, true);
+            course(w, Quantity::Stiffness, stiffness, matches!(angle, SetPoint::Constant(_)));
+            model(w, *highest_gauge_pressure, *temperature);
         }
     }
     w.number(&p::CONTROL_RATE, of.rate);
@@ -355,6 +361,13 @@ fn controller(w: &mut Writer, of: &Controller) {
             w.number(&p::SET_POINT_WEIGHT, set_point_weight);
             w.number(&p::BIAS, bias);
         }
+    }
+}
+
+fn model(w: &mut Writer, highest_gauge_pressure: f64, temperature: Option<f64>) {
+    w.number(&p::HIGHEST_GAUGE_PRESSURE, highest_gauge_pressure);
+    if let Some(temperature) = temperature {
+        w.number(&p::CONTROL_TEMPERATURE, temperature);
     }
 }
 

@@ -80,3 +80,60 @@ fn where_controllers_are_not_supported_it_is_said() {
     let error = Document::parse(&(start + LAWS[0]), "controller.toml").expect("TOML").scenario().expect_err("refused");
     assert!(error.to_string().contains("`command.kind` does not ask for it"), "{error}");
 }
+
+const JOINT: &str = "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"KIND\"\nflow_area = \"0.2 mm^2\"\n\
+    [command]\nkind = \"controllers\"\n[load]\nkind = \"antagonistic-joint\"\nmass = \"0.3 kg\"\ndistance = \"5 cm\"\n\
+    pulley_radius = \"15 mm\"\nrest_length = \"82 mm\"\n[initial]\ngauge_pressure = \"2 bar\"\n[run]\nduration = \"1 s\"\n\
+    [controller]\nrate = \"100 Hz\"\n";
+
+fn joint(controller: &str, kind: &str) -> Document {
+    Document::parse(&(JOINT.replace("KIND", kind) + controller), "joint.toml").expect("TOML")
+}
+
+const LAWS_OF_JOINTS: [&str; 4] = [
+    "kind = \"bang-bang\"\nangle = [\"0 deg\", \"10 deg\"]\ntime = [\"0 s\", \"1 s\"]\ndead_band = \"1 deg\"",
+    "kind = \"pid\"\nangle = \"0 deg\"\namplitude = \"10 deg\"\nfrequency = \"1 Hz\"\nproportional_band = \"20 deg\"\n\
+     resolution = \"0.1 deg\"",
+    "kind = \"feed-forward\"\nangle = \"5 deg\"\nstiffness = \"0.6 N*m/rad\"\nhighest_gauge_pressure = \"5 bar\"\n\
+     dead_band = \"0.1 bar\"",
+    "kind = \"air-mass\"\nangle = \"5 deg\"\nstiffness = [\"0.8 N*m/rad\", \"1 N*m/rad\"]\ntime = [\"0 s\", \"1 s\"]\n\
+     highest_gauge_pressure = \"5 bar\"\nproportional_band = \"10 mg\"",
+];
+
+#[test]
+fn controllers_of_joints_read_back_the_same_and_can_be_run() {
+    for law in LAWS_OF_JOINTS {
+        let scenario = joint(law, "fill-hold-exhaust").scenario().unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(Scenario::from_str(&scenario.to_toml(), "again.toml"), Ok(scenario.clone()), "{law}");
+        for kind in ["fill-hold-exhaust", "three-way"] {
+            let document = joint(law, kind);
+            let built = document.controlled_joint_experiment().unwrap_or_else(|error| panic!("{law}\n{error}"));
+            assert_eq!(built.expect("a controller").sampling.rate(), 100.0);
+            assert_eq!(document.controlled_experiment(), Ok(None));
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_controller_of_a_joint_is_said() {
+    let antagonist = "\n[antagonist.command]\nkind = \"hold\"";
+    for (kind, text, part) in [
+        ("three-way", LAWS[0].to_owned(), "`controller.gauge_pressure` has no meaning for a joint"),
+        ("three-way", LAWS[4].to_owned(), "`controller.angle`"),
+        ("three-way", LAWS_OF_JOINTS[3].replace("\"5 deg\"", "\"80 deg\""), "actuator.min_length"),
+        ("three-way", LAWS_OF_JOINTS[2].replace("0.6 N*m/rad", "-1 N*m/rad"), "`controller.stiffness` = -1 N*m/rad"),
+        ("fill-hold-exhaust", LAWS_OF_JOINTS[0].to_owned() + antagonist, "`command.kind` does not ask for it"),
+        (
+            "fill-hold-exhaust",
+            LAWS_OF_JOINTS[0].to_owned() + "\n[antagonist.valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"",
+            "valves are of different kinds",
+        ),
+        ("five-way", LAWS_OF_JOINTS[0].to_owned(), "a three-way or a fill-hold-exhaust valve"),
+    ] {
+        let error = joint(&text, kind).controlled_joint_experiment().expect_err("refused").to_string();
+        assert!(error.contains(part), "{part}:\n{error}");
+    }
+    let text = LAWS[0].replace("gauge_pressure = \"2 bar\"", "angle = \"2 deg\"");
+    let error = document(&text, "three-way").controlled_experiment().expect_err("refused").to_string();
+    assert!(error.contains("`controller.angle` has no meaning without a joint"), "{error}");
+}

@@ -53,7 +53,9 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
     let document = Document::load(path).map_err(listed)?;
     let single = document.scenario().and_then(|scenario| {
-        if document.joint_experiment()?.is_none() && document.controlled_experiment()?.is_none() {
+        let controlled =
+            document.controlled_joint_experiment()?.is_some() || document.controlled_experiment()?.is_some();
+        if !controlled && document.joint_experiment()?.is_none() {
             document.experiment()?;
         }
         Ok(told(&scenario))

@@ -74,14 +74,18 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         setting.apply(&mut document)?;
     }
     let scenario = document.scenario()?;
-    if let Some(experiment) = document.joint_experiment()? {
+    let joint = match document.controlled_joint_experiment()? {
+        Some(controlled) => Some(joint::Joint::Controlled(controlled)),
+        None => document.joint_experiment()?.map(joint::Joint::Open),
+    };
+    if let Some(joint) = joint {
         if arguments.over != portrait::Over::Time {
             return Err(Failure::input(
                 "--over: an antagonistic joint has two lengths, so it is drawn over time",
                 "leave --over out, and take the columns of --output for another figure",
             ));
         }
-        return joint::run(arguments, &files, &document, &scenario, &experiment);
+        return joint::run(arguments, &files, &document, &scenario, &joint);
     }
     let controlled = document.controlled_experiment()?;
     let experiment = match &controlled {

@@ -1,5 +1,6 @@
 //! The run of a joint that two actuators turn: in words, as a log of events and as a figure.
 
+pub mod control;
 pub mod events;
 pub mod portrait;
 pub mod summary;

@@ -1,10 +1,13 @@
 //! The figure of a joint's run: angle, pressures and tensions over time, the agonist's valve as bands behind them.
 
 use super::NAMES;
+use crate::closed_loop::Goal;
 use crate::failure::Failure;
 use crate::plot::{Axis, Dash, Figure, Panel, Series, Span};
-use crate::portrait::{Bands, Format, POINTS, bytes};
+use crate::portrait::{Bands, Format, POINTS, bytes, wanted};
+use mckibben::control::Quantity;
 use mckibben::simulation::{EventKind, JointTrajectory};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Draws a run; the bytes of the file.
@@ -13,15 +16,16 @@ use std::path::Path;
 /// [`Failure::output`], which names `path`, when the figure cannot be drawn.
 pub fn draw(
     trajectory: &JointTrajectory,
+    goals: &[Goal],
     interval: f64,
     title: &str,
     target: (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    bytes(&figure(trajectory, interval, title), target)
+    bytes(&figure(trajectory, goals, interval, title), target)
 }
 
 /// The figure of a run.
-pub(crate) fn figure(trajectory: &JointTrajectory, interval: f64, title: &str) -> Figure {
+pub(crate) fn figure(trajectory: &JointTrajectory, goals: &[Goal], interval: f64, title: &str) -> Figure {
     let duration = trajectory.duration();
     let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
     let samples: Vec<_> = trajectory.samples(interval).collect();
@@ -45,7 +49,10 @@ pub(crate) fn figure(trajectory: &JointTrajectory, interval: f64, title: &str) -
             angle = angle.horizontal(stop, name);
         }
     }
-    let angle = angle.series(Series::line("", time.clone(), degrees));
+    let mut angle = angle.series(Series::line("", time.clone(), degrees));
+    if let Some(goal) = goals.iter().find(|goal| goal.quantity == Quantity::Angle) {
+        angle = angle.series(wanted(goal, 180.0 / PI));
+    }
     let pair = |mut panel: Panel, named: bool, value: &dyn Fn(usize, usize) -> f64| {
         for (index, name) in NAMES.into_iter().enumerate() {
             let values = (0..samples.len()).map(|row| value(row, index)).collect();
@@ -55,13 +62,36 @@ pub(crate) fn figure(trajectory: &JointTrajectory, interval: f64, title: &str) -
         panel
     };
     let atmospheres = trajectory.rig().driven().each_ref().map(|driven| driven.actuator.air().atmosphere().0);
+    let regulated = |mut panel: Panel, quantity: Quantity, factor: f64| {
+        for goal in goals.iter().filter(|goal| goal.quantity == quantity) {
+            // Agonist and antagonist have their own lines; one entry in the legend names both set points.
+            let name = if goal.whose == Some(1) { "" } else { "set point" };
+            panel = panel.series(Series { label: name.to_owned(), ..wanted(goal, factor) }.dash(Dash::Dotted));
+        }
+        panel
+    };
     let pressure = pair(Panel::new(Axis::new("gauge pressure", "bar")), true, &|row, index| {
         (samples[row].actuators[index].pressure.0 - atmospheres[index]) * 1e-5
     });
+    let pressure = regulated(pressure, Quantity::Pressure, 1e-5);
     let tension =
         pair(Panel::new(Axis::new("tension", "N")), false, &|row, index| samples[row].actuators[index].tension);
+    let mut panels = vec![angle];
+    if let Some(goal) = goals.iter().find(|goal| goal.quantity == Quantity::Stiffness) {
+        let panel = Panel::new(Axis::new("stiffness", "N·m/rad"));
+        let panel = panel.series(Series::line("", goal.time.clone(), goal.measured.clone()));
+        panels.push(panel.series(wanted(goal, 1.0)));
+    }
+    panels.push(pressure);
+    if goals.iter().any(|goal| goal.quantity == Quantity::AirMass) {
+        let mass = |row: usize, index: usize| samples[row].actuators[index].air_mass * 1e6;
+        let panel = pair(Panel::new(Axis::new("mass of air", "mg")), false, &mass);
+        panels.push(regulated(panel, Quantity::AirMass, 1e6));
+    }
+    panels.push(tension);
     let mut figure = Figure::new(Axis::new("time", "s").starting_at(0.0).ending_at(duration)).title(title);
-    for (panel, name) in [(angle, "agonist's supply open"), (pressure, ""), (tension, "")] {
+    for (index, panel) in panels.into_iter().enumerate() {
+        let name = if index == 0 { "agonist's supply open" } else { "" };
         let shaded = !supply.intervals.is_empty();
         let panel = if shaded { panel.span(Span::intervals(name, supply.intervals.clone())) } else { panel };
         figure = figure.panel(panel);

@@ -1,10 +1,11 @@
 //! What the run of a joint came to, as text for people.
 
+use super::control::Closed;
 use super::{NAMES, events};
 use crate::describe;
 use crate::observation::{AirUse, Range};
 use crate::quantities::{count, digits, given, quantity};
-use crate::summary::{Page, assumptions, cost, residual};
+use crate::summary::{Page, assumptions, cost, effort, goals, residual};
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{JointAudit, JointSample, JointTrajectory};
 use mckibben_scenario::{Assumed, Scenario};
@@ -22,6 +23,8 @@ pub struct Summary<'a> {
     pub scenarios: [&'a Scenario; 2],
     /// The run.
     pub trajectory: &'a JointTrajectory,
+    /// The controller's part in it, if there is one.
+    pub control: Option<&'a Closed>,
     /// How long the computer took.
     pub elapsed: Duration,
     /// The assumed values in force.
@@ -35,7 +38,14 @@ impl Summary<'_> {
         self.what_ran(&mut page);
         self.events(&mut page);
         self.states(&mut page);
-        self.air(&mut page);
+        let used = self.used();
+        if let Some(closed) = self.control {
+            goals(&mut page, &closed.goals);
+            let requests = closed.requests().map(|requests| count(requests as u64)).join(" and ");
+            let air: f64 = used.iter().map(|air| air.from_supply).sum();
+            effort(&mut page, closed.samples, &requests, &quantity(air, "kg"));
+        }
+        air(&mut page, used);
         energy(&mut page, &self.trajectory.audit());
         page.text + &assumptions(self.assumed)
     }
@@ -99,7 +109,7 @@ impl Summary<'_> {
         }
     }
 
-    fn air(&self, page: &mut Page) {
+    fn used(&self) -> [AirUse; 2] {
         let mut used = [AirUse::default(); 2];
         self.trajectory.quadrature(|weight, sample, mode| {
             for (index, air) in used.iter_mut().enumerate() {
@@ -107,11 +117,15 @@ impl Summary<'_> {
                 air.see_actuator(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
             }
         });
-        page.heading("Air");
-        for (name, air) in NAMES.into_iter().zip(used) {
-            let (from, to) = (quantity(air.from_supply, "kg"), quantity(air.to_surroundings, "kg"));
-            page.line(name, &format!("{from} from the supply, {to} to the exhaust"));
-        }
+        used
+    }
+}
+
+fn air(page: &mut Page, used: [AirUse; 2]) {
+    page.heading("Air");
+    for (name, air) in NAMES.into_iter().zip(used) {
+        let (from, to) = (quantity(air.from_supply, "kg"), quantity(air.to_surroundings, "kg"));
+        page.line(name, &format!("{from} from the supply, {to} to the exhaust"));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{COLUMNS, VALVE};
 use crate::closed_loop::Goal;
+use mckibben::control::Quantity;
 use mckibben::line::Line;
 use mckibben::simulation::{JointSample, Sample};
 
@@ -48,21 +49,24 @@ fn of_goals<S: 'static>(goals: &[Goal], time_of: fn(&S) -> f64) -> impl Iterator
     goals.iter().flat_map(move |goal| {
         let unit = goal.quantity.rows().set_point.unit;
         let ending = unit.to_lowercase().replace(['*', '/'], "_");
+        let whose = if goal.whose == Some(1) { "antagonist_" } else { "" };
         let column = |name: &str, values: &[f64]| {
             let (time, values) = (goal.time.clone(), values.to_vec());
-            number(&format!("{name}_{ending}"), unit, move |sample: &S| {
+            number(&format!("{whose}{name}_{ending}"), unit, move |sample: &S| {
                 // A sampling instant and the sample's time that differ by rounding are one; the first is at 0.
                 let begun = time.partition_point(|time| *time <= time_of(sample) * (1.0 + ROUNDING));
                 values[begun.max(1) - 1]
             })
         };
-        let measured = goal.regulated.then(|| column("measured", &goal.measured));
+        // No column of the run has a stiffness.
+        let shown = goal.regulated || goal.quantity == Quantity::Stiffness;
+        let measured = shown.then(|| column("measured", &goal.measured));
         [column("set_point", &goal.target)].into_iter().chain(measured)
     })
 }
 
-/// The columns of a joint in their order.
-pub(super) fn of_joint() -> Vec<Field<JointSample>> {
+/// The columns of a joint in their order, then its goals.
+pub(super) fn of_joint(goals: &[Goal]) -> Vec<Field<JointSample>> {
     let mut fields = member(0, "");
     fields.extend([
         number("angle_rad", "rad", |sample: &JointSample| sample.angle),
@@ -71,6 +75,7 @@ pub(super) fn of_joint() -> Vec<Field<JointSample>> {
     ]);
     // The time stands in front already.
     fields.extend(member(1, "antagonist_").into_iter().skip(1));
+    fields.extend(of_goals(goals, |sample: &JointSample| sample.time));
     fields
 }
 

@@ -118,19 +118,21 @@ pub fn write_controlled(
     write_fields(&field::of_controlled(outcome.line(), goals), rows, provenance, (path, format), out)
 }
 
-/// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's.
+/// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's, then what a
+/// controller was to reach.
 ///
 /// # Errors
 /// [`Failure::output`], which names `path`, when writing fails.
 pub fn write_joint(
     trajectory: &JointTrajectory,
+    goals: &[Goal],
     interval: f64,
     provenance: &Provenance<'_>,
     (path, format): (&Path, Format),
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, JointSample> = &mut |each| trajectory.samples(interval).try_for_each(|sample| each(&sample));
-    write_fields(&field::of_joint(), rows, provenance, (path, format), out)
+    write_fields(&field::of_joint(goals), rows, provenance, (path, format), out)
 }
 
 /// Hands every sample of a run to what it is given.

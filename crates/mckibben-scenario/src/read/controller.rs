@@ -1,7 +1,7 @@
 //! The controller: what it regulates by the key of its set point, and how by the keys of a relay or of a PID controller.
 
 use super::{alternative, columns};
-use crate::choice::{ControllerKind, SetPointTable};
+use crate::choice::{ControllerKind, LoadKind, SetPointTable};
 use crate::diagnostic::{Class, Diagnostic};
 use crate::document::Value;
 use crate::reader::Reader;
@@ -10,7 +10,7 @@ use mckibben::control::{Quantity, SetPoint};
 use mckibben::parameter as p;
 
 /// What one actuator can be told to reach.
-const TRACKED: [Quantity; 4] = [Quantity::Pressure, Quantity::Length, Quantity::AirMass, Quantity::Force];
+const OF_ACTUATOR: [Quantity; 4] = [Quantity::Pressure, Quantity::Length, Quantity::AirMass, Quantity::Force];
 
 pub(super) fn controller(r: &mut Reader<'_>) -> Option<Controller> {
     let kind: Option<ControllerKind> = r.word("controller.kind");
@@ -18,21 +18,31 @@ pub(super) fn controller(r: &mut Reader<'_>) -> Option<Controller> {
         r.missing("controller.kind", "");
     }
     let kind = kind?;
+    let of_joint = r.says("load.kind", LoadKind::AntagonisticJoint.name());
+    refuse_foreign(r, of_joint);
+    let tracked: &[Quantity] = if of_joint { &[Quantity::Angle] } else { &OF_ACTUATOR };
     let aim = match kind {
         ControllerKind::BangBang | ControllerKind::Pid => {
-            let keys = TRACKED.map(|quantity| [quantity.rows().set_point.key]);
-            let Some(index) = alternative(r, &keys.each_ref().map(|key| &key[..])) else {
-                r.missing(keys[0][0], "; `length`, `air_mass` or `force` would do as well");
+            let keys: Vec<[&str; 1]> = tracked.iter().map(|quantity| [quantity.rows().set_point.key]).collect();
+            let ways: Vec<&[&str]> = keys.iter().map(|key| &key[..]).collect();
+            let Some(index) = alternative(r, &ways) else {
+                let others = if of_joint { "" } else { "; `length`, `air_mass` or `force` would do as well" };
+                r.missing(keys[0][0], others);
                 return None;
             };
-            Aim::Track { quantity: TRACKED[index], set_point: set_point(r, TRACKED[index], true) }
+            Aim::Track { quantity: tracked[index], set_point: set_point(r, tracked[index], true) }
         }
-        ControllerKind::FeedForward | ControllerKind::AirMass => Aim::Model {
-            force: set_point(r, Quantity::Force, false),
-            length: r.has(p::SET_LENGTH.key).then(|| set_point(r, Quantity::Length, false)),
-            highest_gauge_pressure: r.value(&p::HIGHEST_GAUGE_PRESSURE, None),
-            temperature: (kind == ControllerKind::AirMass).then(|| r.value(&p::CONTROL_TEMPERATURE, None)),
-        },
+        ControllerKind::FeedForward | ControllerKind::AirMass => {
+            let first = set_point(r, if of_joint { Quantity::Angle } else { Quantity::Force }, false);
+            let stiffness = of_joint.then(|| set_point(r, Quantity::Stiffness, false));
+            let length = (!of_joint && r.has(p::SET_LENGTH.key)).then(|| set_point(r, Quantity::Length, false));
+            let highest_gauge_pressure = r.value(&p::HIGHEST_GAUGE_PRESSURE, None);
+            let temperature = (kind == ControllerKind::AirMass).then(|| r.value(&p::CONTROL_TEMPERATURE, None));
+            match stiffness {
+                Some(stiffness) => Aim::Joint { angle: first, stiffness, highest_gauge_pressure, temperature },
+                None => Aim::Model { force: first, length, highest_gauge_pressure, temperature },
+            }
+        }
     };
     let regulated = aim.regulated();
     let regulator = regulator(r, kind, regulated)?;
@@ -44,6 +54,23 @@ pub(super) fn controller(r: &mut Reader<'_>) -> Option<Controller> {
         pulse_frequency: r.number(&p::PULSE_FREQUENCY),
         resolution: r.number(&regulated.rows().resolution).unwrap_or(0.0),
     })
+}
+
+/// Notes what an actuator alone can reach where there is a joint, and the other way round.
+fn refuse_foreign(r: &mut Reader<'_>, of_joint: bool) {
+    let foreign: &[Quantity] = if of_joint { &OF_ACTUATOR } else { &[Quantity::Angle, Quantity::Stiffness] };
+    for path in foreign.iter().map(|quantity| quantity.rows().set_point.key) {
+        if let Some(place) = r.key_place(path) {
+            let (title, help) = if of_joint {
+                (format!("`{path}` has no meaning for a joint"), "give controller.angle in its place")
+            } else {
+                (format!("`{path}` has no meaning without a joint"), "remove it, or choose another load.kind")
+            };
+            let load = r.value_place("load.kind");
+            let found = Diagnostic::at(Class::NotApplicable, place, title, "does not apply");
+            r.note(found.related(load, "chosen here").help(help));
+        }
+    }
 }
 
 fn set_point(r: &mut Reader<'_>, quantity: Quantity, may_swing: bool) -> SetPoint {

@@ -13,7 +13,7 @@
 //! With the valve shut an actuator keeps its air, not its pressure: as a spring of constant mass it is stiffer than (7), and
 //! it comes back to its length when a disturbance has gone. A regulator of the pressure would let air out of an actuator
 //! that is stretched and back in when it is let go; a regulator of the mass leaves the valve shut. Two masses of air set
-//! stiffness and position of a joint together ([`super::AntagonisticPair`]).
+//! stiffness and position of a joint together ([`super::JointAim`]).
 //!
 //! Source: the authors control their leg by "internal air mass … instead of pressure" (Colbrunn, Nelson & Quinn 2001,
 //! section 2.1; R. Colbrunn, "Design and Control of a Robotic Leg with Braided Pneumatic Actuators", M.S. thesis, Case
@@ -28,9 +28,9 @@ use crate::scalar::Real;
 /// Brings about the mass of air that a model asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AirMass<Aim = StaticAim, S = f64> {
-    aim: Aim,
-    temperature: S,
-    regulator: Regulator<S>,
+    pub(super) aim: Aim,
+    pub(super) temperature: S,
+    pub(super) regulator: Regulator<S>,
 }
 
 impl<Aim> AirMass<Aim> {

@@ -43,6 +43,8 @@
 //! | [`FeedForward`] | gives the pressure that a static model needs for a force at a length |
 //! | [`AirMass`] | gives the mass of air that the model needs there |
 //!
+//! The last two are of one actuator with a [`StaticAim`], of a joint with a [`JointAim`]: an angle and a stiffness.
+//!
 //! Each of these hands what is wanted and what is measured to a [`Regulator`]: a [`Relay`] (bang-bang with a dead band) or a
 //! [`Pid`], whose duty cycle is followed by pulse-width modulation. Two controllers of one actuator each, `[a, b]`, are a
 //! [`JointController`].
@@ -52,6 +54,7 @@
 mod air_mass;
 mod feed_forward;
 mod inverse;
+mod joint_aim;
 mod modulator;
 mod pair;
 mod pid;
@@ -64,6 +67,7 @@ mod tracker;
 
 pub use air_mass::AirMass;
 pub use feed_forward::{FeedForward, Place, StaticAim};
+pub use joint_aim::JointAim;
 pub use modulator::Modulator;
 pub use pair::{AntagonisticPair, Held};
 pub use pid::{Output, Pid, PidMemory};

@@ -1,6 +1,6 @@
 //! What can be controlled, and the rows of the parameters that have its unit.
 
-use super::Measurement;
+use super::{JointMeasurement, Measurement};
 use crate::parameter::{self, Parameter, Range};
 
 /// A quantity with a set point.
@@ -146,6 +146,11 @@ impl Quantity {
     /// Whether more air makes more of it; for an angle, more air in the agonist.
     pub fn rises(self) -> bool {
         self != Self::Length
+    }
+
+    /// Its value in a measurement of a joint; `None` for what each actuator has, or nobody measures.
+    pub fn of_joint<R: Copy>(self, seen: &JointMeasurement<R>) -> Option<R> {
+        (self == Self::Angle).then_some(seen.angle)
     }
 
     /// Its value in a measurement of one actuator; `None` for what only a joint has.

@@ -139,6 +139,18 @@ impl<S: Scalar> SetPoint<S> {
 }
 
 impl<R: Real> SetPoint<R> {
+    /// Its least and its greatest value.
+    pub fn ends(&self) -> [R; 2] {
+        match self {
+            Self::Constant(value) => [*value; 2],
+            Self::Sinusoid { mean, amplitude, .. } => [*mean - *amplitude, *mean + *amplitude],
+            #[cfg(feature = "alloc")]
+            Self::Lines { value, .. } | Self::Steps { value, .. } => value[1..]
+                .iter()
+                .fold([value[0]; 2], |[least, most], value| [least.smaller(*value), most.larger(*value)]),
+        }
+    }
+
     /// What is wanted at a time in s.
     pub fn at(&self, now: R) -> R {
         match self {

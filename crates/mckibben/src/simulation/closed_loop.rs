@@ -2,10 +2,12 @@
 //!
 //! Between two samples the command is a known function of time. So a run under control is the run of the same rig whose
 //! [`Command::Table`] is continued at each sampling instant by what is asked up to the next: seats move at exact instants,
-//! and the finished table is the whole command, with which the run can be read or repeated without the controller.
+//! and the finished table is the whole command, with which the run can be read or repeated without the controller. The same
+//! holds of a joint with its two valves.
 
-use super::rig::Rig;
+use super::rig::{Actuation, Rig};
 use super::sample::Sample;
+use crate::actuator::Actuator;
 use crate::control::{Controller, Drive, Measurement, Modulator, Quantity, Sampled, Sampling, Sensors};
 use crate::error::Error;
 use crate::scalar::Real;
@@ -23,34 +25,31 @@ pub struct Decision<R = f64> {
     pub drive: Drive<R>,
 }
 
-/// A controller with what it and the modulation remember.
+/// The clockwork of a loop around `N` valves: when it samples, what has been decided, and the pulses that follow.
 #[derive(Debug)]
-pub(super) struct ClosedLoop<'c, R: Real, C: Controller<R>> {
-    controller: &'c C,
+pub(super) struct Clockwork<R: Real, M, const N: usize> {
     sampling: Sampling<R>,
-    sensors: Sensors<R>,
-    sampled: Sampled<C::Memory, Drive<R>>,
-    modulator: Modulator<R>,
+    sampled: Sampled<M, [Drive<R>; N]>,
+    modulators: [Modulator<R>; N],
 }
 
-impl<'c, R: Real, C: Controller<R>> ClosedLoop<'c, R, C> {
-    /// Before the first sample, with a copy of the rig of which nothing has been asked yet.
+impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
+    /// Before the first sample; nothing is asked of the valves yet.
     pub(super) fn begin(
-        rig: &Rig<R>,
-        controller: &'c C,
+        memory: M,
         sampling: Sampling<R>,
-        sensors: Sensors<R>,
-    ) -> Result<(Self, Rig<R>), Error> {
-        let mut rig = rig.clone();
-        let Some(actuation) = rig.actuation_mut() else {
-            return Err(Error::Unsupported {
-                what: "a controller is given, but the actuator has no valve",
-                remedy: "give the actuator a valve, or simulate it without a controller",
-            });
-        };
-        actuation.command = Command::Table { time: Vec::new(), request: Vec::new() };
-        let sampled = Sampled::begin(controller.begin());
-        Ok((Self { controller, sampling, sensors, sampled, modulator: Modulator::idle() }, rig))
+        valves: [Option<&mut Actuation<R>>; N],
+    ) -> Result<Self, Error> {
+        for valve in valves {
+            let Some(actuation) = valve else {
+                return Err(Error::Unsupported {
+                    what: "a controller is given, but the actuator has no valve",
+                    remedy: "give the actuator a valve, or simulate it without a controller",
+                });
+            };
+            actuation.command = Command::Table { time: Vec::new(), request: Vec::new() };
+        }
+        Ok(Self { sampling, sampled: Sampled::begin(memory), modulators: [Modulator::idle(); N] })
     }
 
     /// The next sampling instant in s.
@@ -58,32 +57,90 @@ impl<'c, R: Real, C: Controller<R>> ClosedLoop<'c, R, C> {
         self.sampled.next(&self.sampling)
     }
 
-    /// Takes the sample that is due, and continues the rig's command up to the next.
-    pub(super) fn sample(&mut self, truth: &Sample<R>, rig: &mut Rig<R>) -> Result<Decision<R>, Error> {
+    /// Takes the sample that is due by `decide`, and continues the commands of the valves up to the next.
+    pub(super) fn sample(
+        &mut self,
+        valves: [Option<&mut Actuation<R>>; N],
+        decide: impl FnOnce(&mut M) -> [Drive<R>; N],
+    ) -> Result<[Drive<R>; N], Error> {
         let time = self.next();
-        let pressure = truth.pressure.gauge(rig.actuator().air().atmosphere());
-        let Sample { length, velocity, air_mass, tension, .. } = *truth;
-        let seen = self.sensors.show(&Measurement { time, length, velocity, pressure, air_mass, tension });
-        let aim = self.controller.aim(&seen);
-        let mut drive = Drive::Steady(Request::Hold);
+        let mut drives = [Drive::Steady(Request::Hold); N];
         let effective = self.sampled.take(&self.sampling, |memory| {
-            drive = self.controller.decide(&seen, memory);
-            drive
+            drives = decide(memory);
+            drives
         });
-        if let Some(actuation) = rig.actuation_mut() {
-            let (until, frequency) = (self.next(), self.sampling.pulse_frequency());
-            let mut ask = |at: R, request: Option<Request>| {
-                request.map_or(Ok(()), |request| ask(&actuation.solenoid, &mut actuation.command, at, request))
-            };
-            if let Some(drive) = effective {
-                ask(time, self.modulator.command(drive, time, frequency))?;
+        let (until, frequency) = (self.next(), self.sampling.pulse_frequency());
+        for (i, (valve, modulator)) in valves.into_iter().zip(&mut self.modulators).enumerate() {
+            let Some(Actuation { solenoid, command }) = valve else { continue };
+            let mut ask =
+                |at: R, request: Option<Request>| request.map_or(Ok(()), |request| ask(solenoid, command, at, request));
+            if let Some(drives) = effective {
+                ask(time, modulator.command(drives[i], time, frequency))?;
             }
-            while let Some(instant) = self.modulator.next(frequency).filter(|instant| !is_due(until, *instant)) {
+            while let Some(instant) = modulator.next(frequency).filter(|instant| !is_due(until, *instant)) {
                 // A period that begins with the sample may lie a rounding before it.
-                ask(instant.larger(time), self.modulator.pass(instant, frequency))?;
+                ask(instant.larger(time), modulator.pass(instant, frequency))?;
             }
         }
-        Ok(Decision { seen, aim, drive })
+        Ok(drives)
+    }
+
+    /// Goes through `duration` s: `extend` to each sampling instant, `sample` there, and on to the end.
+    pub(super) fn run<T, D>(
+        mut self,
+        mut grown: T,
+        duration: R,
+        mut extend: impl FnMut(&mut T, R) -> Result<(), Error>,
+        mut sample: impl FnMut(&mut T, &mut Self) -> Result<D, Error>,
+    ) -> Result<(T, Vec<D>), Error> {
+        let mut decisions = Vec::new();
+        loop {
+            let instant = self.next();
+            if !is_due(instant, duration) {
+                extend(&mut grown, duration)?;
+                return Ok((grown, decisions));
+            }
+            extend(&mut grown, instant.smaller(duration))?;
+            decisions.push(sample(&mut grown, &mut self)?);
+        }
+    }
+}
+
+/// What there is to measure of an actuator at a sampling instant in s.
+pub(super) fn measurement<R: Real>(time: R, truth: &Sample<R>, actuator: &Actuator<R>) -> Measurement<R> {
+    let pressure = truth.pressure.gauge(actuator.air().atmosphere());
+    let Sample { length, velocity, air_mass, tension, .. } = *truth;
+    Measurement { time, length, velocity, pressure, air_mass, tension }
+}
+
+/// A controller of one actuator with its sensors.
+#[derive(Debug)]
+pub(super) struct ClosedLoop<'c, R: Real, C: Controller<R>> {
+    pub(super) controller: &'c C,
+    pub(super) sensors: Sensors<R>,
+}
+
+impl<R: Real, C: Controller<R>> ClosedLoop<'_, R, C> {
+    /// The clockwork before the first sample, with a copy of the rig of which nothing has been asked yet.
+    pub(super) fn begin(
+        &self,
+        rig: &Rig<R>,
+        sampling: Sampling<R>,
+    ) -> Result<(Clockwork<R, C::Memory, 1>, Rig<R>), Error> {
+        let mut rig = rig.clone();
+        Ok((Clockwork::begin(self.controller.begin(), sampling, [rig.actuation_mut()])?, rig))
+    }
+
+    /// Takes the sample that is due, and continues the rig's command up to the next.
+    pub(super) fn sample(
+        &self,
+        clockwork: &mut Clockwork<R, C::Memory, 1>,
+        truth: &Sample<R>,
+        rig: &mut Rig<R>,
+    ) -> Result<Decision<R>, Error> {
+        let seen = self.sensors.show(&measurement(clockwork.next(), truth, rig.actuator()));
+        let [drive] = clockwork.sample([rig.actuation_mut()], |memory| [self.controller.decide(&seen, memory)])?;
+        Ok(Decision { seen, aim: self.controller.aim(&seen), drive })
     }
 }
 

@@ -2,12 +2,12 @@
 //!
 //! Checked by `tests/closed_loop.rs`.
 
-use super::closed_loop::{ClosedLoop, Decision};
+use super::closed_loop::{Clockwork, ClosedLoop, Decision};
 use super::fixed_step::{Walk, check_line, stepped};
 use super::kernel::Method;
 use super::rig::{Rig, State};
 use super::sample::Sample;
-use super::trajectory::{Growing, Trajectory};
+use super::trajectory::Trajectory;
 use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
 use crate::parameter;
@@ -53,19 +53,15 @@ pub fn simulate_controlled_watched<R: Real, C: Controller<R>>(
     mut watch: impl FnMut(f64),
 ) -> Result<Controlled<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    let (mut closed_loop, rig) = ClosedLoop::begin(rig, controller, sampling, sensors)?;
-    let mut growing = Growing::begin(rig, start, relative_tolerance)?;
-    let mut decisions = Vec::new();
-    loop {
-        let instant = closed_loop.next();
-        if !is_due(instant, duration) {
-            growing.extend(duration, &mut watch)?;
-            return Ok(Controlled { trajectory: growing.finish(), decisions });
-        }
-        growing.extend(instant.smaller(duration), &mut watch)?;
-        let truth = growing.sample();
-        decisions.push(closed_loop.sample(&truth, &mut growing.rig)?);
-    }
+    let closed_loop = ClosedLoop { controller, sensors };
+    let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
+    let (trajectory, decisions) = clockwork.run(
+        Trajectory::begin(rig, start, relative_tolerance)?,
+        duration,
+        |trajectory, until| trajectory.extend(until, &mut watch),
+        |trajectory, clockwork| closed_loop.sample(clockwork, &trajectory.reached(), trajectory.rig_mut()),
+    )?;
+    Ok(Controlled { trajectory, decisions })
 }
 
 /// Steps one rig under control through time at fixed steps, as [`super::FixedStepper`] does; a step is divided at sampling
@@ -76,6 +72,7 @@ pub struct ControlledStepper<'c, R: Real<Time = R>, C: Controller<R>> {
     method: Method,
     walk: Walk<R>,
     closed_loop: ClosedLoop<'c, R, C>,
+    clockwork: Clockwork<R, C::Memory, 1>,
     decisions: Vec<Decision<R>>,
 }
 
@@ -91,11 +88,12 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
         controller: &'c C,
         (sampling, sensors): (Sampling<R>, Sensors<R>),
     ) -> Result<Self, Error> {
-        let (closed_loop, rig) = ClosedLoop::begin(rig, controller, sampling, sensors)?;
+        let closed_loop = ClosedLoop { controller, sensors };
+        let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
         check_line(rig.line())?;
         let mut walk = Walk::new(&rig, stepped(start));
         walk.pass(&rig, &rig.timetable());
-        let mut stepper = Self { rig, method, walk, closed_loop, decisions: Vec::new() };
+        let mut stepper = Self { rig, method, walk, closed_loop, clockwork, decisions: Vec::new() };
         stepper.take_due()?;
         Ok(stepper)
     }
@@ -121,7 +119,7 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
     /// As [`super::FixedStepper::advance_to`]; [`Error::Unsupported`] when the valve cannot do what the controller asks.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
-            let instant = self.closed_loop.next();
+            let instant = self.clockwork.next();
             let due = is_due(instant, until);
             let end = if due { instant.smaller(until) } else { until };
             self.walk.advance_to(&self.rig, &self.rig.timetable(), self.method, end, None)?;
@@ -134,9 +132,9 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
 
     /// Takes the sample that is due at the time that has been reached.
     fn take_due(&mut self) -> Result<(), Error> {
-        if is_due(self.closed_loop.next(), self.walk.course.time) {
+        if is_due(self.clockwork.next(), self.walk.course.time) {
             let truth = self.sample();
-            self.decisions.push(self.closed_loop.sample(&truth, &mut self.rig)?);
+            self.decisions.push(self.closed_loop.sample(&mut self.clockwork, &truth, &mut self.rig)?);
             self.walk.pass(&self.rig, &self.rig.timetable());
         }
         Ok(())

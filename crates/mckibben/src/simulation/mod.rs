@@ -6,7 +6,8 @@
 //!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
 //!
 //! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other. [`simulate_controlled`]
-//! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way.
+//! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way,
+//! [`simulate_joint_controlled`] the first of these for a joint.
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
@@ -59,7 +60,10 @@ pub use joint::{
     JointState, JointSystem, Turning,
 };
 #[cfg(feature = "alloc")]
-pub use joint::{JointAudit, JointEvent, JointSample, JointTrajectory, simulate_joint, simulate_joint_watched};
+pub use joint::{
+    ControlledJoint, JointAudit, JointDecision, JointEvent, JointSample, JointTrajectory, simulate_joint,
+    simulate_joint_controlled, simulate_joint_controlled_watched, simulate_joint_watched,
+};
 pub use kernel::{Held, Method};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};

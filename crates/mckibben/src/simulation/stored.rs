@@ -3,7 +3,6 @@
 use super::integrator::{Counts, Integrator, Piece, PieceOf};
 use super::system::HybridSystem;
 use crate::error::Error;
-use crate::parameter;
 use crate::scalar::Real;
 use crate::valve::SIMULTANEOUS;
 use alloc::vec::Vec;
@@ -21,34 +20,14 @@ pub(super) struct Stored<R: Real, M, K, const N: usize> {
     counts: Counts,
 }
 
-/// The run of a system, kept.
-pub(super) type StoredOf<R, S, const N: usize> =
-    Stored<R, <S as HybridSystem<R, N>>::Mode, <S as HybridSystem<R, N>>::Kind, N>;
-
-/// Runs a system from a state and mode at t = 0 for `duration` s with `relative_tolerance` for each step; `see` sees
-/// every piece, `watch` the time in s that has been reached, now and then.
-pub(super) fn run<R: Real, S: HybridSystem<R, N>, const N: usize>(
-    system: &S,
-    (state, mode): ([R; N], S::Mode),
-    duration: R,
-    relative_tolerance: f64,
-    see: &mut dyn FnMut(&PieceOf<R, S, N>),
-    watch: &mut dyn FnMut(f64),
-) -> Result<StoredOf<R, S, N>, Error> {
-    parameter::DURATION.check(duration.value())?;
-    parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-    let mut stored = Stored::begin(state, mode);
-    stored.extend(system, duration, relative_tolerance, see, watch)?;
-    Ok(stored)
-}
-
 impl<R: Real, M: Copy, K, const N: usize> Stored<R, M, K, N> {
     /// Nothing yet, at t = 0 in a state and mode.
     pub(super) fn begin(state: [R; N], mode: M) -> Self {
         Self { pieces: Vec::new(), last: (R::zero(), state, mode), counts: Counts::default() }
     }
 
-    /// Goes on to `until` s; `see` and `watch` as for [`run`].
+    /// Goes on to `until` s with `relative_tolerance` for each step; `see` sees every piece, `watch` the time in s that has
+    /// been reached, now and then.
     pub(super) fn extend<S: HybridSystem<R, N, Mode = M, Kind = K>>(
         &mut self,
         system: &S,

@@ -83,9 +83,9 @@ pub fn simulate_watched<R: Real>(
     mut watch: impl FnMut(f64),
 ) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    let mut growing = Growing::begin(rig.clone(), start, relative_tolerance)?;
-    growing.extend(duration, &mut watch)?;
-    Ok(growing.finish())
+    let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
+    trajectory.extend(duration, &mut watch)?;
+    Ok(trajectory)
 }
 
 /// Writes what ended a piece into a log.
@@ -95,16 +95,8 @@ fn log<R: Real, const N: usize>(events: &mut Vec<Event<R>>, piece: &Piece<R, Pha
     }
 }
 
-/// A trajectory in the making, in parts between which the rig's command may be continued.
-#[derive(Debug)]
-pub(super) struct Growing<R: Real> {
-    pub(super) rig: Rig<R>,
-    relative_tolerance: f64,
-    run: Run<R>,
-    events: Vec<Event<R>>,
-}
-
-impl<R: Real> Growing<R> {
+/// In the making: in parts, between which the rig's command may be continued.
+impl<R: Real> Trajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
@@ -126,7 +118,7 @@ impl<R: Real> Growing<R> {
     }
 
     /// The sample at the time that has been reached.
-    pub(super) fn sample(&self) -> Sample<R> {
+    pub(super) fn reached(&self) -> Sample<R> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         with_run!(&self.run, stored => {
             let (time, state, phase) = stored.reached();
@@ -134,10 +126,9 @@ impl<R: Real> Growing<R> {
         })
     }
 
-    /// The trajectory up to the time that has been reached.
-    pub(super) fn finish(self) -> Trajectory<R> {
-        let Self { rig, relative_tolerance, run, events } = self;
-        Trajectory { rig, relative_tolerance, run, events }
+    /// The rig, to be told more.
+    pub(super) fn rig_mut(&mut self) -> &mut Rig<R> {
+        &mut self.rig
     }
 }
 

@@ -47,11 +47,17 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
         _ => {}
     }
+    if let Some(controlled) = document.controlled_joint_experiment()? {
+        let closed = joint::control::close(&controlled, |_| ()).map_err(|error| Failure::of_core(&error, &document))?;
+        let interval = controlled.experiment.run.sample_interval;
+        let figure = joint::portrait::figure(&closed.trajectory, &closed.goals, interval, "");
+        return picture(figure.to_svg(Theme::Auto), "simulate", "");
+    }
     if let Some(experiment) = document.joint_experiment()? {
         let run = &experiment.run;
         let trajectory = simulate_joint(&experiment.rig, experiment.start, run.duration, run.relative_tolerance)
             .map_err(|error| Failure::of_core(&error, &document))?;
-        let figure = joint::portrait::figure(&trajectory, run.sample_interval, "");
+        let figure = joint::portrait::figure(&trajectory, &[], run.sample_interval, "");
         return picture(figure.to_svg(Theme::Auto), "simulate", "");
     }
     let failed = |error| Failure::of_core(&error, &document);

@@ -4,13 +4,21 @@ use super::{Files, SimulateArguments};
 use crate::engine;
 use crate::failure::Failure;
 use crate::joint::summary::Summary;
-use crate::joint::{events, portrait};
+use crate::joint::{control, events, portrait};
 use crate::progress::Progress;
 use crate::record;
 use crate::terminal;
 use mckibben::simulation::simulate_joint_watched;
-use mckibben_scenario::{Document, JointExperiment, Scenario};
+use mckibben_scenario::{ControlledJointExperiment, Document, JointExperiment, Scenario};
 use std::time::Instant;
+
+/// A joint with its own commands, or with a controller.
+pub(super) enum Joint {
+    /// With its own commands.
+    Open(JointExperiment),
+    /// With a controller.
+    Controlled(ControlledJointExperiment),
+}
 
 /// Runs the joint, tells what it came to, and writes what is asked for.
 pub(super) fn run(
@@ -18,25 +26,33 @@ pub(super) fn run(
     files: &Files<'_>,
     document: &Document,
     scenario: &Scenario,
-    experiment: &JointExperiment,
+    joint: &Joint,
 ) -> Result<(), Failure> {
     const PARTS: f64 = 1000.0;
     files.probe()?;
-    let run = &experiment.run;
+    let run = match joint {
+        Joint::Open(experiment) => &experiment.run,
+        Joint::Controlled(of) => &of.experiment.run,
+    };
     let started = Instant::now();
-    let trajectory = {
+    let (trajectory, closed) = {
         let progress = Progress::begin("simulating", Some(PARTS as u64));
         let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
-        simulate_joint_watched(&experiment.rig, experiment.start, run.duration, run.relative_tolerance, watch)
-            .map_err(|error| Failure::of_core(&error, document))?
+        match joint {
+            Joint::Open(of) => simulate_joint_watched(&of.rig, of.start, run.duration, run.relative_tolerance, watch)
+                .map(|trajectory| (trajectory, None)),
+            Joint::Controlled(of) => control::close(of, watch).map(|closed| (closed.trajectory.clone(), Some(closed))),
+        }
+        .map_err(|error| Failure::of_core(&error, document))?
     };
+    let goals = closed.as_ref().map_or(&[][..], |closed| &closed.goals);
     let elapsed = started.elapsed();
     let interval = run.sample_interval;
     files.write_with(
         arguments,
         (document, scenario),
-        |provenance, target, out| record::write_joint(&trajectory, interval, provenance, target, out),
-        |title, target| portrait::draw(&trajectory, interval, title, target),
+        |provenance, target, out| record::write_joint(&trajectory, goals, interval, provenance, target, out),
+        |title, target| portrait::draw(&trajectory, goals, interval, title, target),
         |path, out| events::write(trajectory.events(), path, out),
     )?;
     let mut text = String::new();
@@ -46,6 +62,7 @@ pub(super) fn run(
             name: &arguments.file.display().to_string(),
             scenarios: [scenario, antagonist.as_ref().unwrap_or(scenario)],
             trajectory: &trajectory,
+            control: closed.as_ref(),
             elapsed,
             assumed: &document.assumed(),
         };

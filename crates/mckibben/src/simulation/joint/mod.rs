@@ -13,8 +13,10 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
-//! The event-located engine alone goes through time here. Checked by `tests/joint.rs`.
+//! The event-located engine alone goes through time here, with a controller too. Checked by `tests/joint.rs`.
 
+#[cfg(feature = "alloc")]
+mod controlled;
 mod crossing;
 #[cfg(feature = "alloc")]
 mod energy;
@@ -25,6 +27,8 @@ mod trajectory;
 mod turning;
 
 #[cfg(feature = "alloc")]
+pub use controlled::{ControlledJoint, JointDecision, simulate_joint_controlled, simulate_joint_controlled_watched};
+#[cfg(feature = "alloc")]
 pub use energy::JointAudit;
 pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
 pub use system::{JointPhase, JointSystem};
@@ -34,6 +38,7 @@ pub use trajectory::{JointEvent, JointSample, JointTrajectory, simulate_joint, s
 use super::rig::{Actuation, check_air, check_drive};
 use super::timetable::Timetable;
 use crate::actuator::Actuator;
+use crate::control::Held;
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
@@ -202,6 +207,22 @@ impl<S: Scalar> JointRig<S> {
 }
 
 impl<S: Real> JointRig<S> {
+    /// Stiffness in N·m/rad that the two actuators give the joint at an angle in rad and absolute pressures, at rest without
+    /// friction; a slack tendon gives none, and what a taut braid adds is left out. The weight of the limb adds its own.
+    pub fn stiffness(&self, angle: S, pressure: [AbsolutePressure<S>; 2], held: Held) -> S {
+        let lengths = self.joint.lengths(angle);
+        let of = |i: usize| {
+            let (actuator, arm) = (&self.driven[i].actuator, self.joint.pulleys()[i].radius);
+            let stiffness = match held {
+                _ if actuator.limits().is_slack(lengths[i]) => S::zero(),
+                Held::Pressures => actuator.stiffness(lengths[i], pressure[i]),
+                Held::AirMasses => actuator.sealed_stiffness(lengths[i], pressure[i]),
+            };
+            arm * arm * stiffness
+        };
+        of(0) + of(1)
+    }
+
     fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
         Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None }
     }

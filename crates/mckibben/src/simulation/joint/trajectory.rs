@@ -4,10 +4,11 @@ use super::mode::{JointEventKind, JointMode};
 use super::system::{JointPhase, JointSystem};
 use super::{JointRig, JointState};
 use crate::error::Error;
+use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::integrator::{Counts, PieceOf};
 use crate::simulation::sample::{Sample, SampleTimes};
-use crate::simulation::stored::{self, Stored};
+use crate::simulation::stored::Stored;
 use alloc::vec::Vec;
 
 /// A change of mode.
@@ -72,17 +73,45 @@ pub fn simulate_joint_watched<R: Real>(
     relative_tolerance: f64,
     mut watch: impl FnMut(f64),
 ) -> Result<JointTrajectory<R>, Error> {
-    let system = JointSystem::new(rig, relative_tolerance);
-    let state = start.to_array();
-    let phase = system.begin(&state);
-    let mut events = Vec::new();
-    let mut see = |piece: &PieceOf<R, JointSystem<'_, R>, 6>| {
-        if let Some((kind, after)) = piece.event {
-            events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
-        }
-    };
-    let stored = stored::run(&system, (state, phase), duration, relative_tolerance, &mut see, &mut watch)?;
-    Ok(JointTrajectory { rig: rig.clone(), relative_tolerance, stored, events })
+    parameter::DURATION.check(duration.value())?;
+    let mut trajectory = JointTrajectory::begin(rig.clone(), start, relative_tolerance)?;
+    trajectory.extend(duration, &mut watch)?;
+    Ok(trajectory)
+}
+
+/// In the making: in parts, between which the commands of the valves may be continued.
+impl<R: Real> JointTrajectory<R> {
+    /// Nothing yet, at t = 0 in a state.
+    pub(super) fn begin(rig: JointRig<R>, start: JointState<R>, relative_tolerance: f64) -> Result<Self, Error> {
+        parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+        let state = start.to_array();
+        let phase = JointSystem::new(&rig, relative_tolerance).begin(&state);
+        Ok(Self { rig, relative_tolerance, stored: Stored::begin(state, phase), events: Vec::new() })
+    }
+
+    /// Goes on to `until` s.
+    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64)) -> Result<(), Error> {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        let events = &mut self.events;
+        let mut see = |piece: &PieceOf<R, JointSystem<'_, R>, 6>| {
+            if let Some((kind, after)) = piece.event {
+                events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
+            }
+        };
+        self.stored.extend(&system, until, self.relative_tolerance, &mut see, watch)
+    }
+
+    /// The sample at the time that has been reached.
+    pub(super) fn reached(&self) -> JointSample<R> {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        let (time, state, phase) = self.stored.reached();
+        system.sample(*time, state, phase)
+    }
+
+    /// The rig, to be told more.
+    pub(super) fn rig_mut(&mut self) -> &mut JointRig<R> {
+        &mut self.rig
+    }
 }
 
 impl<R: Real> JointTrajectory<R> {

@@ -1,0 +1,136 @@
+//! From a controller of a joint in a file to the core's: the same numbers, in the core's types.
+
+use crate::controlled::{core_regulator, core_sampling, ways};
+use crate::diagnostic::Diagnostics;
+use crate::document::Document;
+use crate::model::JointExperiment;
+use crate::scenario::{Aim, Command, Controller, Load, Scenario};
+use mckibben::control::{
+    AirMass, Drive, FeedForward, JointAim, JointController, JointMeasurement, JointSensors, JointTracker, Quantity,
+    RegulatorMemory, Sampling, Sensor, SetPoint,
+};
+use mckibben::{Error, GaugePressure};
+
+/// A joint with a controller ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlledJointExperiment {
+    /// What is controlled; nothing is asked of its valves but by the controller.
+    pub experiment: JointExperiment,
+    /// The controller.
+    pub law: JointLaw,
+    /// When it samples.
+    pub sampling: Sampling,
+    /// What it sees.
+    pub sensors: JointSensors,
+    /// What it regulates: the angle, or the pressures or air masses of both actuators.
+    pub regulated: Quantity,
+    /// The set points of the file.
+    pub set_points: Vec<(Quantity, SetPoint)>,
+}
+
+/// The controller of a scenario with a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub enum JointLaw {
+    /// The angle is kept at its set point.
+    Tracker(Box<JointTracker>),
+    /// The pressures that the model needs for angle and stiffness.
+    FeedForward(Box<FeedForward<JointAim>>),
+    /// The masses of air that the model needs for angle and stiffness.
+    AirMass(Box<AirMass<JointAim>>),
+}
+
+impl JointController for JointLaw {
+    type Memory = [RegulatorMemory; 2];
+
+    fn begin(&self) -> Self::Memory {
+        match self {
+            Self::Tracker(law) => [law.begin(); 2],
+            Self::FeedForward(law) => law.begin(),
+            Self::AirMass(law) => law.begin(),
+        }
+    }
+
+    fn decide(&self, seen: &JointMeasurement, memory: &mut Self::Memory) -> [Drive; 2] {
+        match self {
+            Self::Tracker(law) => law.decide(seen, &mut memory[0]),
+            Self::FeedForward(law) => law.decide(seen, memory),
+            Self::AirMass(law) => law.decide(seen, memory),
+        }
+    }
+
+    fn aim(&self, seen: &JointMeasurement) -> [Option<(Quantity, f64)>; 2] {
+        match self {
+            Self::Tracker(law) => law.aim(seen),
+            Self::FeedForward(law) => law.aim(seen),
+            Self::AirMass(law) => law.aim(seen),
+        }
+    }
+}
+
+impl Document {
+    /// Reads the scenario and builds its joint and its controller, or `None` when it has not both.
+    ///
+    /// # Errors
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    pub fn controlled_joint_experiment(&self) -> Result<Option<ControlledJointExperiment>, Diagnostics> {
+        let scenario = self.scenario()?;
+        let (Load::AntagonisticJoint(_), Some(Command::Controller(of))) = (&scenario.load, &scenario.command) else {
+            return Ok(None);
+        };
+        let Some(experiment) = self.joint_of(&scenario.open_loop())? else { return Ok(None) };
+        controlled(&scenario, of, experiment).map(Some).map_err(|error| self.diagnose(&error).into())
+    }
+}
+
+fn controlled(
+    scenario: &Scenario,
+    of: &Controller,
+    experiment: JointExperiment,
+) -> Result<ControlledJointExperiment, Error> {
+    let own = ways(scenario)?;
+    if let Some(second) = scenario.of_antagonist()
+        && ways(&second)? != own
+    {
+        return Err(Error::Unsupported {
+            what: "one controller drives both actuators of a joint, and their valves are of different kinds",
+            remedy: "remove valve.kind from [antagonist.valve]",
+        });
+    }
+    let regulated = of.aim.regulated();
+    let regulator = core_regulator(&of.regulator, regulated, own)?;
+    let sensor = Sensor::new(regulated, of.resolution, None)?;
+    let mut sensors = JointSensors::perfect();
+    let mut set_points = Vec::new();
+    let law = match &of.aim {
+        Aim::Joint { angle, stiffness, highest_gauge_pressure, temperature } => {
+            set_points.extend([(Quantity::Angle, angle.clone()), (Quantity::Stiffness, stiffness.clone())]);
+            for of in &mut sensors.actuators {
+                match regulated {
+                    Quantity::AirMass => of.air_mass = sensor,
+                    _ => of.pressure = sensor,
+                }
+            }
+            let actuators = experiment.rig.driven().each_ref().map(|driven| driven.actuator.clone());
+            let highest = GaugePressure(*highest_gauge_pressure);
+            let aim = [angle.clone(), stiffness.clone()];
+            let aim = JointAim::new(actuators, *experiment.rig.joint(), aim, highest)?;
+            match temperature {
+                Some(temperature) => JointLaw::AirMass(Box::new(AirMass::new(aim, *temperature, regulator)?)),
+                None => JointLaw::FeedForward(Box::new(FeedForward { aim, regulator })),
+            }
+        }
+        Aim::Track { set_point, .. } => {
+            set_points.push((Quantity::Angle, set_point.clone()));
+            sensors.angle = sensor;
+            JointLaw::Tracker(Box::new(JointTracker { angle: set_point.clone(), regulator }))
+        }
+        Aim::Model { .. } => {
+            return Err(Error::Unsupported {
+                what: "an aim of one actuator is given, but there is a joint",
+                remedy: "choose another load.kind",
+            });
+        }
+    };
+    let sampling = core_sampling(of)?;
+    Ok(ControlledJointExperiment { experiment, law, sampling, sensors, regulated, set_points })
+}
