@@ -154,6 +154,8 @@ fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
         Force::IdealBraid => None,
         Force::TonduLopez { .. } => Some("law of Tondu & Lopez".to_owned()),
         Force::Sarosi(_) => Some("law of Sárosi".to_owned()),
+        Force::MartensBoblan { .. } => Some("law of Martens & Boblan".to_owned()),
+        Force::Bolen { .. } => Some("law of Bolen".to_owned()),
         Force::Map { gauge_pressure, length, .. } => {
             let span = |list: &[f64], factor: f64, decimals| {
                 let ends =
