@@ -157,6 +157,9 @@ parameters! {
     SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
         "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
         "after Sarosi (2015)", "give six finite numbers";
+    THREAD_STIFFNESS = "actuator.force.thread_stiffness", "K", "N/m", Range::POSITIVE, None,
+        "Axial stiffness of all threads side by side: their number times E A/b.",
+        "definition", "give a stiffness above zero, or the law \"ideal-braid\" for threads that do not stretch";
     MEMBRANE_THICKNESS = "actuator.force.membrane_thickness", "H", "m", Range::POSITIVE, None,
         "Thickness of the rubber membrane that the braid is embedded in.",
         "Martens & Boblan (2017)", "give a thickness above zero, such as 1.8 mm";

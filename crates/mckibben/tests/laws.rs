@@ -7,11 +7,12 @@ mod laws;
 
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
 use laws::{
-    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, SHAPE, WALL, all, bladder, martens_boblan,
-    tondu_lopez, walled,
+    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, SHAPE, THREADS, WALL, all, bladder, extensible,
+    martens_boblan, tondu_lopez, walled,
 };
 use mckibben::force::{
-    Bladder, BladderForm, Bolen, EndFactor, IdealBraid, LengthLimits, MartensBoblan, Sarosi, StaticForce, Statics, Wall,
+    Bladder, BladderForm, Bolen, EndFactor, ExtensibleBraid, IdealBraid, LengthLimits, MartensBoblan, Sarosi,
+    StaticForce, Statics, Wall,
 };
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, InitialLength, Method};
@@ -109,6 +110,69 @@ fn the_membrane_is_the_derivative_of_its_energy() {
         assert_within(slope(1e-5, |h| law.stored_energy(length + h)), tension, 1e-8 * 10.0);
         assert_within(dual.slope[0], tension, 1e-11 * 10.0);
     }
+}
+
+#[test]
+fn stretched_threads_take_the_length_of_least_energy() {
+    let paper = Paper::sealed();
+    let law = ExtensibleBraid::new(paper.braid(), THREADS).expect("a law");
+    let (thread, per_turns) = (paper.thread_length, 1.0 / (4.0 * PI * paper.turns * paper.turns));
+    for (length, gauge) in places() {
+        let volume = |b: f64| length * (b * b - length * length) * per_turns;
+        let energy = |b: f64| 0.5 * THREADS * (b - thread) * (b - thread) - gauge * volume(b);
+        // A parabola through three places has its least place in closed form, and the energy is one.
+        let h = 1e-3;
+        let [low, middle, high] = [energy(thread - h), energy(thread), energy(thread + h)];
+        let least = thread - 0.5 * h * (high - low) / (high - 2.0 * middle + low);
+        assert_within(law.thread_length(length, at(gauge)), least, 1e-9);
+        assert_close(law.volume(length, at(gauge)), volume(least), 1e-6);
+        // The tension is the slope of that least energy over length.
+        let relaxed = |h: f64| {
+            let b = law.thread_length(length + h, at(gauge));
+            let volume = (length + h) * (b * b - (length + h) * (length + h)) * per_turns;
+            0.5 * THREADS * (b - thread) * (b - thread) - gauge * volume
+        };
+        assert_within(law.force(length, at(gauge)), slope(1e-5, relaxed), 1e-6);
+    }
+}
+
+#[test]
+fn stiff_threads_are_the_ideal_braid_and_soft_ones_pull_less() {
+    let paper = Paper::sealed();
+    let ideal = IdealBraid { braid: paper.braid() };
+    let (stiff, soft) = (extensible(&paper, 1e15), extensible(&paper, THREADS));
+    for (length, gauge) in places() {
+        assert_within(stiff.force(length, at(gauge)), ideal.force(length, at(gauge)), 1e-9);
+        assert!(soft.force(length, at(gauge)) <= ideal.force(length, at(gauge)));
+        assert_eq!(soft.force(length, at(0.0)), 0.0);
+    }
+}
+
+/// Force and volume of one potential: what a cycle costs the gas the load gains.
+#[test]
+fn an_extensible_braid_loses_nothing_against_its_own_volume() {
+    let paper = Paper::sealed();
+    let law = ExtensibleBraid::new(paper.braid(), THREADS).expect("a law");
+    for (length, gauge) in places() {
+        let [end, pressure] = [Dual::<f64, 2>::variable(length, 0), Dual::variable(gauge, 1)];
+        let (force, volume) = (law.force(end, GaugePressure(pressure)), law.volume(end, GaugePressure(pressure)));
+        assert_within(force.slope[1], -volume.slope[0], 1e-12 * 1e-3);
+    }
+    // Around a circle in length and pressure: the trapezoidal rule is exact for what is periodic.
+    let count = 256;
+    let (mut of_load, mut of_gas) = (0.0, 0.0);
+    for step in 0..count {
+        let (sine, cosine) = (2.0 * PI * f64::from(step) / f64::from(count)).sin_cos();
+        let (length, gauge) = (0.085 + 0.008 * cosine, 3e5 + 2e5 * sine);
+        let [length_rate, gauge_rate] = [-0.008 * sine, 2e5 * cosine];
+        let [end, pressure] =
+            [Dual { value: length, slope: [length_rate] }, Dual { value: gauge, slope: [gauge_rate] }];
+        let volume: Dual<f64, 1> = law.volume(end, GaugePressure(pressure));
+        of_load += -law.force(length, at(gauge)) * length_rate;
+        of_gas += gauge * volume.slope[0];
+    }
+    assert!(of_gas.abs() > 10.0, "{of_gas}");
+    assert_close(of_load, of_gas, 1e-12);
 }
 
 #[test]
@@ -240,6 +304,7 @@ fn derivatives_by_parameters_reach_every_law() {
         &p::INITIAL_RADIUS,
         &p::WALL_THICKNESS,
         &p::MEMBRANE_THICKNESS,
+        &p::THREAD_STIFFNESS,
         &p::MAX_CONTRACTION,
     ];
     let paper = Paper::sealed();
@@ -283,7 +348,7 @@ fn cycle(paper: &Paper) -> Paper {
 fn virtual_work_and_a_bladder_lose_nothing_and_other_laws_do() {
     let paper = Paper::sealed();
     for (name, law) in all(&paper) {
-        let conservative = !["tondu", "sarosi", "bolen"].iter().any(|other| name.contains(other));
+        let conservative = !["tondu", "sarosi", "bolen", "extensible"].iter().any(|other| name.contains(other));
         let audit = cycle(&paper).with(|rig| rig.characteristic = Some(law)).run(0.37, 1e-10).audit();
         assert!(audit.residual().abs() < 1e-9 * audit.turnover(), "{name}: {audit:?}");
         let share = audit.effectiveness_loss.abs() / audit.turnover();
@@ -356,6 +421,8 @@ fn what_makes_no_sense_is_refused_by_name() {
     assert_eq!(key(membrane(0.098, 0.0, MODULUS)), "actuator.force.membrane_thickness");
     assert_eq!(key(membrane(0.098, 1e-3, [0.0, 0.0, f64::INFINITY, 0.0])), "actuator.force.modulus");
     assert_eq!(key(membrane(0.11, 1e-3, MODULUS)), "actuator.max_length");
+    let soft = ExtensibleBraid::new(braid, 0.0).unwrap_err();
+    assert_eq!(key(soft), "actuator.force.thread_stiffness");
     let bolen = |force, pressure, contraction, shape| Bolen::new(0.1, force, pressure, contraction, shape).unwrap_err();
     assert_eq!(key(bolen(0.0, 6e5, 0.2, SHAPE)), "actuator.force.max_force");
     assert_eq!(key(bolen(90.0, -6e5, 0.2, SHAPE)), "actuator.force.max_pressure");

@@ -16,6 +16,7 @@
 //! | [`Law::TonduLopez`] | end factor; a, b, r₀ | with `k = 1` and the braid's coefficients |
 //! | [`Law::Sarosi`] | six coefficients | no |
 //! | [`Law::MartensBoblan`] | membrane: thickness, modulus | yes, and the membrane's energy |
+//! | [`Law::ExtensibleBraid`] | stiffness of the threads | with a volume of its own, which depends on pressure |
 //! | [`Law::Bolen`] | largest force, pressure and contraction; shape | no |
 //! | `Law::Map` | measured tensions | no |
 //!
@@ -23,7 +24,9 @@
 
 #[cfg(feature = "alloc")]
 use super::ForceMap;
-use super::{Bladder, Bolen, IdealBraid, MartensBoblan, Sarosi, StaticForce, Statics, TonduLopez, Wall};
+use super::{
+    Bladder, Bolen, ExtensibleBraid, IdealBraid, MartensBoblan, Sarosi, StaticForce, Statics, TonduLopez, Wall,
+};
 use crate::braid::Braid;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -42,6 +45,8 @@ pub enum Law<S = f64> {
     Sarosi(Sarosi<S>),
     /// The ideal braid in a rubber membrane.
     MartensBoblan(MartensBoblan<S>),
+    /// A braid whose threads stretch.
+    ExtensibleBraid(ExtensibleBraid<S>),
     /// A normalized surface.
     Bolen(Bolen<S>),
     /// A measured force map.
@@ -119,6 +124,7 @@ impl<S: Scalar> Characteristic<S> {
                 Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
                 Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
                 Law::MartensBoblan(law) => Law::MartensBoblan(law.convert(&braid, convert)),
+                Law::ExtensibleBraid(law) => Law::ExtensibleBraid(law.convert(&braid, convert)),
                 Law::Bolen(law) => Law::Bolen(law.convert(convert)),
                 #[cfg(feature = "alloc")]
                 Law::Map(map) => Law::Map(map.convert(convert)),
@@ -229,6 +235,7 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             Law::MartensBoblan(law) => self.gas_force(length, gauge) + law.membrane(length),
             Law::TonduLopez(law) => law.force(length, gauge),
             Law::Sarosi(law) => law.force(length, gauge),
+            Law::ExtensibleBraid(law) => law.force(length, gauge),
             Law::Bolen(law) => law.force(length, gauge),
             #[cfg(feature = "alloc")]
             Law::Map(map) => map.force(length, gauge),
@@ -249,6 +256,7 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             Law::MartensBoblan(law) => self.gas_secant(length, from, gauge) + law.membrane_secant(length, from),
             Law::TonduLopez(law) => law.secant_stiffness(length, from, gauge),
             Law::Sarosi(law) => law.secant_stiffness(length, from, gauge),
+            Law::ExtensibleBraid(law) => law.secant_stiffness(length, from, gauge),
             Law::Bolen(law) => law.secant_stiffness(length, from, gauge),
             #[cfg(feature = "alloc")]
             Law::Map(map) => map.secant_stiffness(length, from, gauge),

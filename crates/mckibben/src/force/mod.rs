@@ -8,6 +8,7 @@ mod bladder;
 mod bolen;
 mod characteristic;
 mod effectiveness;
+mod extensible;
 mod ideal;
 mod limits;
 #[cfg(feature = "alloc")]
@@ -22,6 +23,7 @@ pub use bladder::{Bladder, BladderForm};
 pub use bolen::Bolen;
 pub use characteristic::{Characteristic, Law, Piece};
 pub use effectiveness::{Effective, Effectiveness, MAX_COEFFICIENTS, MAX_KNOTS};
+pub use extensible::ExtensibleBraid;
 pub use ideal::IdealBraid;
 pub use limits::LengthLimits;
 #[cfg(feature = "alloc")]

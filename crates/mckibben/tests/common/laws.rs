@@ -3,8 +3,8 @@
 
 use crate::common::{INCH, PSI, Paper};
 use mckibben::force::{
-    Bladder, BladderForm, Bolen, Characteristic, Coefficients, EndFactor, ForceMap, IdealBraid, Law, MartensBoblan,
-    Sarosi, TonduLopez,
+    Bladder, BladderForm, Bolen, Characteristic, Coefficients, EndFactor, ExtensibleBraid, ForceMap, IdealBraid, Law,
+    MartensBoblan, Sarosi, TonduLopez,
 };
 
 /// Coefficients of Sárosi's law for pressures in Pa.
@@ -19,6 +19,8 @@ pub(crate) const MODULUS: [f64; 4] = [4e6, -6e7, 3e8, 1e8];
 /// Largest force in N, pressure in Pa and contraction, and shape of Bolen's law.
 pub(crate) const BOLEN: [f64; 3] = [90.0, 6.2e5, 0.3];
 pub(crate) const SHAPE: [f64; 3] = [0.26, 6.4, 1.3];
+/// Stiffness of the threads in N/m.
+pub(crate) const THREADS: f64 = 3e4;
 /// Wall thickness in m.
 pub(crate) const WALL: f64 = 0.4e-3;
 /// Force in N and scale of the bladder.
@@ -44,6 +46,11 @@ pub(crate) fn martens_boblan(paper: &Paper) -> Characteristic {
     Characteristic::new(paper.braid(), Law::MartensBoblan(law))
 }
 
+pub(crate) fn extensible(paper: &Paper, stiffness: f64) -> Characteristic {
+    let law = ExtensibleBraid::new(paper.braid(), stiffness).expect("a law");
+    Characteristic::new(paper.braid(), Law::ExtensibleBraid(law))
+}
+
 pub(crate) fn walled(paper: &Paper) -> Characteristic {
     Characteristic::from(IdealBraid { braid: paper.braid() }).with_wall(WALL, paper.max_length).expect("a wall")
 }
@@ -62,6 +69,7 @@ pub(crate) fn all(paper: &Paper) -> Vec<(&'static str, Characteristic)> {
         ("sarosi", Characteristic::new(paper.braid(), sarosi)),
         ("martens-boblan", martens_boblan(paper)),
         ("martens-boblan and wall", martens_boblan(paper).with_wall(WALL, paper.max_length).expect("a wall")),
+        ("extensible braid", extensible(paper, THREADS)),
         ("bolen", Characteristic::new(paper.braid(), Law::Bolen(bolen))),
         ("wall and saturating bladder", walled(paper).with_bladder(saturating)),
         ("exponential bladder", bladder(paper, BladderForm::Exponential)),
