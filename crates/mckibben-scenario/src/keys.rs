@@ -305,6 +305,7 @@ const FORCE: &str = "actuator.force.law";
 const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
 const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
 const MARTENS_BOBLAN: &[&str] = &[ForceLaw::MartensBoblan.name()];
+const EXTENSIBLE: &[&str] = &[ForceLaw::ExtensibleBraid.name()];
 const BOLEN: &[&str] = &[ForceLaw::Bolen.name()];
 const MAP: &[&str] = &[ForceLaw::Map.name()];
 const BLADDER: &str = "actuator.bladder.form";
@@ -354,6 +355,7 @@ pub static KEYS: &[Key] = &[
     key("actuator.force.length_unit", Kind::Unit("m"), "Unit of the length in those coefficients.", "\"m\"")
         .required()
         .when(FORCE, MARTENS_BOBLAN),
+    quantity(&p::THREAD_STIFFNESS, "\"50 kN/m\"").required().when(FORCE, EXTENSIBLE),
     quantity(&p::MAX_FORCE, "\"1570 N\"").required().when(FORCE, BOLEN),
     quantity(&p::MAX_PRESSURE, "\"620 kPa\"").required().when(FORCE, BOLEN),
     quantity(&p::MAX_CONTRACTION, "0.25").required().when(FORCE, BOLEN),

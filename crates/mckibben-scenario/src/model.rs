@@ -267,6 +267,9 @@ impl Scenario {
             Force::MartensBoblan { membrane_thickness, modulus } => {
                 force::Law::MartensBoblan(force::MartensBoblan::new(&braid, longest, *membrane_thickness, *modulus)?)
             }
+            Force::ExtensibleBraid { thread_stiffness } => {
+                force::Law::ExtensibleBraid(force::ExtensibleBraid::new(braid, *thread_stiffness)?)
+            }
             Force::Bolen { max_force, max_pressure, max_contraction, shape } => {
                 force::Law::Bolen(force::Bolen::new(longest, *max_force, *max_pressure, *max_contraction, *shape)?)
             }

@@ -83,6 +83,11 @@ pub enum Force {
         /// Coefficients of its modulus over the length in m: in Pa, Pa/m, Pa/m², Pa/m³.
         modulus: [f64; 4],
     },
+    /// The ideal braid of threads that stretch.
+    ExtensibleBraid {
+        /// Axial stiffness in N/m of all threads side by side.
+        thread_stiffness: f64,
+    },
     /// Bolen's law.
     Bolen {
         /// Force in N at the longest length and the largest pressure.

@@ -131,6 +131,7 @@ fn force(w: &mut Writer, actuator: &Actuator) {
         Force::TonduLopez { .. } => ForceLaw::TonduLopez,
         Force::Sarosi(_) => ForceLaw::Sarosi,
         Force::MartensBoblan { .. } => ForceLaw::MartensBoblan,
+        Force::ExtensibleBraid { .. } => ForceLaw::ExtensibleBraid,
         Force::Bolen { .. } => ForceLaw::Bolen,
         Force::Map { .. } => ForceLaw::Map,
     };
@@ -158,6 +159,7 @@ fn force(w: &mut Writer, actuator: &Actuator) {
             w.word("actuator.force.modulus_unit", "Pa");
             w.word("actuator.force.length_unit", "m");
         }
+        Force::ExtensibleBraid { thread_stiffness } => w.number(&p::THREAD_STIFFNESS, *thread_stiffness),
         Force::Bolen { max_force, max_pressure, max_contraction, shape } => {
             w.number(&p::MAX_FORCE, *max_force);
             w.number(&p::MAX_PRESSURE, *max_pressure);

@@ -9,6 +9,7 @@ const MAP: &str = "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"20 psi\"
                    tension = [\"4 N\", \"20 N\", \"12 N\", \"60 N\"]";
 
 const MEMBRANE: &str = "[actuator.force]\nlaw = \"martens-boblan\"\nmembrane_thickness = \"0.3 mm\"\nmodulus = [4, -60, 300, 100]\nmodulus_unit = \"MPa\"\nlength_unit = \"m\"";
+const EXTENSIBLE: &str = "[actuator.force]\nlaw = \"extensible-braid\"\nthread_stiffness = \"30 kN/m\"";
 const BOLEN: &str = "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]";
 
 fn document(lines: &str) -> Document {
@@ -41,6 +42,7 @@ fn each_law_is_read_written_and_built() {
         MAP,
         MEMBRANE,
         BOLEN,
+        EXTENSIBLE,
         "[actuator]\nwall_thickness = \"0.4 mm\"",
         "[actuator.bladder]\nform = \"linear\"\nforce = \"6 N\"",
         "[actuator.bladder]\nform = \"saturating\"\nforce = \"6 N\"\nscale = 0.05",
@@ -57,9 +59,10 @@ fn each_law_is_read_written_and_built() {
         assert_eq!(matches!(law.law(), Law::TonduLopez(_)), file.contains("tondu"));
         assert_eq!(matches!(law.law(), Law::Sarosi(_)), file.contains("sarosi"));
         assert_eq!(matches!(law.law(), Law::MartensBoblan(_)), file.contains("martens"));
+        assert_eq!(matches!(law.law(), Law::ExtensibleBraid(_)), file.contains("extensible"));
         assert_eq!(matches!(law.law(), Law::Bolen(_)), file.contains("bolen"));
     }
-    let saturating = read(files[9]).actuator.bladder.expect("a bladder");
+    let saturating = read(files[10]).actuator.bladder.expect("a bladder");
     assert_eq!((saturating.form, saturating.force, saturating.scale), (BladderForm::Saturating, 6.0, 0.05));
 }
 
@@ -88,6 +91,7 @@ fn what_is_missing_or_out_of_place_is_said() {
     let short = MAP.replace(", \"60 N\"]", "]");
     let three = MEMBRANE.replace(", 100]", "]");
     let square = MEMBRANE.replace("\"m\"", "\"m^2\"");
+    let soft = EXTENSIBLE.replace("30", "0");
     let far = BOLEN.replace("0.3\n", "1.5\n");
     let falling = MAP.replace("60 psi", "10 psi");
     let cases = [
@@ -110,6 +114,8 @@ fn what_is_missing_or_out_of_place_is_said() {
         ("[actuator.force]\nlaw = \"martens-boblan\"", "`actuator.force.modulus` (c_i) is missing"),
         (three.as_str(), "has 3 entries instead of four"),
         (square.as_str(), "is a unit of an area"),
+        ("[actuator.force]\nlaw = \"extensible-braid\"", "`actuator.force.thread_stiffness` (K) is missing"),
+        (soft.as_str(), "give a stiffness above zero"),
         (far.as_str(), "`actuator.force.max_contraction` = 1.5 is out of range"),
         ("[actuator.force]\nmax_force = \"9 N\"", "has no meaning with `actuator.force.law` = \"ideal-braid\""),
         (short.as_str(), "it has not one entry for each pressure and length"),

@@ -94,6 +94,9 @@ fn surroundings(path: &str) -> &'static str {
         | "actuator.force.length_unit" => {
             "[actuator.force]\nlaw = \"martens-boblan\"\nmembrane_thickness = \"0.3 mm\"\nmodulus = [4, -60, 300, 100]\nmodulus_unit = \"MPa\"\nlength_unit = \"m\""
         }
+        "actuator.force.thread_stiffness" => {
+            "[actuator.force]\nlaw = \"extensible-braid\"\nthread_stiffness = \"30 kN/m\""
+        }
         "actuator.force.max_force"
         | "actuator.force.max_pressure"
         | "actuator.force.max_contraction"

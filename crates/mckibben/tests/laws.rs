@@ -175,6 +175,31 @@ fn an_extensible_braid_loses_nothing_against_its_own_volume() {
     assert_close(of_load, of_gas, 1e-12);
 }
 
+/// Above 54.7° a braid pushes: wound almost at right angles it is a piston, and against a spring it stands where a quadratic
+/// says.
+#[test]
+fn an_extensile_braid_pushes() {
+    let (gauge, turns, thread) = (3e5, 8.0, 0.6);
+    let law = IdealBraid { braid: Braid::new(thread, turns).expect("a braid") };
+    let area = |length: f64| 0.25 * PI * law.braid.diameter(length).powi(2);
+    for degrees in [56.0_f64, 65.0, 75.0, 89.9] {
+        let angle = degrees.to_radians();
+        let length = thread * angle.cos();
+        let push = -gauge * area(length) * (3.0 * angle.cos().powi(2) - 1.0) / angle.sin().powi(2);
+        assert!(push > 0.0);
+        assert_close(-law.force(length, at(gauge)), push, 1e-12);
+    }
+    let flat = thread * 89.9_f64.to_radians().cos();
+    assert_close(-law.force(flat, at(gauge)), gauge * area(flat), 1e-4);
+    // A spring that is compressed from 0.15 m on: P (b² − 3L²)/(4πn²) = k (L − 0.15).
+    let (stiffness, start) = (4000.0, 0.15);
+    let c = gauge / (4.0 * PI * turns * turns);
+    let (p, q) = (stiffness / (3.0 * c), -(stiffness * start + c * thread * thread) / (3.0 * c));
+    let stands = -0.5 * p + (0.25 * p * p - q).sqrt();
+    assert!(stands > start + 0.002 && stands < law.braid.neutral_length(), "{stands}");
+    assert_close(-law.force(stands, at(gauge)), stiffness * (stands - start), 1e-10);
+}
+
 #[test]
 fn bolen_transcribed_and_its_two_ends() {
     let [force, pressure, contraction] = BOLEN;

@@ -67,6 +67,7 @@ fn force(r: &mut Reader<'_>) -> Force {
         ForceLaw::MartensBoblan => {
             Force::MartensBoblan { membrane_thickness: r.value(&p::MEMBRANE_THICKNESS, None), modulus: modulus(r) }
         }
+        ForceLaw::ExtensibleBraid => Force::ExtensibleBraid { thread_stiffness: r.value(&p::THREAD_STIFFNESS, None) },
         ForceLaw::Bolen => Force::Bolen {
             max_force: r.value(&p::MAX_FORCE, None),
             max_pressure: r.value(&p::MAX_PRESSURE, None),

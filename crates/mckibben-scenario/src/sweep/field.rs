@@ -39,6 +39,10 @@ static FIELDS: &[(&Parameter, Field)] = &[
         Force::MartensBoblan { membrane_thickness, .. } => Some(membrane_thickness),
         _ => None,
     }),
+    (&p::THREAD_STIFFNESS, |s| match &mut s.actuator.force {
+        Force::ExtensibleBraid { thread_stiffness } => Some(thread_stiffness),
+        _ => None,
+    }),
     (&p::MAX_FORCE, |s| match &mut s.actuator.force {
         Force::Bolen { max_force, .. } => Some(max_force),
         _ => None,
