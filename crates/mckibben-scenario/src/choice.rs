@@ -59,6 +59,9 @@ words! {
         IdealBraid = "ideal-braid", "Virtual work of the gas on the braid: the paper's law.";
         TonduLopez = "tondu-lopez", "The ideal braid with a factor on the contraction for the taper of the ends.";
         Sarosi = "sarosi", "A surface of six coefficients through measured forces.";
+        MartensBoblan = "martens-boblan", "The ideal braid in a rubber membrane: fluidic muscles.";
+        ExtensibleBraid = "extensible-braid", "The ideal braid of threads that stretch.";
+        Bolen = "bolen", "A normalized surface for all muscles of a diameter.";
         Map = "map", "A smooth monotone surface through tensions measured on a grid.";
     }
     /// How the bladder's resistance grows with contraction.

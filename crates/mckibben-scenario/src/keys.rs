@@ -324,6 +324,9 @@ const HYSTERESIS: &str = "actuator.friction.hysteresis.law";
 const FORCE: &str = "actuator.force.law";
 const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
 const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
+const MARTENS_BOBLAN: &[&str] = &[ForceLaw::MartensBoblan.name()];
+const EXTENSIBLE: &[&str] = &[ForceLaw::ExtensibleBraid.name()];
+const BOLEN: &[&str] = &[ForceLaw::Bolen.name()];
 const MAP: &[&str] = &[ForceLaw::Map.name()];
 const BLADDER: &str = "actuator.bladder.form";
 const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponential.name()];
@@ -372,6 +375,19 @@ pub static KEYS: &[Key] = &[
     key("actuator.force.force_unit", Kind::Unit("N"), "Unit of the force in the coefficients.", "\"N\"")
         .required()
         .when(FORCE, SAROSI),
+    quantity(&p::MEMBRANE_THICKNESS, "\"1.8 mm\"").required().when(FORCE, MARTENS_BOBLAN),
+    list(&p::MEMBRANE_MODULUS, "[93.2, -715, 1548, -503]").required().when(FORCE, MARTENS_BOBLAN),
+    key("actuator.force.modulus_unit", Kind::Unit("Pa"), "Unit of the modulus in its coefficients.", "\"MPa\"")
+        .required()
+        .when(FORCE, MARTENS_BOBLAN),
+    key("actuator.force.length_unit", Kind::Unit("m"), "Unit of the length in those coefficients.", "\"m\"")
+        .required()
+        .when(FORCE, MARTENS_BOBLAN),
+    quantity(&p::THREAD_STIFFNESS, "\"50 kN/m\"").required().when(FORCE, EXTENSIBLE),
+    quantity(&p::MAX_FORCE, "\"1570 N\"").required().when(FORCE, BOLEN),
+    quantity(&p::MAX_PRESSURE, "\"620 kPa\"").required().when(FORCE, BOLEN),
+    quantity(&p::MAX_CONTRACTION, "0.25").required().when(FORCE, BOLEN),
+    list(&p::BOLEN_SHAPE, "[0.2607, 6.398, 1.303]").required().when(FORCE, BOLEN),
     list(&p::MAP_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(FORCE, MAP),
     list(&p::MAP_LENGTH, "[\"7 cm\", \"8 cm\", \"9 cm\"]").required().when(FORCE, MAP),
     list(&p::MAP_TENSION, "[\"4 N\", \"16 N\", \"30 N\", \"9 N\", \"33 N\", \"61 N\"]").required().when(FORCE, MAP),

@@ -307,6 +307,15 @@ impl Scenario {
             Force::Map { gauge_pressure, length, tension } => {
                 force::Law::Map(force::ForceMap::new(gauge_pressure, length, tension)?)
             }
+            Force::MartensBoblan { membrane_thickness, modulus } => {
+                force::Law::MartensBoblan(force::MartensBoblan::new(&braid, longest, *membrane_thickness, *modulus)?)
+            }
+            Force::ExtensibleBraid { thread_stiffness } => {
+                force::Law::ExtensibleBraid(force::ExtensibleBraid::new(braid, *thread_stiffness)?)
+            }
+            Force::Bolen { max_force, max_pressure, max_contraction, shape } => {
+                force::Law::Bolen(force::Bolen::new(longest, *max_force, *max_pressure, *max_contraction, *shape)?)
+            }
             Force::Sarosi(coefficients) => force::Law::Sarosi(force::Sarosi::new(longest, *coefficients)?),
         };
         let characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;

@@ -81,6 +81,29 @@ pub enum Force {
     },
     /// Sárosi's law: coefficients for pressures in Pa, contractions in percent and forces in N.
     Sarosi([f64; 6]),
+    /// The law of Martens & Boblan.
+    MartensBoblan {
+        /// Thickness H in m of the rubber membrane.
+        membrane_thickness: f64,
+        /// Coefficients of its modulus over the length in m: in Pa, Pa/m, Pa/m², Pa/m³.
+        modulus: [f64; 4],
+    },
+    /// The ideal braid of threads that stretch.
+    ExtensibleBraid {
+        /// Axial stiffness in N/m of all threads side by side.
+        thread_stiffness: f64,
+    },
+    /// Bolen's law.
+    Bolen {
+        /// Force in N at the longest length and the largest pressure.
+        max_force: f64,
+        /// Gauge pressure in Pa at which the largest force and contraction are stated.
+        max_pressure: f64,
+        /// Contraction without load at that pressure.
+        max_contraction: f64,
+        /// Coefficients s0, s1, s2 of the surface.
+        shape: [f64; 3],
+    },
     /// A measured force map.
     Map {
         /// Gauge pressures in Pa, strictly increasing.

@@ -136,6 +136,9 @@ fn force(w: &mut Writer, actuator: &Actuator) {
         Force::IdealBraid => ForceLaw::IdealBraid,
         Force::TonduLopez { .. } => ForceLaw::TonduLopez,
         Force::Sarosi(_) => ForceLaw::Sarosi,
+        Force::MartensBoblan { .. } => ForceLaw::MartensBoblan,
+        Force::ExtensibleBraid { .. } => ForceLaw::ExtensibleBraid,
+        Force::Bolen { .. } => ForceLaw::Bolen,
         Force::Map { .. } => ForceLaw::Map,
     };
     w.word("actuator.force.law", law.name());
@@ -155,6 +158,19 @@ fn force(w: &mut Writer, actuator: &Actuator) {
             w.list(&p::SAROSI_COEFFICIENTS, coefficients);
             w.word("actuator.force.pressure_unit", "Pa");
             w.word("actuator.force.force_unit", "N");
+        }
+        Force::MartensBoblan { membrane_thickness, modulus } => {
+            w.number(&p::MEMBRANE_THICKNESS, *membrane_thickness);
+            w.list(&p::MEMBRANE_MODULUS, modulus);
+            w.word("actuator.force.modulus_unit", "Pa");
+            w.word("actuator.force.length_unit", "m");
+        }
+        Force::ExtensibleBraid { thread_stiffness } => w.number(&p::THREAD_STIFFNESS, *thread_stiffness),
+        Force::Bolen { max_force, max_pressure, max_contraction, shape } => {
+            w.number(&p::MAX_FORCE, *max_force);
+            w.number(&p::MAX_PRESSURE, *max_pressure);
+            w.number(&p::MAX_CONTRACTION, *max_contraction);
+            w.list(&p::BOLEN_SHAPE, shape);
         }
         Force::Map { gauge_pressure, length, tension } => {
             w.list(&p::MAP_PRESSURE, gauge_pressure);

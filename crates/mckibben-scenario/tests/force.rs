@@ -8,6 +8,10 @@ const REST: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"2 lb\"\n[initial]\
 const MAP: &str = "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"20 psi\", \"60 psi\"]\nlength = [\"7 cm\", \"9 cm\"]\n\
                    tension = [\"4 N\", \"20 N\", \"12 N\", \"60 N\"]";
 
+const MEMBRANE: &str = "[actuator.force]\nlaw = \"martens-boblan\"\nmembrane_thickness = \"0.3 mm\"\nmodulus = [4, -60, 300, 100]\nmodulus_unit = \"MPa\"\nlength_unit = \"m\"";
+const EXTENSIBLE: &str = "[actuator.force]\nlaw = \"extensible-braid\"\nthread_stiffness = \"30 kN/m\"";
+const BOLEN: &str = "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]";
+
 fn document(lines: &str) -> Document {
     Document::parse(&format!("{lines}\n{REST}"), "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -36,6 +40,9 @@ fn each_law_is_read_written_and_built() {
         "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3.2 mm\"\na = 11.5\nb = 4.8",
         "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [0.01, 5, -0.2, -0.006, 0.2, -6]\npressure_unit = \"kPa\"\nforce_unit = \"N\"",
         MAP,
+        MEMBRANE,
+        BOLEN,
+        EXTENSIBLE,
         "[actuator]\nwall_thickness = \"0.4 mm\"",
         "[actuator.bladder]\nform = \"linear\"\nforce = \"6 N\"",
         "[actuator.bladder]\nform = \"saturating\"\nforce = \"6 N\"\nscale = 0.05",
@@ -51,8 +58,11 @@ fn each_law_is_read_written_and_built() {
         assert_eq!(law.wall().is_some(), file.contains("wall"));
         assert_eq!(matches!(law.law(), Law::TonduLopez(_)), file.contains("tondu"));
         assert_eq!(matches!(law.law(), Law::Sarosi(_)), file.contains("sarosi"));
+        assert_eq!(matches!(law.law(), Law::MartensBoblan(_)), file.contains("martens"));
+        assert_eq!(matches!(law.law(), Law::ExtensibleBraid(_)), file.contains("extensible"));
+        assert_eq!(matches!(law.law(), Law::Bolen(_)), file.contains("bolen"));
     }
-    let saturating = read(files[7]).actuator.bladder.expect("a bladder");
+    let saturating = read(files[10]).actuator.bladder.expect("a bladder");
     assert_eq!((saturating.form, saturating.force, saturating.scale), (BladderForm::Saturating, 6.0, 0.05));
 }
 
@@ -68,8 +78,21 @@ fn the_coefficients_of_sarosi_take_their_units_along() {
 }
 
 #[test]
+fn the_modulus_takes_its_units_along() {
+    let file = MEMBRANE.replace("\"m\"", "\"mm\"").replace("[4, -60, 300, 100]", "[4, -0.06, 3e-4, 1e-7]");
+    let Force::MartensBoblan { modulus, .. } = read(&file).actuator.force else { panic!("another law") };
+    for (found, expected) in modulus.into_iter().zip([4e6, -6e7, 3e8, 1e8]) {
+        assert!((found / expected - 1.0_f64).abs() < 1e-14, "{found}");
+    }
+}
+
+#[test]
 fn what_is_missing_or_out_of_place_is_said() {
     let short = MAP.replace(", \"60 N\"]", "]");
+    let three = MEMBRANE.replace(", 100]", "]");
+    let square = MEMBRANE.replace("\"m\"", "\"m^2\"");
+    let soft = EXTENSIBLE.replace("30", "0");
+    let far = BOLEN.replace("0.3\n", "1.5\n");
     let falling = MAP.replace("60 psi", "10 psi");
     let cases = [
         ("[actuator.force]\nlaw = \"tondu-lopes\"", "did you mean \"tondu-lopez\"?"),
@@ -88,6 +111,13 @@ fn what_is_missing_or_out_of_place_is_said() {
             "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3, 4, 5, 6]\npressure_unit = \"mm\"\nforce_unit = \"N\"",
             "is a unit of a length",
         ),
+        ("[actuator.force]\nlaw = \"martens-boblan\"", "`actuator.force.modulus` (c_i) is missing"),
+        (three.as_str(), "has 3 entries instead of four"),
+        (square.as_str(), "is a unit of an area"),
+        ("[actuator.force]\nlaw = \"extensible-braid\"", "`actuator.force.thread_stiffness` (K) is missing"),
+        (soft.as_str(), "give a stiffness above zero"),
+        (far.as_str(), "`actuator.force.max_contraction` = 1.5 is out of range"),
+        ("[actuator.force]\nmax_force = \"9 N\"", "has no meaning with `actuator.force.law` = \"ideal-braid\""),
         (short.as_str(), "it has not one entry for each pressure and length"),
         (falling.as_str(), "the entries do not rise"),
         ("[actuator.force]\nlaw = \"map\"", "`actuator.force.tension` (F) is missing"),

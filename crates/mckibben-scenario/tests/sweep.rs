@@ -155,6 +155,15 @@ fn surroundings(path: &str) -> String {
         "actuator.force.radius" | "actuator.force.a" | "actuator.force.b" => {
             "[actuator.force]\nlaw = \"tondu-lopez\"\nradius = \"3 mm\"\na = 11.0\nb = 4.0\n"
         }
+        "actuator.force.membrane_thickness" => {
+            "[actuator.force]\nlaw = \"martens-boblan\"\nmembrane_thickness = \"0.3 mm\"\nmodulus = [4, -60, 300, 100]\nmodulus_unit = \"MPa\"\nlength_unit = \"m\"\n"
+        }
+        "actuator.force.thread_stiffness" => {
+            "[actuator.force]\nlaw = \"extensible-braid\"\nthread_stiffness = \"30 kN/m\"\n"
+        }
+        _ if path.starts_with("actuator.force.max_") => {
+            "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]\n"
+        }
         _ if path.starts_with("actuator.bladder") => {
             "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1\n"
         }

@@ -119,6 +119,21 @@ fn surroundings_of(path: &str) -> &'static str {
         "actuator.force.coefficients" | "actuator.force.pressure_unit" | "actuator.force.force_unit" => {
             "[actuator.force]\nlaw = \"sarosi\"\ncoefficients = [1, 2, 3, 4, 5, 6]\npressure_unit = \"kPa\"\nforce_unit = \"N\""
         }
+        "actuator.force.membrane_thickness"
+        | "actuator.force.modulus"
+        | "actuator.force.modulus_unit"
+        | "actuator.force.length_unit" => {
+            "[actuator.force]\nlaw = \"martens-boblan\"\nmembrane_thickness = \"0.3 mm\"\nmodulus = [4, -60, 300, 100]\nmodulus_unit = \"MPa\"\nlength_unit = \"m\""
+        }
+        "actuator.force.thread_stiffness" => {
+            "[actuator.force]\nlaw = \"extensible-braid\"\nthread_stiffness = \"30 kN/m\""
+        }
+        "actuator.force.max_force"
+        | "actuator.force.max_pressure"
+        | "actuator.force.max_contraction"
+        | "actuator.force.shape" => {
+            "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]"
+        }
         "actuator.force.gauge_pressure" | "actuator.force.length" | "actuator.force.tension" => {
             "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"1 bar\", \"2 bar\"]\n\
              length = [\"7 cm\", \"8 cm\"]\ntension = [\"1 N\", \"2 N\", \"3 N\", \"4 N\"]"

@@ -160,6 +160,27 @@ parameters! {
     SAROSI_COEFFICIENTS = "actuator.force.coefficients", "a_i", "", Range::FINITE, None,
         "The six coefficients of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6, p in `pressure_unit`, c in percent, the sum in `force_unit`.",
         "after Sarosi (2015)", "give six finite numbers";
+    THREAD_STIFFNESS = "actuator.force.thread_stiffness", "K", "N/m", Range::POSITIVE, None,
+        "Axial stiffness of all threads side by side: their number times E A/b.",
+        "definition", "give a stiffness above zero, or the law \"ideal-braid\" for threads that do not stretch";
+    MEMBRANE_THICKNESS = "actuator.force.membrane_thickness", "H", "m", Range::POSITIVE, None,
+        "Thickness of the rubber membrane that the braid is embedded in.",
+        "Martens & Boblan (2017)", "give a thickness above zero, such as 1.8 mm";
+    MEMBRANE_MODULUS = "actuator.force.modulus", "c_i", "", Range::FINITE, None,
+        "Modulus of the membrane: the four coefficients of c0 + c1 L + c2 L^2 + c3 L^3 in `modulus_unit`, L in `length_unit`.",
+        "Martens & Boblan (2017)", "give four finite numbers";
+    MAX_FORCE = "actuator.force.max_force", "F_max", "N", Range::POSITIVE, None,
+        "Force at max_length and `max_pressure`.",
+        "the muscle's data sheet", "give a force above zero";
+    MAX_PRESSURE = "actuator.force.max_pressure", "P_max", "Pa", Range::POSITIVE, None,
+        "Gauge pressure at which the largest force and the largest contraction are stated.",
+        "the muscle's data sheet", "give a pressure above zero, such as 620 kPa";
+    MAX_CONTRACTION = "actuator.force.max_contraction", "eps_max", "", Range::open(0.0, 1.0), None,
+        "Contraction without load at `max_pressure`.",
+        "the muscle's data sheet", "give a contraction between 0 and 1, such as 0.25";
+    BOLEN_SHAPE = "actuator.force.shape", "s_i", "", Range::NON_NEGATIVE, None,
+        "The coefficients s0, s1 and s2 of s0 (e^(-s1 x) - 1) + p e^(-s2 x^2).",
+        "the public code of the group of A. Hunt", "give three numbers of zero or more";
     MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
         "Gauge pressures of a measured force map, strictly rising.",
         "choice of the measurement", "give 2 to 24 pressures in rising order";

@@ -45,7 +45,9 @@ fn row(index: usize) -> Row {
             rig.length = InitialLength::At(3.5 * INCH);
         }),
         kind @ (1 | 2 | 4 | 6) => {
-            let law = laws::all(&paper)[[1, 2, 4, 6].iter().position(|of| *of == kind).unwrap_or(0) + 1].1.clone();
+            let place = 4 * (index / 11) + [1, 2, 4, 6].iter().position(|of| *of == kind).unwrap_or(0);
+            let all = laws::all(&paper);
+            let law = all[1 + place % (all.len() - 1)].1.clone();
             paper.with(|rig| rig.characteristic = Some(law))
         }
         8 => {

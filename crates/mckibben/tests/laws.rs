@@ -6,8 +6,14 @@ mod common;
 mod laws;
 
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
-use laws::{BLADDER, COEFFICIENTS, END_FACTOR, WALL, all, bladder, tondu_lopez, walled};
-use mckibben::force::{Bladder, BladderForm, EndFactor, IdealBraid, LengthLimits, Sarosi, StaticForce, Statics, Wall};
+use laws::{
+    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, SHAPE, THREADS, WALL, all, bladder, extensible,
+    martens_boblan, tondu_lopez, walled,
+};
+use mckibben::force::{
+    Bladder, BladderForm, Bolen, EndFactor, ExtensibleBraid, IdealBraid, LengthLimits, MartensBoblan, Sarosi,
+    StaticForce, Statics, Wall,
+};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, InitialLength, Method};
 use mckibben::{Braid, Dual, Error, GaugePressure};
@@ -68,6 +74,147 @@ fn sarosi_transcribed_in_kilopascals_and_percent() {
         let force: f64 = law.force(0.3 * (1.0 - percent / 100.0), at(1e3 * kilopascals));
         assert_within(force, literal(kilopascals, percent), 1e-12 * 302.0 * 600.0);
     }
+}
+
+#[test]
+fn martens_and_boblan_transcribed_stress_by_stress() {
+    let paper = Paper::sealed();
+    let law = martens_boblan(&paper);
+    let ideal = IdealBraid { braid: paper.braid() };
+    let (rest, [c0, c1, c2, c3]) = (paper.max_length, MODULUS);
+    let widest: f64 = paper.braid().diameter(rest);
+    for (length, gauge) in places() {
+        let diameter: f64 = paper.braid().diameter(length);
+        let widening = slope(1e-6, |h| paper.braid().diameter(length + h));
+        let modulus = c0 + c1 * length + c2 * length * length + c3 * length * length * length;
+        let (axial, hoop) = (modulus * (length - rest) / rest, modulus * (diameter - widest) / widest);
+        let membrane = hoop * PI * MEMBRANE * length * widening - axial * PI * diameter * MEMBRANE;
+        assert_within(law.force(length, at(gauge)), ideal.force(length, at(gauge)) + membrane, 1e-8 * 60.0);
+    }
+    // Without contraction the membrane is limp, and one of no thickness is none.
+    for gauge in [-1e4, 0.0, 3e5] {
+        assert_eq!(law.force(rest, at(gauge)), ideal.force(rest, at(gauge)));
+    }
+    let thin = MartensBoblan::new(&paper.braid(), rest, 1e-15, MODULUS).expect("a law");
+    assert!(thin.membrane(0.07).abs() < 1e-9);
+}
+
+#[test]
+fn the_membrane_is_the_derivative_of_its_energy() {
+    let paper = Paper::sealed();
+    let law = martens_boblan(&paper);
+    assert_eq!(law.stored_energy(paper.max_length), 0.0);
+    for (length, _) in places() {
+        let tension = law.force(length, at(0.0));
+        let dual: Dual<f64, 1> = law.stored_energy(Dual::variable(length, 0));
+        assert_within(slope(1e-5, |h| law.stored_energy(length + h)), tension, 1e-8 * 10.0);
+        assert_within(dual.slope[0], tension, 1e-11 * 10.0);
+    }
+}
+
+#[test]
+fn stretched_threads_take_the_length_of_least_energy() {
+    let paper = Paper::sealed();
+    let law = ExtensibleBraid::new(paper.braid(), THREADS).expect("a law");
+    let (thread, per_turns) = (paper.thread_length, 1.0 / (4.0 * PI * paper.turns * paper.turns));
+    for (length, gauge) in places() {
+        let volume = |b: f64| length * (b * b - length * length) * per_turns;
+        let energy = |b: f64| 0.5 * THREADS * (b - thread) * (b - thread) - gauge * volume(b);
+        // A parabola through three places has its least place in closed form, and the energy is one.
+        let h = 1e-3;
+        let [low, middle, high] = [energy(thread - h), energy(thread), energy(thread + h)];
+        let least = thread - 0.5 * h * (high - low) / (high - 2.0 * middle + low);
+        assert_within(law.thread_length(length, at(gauge)), least, 1e-9);
+        assert_close(law.volume(length, at(gauge)), volume(least), 1e-6);
+        // The tension is the slope of that least energy over length.
+        let relaxed = |h: f64| {
+            let b = law.thread_length(length + h, at(gauge));
+            let volume = (length + h) * (b * b - (length + h) * (length + h)) * per_turns;
+            0.5 * THREADS * (b - thread) * (b - thread) - gauge * volume
+        };
+        assert_within(law.force(length, at(gauge)), slope(1e-5, relaxed), 1e-6);
+    }
+}
+
+#[test]
+fn stiff_threads_are_the_ideal_braid_and_soft_ones_pull_less() {
+    let paper = Paper::sealed();
+    let ideal = IdealBraid { braid: paper.braid() };
+    let (stiff, soft) = (extensible(&paper, 1e15), extensible(&paper, THREADS));
+    for (length, gauge) in places() {
+        assert_within(stiff.force(length, at(gauge)), ideal.force(length, at(gauge)), 1e-9);
+        assert!(soft.force(length, at(gauge)) <= ideal.force(length, at(gauge)));
+        assert_eq!(soft.force(length, at(0.0)), 0.0);
+    }
+}
+
+/// Force and volume of one potential: what a cycle costs the gas the load gains.
+#[test]
+fn an_extensible_braid_loses_nothing_against_its_own_volume() {
+    let paper = Paper::sealed();
+    let law = ExtensibleBraid::new(paper.braid(), THREADS).expect("a law");
+    for (length, gauge) in places() {
+        let [end, pressure] = [Dual::<f64, 2>::variable(length, 0), Dual::variable(gauge, 1)];
+        let (force, volume) = (law.force(end, GaugePressure(pressure)), law.volume(end, GaugePressure(pressure)));
+        assert_within(force.slope[1], -volume.slope[0], 1e-12 * 1e-3);
+    }
+    // Around a circle in length and pressure: the trapezoidal rule is exact for what is periodic.
+    let count = 256;
+    let (mut of_load, mut of_gas) = (0.0, 0.0);
+    for step in 0..count {
+        let (sine, cosine) = (2.0 * PI * f64::from(step) / f64::from(count)).sin_cos();
+        let (length, gauge) = (0.085 + 0.008 * cosine, 3e5 + 2e5 * sine);
+        let [length_rate, gauge_rate] = [-0.008 * sine, 2e5 * cosine];
+        let [end, pressure] =
+            [Dual { value: length, slope: [length_rate] }, Dual { value: gauge, slope: [gauge_rate] }];
+        let volume: Dual<f64, 1> = law.volume(end, GaugePressure(pressure));
+        of_load += -law.force(length, at(gauge)) * length_rate;
+        of_gas += gauge * volume.slope[0];
+    }
+    assert!(of_gas.abs() > 10.0, "{of_gas}");
+    assert_close(of_load, of_gas, 1e-12);
+}
+
+/// Above 54.7° a braid pushes: wound almost at right angles it is a piston, and against a spring it stands where a quadratic
+/// says.
+#[test]
+fn an_extensile_braid_pushes() {
+    let (gauge, turns, thread) = (3e5, 8.0, 0.6);
+    let law = IdealBraid { braid: Braid::new(thread, turns).expect("a braid") };
+    let area = |length: f64| 0.25 * PI * law.braid.diameter(length).powi(2);
+    for degrees in [56.0_f64, 65.0, 75.0, 89.9] {
+        let angle = degrees.to_radians();
+        let length = thread * angle.cos();
+        let push = -gauge * area(length) * (3.0 * angle.cos().powi(2) - 1.0) / angle.sin().powi(2);
+        assert!(push > 0.0);
+        assert_close(-law.force(length, at(gauge)), push, 1e-12);
+    }
+    let flat = thread * 89.9_f64.to_radians().cos();
+    assert_close(-law.force(flat, at(gauge)), gauge * area(flat), 1e-4);
+    // A spring that is compressed from 0.15 m on: P (b² − 3L²)/(4πn²) = k (L − 0.15).
+    let (stiffness, start) = (4000.0, 0.15);
+    let c = gauge / (4.0 * PI * turns * turns);
+    let (p, q) = (stiffness / (3.0 * c), -(stiffness * start + c * thread * thread) / (3.0 * c));
+    let stands = -0.5 * p + (0.25 * p * p - q).sqrt();
+    assert!(stands > start + 0.002 && stands < law.braid.neutral_length(), "{stands}");
+    assert_close(-law.force(stands, at(gauge)), stiffness * (stands - start), 1e-10);
+}
+
+#[test]
+fn bolen_transcribed_and_its_two_ends() {
+    let [force, pressure, contraction] = BOLEN;
+    let law = Bolen::new(0.2, force, pressure, contraction, SHAPE).expect("a law");
+    let [s0, s1, s2] = SHAPE;
+    for (length, gauge) in places() {
+        let x = (0.2 - length) / 0.2 / contraction;
+        let literal = force * (s0 * ((-s1 * x).exp() - 1.0) + gauge / pressure * (-s2 * x * x).exp());
+        assert_within(law.force(length, at(gauge)), literal, 1e-13 * force);
+    }
+    assert_eq!(law.force(0.2, at(pressure)), force);
+    // s₀ (1 − e^(−s₁)) = e^(−s₂) makes the force vanish at the largest contraction.
+    let closed = [(-s2).exp() / (1.0 - (-s1).exp()), s1, s2];
+    let law = Bolen::new(0.2, force, pressure, contraction, closed).expect("a law");
+    assert_within(law.force(0.2 * (1.0 - contraction), at(pressure)), 0.0, 1e-13 * force);
 }
 
 #[test]
@@ -174,7 +321,17 @@ impl OfValue for Dual<f64, 1> {
 fn derivatives_by_parameters_reach_every_law() {
     use mckibben::parameter as p;
     let gauge = 50.0 * PSI;
-    let rows = [&p::TURNS, &p::THREAD_LENGTH, &p::MAX_LENGTH, &p::END_FACTOR, &p::INITIAL_RADIUS, &p::WALL_THICKNESS];
+    let rows = [
+        &p::TURNS,
+        &p::THREAD_LENGTH,
+        &p::MAX_LENGTH,
+        &p::END_FACTOR,
+        &p::INITIAL_RADIUS,
+        &p::WALL_THICKNESS,
+        &p::MEMBRANE_THICKNESS,
+        &p::THREAD_STIFFNESS,
+        &p::MAX_CONTRACTION,
+    ];
     let paper = Paper::sealed();
     for (name, law) in all(&paper) {
         let actuator = paper.clone().with(|rig| rig.characteristic = Some(law.clone())).actuator();
@@ -216,12 +373,12 @@ fn cycle(paper: &Paper) -> Paper {
 fn virtual_work_and_a_bladder_lose_nothing_and_other_laws_do() {
     let paper = Paper::sealed();
     for (name, law) in all(&paper) {
-        let conservative = !name.contains("tondu") && !name.contains("sarosi");
+        let conservative = !["tondu", "sarosi", "bolen", "extensible"].iter().any(|other| name.contains(other));
         let audit = cycle(&paper).with(|rig| rig.characteristic = Some(law)).run(0.37, 1e-10).audit();
         assert!(audit.residual().abs() < 1e-9 * audit.turnover(), "{name}: {audit:?}");
         let share = audit.effectiveness_loss.abs() / audit.turnover();
         assert_eq!(share < 1e-9, conservative, "{name}: {share}");
-        if name.contains("bladder") {
+        if name.contains("bladder") || name.contains("martens") {
             assert!(audit.bladder_storage.abs() > 1e-3 * audit.turnover(), "{name}: {audit:?}");
         }
     }
@@ -285,6 +442,17 @@ fn what_makes_no_sense_is_refused_by_name() {
     assert_eq!(key(Sarosi::new(0.1, [f64::NAN; 6]).unwrap_err()), "actuator.force.coefficients");
     assert_eq!(key(Bladder::new(BladderForm::Linear, 0.1, -1.0, 1.0).unwrap_err()), "actuator.bladder.force");
     assert_eq!(key(Bladder::new(BladderForm::Linear, 0.1, 1.0, 0.0).unwrap_err()), "actuator.bladder.scale");
+    let membrane = |length, thickness, modulus| MartensBoblan::new(&braid, length, thickness, modulus).unwrap_err();
+    assert_eq!(key(membrane(0.098, 0.0, MODULUS)), "actuator.force.membrane_thickness");
+    assert_eq!(key(membrane(0.098, 1e-3, [0.0, 0.0, f64::INFINITY, 0.0])), "actuator.force.modulus");
+    assert_eq!(key(membrane(0.11, 1e-3, MODULUS)), "actuator.max_length");
+    let soft = ExtensibleBraid::new(braid, 0.0).unwrap_err();
+    assert_eq!(key(soft), "actuator.force.thread_stiffness");
+    let bolen = |force, pressure, contraction, shape| Bolen::new(0.1, force, pressure, contraction, shape).unwrap_err();
+    assert_eq!(key(bolen(0.0, 6e5, 0.2, SHAPE)), "actuator.force.max_force");
+    assert_eq!(key(bolen(90.0, -6e5, 0.2, SHAPE)), "actuator.force.max_pressure");
+    assert_eq!(key(bolen(90.0, 6e5, 1.0, SHAPE)), "actuator.force.max_contraction");
+    assert_eq!(key(bolen(90.0, 6e5, 0.2, [0.1, -1.0, 0.0])), "actuator.force.shape");
     // A braid that pushes wherever it is.
     for shortest in [None, Some(0.03)] {
         let error = LengthLimits::new(&braid, shortest, 0.06, 1e5, 0.0).unwrap_err();

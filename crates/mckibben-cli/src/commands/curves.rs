@@ -162,6 +162,11 @@ fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
         Force::IdealBraid => None,
         Force::TonduLopez { .. } => Some("law of Tondu & Lopez".to_owned()),
         Force::Sarosi(_) => Some("law of Sárosi".to_owned()),
+        Force::MartensBoblan { .. } => Some("law of Martens & Boblan".to_owned()),
+        Force::ExtensibleBraid { thread_stiffness } => {
+            Some(format!("threads of {} kN/m together", number(1e-3 * thread_stiffness, 1)))
+        }
+        Force::Bolen { .. } => Some("law of Bolen".to_owned()),
         Force::Map { gauge_pressure, length, .. } => {
             let span = |list: &[f64], factor: f64, decimals| {
                 let ends =

@@ -65,6 +65,21 @@ fn force(r: &mut Reader<'_>) -> Force {
             }
         }
         ForceLaw::Sarosi => Force::Sarosi(sarosi(r)),
+        ForceLaw::MartensBoblan => {
+            Force::MartensBoblan { membrane_thickness: r.value(&p::MEMBRANE_THICKNESS, None), modulus: modulus(r) }
+        }
+        ForceLaw::ExtensibleBraid => Force::ExtensibleBraid { thread_stiffness: r.value(&p::THREAD_STIFFNESS, None) },
+        ForceLaw::Bolen => Force::Bolen {
+            max_force: r.value(&p::MAX_FORCE, None),
+            max_pressure: r.value(&p::MAX_PRESSURE, None),
+            max_contraction: r.value(&p::MAX_CONTRACTION, None),
+            shape: coefficients(
+                r,
+                &p::BOLEN_SHAPE,
+                "three",
+                "give s0, s1 and s2 of s0 (e^(-s1 x) - 1) + p e^(-s2 x^2)",
+            ),
+        },
         ForceLaw::Map => {
             let [gauge_pressure, length, tension] = [&p::MAP_PRESSURE, &p::MAP_LENGTH, &p::MAP_TENSION].map(|row| {
                 if !r.has(row.key) {
@@ -79,25 +94,45 @@ fn force(r: &mut Reader<'_>) -> Force {
 
 /// The coefficients of Sárosi's law for pressures in Pa and forces in N.
 fn sarosi(r: &mut Reader<'_>) -> [f64; 6] {
-    const UNITS: [(&str, &str); 2] = [("actuator.force.pressure_unit", "Pa"), ("actuator.force.force_unit", "N")];
-    let row = &p::SAROSI_COEFFICIENTS;
-    for path in [row.key, UNITS[0].0, UNITS[1].0] {
+    let help = "give a1 to a6 of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6";
+    let [a1, a2, a3, a4, a5, a6] = coefficients(r, &p::SAROSI_COEFFICIENTS, "six", help);
+    let [pressure, force] = units(r, [("actuator.force.pressure_unit", "Pa"), ("actuator.force.force_unit", "N")]);
+    let per_pressure = force / pressure;
+    [a1 * per_pressure, a2 * force, a3, a4 * per_pressure, a5 * per_pressure, a6 * force]
+}
+
+/// The coefficients of the membrane's modulus for lengths in m.
+fn modulus(r: &mut Reader<'_>) -> [f64; 4] {
+    let help = "give c0 to c3 of c0 + c1 L + c2 L^2 + c3 L^3";
+    let [c0, c1, c2, c3] = coefficients(r, &p::MEMBRANE_MODULUS, "four", help);
+    let [modulus, length] = units(r, [("actuator.force.modulus_unit", "Pa"), ("actuator.force.length_unit", "m")]);
+    let per_length = modulus / length;
+    [c0 * modulus, c1 * per_length, c2 * per_length / length, c3 * per_length / (length * length)]
+}
+
+/// A list that must be there with its `count` entries; zeros, with the mistake noted, where it has not.
+fn coefficients<const N: usize>(r: &mut Reader<'_>, row: &'static Parameter, count: &str, help: &str) -> [f64; N] {
+    if !r.has(row.key) {
+        r.missing(row.key, "");
+    }
+    let Some(list) = r.list(row) else { return [0.0; N] };
+    <[f64; N]>::try_from(list.as_slice()).unwrap_or_else(|_| {
+        if let Some(place) = r.value_place(row.key) {
+            let title = format!("`{}` has {} entries instead of {count}", row.key, list.len());
+            r.note(Diagnostic::at(Class::BadList, place, title, format!("{count} entries are expected")).help(help));
+        }
+        [0.0; N]
+    })
+}
+
+/// Units that must be named, each like the one beside it, as their size in SI.
+fn units(r: &mut Reader<'_>, units: [(&str, &str); 2]) -> [f64; 2] {
+    units.map(|(path, like)| {
         if !r.has(path) {
             r.missing(path, "");
         }
-    }
-    let [pressure, force] = UNITS.map(|(path, like)| r.unit(path, like).unwrap_or(1.0));
-    let Some(list) = r.list(row) else { return [0.0; 6] };
-    let Ok([a1, a2, a3, a4, a5, a6]) = <[f64; 6]>::try_from(list.as_slice()) else {
-        if let Some(place) = r.value_place(row.key) {
-            let title = format!("`{}` has {} entries instead of six", row.key, list.len());
-            let help = "give a1 to a6 of (a1 p + a2) e^(a3 c) + a4 c p + a5 p + a6";
-            r.note(Diagnostic::at(Class::BadList, place, title, "six entries are expected").help(help));
-        }
-        return [0.0; 6];
-    };
-    let per_pressure = force / pressure;
-    [a1 * per_pressure, a2 * force, a3, a4 * per_pressure, a5 * per_pressure, a6 * force]
+        r.unit(path, like).unwrap_or(1.0)
+    })
 }
 
 fn bladder(r: &mut Reader<'_>) -> Option<Bladder> {

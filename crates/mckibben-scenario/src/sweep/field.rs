@@ -37,6 +37,26 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::INITIAL_RADIUS, |s| Some(&mut tondu_lopez(s)?.radius)),
     (&p::TONDU_LOPEZ_A, |s| Some(&mut tondu_lopez(s)?.a)),
     (&p::TONDU_LOPEZ_B, |s| Some(&mut tondu_lopez(s)?.b)),
+    (&p::MEMBRANE_THICKNESS, |s| match &mut s.actuator.force {
+        Force::MartensBoblan { membrane_thickness, .. } => Some(membrane_thickness),
+        _ => None,
+    }),
+    (&p::THREAD_STIFFNESS, |s| match &mut s.actuator.force {
+        Force::ExtensibleBraid { thread_stiffness } => Some(thread_stiffness),
+        _ => None,
+    }),
+    (&p::MAX_FORCE, |s| match &mut s.actuator.force {
+        Force::Bolen { max_force, .. } => Some(max_force),
+        _ => None,
+    }),
+    (&p::MAX_PRESSURE, |s| match &mut s.actuator.force {
+        Force::Bolen { max_pressure, .. } => Some(max_pressure),
+        _ => None,
+    }),
+    (&p::MAX_CONTRACTION, |s| match &mut s.actuator.force {
+        Force::Bolen { max_contraction, .. } => Some(max_contraction),
+        _ => None,
+    }),
     (&p::BLADDER_FORCE, |s| Some(&mut s.actuator.bladder.as_mut()?.force)),
     (&p::BLADDER_SCALE, |s| {
         let bladder = s.actuator.bladder.as_mut().filter(|bladder| bladder.form != BladderForm::Linear)?;

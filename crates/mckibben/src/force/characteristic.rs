@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The air needs a volume whatever the law, so the braid stands beside it. Virtual work, `F = −P_g dV/dL`, ties the two
-//! together for the ideal braid, with or without a wall; the bladder adds an energy of its own. The other laws are
+//! together for the ideal braid, with or without a wall; bladder and membrane add an energy of their own. The other laws are
 //! measured forces, or fitted ones, that follow no volume: over a cycle in pressure and length they take another work from
 //! the muscle than the air puts in.
 //!
@@ -15,13 +15,18 @@
 //! | [`Law::IdealBraid`] | the braid's | yes |
 //! | [`Law::TonduLopez`] | end factor; a, b, r₀ | with `k = 1` and the braid's coefficients |
 //! | [`Law::Sarosi`] | six coefficients | no |
+//! | [`Law::MartensBoblan`] | membrane: thickness, modulus | yes, and the membrane's energy |
+//! | [`Law::ExtensibleBraid`] | stiffness of the threads | with a volume of its own, which depends on pressure |
+//! | [`Law::Bolen`] | largest force, pressure and contraction; shape | no |
 //! | `Law::Map` | measured tensions | no |
 //!
 //! Checked by `tests/laws.rs`.
 
 #[cfg(feature = "alloc")]
 use super::ForceMap;
-use super::{Bladder, IdealBraid, Sarosi, StaticForce, Statics, TonduLopez, Wall};
+use super::{
+    Bladder, Bolen, ExtensibleBraid, IdealBraid, MartensBoblan, Sarosi, StaticForce, Statics, TonduLopez, Wall,
+};
 use crate::braid::Braid;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -38,6 +43,12 @@ pub enum Law<S = f64> {
     TonduLopez(TonduLopez<S>),
     /// Six coefficients.
     Sarosi(Sarosi<S>),
+    /// The ideal braid in a rubber membrane.
+    MartensBoblan(MartensBoblan<S>),
+    /// A braid whose threads stretch.
+    ExtensibleBraid(ExtensibleBraid<S>),
+    /// A normalized surface.
+    Bolen(Bolen<S>),
     /// A measured force map.
     #[cfg(feature = "alloc")]
     Map(ForceMap<S>),
@@ -112,6 +123,9 @@ impl<S: Scalar> Characteristic<S> {
                 Law::IdealBraid => Law::IdealBraid,
                 Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
                 Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
+                Law::MartensBoblan(law) => Law::MartensBoblan(law.convert(&braid, convert)),
+                Law::ExtensibleBraid(law) => Law::ExtensibleBraid(law.convert(&braid, convert)),
+                Law::Bolen(law) => Law::Bolen(law.convert(convert)),
                 #[cfg(feature = "alloc")]
                 Law::Map(map) => Law::Map(map.convert(convert)),
             },
@@ -184,24 +198,47 @@ impl<S: Scalar> Characteristic<S> {
         }
     }
 
-    /// Energy in J that the bladder holds at a length in m.
+    /// Energy in J that the rubber holds at a length in m: the bladder, and the membrane of a law that has one.
     pub fn stored_energy<T: Over<S>>(&self, length: T) -> T {
-        self.bladder().map_or(T::zero(), |bladder| bladder.stored_energy(length))
+        let membrane = match self.law() {
+            Law::MartensBoblan(law) => law.stored_energy(length),
+            _ => T::zero(),
+        };
+        membrane + self.bladder().map_or(T::zero(), |bladder| bladder.stored_energy(length))
+    }
+
+    /// Force in N by virtual work of the gas: on the braid, or inside its wall.
+    #[inline(always)]
+    fn gas_force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
+        match self.wall() {
+            None => IdealBraid { braid: self.braid }.force(length, gauge),
+            Some(wall) => -gauge.0 * wall.volume_slope(&self.braid, length),
+        }
+    }
+
+    /// The secant of that force over length in N/m.
+    #[inline(always)]
+    fn gas_secant<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
+        match self.wall() {
+            None => IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge),
+            Some(wall) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
+        }
     }
 }
 
 impl<S: Scalar> StaticForce<S> for Characteristic<S> {
     #[inline(always)]
     fn force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
-        let ideal = IdealBraid { braid: self.braid };
-        let Some(beyond) = &self.beyond else { return ideal.force(length, gauge) };
-        let force = match (&beyond.law, &beyond.wall) {
-            (Law::IdealBraid, None) => ideal.force(length, gauge),
-            (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.volume_slope(&self.braid, length),
-            (Law::TonduLopez(law), _) => law.force(length, gauge),
-            (Law::Sarosi(law), _) => law.force(length, gauge),
+        let Some(beyond) = &self.beyond else { return IdealBraid { braid: self.braid }.force(length, gauge) };
+        let force = match &beyond.law {
+            Law::IdealBraid => self.gas_force(length, gauge),
+            Law::MartensBoblan(law) => self.gas_force(length, gauge) + law.membrane(length),
+            Law::TonduLopez(law) => law.force(length, gauge),
+            Law::Sarosi(law) => law.force(length, gauge),
+            Law::ExtensibleBraid(law) => law.force(length, gauge),
+            Law::Bolen(law) => law.force(length, gauge),
             #[cfg(feature = "alloc")]
-            (Law::Map(map), _) => map.force(length, gauge),
+            Law::Map(map) => map.force(length, gauge),
         };
         match &beyond.bladder {
             None => force,
@@ -211,15 +248,18 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
 
     #[inline(always)]
     fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
-        let ideal = IdealBraid { braid: self.braid };
-        let Some(beyond) = &self.beyond else { return ideal.secant_stiffness(length, from, gauge) };
-        let stiffness = match (&beyond.law, &beyond.wall) {
-            (Law::IdealBraid, None) => ideal.secant_stiffness(length, from, gauge),
-            (Law::IdealBraid, Some(wall)) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
-            (Law::TonduLopez(law), _) => law.secant_stiffness(length, from, gauge),
-            (Law::Sarosi(law), _) => law.secant_stiffness(length, from, gauge),
+        let Some(beyond) = &self.beyond else {
+            return IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge);
+        };
+        let stiffness = match &beyond.law {
+            Law::IdealBraid => self.gas_secant(length, from, gauge),
+            Law::MartensBoblan(law) => self.gas_secant(length, from, gauge) + law.membrane_secant(length, from),
+            Law::TonduLopez(law) => law.secant_stiffness(length, from, gauge),
+            Law::Sarosi(law) => law.secant_stiffness(length, from, gauge),
+            Law::ExtensibleBraid(law) => law.secant_stiffness(length, from, gauge),
+            Law::Bolen(law) => law.secant_stiffness(length, from, gauge),
             #[cfg(feature = "alloc")]
-            (Law::Map(map), _) => map.secant_stiffness(length, from, gauge),
+            Law::Map(map) => map.secant_stiffness(length, from, gauge),
         };
         match &beyond.bladder {
             None => stiffness,

@@ -5,24 +5,30 @@
 //! [`Effectiveness`] multiplies any law by a measured ratio (9). [`LengthLimits`] adds the end effects (10)(11)(14).
 
 mod bladder;
+mod bolen;
 mod characteristic;
 mod effectiveness;
+mod extensible;
 mod ideal;
 mod limits;
 #[cfg(feature = "alloc")]
 mod map;
+mod martens_boblan;
 mod monotone;
 mod sarosi;
 mod tondu_lopez;
 mod wall;
 
 pub use bladder::{Bladder, BladderForm};
+pub use bolen::Bolen;
 pub use characteristic::{Characteristic, Law, Piece};
 pub use effectiveness::{Effective, Effectiveness, MAX_COEFFICIENTS, MAX_KNOTS};
+pub use extensible::ExtensibleBraid;
 pub use ideal::IdealBraid;
 pub use limits::LengthLimits;
 #[cfg(feature = "alloc")]
 pub use map::{ForceMap, MAX_MAP};
+pub use martens_boblan::MartensBoblan;
 pub use sarosi::Sarosi;
 pub use tondu_lopez::{Coefficients, EndFactor, TonduLopez};
 pub use wall::Wall;

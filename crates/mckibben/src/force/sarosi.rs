@@ -18,9 +18,11 @@
 //! pressure and length gains or loses energy against the air, and the energy audit says how much.
 //!
 //! Source: after J. Sárosi, "Elimination of the hysteresis effect of PAM actuator: modelling and experimental studies",
-//! Tehnički vjesnik 22(6), 1489–1494 (2015), doi:10.17559/TV-20140716143627, of which only the abstract was at hand. That
-//! the formula is this one, term by term, is assumed: compare it with the publication that your coefficients are from.
-//! Checked by `tests/laws.rs`: transcription in kPa, dual against finite difference, secant.
+//! Tehnički vjesnik 22(6), 1489–1494 (2015), doi:10.17559/TV-20140716143627, of which only the abstract was at hand. The
+//! formula, term by term, is that of a public implementation (Bipedal_Robot of the Agile and Adaptive Robotics group,
+//! `ModelComparison2.m`), which has it over bar and names two of his papers of 2012 for its coefficients.
+//! Checked by `tests/laws.rs`: transcription in kPa, dual against finite difference, secant; `tests/measured_muscles.rs`: an
+//! independent fit to published measurements.
 
 use super::{StaticForce, relative_exponential};
 use crate::convert::Convert;

@@ -3,7 +3,8 @@
 
 use crate::common::{INCH, PSI, Paper};
 use mckibben::force::{
-    Bladder, BladderForm, Characteristic, Coefficients, EndFactor, ForceMap, IdealBraid, Law, Sarosi, TonduLopez,
+    Bladder, BladderForm, Bolen, Characteristic, Coefficients, EndFactor, ExtensibleBraid, ForceMap, IdealBraid, Law,
+    MartensBoblan, Sarosi, TonduLopez,
 };
 
 /// Coefficients of Sárosi's law for pressures in Pa.
@@ -12,6 +13,14 @@ pub(crate) const SAROSI: [f64; 6] = [1e-5, 5.0, -0.2, -6e-6, 2e-4, -6.0];
 pub(crate) const END_FACTOR: [f64; 3] = [1.1, 0.4, 1e5];
 /// Radius in m, a and b.
 pub(crate) const COEFFICIENTS: [f64; 3] = [3.1e-3, 12.0, 4.6];
+/// Thickness in m of the membrane and its modulus, for lengths in m.
+pub(crate) const MEMBRANE: f64 = 0.3e-3;
+pub(crate) const MODULUS: [f64; 4] = [4e6, -6e7, 3e8, 1e8];
+/// Largest force in N, pressure in Pa and contraction, and shape of Bolen's law.
+pub(crate) const BOLEN: [f64; 3] = [90.0, 6.2e5, 0.3];
+pub(crate) const SHAPE: [f64; 3] = [0.26, 6.4, 1.3];
+/// Stiffness of the threads in N/m.
+pub(crate) const THREADS: f64 = 3e4;
 /// Wall thickness in m.
 pub(crate) const WALL: f64 = 0.4e-3;
 /// Force in N and scale of the bladder.
@@ -32,6 +41,16 @@ pub(crate) fn coefficients() -> Coefficients {
     Coefficients { radius, a, b }
 }
 
+pub(crate) fn martens_boblan(paper: &Paper) -> Characteristic {
+    let law = MartensBoblan::new(&paper.braid(), paper.max_length, MEMBRANE, MODULUS).expect("a law");
+    Characteristic::new(paper.braid(), Law::MartensBoblan(law))
+}
+
+pub(crate) fn extensible(paper: &Paper, stiffness: f64) -> Characteristic {
+    let law = ExtensibleBraid::new(paper.braid(), stiffness).expect("a law");
+    Characteristic::new(paper.braid(), Law::ExtensibleBraid(law))
+}
+
 pub(crate) fn walled(paper: &Paper) -> Characteristic {
     Characteristic::from(IdealBraid { braid: paper.braid() }).with_wall(WALL, paper.max_length).expect("a wall")
 }
@@ -40,12 +59,18 @@ pub(crate) fn all(paper: &Paper) -> Vec<(&'static str, Characteristic)> {
     let [limit, rise, pressure] = END_FACTOR;
     let falling = EndFactor::falling(limit, rise, pressure).expect("an end factor");
     let sarosi = Law::Sarosi(Sarosi::new(paper.max_length, SAROSI).expect("a law"));
+    let [force, pressure, contraction] = BOLEN;
+    let bolen = Bolen::new(paper.max_length, force, pressure, contraction, SHAPE).expect("a law");
     let saturating =
         Bladder::new(BladderForm::Saturating, paper.max_length, BLADDER[0], BLADDER[1]).expect("a bladder");
     vec![
         ("ideal braid", IdealBraid { braid: paper.braid() }.into()),
         ("tondu-lopez", tondu_lopez(paper, falling, None)),
         ("sarosi", Characteristic::new(paper.braid(), sarosi)),
+        ("martens-boblan", martens_boblan(paper)),
+        ("martens-boblan and wall", martens_boblan(paper).with_wall(WALL, paper.max_length).expect("a wall")),
+        ("extensible braid", extensible(paper, THREADS)),
+        ("bolen", Characteristic::new(paper.braid(), Law::Bolen(bolen))),
         ("wall and saturating bladder", walled(paper).with_bladder(saturating)),
         ("exponential bladder", bladder(paper, BladderForm::Exponential)),
         ("linear bladder", bladder(paper, BladderForm::Linear)),
