@@ -10,7 +10,6 @@ use crate::control::{Controller, Drive, Measurement, Modulator, Quantity, Sample
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::{Command, Request, Solenoid, is_due};
-use alloc::vec::Vec;
 
 /// What a controller saw at a sampling instant and what it decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +47,7 @@ impl<'c, R: Real, C: Controller<R>> ClosedLoop<'c, R, C> {
                 remedy: "give the actuator a valve, or simulate it without a controller",
             });
         };
-        actuation.command = Command::Table { time: Vec::new(), request: Vec::new() };
+        actuation.command = Command::nothing();
         let sampled = Sampled::begin(controller.begin());
         Ok((Self { controller, sampling, sensors, sampled, modulator: Modulator::idle() }, rig))
     }
