@@ -27,7 +27,7 @@
 //! | [`friction`] | viscous and Coulomb friction |
 //! | [`air`] | the processes of the air |
 //! | [`valve`] | flow law, solenoid, commands |
-//! | [`line`] | hose, leak, reservoir, regulator |
+//! | [`mod@line`] | hose, leak, reservoir, regulator |
 //! | [`Actuator`] | all of these composed: valve state in, force out |
 //! | [`load`] | what the actuator pulls on |
 //! | [`control`] | controllers that sample the state at a stated rate |

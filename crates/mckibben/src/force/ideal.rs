@@ -42,6 +42,8 @@ impl<S: Scalar> StaticForce<S> for IdealBraid<S> {
 }
 
 impl<S: Scalar> Statics<S> for IdealBraid<S> {
+    const MAY_HAVE_LINE: bool = false;
+
     #[inline(always)]
     fn end_length(&self) -> S {
         self.braid.thread_length()

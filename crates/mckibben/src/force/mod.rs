@@ -43,6 +43,9 @@ pub trait StaticForce<S: Scalar> {
 
 /// Everything static about an actuator: its law of force, and the volume of its gas.
 pub trait Statics<S: Scalar>: StaticForce<S> {
+    /// Whether a rig with this law named may have an air line: code for one is compiled only then.
+    const MAY_HAVE_LINE: bool = true;
+
     /// Length in m at which the model ends.
     fn end_length(&self) -> S;
 

@@ -14,7 +14,7 @@
 //! |---|---|---|
 //! | α | `attenuation` | 1/m |
 //! | β | `phase_constant` | rad/m |
-//! | P_L/P₀ | [`response`] with a volume at the far end | – |
+//! | P_L/P₀ | `response` with a volume at the far end | – |
 //!
 //! Source: theory of transmission lines, for pneumatic lines in Rohmann & Grogan, "On the dynamics of pneumatic
 //! transmission lines", Trans. ASME 79 (1957). The steady laminar resistance is taken at every frequency.

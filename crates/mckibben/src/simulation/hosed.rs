@@ -17,7 +17,7 @@
 //!
 //! Checked by `tests/line_step.rs` against the event-located engine.
 
-use super::kernel::{Held, Matrix, Method, Slopes, ahead};
+use super::kernel::{Held, Matrix, Method, Slopes, ahead, gathered, reaches};
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
@@ -41,19 +41,20 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// One part of a step, with a prescribed motion where it ends exactly.
     #[inline(always)]
     pub(crate) fn take(&self, method: Method, time: S, state: &Stepped<S>, step: S, held: &Held<S>) -> Stepped<S> {
-        let mut end = match &self.line().hose {
-            None => {
-                let four = of_rig(state);
-                let [length, velocity, pressure, mass] = match method {
-                    Method::Rk4 => self.step_rk4(time, four, step, held),
-                    Method::Stable => self.step_stable(time, four, step, held),
-                };
-                [length, velocity, pressure, mass, state[4]]
-            }
-            Some(hose) => match method {
+        let mut end = if L::MAY_HAVE_LINE
+            && let Some(hose) = &self.line().hose
+        {
+            match method {
                 Method::Rk4 => self.hosed_rk4(hose, time, state, step, held),
                 Method::Stable => self.hosed_stable(hose, time, state, step, held),
-            },
+            }
+        } else {
+            let four = of_rig(state);
+            let [length, velocity, pressure, mass] = match method {
+                Method::Rk4 => self.step_rk4(time, four, step, held),
+                Method::Stable => self.step_stable(time, four, step, held),
+            };
+            [length, velocity, pressure, mass, state[4]]
         };
         if let Load::Prescribed(motion) = self.load() {
             [end[0], end[1], _] = motion.on_line(time + step, &held.line);
@@ -64,6 +65,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Flow of the leak into the actuator, if it has one.
     #[inline(always)]
     pub(super) fn leak<T: Over<S>>(&self, chamber: &Chamber<T>) -> Option<Flow<T>> {
+        if !L::MAY_HAVE_LINE {
+            return None;
+        }
         let atmosphere = T::of(self.actuator().air().atmosphere().0);
         self.line().leakage.as_ref().map(|leakage| leakage.flow(chamber, atmosphere))
     }
@@ -99,13 +103,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     #[inline(always)]
     fn hosed_rk4(&self, hose: &Hose<S>, time: S, state: &Stepped<S>, step: S, held: &Held<S>) -> Stepped<S> {
-        let half = S::constant(0.5) * step;
-        let k1 = self.hosed_rates(hose, time, state, held);
-        let k2 = self.hosed_rates(hose, time + half, &ahead(state, half, &k1), held);
-        let k3 = self.hosed_rates(hose, time + half, &ahead(state, half, &k2), held);
-        let k4 = self.hosed_rates(hose, time + step, &ahead(state, step, &k3), held);
-        let (outer, inner) = (ahead(&k1, S::one(), &k4), ahead(&k2, S::one(), &k3));
-        ahead(state, step * S::constant(1.0 / 6.0), &ahead(&outer, S::constant(2.0), &inner))
+        let mut slopes = [[S::zero(); 5]; 4];
+        for (stage, reach) in reaches(step).into_iter().enumerate() {
+            let at = ahead(state, reach, &slopes[stage.saturating_sub(1)]);
+            slopes[stage] = self.hosed_rates(hose, time + reach, &at, held);
+        }
+        gathered(state, step, &slopes)
     }
 
     #[inline(always)]

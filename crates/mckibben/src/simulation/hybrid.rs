@@ -16,6 +16,7 @@ use super::rig::{Rig, State};
 use super::system::{GuardForm, Guards, HybridSystem};
 use super::timetable::Progress;
 use super::zones::Places;
+#[cfg(feature = "alloc")]
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::error::Error;

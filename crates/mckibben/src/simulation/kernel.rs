@@ -138,7 +138,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let actuator = self.actuator();
         let [length, velocity, pressure, ..] = *state;
         let (chamber, mut flow) = self.contents(of_rig(state), held, actuator.limits().is_slack(length));
-        if let Some(hose) = &self.line().hose {
+        if L::MAY_HAVE_LINE
+            && let Some(hose) = &self.line().hose
+        {
             flow = self.through_hose(hose, &chamber, state[4]);
         }
         let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, held));
@@ -150,13 +152,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// One part of a step by the classical Runge–Kutta method.
     #[inline(always)]
     pub fn step_rk4(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let half = S::constant(0.5) * step;
-        let k1 = self.rates(time, &state, held);
-        let k2 = self.rates(time + half, &ahead(&state, half, &k1), held);
-        let k3 = self.rates(time + half, &ahead(&state, half, &k2), held);
-        let k4 = self.rates(time + step, &ahead(&state, step, &k3), held);
-        let (outer, inner) = (ahead(&k1, S::one(), &k4), ahead(&k2, S::one(), &k3));
-        ahead(&state, step * S::constant(1.0 / 6.0), &ahead(&outer, S::constant(2.0), &inner))
+        // A loop, so that the rates are compiled once.
+        let mut slopes = [[S::zero(); 4]; 4];
+        for (stage, reach) in reaches(step).into_iter().enumerate() {
+            let at = ahead(&state, reach, &slopes[stage.saturating_sub(1)]);
+            slopes[stage] = self.rates(time + reach, &at, held);
+        }
+        gathered(&state, step, &slopes)
     }
 
     /// One part of a step by the stable method.
@@ -210,6 +212,20 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let settles = one_open & S::zero().lt(gap.magnitude()) & S::zero().lt(settling);
         [S::select(settles, settling, S::zero()), S::select(settles, by_mass * per_gap, S::zero())]
     }
+}
+
+/// How far ahead each stage of the Runge–Kutta method looks.
+#[inline(always)]
+pub(super) fn reaches<S: Scalar>(step: S) -> [S; 4] {
+    let half = S::constant(0.5) * step;
+    [S::zero(), half, half, step]
+}
+
+/// What the four stages of the Runge–Kutta method come to.
+#[inline(always)]
+pub(super) fn gathered<S: Scalar, const N: usize>(state: &[S; N], step: S, [k1, k2, k3, k4]: &[[S; N]; 4]) -> [S; N] {
+    let (outer, inner) = (ahead(k1, S::one(), k4), ahead(k2, S::one(), k3));
+    ahead(state, step * S::constant(1.0 / 6.0), &ahead(&outer, S::constant(2.0), &inner))
 }
 
 /// `y + h k`.

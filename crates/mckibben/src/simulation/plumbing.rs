@@ -18,7 +18,9 @@ use super::system::{GuardForm, Guards};
 use super::zones::{MEETING, Places};
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
-use crate::line::{FlowRegime, HoseKind, Line, MAX_CELLS, Poppet, SupplyLine, split};
+#[cfg(feature = "alloc")]
+use crate::line::MAX_CELLS;
+use crate::line::{FlowRegime, HoseKind, Line, Poppet, SupplyLine, split};
 use crate::scalar::{Over, Real};
 use crate::valve::{Beyond, FlowZone, Port, Valve};
 

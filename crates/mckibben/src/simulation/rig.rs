@@ -246,9 +246,9 @@ impl<S: Scalar> Rig<S> {
         self
     }
 
-    /// The same rig with the ideal braid for its law, if that is its law.
+    /// The same rig with the ideal braid for its law, if that is its law and it has no air line.
     pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
-        let actuator = self.actuator.ideal()?;
+        let actuator = self.actuator.ideal().filter(|_| self.line.is_none())?;
         Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone(), line: self.line })
     }
 }
