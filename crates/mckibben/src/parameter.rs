@@ -115,6 +115,8 @@ macro_rules! parameters {
     };
 }
 
+pub(crate) use parameters;
+
 parameters! {
     /// Every row, in the order of the scenario file.
     TABLE:

@@ -19,10 +19,12 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), (15) and (16). Checked by `tests/simulation.rs`.
 
 mod joint;
+pub mod leg;
 mod motion;
 
 pub(crate) use joint::SIGN;
 pub use joint::{Joint, Limb, Pulley, Stops};
+pub use leg::{Belt, Leg, LegState, Segment, Strand};
 pub use motion::{Line, Motion};
 
 use crate::convert::Convert;

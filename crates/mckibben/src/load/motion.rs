@@ -3,6 +3,7 @@
 //! ```text
 //! sinusoid   x(t) = L₀ + A sin(2π f₀ t + φ)
 //! table      straight lines between (t, x), constant before the first row and after the last
+//! guided     the straight line that somebody else's simulation gives for each of its steps
 //! ```
 //!
 //! The corners of a table are exact instants, at which the velocity jumps.
@@ -35,6 +36,8 @@ pub enum Motion<S = f64> {
         /// Lengths in m.
         length: alloc::vec::Vec<S>,
     },
+    /// Where whoever steps the actuator moves it: [`ModularActuator`](crate::simulation::ModularActuator).
+    Guided,
 }
 
 /// A straight line of a table: `length + slope · (t − time)`.
@@ -52,6 +55,13 @@ impl<S: Scalar> Line<S> {
     /// At rest at a length in m.
     pub fn resting(length: S) -> Self {
         Self { time: S::zero(), length, slope: S::zero() }
+    }
+
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`.
+    #[inline(always)]
+    fn at<T: Over<S>>(&self, time: T) -> [T; 3] {
+        let slope = T::of(self.slope);
+        [T::of(self.length) + slope * (time - T::of(self.time)), slope, T::zero()]
     }
 }
 
@@ -126,13 +136,14 @@ impl<S: Scalar> Motion<S> {
                 time: time.iter().map(|&t| convert.parameter(&parameter::MOTION_TIME, t)).collect(),
                 length: length.iter().map(|&x| convert.parameter(&parameter::MOTION_TABLE_LENGTH, x)).collect(),
             },
+            Self::Guided => Motion::Guided,
         }
     }
 
     /// Number of corners in a table.
     pub fn corners(&self) -> usize {
         match self {
-            Self::Sinusoid { .. } => 0,
+            Self::Sinusoid { .. } | Self::Guided => 0,
             #[cfg(feature = "alloc")]
             Self::Table { time, .. } => time.len(),
         }
@@ -143,7 +154,7 @@ impl<S: Scalar> Motion<S> {
         #[cfg(not(feature = "alloc"))]
         let _ = corner;
         match self {
-            Self::Sinusoid { .. } => None,
+            Self::Sinusoid { .. } | Self::Guided => None,
             #[cfg(feature = "alloc")]
             Self::Table { time, .. } => time.get(corner).copied(),
         }
@@ -154,7 +165,7 @@ impl<S: Scalar> Motion<S> {
         #[cfg(not(feature = "alloc"))]
         let _ = passed;
         match self {
-            Self::Sinusoid { .. } => Line::resting(S::zero()),
+            Self::Sinusoid { .. } | Self::Guided => Line::resting(S::zero()),
             #[cfg(feature = "alloc")]
             Self::Table { time, length } => {
                 let next = passed.min(length.len());
@@ -173,11 +184,9 @@ impl<S: Scalar> Motion<S> {
         self.on_line(time, &self.line(passed))
     }
 
-    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on a straight line of the table.
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on a straight line of a table or of a guided motion.
     #[inline(always)]
     pub fn on_line<T: Over<S>>(&self, time: T, line: &Line<S>) -> [T; 3] {
-        #[cfg(not(feature = "alloc"))]
-        let _ = line;
         match self {
             Self::Sinusoid { length, amplitude, frequency, phase } => {
                 let rate = T::constant(TAU) * T::of(*frequency);
@@ -186,10 +195,8 @@ impl<S: Scalar> Motion<S> {
                 [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing]
             }
             #[cfg(feature = "alloc")]
-            Self::Table { .. } => {
-                let slope = T::of(line.slope);
-                [T::of(line.length) + slope * (time - T::of(line.time)), slope, T::zero()]
-            }
+            Self::Table { .. } => line.at(time),
+            Self::Guided => line.at(time),
         }
     }
 }

@@ -12,7 +12,6 @@ use crate::control::{Controller, Drive, Measurement, Modulator, Quantity, Sample
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::{Command, Request, Solenoid, is_due};
-use alloc::vec::Vec;
 
 /// What a controller saw at a sampling instant and what it decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +46,7 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
                     remedy: "give the actuator a valve, or simulate it without a controller",
                 });
             };
-            actuation.command = Command::Table { time: Vec::new(), request: Vec::new() };
+            actuation.command = Command::nothing();
         }
         Ok(Self { sampling, sampled: Sampled::begin(memory), modulators: [Modulator::idle(); N] })
     }

@@ -132,9 +132,11 @@ impl<R: Real> Walk<R> {
     /// Passes what is due.
     pub(crate) fn pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
         self.ports = timetable.pass(&mut self.progress, self.course.time);
-        let Line { time, length, slope } = timetable.line(&self.progress);
         let held = &mut self.course.held;
-        held.line = Line { time: R::of_time(time), length: R::of_time(length), slope: R::of_time(slope) };
+        if timetable.motion.is_some() {
+            let Line { time, length, slope } = timetable.line(&self.progress);
+            held.line = Line { time: R::of_time(time), length: R::of_time(length), slope: R::of_time(slope) };
+        }
         (held.supply, held.exhaust) = (self.ports.supply, self.ports.exhaust);
         self.course.enter(rig);
     }

@@ -8,6 +8,8 @@
 //! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other. [`simulate_controlled`]
 //! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way,
 //! [`simulate_joint_controlled`] the first of these for a joint.
+//!
+//! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop.
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
@@ -29,8 +31,12 @@ mod hybrid;
 mod integrator;
 mod joint;
 pub(crate) mod kernel;
+#[cfg(feature = "alloc")]
+mod leg;
 mod member;
 mod mode;
+#[cfg(feature = "alloc")]
+mod modular;
 mod plumbing;
 pub(crate) mod rig;
 mod rosenbrock;
@@ -65,7 +71,11 @@ pub use joint::{
     simulate_joint_controlled, simulate_joint_controlled_watched, simulate_joint_watched,
 };
 pub use kernel::{Held, Method};
+#[cfg(feature = "alloc")]
+pub use leg::LegStepper;
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
+#[cfg(feature = "alloc")]
+pub use modular::ModularActuator;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]

@@ -22,7 +22,7 @@ use crate::error::{Error, Requirement};
 use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::friction::Rubbing;
 use crate::line::Line;
-use crate::load::Load;
+use crate::load::{Load, Motion};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
@@ -149,6 +149,12 @@ impl Rig {
     /// cannot do what the command asks.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
         check_drive(&actuator, actuation.as_ref())?;
+        if load.motion() == Some(&Motion::Guided) {
+            return Err(Error::Unsupported {
+                what: "nobody moves the ends of a rig whose motion is guided from outside",
+                remedy: "make a `ModularActuator` of a rig with any other load",
+            });
+        }
         Ok(Self { actuator, actuation, load, line: Line::NONE })
     }
 
@@ -271,6 +277,15 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_mut()
     }
 
+    /// The same rig with nothing asked of its valve, for whoever moves its ends and asks for himself.
+    #[cfg(feature = "alloc")]
+    pub(super) fn guided(mut self) -> Self {
+        if let Some(actuation) = &mut self.actuation {
+            actuation.command = Command::nothing();
+        }
+        Self { load: Load::Prescribed(Motion::Guided), ..self }
+    }
+
     /// The load.
     #[inline(always)]
     pub fn load(&self) -> &Load<S> {
@@ -287,6 +302,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 }
 
 impl<S: Real> Rig<S> {
+    /// The instants at which its seats move.
+    #[cfg(feature = "alloc")]
+    pub(super) fn seats(&self) -> Timetable<'_, S> {
+        Timetable { actuation: self.actuation.as_ref(), motion: None }
+    }
+
     /// Where instants come from.
     pub(crate) fn timetable(&self) -> Timetable<'_, S> {
         Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }

@@ -4,7 +4,7 @@
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
 use crate::scalar::Real;
-use crate::valve::{Ports, SeatClock, is_due};
+use crate::valve::{Ports, Request, SeatClock, Solenoid, is_due};
 
 /// Where the instants of a rig come from: what drives its valve, and the corners of a prescribed motion.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,11 @@ impl<S: Real> Progress<S> {
     /// Before the first instant.
     pub(crate) fn none() -> Self {
         Self { clock: SeatClock::released(), corners_passed: 0 }
+    }
+
+    /// Something is asked of a valve at `time` in s beside its command.
+    pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
+        self.clock.ask(time, solenoid, request);
     }
 }
 

@@ -119,6 +119,12 @@ impl<S: Scalar> Command<S> {
         }
     }
 
+    /// Nothing is ever asked.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn nothing() -> Self {
+        Self::Table { time: alloc::vec::Vec::new(), request: alloc::vec::Vec::new() }
+    }
+
     /// Whether any request in the command is `wanted`.
     pub fn asks_for(&self, wanted: Request) -> bool {
         match self {

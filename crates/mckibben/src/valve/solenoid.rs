@@ -228,6 +228,11 @@ impl<S: Real> SeatClock<S> {
         }
     }
 
+    /// Drives the coils by a request at `time` in s, as whoever has no command on paper does.
+    pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
+        self.drive(time, solenoid, solenoid.coils(request));
+    }
+
     fn drive(&mut self, time: S, solenoid: &Solenoid<S>, coil: [bool; 2]) {
         for (side, &energised) in coil.iter().enumerate() {
             self.coil[side] = energised;

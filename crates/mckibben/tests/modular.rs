@@ -1,0 +1,145 @@
+//! The modular actuator, whose ends somebody else moves.
+
+mod common;
+
+use common::{GRAVITY, LB, Paper, assert_close, between};
+use mckibben::control::Drive;
+use mckibben::line::{Hose, HoseKind, Line};
+use mckibben::load::{Load, Motion};
+use mckibben::simulation::{FixedStepper, Method, ModularActuator, Rig};
+use mckibben::valve::Request;
+use mckibben::{Dual, Error, Over};
+
+const FREQUENCY: f64 = 25.0;
+
+fn pulses(duty: f64) -> Drive {
+    Drive::Pulses { duty, pulse: Request::Fill, rest: Request::Exhaust }
+}
+
+fn modular(paper: &Paper) -> ModularActuator {
+    ModularActuator::new(&paper.rig(), paper.start(), FREQUENCY).expect("an actuator")
+}
+
+/// The end of a mass that hangs from it, by steps of the simplest kind.
+fn hang(paper: &Paper, duty: f64, mass: f64, duration: f64, steps: u32) -> f64 {
+    let mut actuator = modular(paper);
+    actuator.drive(pulses(duty)).expect("pulses");
+    let (mut length, mut velocity, step) = (paper.start().length, 0.0, duration / f64::from(steps));
+    for count in 1..=steps {
+        velocity += (GRAVITY - actuator.respond(velocity).tension / mass) * step;
+        length += velocity * step;
+        actuator.move_to(duration * f64::from(count) / f64::from(steps), length).expect("a step");
+    }
+    length
+}
+
+#[test]
+fn moved_along_a_table_it_is_the_fixed_step_engine() {
+    let (step, duty) = (1.3e-3, 0.37);
+    let times: Vec<f64> = (0..=400).map(|k| f64::from(k) * step).collect();
+    let lengths: Vec<f64> = (0..=400).map(|k| between(k, 0, 0.075, 0.098)).collect();
+    let paper = Paper::pwm(FREQUENCY, duty).with(|rig| {
+        let motion = Motion::table(times.clone(), lengths.clone(), rig.thread_length).expect("a motion");
+        rig.load = Load::Prescribed(motion);
+    });
+    let rig = paper.rig();
+    let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+    let mut actuator = modular(&paper);
+    actuator.drive(pulses(duty)).expect("pulses");
+    for (time, length) in times.iter().zip(&lengths).skip(1) {
+        stepper.advance_to(*time).expect("a step");
+        actuator.move_to(*time, *length).expect("a step");
+        let (ours, engine) = (actuator.sample(), stepper.sample());
+        assert_close(ours.pressure.0, engine.pressure.0, 1e-13);
+        assert_close(ours.air_mass, engine.air_mass, 1e-13);
+        assert_eq!(ours.ports, engine.ports, "at {time} s");
+    }
+}
+
+#[test]
+fn a_mass_in_a_loop_of_one_s_own_approaches_the_event_located_run_in_first_order() {
+    let (mass, duration, duty) = (5.0 * LB, 0.32, 0.5);
+    let paper = Paper::pwm(FREQUENCY, duty).friction(100.0, 0.0).mass(mass);
+    let exact = paper.run(duration, 1e-10).at(duration).length;
+    let errors = [1600, 3200, 6400].map(|steps| (hang(&paper, duty, mass, duration, steps) - exact).abs());
+    assert!(errors[2] < 2e-5, "{errors:?}");
+    for pair in errors.windows(2) {
+        assert!((1.7..2.3).contains(&(pair[0] / pair[1])), "{errors:?}");
+    }
+}
+
+#[test]
+fn what_flows_in_is_what_the_response_says_also_through_a_hose() {
+    let paper = Paper::pwm(FREQUENCY, 1.0).isometric(0.085);
+    let hose = Hose::new(HoseKind::Lumped, [0.5, 2e-3], [1.81e-5, 293.15, 1.0], &paper.air()).expect("a hose");
+    for line in [Line::NONE, Line { hose: Some(hose), ..Line::NONE }] {
+        let rig = paper.rig().with_line(line).expect("a line");
+        let mut actuator = ModularActuator::new(&rig, paper.start(), FREQUENCY).expect("an actuator");
+        actuator.drive(Drive::Steady(Request::Fill)).expect("a request");
+        actuator.move_to(0.02, 0.085).expect("a step");
+        let step = 1e-6;
+        let before = (actuator.respond(0.0), actuator.state());
+        actuator.move_to(0.02 + step, 0.085).expect("a step");
+        let after = (actuator.respond(0.0), actuator.state());
+        // The mean of both ends errs by the square of the step.
+        let mean = |one: f64, other: f64| 0.5 * (one + other);
+        let flow = mean(before.0.mass_flow, after.0.mass_flow);
+        assert_close((after.1.air_mass - before.1.air_mass) / step, flow, 1e-6);
+        let rise = mean(before.0.pressure_rate, after.0.pressure_rate);
+        assert_close((after.1.pressure.0 - before.1.pressure.0) / step, rise, 1e-6);
+    }
+}
+
+#[test]
+fn dual_numbers_carry_derivatives_through_pulses_and_motion() {
+    let paper = Paper::pwm(FREQUENCY, 0.4);
+    let end = |area: f64| {
+        let mut paper = paper.clone();
+        paper.efficiency = area;
+        let mut actuator = modular(&paper);
+        actuator.drive(pulses(0.4)).expect("pulses");
+        (1..=50).for_each(|k| actuator.move_to(f64::from(k) * 2e-3, 0.09).expect("a step"));
+        actuator.state().pressure.0
+    };
+    let seeded: Rig<Dual<f64, 1>> = paper.rig().map(|parameter, value| {
+        let dual = Dual::of(value);
+        if parameter.key == "valve.flow_efficiency" { Dual::variable(value, 0) } else { dual }
+    });
+    let initial = paper.initial().map(|_, value| Dual::of(value));
+    let start = seeded.begin(&initial).expect("a start");
+    let mut actuator = ModularActuator::new(&seeded, start, Dual::of(FREQUENCY)).expect("an actuator");
+    let drive = Drive::Pulses { duty: Dual::of(0.4), pulse: Request::Fill, rest: Request::Exhaust };
+    actuator.drive(drive).expect("pulses");
+    (1..=50).for_each(|k| actuator.move_to(Dual::of(f64::from(k) * 2e-3), Dual::of(0.09)).expect("a step"));
+    let slope = common::slope(1e-4, |change| end(0.85 + change));
+    assert_close(actuator.state().pressure.0.slope[0], slope, 1e-7);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_and_changes_nothing() {
+    let paper = Paper::pwm(FREQUENCY, 0.5);
+    let mut actuator = modular(&paper);
+    actuator.drive(pulses(0.5)).expect("pulses");
+    actuator.move_to(0.05, 0.09).expect("a step");
+    let before = actuator.sample();
+    let refused = |result: Result<(), Error>, text: &str| {
+        let said = result.expect_err("refused").to_string();
+        assert!(said.contains(text), "{said}");
+    };
+    refused(actuator.drive(Drive::Steady(Request::Hold)), "three-way valve cannot hold");
+    refused(actuator.drive(pulses(1.2)), "duty");
+    refused(actuator.move_to(0.05, 0.091), "back in time");
+    refused(actuator.move_to(f64::NAN, 0.091), "back in time");
+    refused(actuator.move_to(0.1, 0.2), "left the physics");
+    refused(actuator.move_to(0.1, f64::NAN), "left the physics");
+    assert_eq!(actuator.sample(), before);
+    actuator.move_to(0.1, 0.091).expect("it goes on");
+
+    let sealed = Paper::sealed();
+    let mut actuator = ModularActuator::new(&sealed.rig(), sealed.start(), FREQUENCY).expect("an actuator");
+    refused(actuator.drive(Drive::Steady(Request::Fill)), "has none");
+    let error = ModularActuator::new(&sealed.rig(), sealed.start(), 0.0).expect_err("no frequency");
+    assert!(error.to_string().contains("command.frequency"), "{error}");
+    let guided = Rig::new(sealed.actuator(), None, Load::Prescribed(Motion::Guided)).expect_err("nobody moves it");
+    assert!(guided.to_string().contains("guided"), "{guided}");
+}
