@@ -1,8 +1,6 @@
 //! The measured error of the fixed-step engine, and the step that an accuracy asked for needs.
 
-mod common;
-
-use common::{PSI, Paper};
+use crate::common::{PSI, Paper};
 use mckibben::Error;
 use mckibben::simulation::accuracy::{PILOT, SHORTEST, StepError, fixed_step_error, step_for_accuracy};
 use mckibben::simulation::{FixedStepper, Method, SampleTimes, simulate};

@@ -1,7 +1,6 @@
 //! The modular actuator: (12) transcribed, derivatives against finite differences, both stiffnesses.
 
-mod common;
-
+use crate::common;
 use common::{ATMOSPHERE, Paper, assert_close, assert_within, between, slope};
 use mckibben::air::Process;
 use mckibben::force::Effectiveness;

@@ -1,8 +1,6 @@
 //! The air: blow-down and filling in closed form, the invariant of the polytropic processes, what is in and what is out.
 
-mod common;
-
-use common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::{Air, Chamber, Flow, Process};
 use mckibben::simulation::Trajectory;
 use mckibben::valve::{Command, ExhaustTemperature, Request};

@@ -3,13 +3,12 @@
 //!
 //! `cargo xtask rows` tries ten million random rows.
 
-mod common;
 #[path = "common/laws.rs"]
 mod laws;
 #[path = "common/random.rs"]
 mod random;
 
-use common::{INCH, LB, PSI, Paper, ROOM};
+use crate::common::{INCH, LB, PSI, Paper, ROOM};
 use mckibben::batch::{Batch, Float, Row, Width};
 use mckibben::line::{Hose, HoseKind, Leakage, Line};
 use mckibben::load::{Load, Motion};

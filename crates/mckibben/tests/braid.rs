@@ -1,8 +1,6 @@
 //! The braid: closed forms of its geometry.
 
-mod common;
-
-use common::{INCH, assert_close, assert_within};
+use crate::common::{INCH, assert_close, assert_within};
 use mckibben::{Braid, Dual, Error};
 use proptest::prelude::*;
 use std::f64::consts::PI;

@@ -1,8 +1,6 @@
 //! The exergy of a whole circuit: filling in closed form, the sum, and what an effectiveness does in a closed cycle.
 
-mod common;
-
-use common::{ATMOSPHERE, INCH, LB, PSI, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, INCH, LB, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::force::Effectiveness;
 use mckibben::load::{Load, Motion};

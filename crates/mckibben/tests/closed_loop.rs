@@ -1,7 +1,6 @@
 //! Both engines with a controller in the loop.
 
-mod common;
-
+use crate::common;
 use common::{PSI, Paper, assert_close, assert_within};
 use mckibben::control::{
     Between, Controller, Drive, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint,

@@ -1,8 +1,6 @@
 //! Sensors, sampling, set points, modulation, relays and the laws that are made of them.
 
-mod common;
-
-use common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within, between, spread};
+use crate::common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within, between, spread};
 use mckibben::control::{
     AirMass, Between, Controller, Drive, FeedForward, JointController, JointMeasurement, JointSensors, JointTracker,
     MAX_DELAY, Measurement, Modulator, Output, Pid, Place, Quantity, Regulator, Relay, Sampled, Sampling, Sensor,

@@ -2,9 +2,7 @@
 //!
 //! The clauses are those of `mckibben::simulation::event`. Rigs meet the same rules in `tests/stops.rs`.
 
-mod common;
-
-use common::{GRAVITY, Paper, assert_within};
+use crate::common::{GRAVITY, Paper, assert_within};
 use mckibben::simulation::system::{GuardForm, Guards, HybridSystem};
 use mckibben::simulation::{Counts, EventKind, Integrator};
 use mckibben::{Error, Over};

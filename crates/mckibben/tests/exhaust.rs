@@ -1,8 +1,6 @@
 //! A passage of its own to the surroundings, in both engines and in a batch.
 
-mod common;
-
-use common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::batch::{Batch, Row};
 use mckibben::simulation::{FixedStepper, Method, simulate};

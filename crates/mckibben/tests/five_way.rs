@@ -1,8 +1,6 @@
 //! The five-way valve: two outputs in opposition at the same instants; and the two-way and normally open kinds.
 
-mod common;
-
-use common::assert_within;
+use crate::common::assert_within;
 use mckibben::Error;
 use mckibben::valve::{Command, FiveWay, FiveWayOutput, FiveWayRest, Ports, Request, SeatClock, Solenoid, ValveKind};
 use std::iter::successors;

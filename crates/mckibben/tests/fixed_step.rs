@@ -1,9 +1,7 @@
 //! The fixed-step engine: its orders with edges, reversals, limits of the length and the port's pressure inside steps, its
 //! stability, true sticking, and its agreement with the event-located engine.
 
-mod common;
-
-use common::{PSI, Paper};
+use crate::common::{PSI, Paper};
 use mckibben::air::Process;
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::accuracy::Reference;

@@ -1,7 +1,6 @@
 //! Static force: the paper's equations transcribed, virtual work, and the three forms of effectiveness.
 
-mod common;
-
+use crate::common;
 use common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, slope};
 use mckibben::force::{Effective, Effectiveness, IdealBraid, MAX_COEFFICIENTS, MAX_KNOTS, StaticForce};
 use mckibben::{AbsolutePressure, Braid, Dual, Error, GaugePressure, Over};

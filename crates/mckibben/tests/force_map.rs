@@ -1,7 +1,7 @@
 //! A measured force map: through its nodes, smooth, monotone where it was measured so, a plane outside; its derivatives and
 //! secants; and both engines, with the lines of its grid as events.
 
-mod common;
+use crate::common;
 #[path = "common/laws.rs"]
 mod laws;
 

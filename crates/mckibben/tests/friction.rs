@@ -5,9 +5,7 @@
 //! a half cycle ends `2 Q k_sec/k_t` nearer. The paper's `4Q` a cycle is the case `k_sec = k_t`. The limit is that of
 //! small amplitudes `a`, in which k_sec and k_t are constant: the error is of the order `a/L`.
 
-mod common;
-
-use common::{ATMOSPHERE, GRAVITY, LB, LBF, PSI, Paper, assert_close, assert_within, bisect};
+use crate::common::{ATMOSPHERE, GRAVITY, LB, LBF, PSI, Paper, assert_close, assert_within, bisect};
 use mckibben::force::StaticForce;
 use mckibben::friction::Friction;
 use mckibben::simulation::{EventKind, Sliding};

@@ -3,9 +3,7 @@
 //! The pressure is that of a chamber so large that it does not change, so that the static force and the secant stiffness
 //! depend on the length alone and every loop has a closed form.
 
-mod common;
-
-use common::{ATMOSPHERE, GRAVITY, LB, Paper, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, GRAVITY, LB, Paper, assert_close, assert_within, slope};
 use mckibben::air::Process;
 use mckibben::friction::{Coulomb, Hysteresis, MaxwellSlip, Memory};
 use mckibben::load::{Load, Motion};

@@ -1,8 +1,6 @@
 //! The integrator: error against tolerance on problems in closed form, order of the dense output, and a stiff decay.
 
-mod common;
-
-use common::{assert_close, assert_within};
+use crate::common::{assert_close, assert_within};
 use mckibben::Error;
 use mckibben::Over;
 use mckibben::simulation::system::{Guards, HybridSystem};

@@ -1,11 +1,10 @@
 //! The static model turned round: (3) solved for the pressure, round trips, implicit derivatives, the joint's stiffness
 //! against a displaced joint, and what is refused.
 
-mod common;
 #[path = "common/laws.rs"]
 mod of_force;
 
-use common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within, between, slope};
+use crate::common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within, between, slope};
 use mckibben::air::Process;
 use mckibben::control::{AntagonisticPair, Held};
 use mckibben::force::Effectiveness;

@@ -5,9 +5,7 @@
 //! of it can still overshoot in the stages that only its dense output needs; the polynomial is then NaN, no guard fires on
 //! it, and the state that is read from it is NaN too. A step is finite only if its polynomial is.
 
-mod common;
-
-use common::{ATMOSPHERE, Paper};
+use crate::common::{ATMOSPHERE, Paper};
 use mckibben::air::Process;
 use mckibben::load::Load;
 use mckibben::valve::{Command, FlowStandard, Request, ValveKind};

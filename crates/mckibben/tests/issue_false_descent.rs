@@ -4,8 +4,7 @@
 //! Where the guard has a feature much shorter than the step (friction that falls within a few mm/s of rest, or that begins
 //! at zero gauge pressure), that polynomial swings below zero next to where the guard starts, a hair above it.
 
-mod common;
-use common::Paper;
+use crate::common::Paper;
 use mckibben::friction::Coulomb;
 use mckibben::load::Load;
 use mckibben::simulation::{InitialLength, simulate};

@@ -5,9 +5,7 @@
 //! piece is kept beyond equal pressure, where it is the root of a negative number. The widening must stay well within the
 //! straight line that it leads to.
 
-mod common;
-
-use common::{GRAVITY, Paper};
+use crate::common::{GRAVITY, Paper};
 use mckibben::load::Load;
 use mckibben::simulation::{Integrator, RigSystem};
 use mckibben::valve::{Command, Request};

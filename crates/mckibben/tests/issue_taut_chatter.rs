@@ -6,9 +6,7 @@
 //! pressure), and each touch of zero was logged as a reversal from shortening to shortening. By the sixth clause of the
 //! contract rounding does not switch a mode: zero must be passed by what a few steps may err.
 
-mod common;
-
-use common::{GRAVITY, Paper};
+use crate::common::{GRAVITY, Paper};
 use mckibben::air::Process;
 use mckibben::load::Load;
 use mckibben::simulation::Trajectory;

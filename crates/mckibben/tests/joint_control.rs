@@ -1,8 +1,6 @@
 //! A joint with a controller in the loop.
 
-mod common;
-
-use common::{GRAVITY, PSI, Paper, assert_close, assert_within, slope};
+use crate::common::{GRAVITY, PSI, Paper, assert_close, assert_within, slope};
 use mckibben::air::Process;
 use mckibben::control::{
     AirMass, Between, Controller, Drive, FeedForward, Held, JointAim, JointController, JointMeasurement, JointSensors,

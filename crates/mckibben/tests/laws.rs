@@ -1,7 +1,7 @@
 //! The laws of force beside the paper's: transcriptions, limiting cases, virtual work, energy, derivatives, secants, and
 //! both engines on each.
 
-mod common;
+use crate::common;
 #[path = "common/laws.rs"]
 mod laws;
 

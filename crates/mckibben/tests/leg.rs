@@ -1,7 +1,6 @@
 //! A leg of two segments on six actuators.
 
-mod common;
-
+use crate::common;
 use common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, between, slope};
 use mckibben::control::Drive;
 use mckibben::load::leg::{Belt, Leg, LegState, Range, STRANDS, Segment, Strand};

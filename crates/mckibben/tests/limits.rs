@@ -1,8 +1,6 @@
 //! End effects: slack below the shortest length, a taut braid beyond the longest, and a tendon that only pulls.
 
-mod common;
-
-use common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within};
 use mckibben::force::LengthLimits;
 use mckibben::{Braid, Dual, Error};
 use proptest::prelude::*;

@@ -1,8 +1,6 @@
 //! The friction law of a tube: both textbook laws, their inverse, the flow of Fanno's kind at constant temperature.
 
-mod common;
-
-use common::{ATMOSPHERE, Paper, ROOM, assert_close, bisect, slope};
+use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, bisect, slope};
 use mckibben::Dual;
 use mckibben::line::{LAMINAR_END, TURBULENT_START, Tube, drive_at, reynolds_at};
 use proptest::prelude::*;

@@ -1,7 +1,6 @@
 //! A hose by itself: volumes, wave speed and attenuation against the closed form of the line.
 
-mod common;
-
+use crate::common;
 use common::{ATMOSPHERE, Paper, ROOM, assert_close};
 use mckibben::Dual;
 use mckibben::line::linear::{Complex, LinearLine};

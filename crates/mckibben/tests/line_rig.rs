@@ -1,7 +1,6 @@
 //! The rig with a hose and a leak, by both engines.
 
-mod common;
-
+use crate::common;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Leakage, Line};

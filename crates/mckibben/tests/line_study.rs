@@ -1,9 +1,7 @@
 //! What a hose explains of the paper's flow efficiency of 0.85 and of the damping that it missed: every figure of the tables
 //! in `docs/air-line.md` is computed anew. With `MCKIBBEN_WRITE` set the rows are printed instead.
 
-mod common;
-
-use common::{ATMOSPHERE, INCH, LB, LBF, PSI, Paper, ROOM, bisect};
+use crate::common::{ATMOSPHERE, INCH, LB, LBF, PSI, Paper, ROOM, bisect};
 use mckibben::AbsolutePressure;
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Line};

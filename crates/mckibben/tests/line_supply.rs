@@ -1,7 +1,6 @@
 //! A supply whose pressure changes: bottle, compressor, regulator, several actuators.
 
-mod common;
-
+use crate::common;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::line::{Compressor, Hose, HoseKind, Line, Regulator, Reservoir, SupplyLine};
 use mckibben::simulation::{EventKind, Rig, Trajectory, simulate};

@@ -1,8 +1,6 @@
 //! The rig near an operating point: closed forms, the invariant's pole, simulated trajectories, and what is refused.
 
-mod common;
-
-use common::{ATMOSPHERE, GRAVITY, INCH, LB, PSI, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, GRAVITY, INCH, LB, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, OperatingPoint, StateSpace, average, linearize};
 use mckibben::load::{Load, Motion};

@@ -1,9 +1,7 @@
 //! Poles, frequency response and controllability of linear models: closed forms, polynomials, ring-downs in simulation.
 #![cfg(feature = "analysis")]
 
-mod common;
-
-use common::{LB, PSI, Paper, ROOM, assert_close, assert_within, between, bisect};
+use crate::common::{LB, PSI, Paper, ROOM, assert_close, assert_within, between, bisect};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, Pole, StateSpace, average, linearize};

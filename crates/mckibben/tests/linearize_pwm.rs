@@ -1,8 +1,6 @@
 //! The averaged valve against closed forms, against itself, and against the mean of simulated cycles.
 
-mod common;
-
-use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, average};

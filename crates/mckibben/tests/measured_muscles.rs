@@ -4,9 +4,7 @@
 //! tables say 0 N the muscle was slack, which is no measurement of force: those places are left out. Errors are parts of the
 //! largest force. The fits are SciPy's `least_squares` and `lstsq` on formulas written in NumPy, and so are their errors.
 
-mod common;
-
-use common::assert_close;
+use crate::common::assert_close;
 use mckibben::force::{
     Bladder, BladderForm, Bolen, Characteristic, IdealBraid, Law, MartensBoblan, Sarosi, StaticForce,
 };

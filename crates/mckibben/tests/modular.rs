@@ -1,7 +1,6 @@
 //! The modular actuator, whose ends somebody else moves.
 
-mod common;
-
+use crate::common;
 use common::{GRAVITY, LB, Paper, assert_close, between};
 use mckibben::control::Drive;
 use mckibben::line::{Hose, HoseKind, Line};

@@ -1,8 +1,6 @@
 //! PID control: each action in closed form, the limits, bumpless behaviour, and its derivatives.
 
-mod common;
-
-use common::{assert_close, assert_within, between, slope};
+use crate::common::{assert_close, assert_within, between, slope};
 use mckibben::control::{Drive, Output, Pid, Quantity};
 use mckibben::valve::Request;
 use mckibben::{Dual, Over};

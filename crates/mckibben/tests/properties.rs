@@ -1,12 +1,11 @@
 //! Properties of any admissible rig: it comes to its end or says why not, and nothing in it is impossible.
 //!
-//! The rigs are the same in every run. `MCKIBBEN_SEED` (a number) draws others and `MCKIBBEN_CASES` sets how many; `MCKIBBEN_CASES=20000 cargo test --release --test properties` is a long run.
+//! The rigs are the same in every run. `MCKIBBEN_SEED` (a number) draws others and `MCKIBBEN_CASES` sets how many; `MCKIBBEN_CASES=20000 cargo test --release --test runs properties::` is a long run.
 
-mod common;
 #[path = "common/random.rs"]
 mod random;
 
-use common::ATMOSPHERE;
+use crate::common::ATMOSPHERE;
 use mckibben::Error;
 use mckibben::air::Process;
 use mckibben::load::Load;

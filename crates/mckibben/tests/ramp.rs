@@ -1,8 +1,6 @@
 //! A seat that takes its time: the line, its ends, turning under way, and what a pulse passes.
 
-mod common;
-
-use common::{assert_close, assert_within, slope};
+use crate::common::{assert_close, assert_within, slope};
 use mckibben::valve::{Ramp, Stroke};
 use mckibben::{Dual, Error};
 

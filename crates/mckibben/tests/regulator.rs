@@ -1,8 +1,6 @@
 //! The proportional pressure regulator: its equation, the limit of its rate, dead time, and what flows through it.
 
-mod common;
-
-use common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Chamber;
 use mckibben::valve::{Port, Regulated, Regulator};
 use mckibben::{AbsolutePressure, Dual, Error};

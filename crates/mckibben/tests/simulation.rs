@@ -1,8 +1,6 @@
 //! A simulated rig: equilibria, small oscillations, energy, sampling, and derivatives through the whole of it.
 
-mod common;
-
-use common::{ATMOSPHERE, GRAVITY, INCH, LB, LBF, PSI, Paper, assert_close, assert_within, bisect};
+use crate::common::{ATMOSPHERE, GRAVITY, INCH, LB, LBF, PSI, Paper, assert_close, assert_within, bisect};
 use mckibben::air::Process;
 use mckibben::load::{Load, Motion};
 use mckibben::parameter;

@@ -1,7 +1,6 @@
 //! The solenoid: every motion of the seat is an exact instant, and pulses too short are not followed.
 
-mod common;
-
+use crate::common;
 use common::{Paper, assert_within};
 use mckibben::Error;
 use mckibben::simulation::EventKind;

@@ -1,8 +1,6 @@
 //! The proportional spool: its equation of motion, the textbook's step response, stops and edges.
 
-mod common;
-
-use common::{assert_close, assert_within};
+use crate::common::{assert_close, assert_within};
 use mckibben::valve::{Spool, SpoolMotion};
 use mckibben::{Dual, Error};
 use std::f64::consts::{PI, TAU};

@@ -1,8 +1,6 @@
 //! Small volumes behind a large valve: the pressure settles in microseconds, and the steps do not follow it down.
 
-mod common;
-
-use common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::simulation::{InitialLength, Integrator, RigSystem, Trajectory, simulate};
 use mckibben::valve::{Command, Request};

@@ -2,9 +2,7 @@
 //!
 //! The rules are those of `mckibben::simulation::event`; `tests/events.rs` has them on systems in closed form.
 
-mod common;
-
-use common::{ATMOSPHERE, GRAVITY, LB, PSI, Paper, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, GRAVITY, LB, PSI, Paper, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::load::Load;
 use mckibben::simulation::{EventKind, Extent, InitialLength, Sliding, Trajectory};

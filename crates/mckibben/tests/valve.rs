@@ -1,8 +1,6 @@
 //! The valve's passage: (21)(23) transcribed, ISO 6358, continuity, both directions.
 
-mod common;
-
-use common::{ATMOSPHERE, INCH, LB, LBF, Paper, ROOM, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, INCH, LB, LBF, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};
 use mckibben::valve::{ExhaustTemperature, FlowLaw, FlowStandard, FlowZone, Port, Supply};
 use mckibben::{AbsolutePressure, Dual, Error, GaugePressure};

@@ -1,8 +1,6 @@
 //! Flow through valves stated by Kv or Cv, what manufacturers say of both, and a passage of its own for the exhaust.
 
-mod common;
-
-use common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};
 use mckibben::valve::{FlowLaw, FlowStandard, Port, Ports, REFERENCE_DENSITY};
 use mckibben::{AbsolutePressure, ActuatorState, Dual, Error};

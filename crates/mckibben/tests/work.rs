@@ -1,11 +1,10 @@
 //! The work of one step: how many operations of each kind, so that a change that makes a step dearer is seen where it is
 //! made, on any machine.
 
-mod common;
 #[path = "common/counted.rs"]
 mod counted;
 
-use common::{INCH, Paper};
+use crate::common::{INCH, Paper};
 use counted::{Books, Counts, step};
 use mckibben::friction::Memory;
 use mckibben::load::Line;

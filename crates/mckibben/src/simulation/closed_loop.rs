@@ -12,6 +12,7 @@ use crate::control::{Controller, Drive, Measurement, Modulator, Quantity, Sample
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::{Command, Request, Solenoid, is_due};
+use alloc::vec::Vec;
 
 /// What a controller saw at a sampling instant and what it decided.
 #[derive(Clone, Copy, Debug, PartialEq)]

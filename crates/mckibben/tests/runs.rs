@@ -1,0 +1,41 @@
+//! Everything that steps through time.
+//!
+//! One program: what the tests share, the engines above all, is compiled once. `cargo test --test runs NAME::` runs one file.
+
+mod common;
+
+mod accuracy;
+mod air;
+#[cfg(feature = "batch")]
+mod batch;
+mod circuit;
+mod closed_loop;
+mod events;
+#[cfg(feature = "batch")]
+mod exhaust;
+mod fixed_step;
+mod force_map;
+mod friction;
+mod hysteresis;
+mod integrator;
+mod issue_dense_output_overshoot;
+mod issue_false_descent;
+mod issue_loose_tolerance;
+mod issue_taut_chatter;
+mod joint;
+mod joint_control;
+mod laws;
+mod leg;
+mod line_rig;
+mod line_study;
+mod line_supply;
+mod linearize;
+mod linearize_analysis;
+mod linearize_pwm;
+mod modular;
+mod properties;
+mod simulation;
+mod solenoid;
+mod stiff;
+mod stops;
+mod work;
