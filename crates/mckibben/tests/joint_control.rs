@@ -88,8 +88,8 @@ impl Controller for Replay {
     fn begin(&self) {}
 
     fn decide(&self, seen: &Measurement, (): &mut ()) -> Drive {
-        let begun = self.0.iter().filter(|(time, _)| *time <= seen.time + 1e-9);
-        Drive::Steady(begun.last().map_or(Request::Hold, |(_, request)| *request))
+        let begun = self.0.iter().rfind(|(time, _)| *time <= seen.time + 1e-9);
+        Drive::Steady(begun.map_or(Request::Hold, |(_, request)| *request))
     }
 }
 

@@ -75,8 +75,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let scenario = document.scenario()?;
     let joint = match document.controlled_joint_experiment()? {
-        Some(controlled) => Some(joint::Joint::Controlled(controlled)),
-        None => document.joint_experiment()?.map(joint::Joint::Open),
+        Some(controlled) => Some(joint::Joint::Controlled(Box::new(controlled))),
+        None => document.joint_experiment()?.map(Box::new).map(joint::Joint::Open),
     };
     if let Some(joint) = joint {
         if arguments.over != portrait::Over::Time {

@@ -113,6 +113,9 @@ pub(super) fn measurement<R: Real>(time: R, truth: &Sample<R>, actuator: &Actuat
     Measurement { time, length, velocity, pressure, air_mass, tension }
 }
 
+/// The clockwork of a controller of one valve.
+pub(super) type OneValve<R, C> = Clockwork<R, <C as Controller<R>>::Memory, 1>;
+
 /// A controller of one actuator with its sensors.
 #[derive(Debug)]
 pub(super) struct ClosedLoop<'c, R: Real, C: Controller<R>> {
@@ -122,11 +125,7 @@ pub(super) struct ClosedLoop<'c, R: Real, C: Controller<R>> {
 
 impl<R: Real, C: Controller<R>> ClosedLoop<'_, R, C> {
     /// The clockwork before the first sample, with a copy of the rig of which nothing has been asked yet.
-    pub(super) fn begin(
-        &self,
-        rig: &Rig<R>,
-        sampling: Sampling<R>,
-    ) -> Result<(Clockwork<R, C::Memory, 1>, Rig<R>), Error> {
+    pub(super) fn begin(&self, rig: &Rig<R>, sampling: Sampling<R>) -> Result<(OneValve<R, C>, Rig<R>), Error> {
         let mut rig = rig.clone();
         Ok((Clockwork::begin(self.controller.begin(), sampling, [rig.actuation_mut()])?, rig))
     }
@@ -134,7 +133,7 @@ impl<R: Real, C: Controller<R>> ClosedLoop<'_, R, C> {
     /// Takes the sample that is due, and continues the rig's command up to the next.
     pub(super) fn sample(
         &self,
-        clockwork: &mut Clockwork<R, C::Memory, 1>,
+        clockwork: &mut OneValve<R, C>,
         truth: &Sample<R>,
         rig: &mut Rig<R>,
     ) -> Result<Decision<R>, Error> {

@@ -2,7 +2,7 @@
 //!
 //! Checked by `tests/closed_loop.rs`.
 
-use super::closed_loop::{Clockwork, ClosedLoop, Decision};
+use super::closed_loop::{ClosedLoop, Decision, OneValve};
 use super::fixed_step::{Walk, check_line, stepped};
 use super::kernel::Method;
 use super::rig::{Rig, State};
@@ -72,7 +72,7 @@ pub struct ControlledStepper<'c, R: Real<Time = R>, C: Controller<R>> {
     method: Method,
     walk: Walk<R>,
     closed_loop: ClosedLoop<'c, R, C>,
-    clockwork: Clockwork<R, C::Memory, 1>,
+    clockwork: OneValve<R, C>,
     decisions: Vec<Decision<R>>,
 }
 

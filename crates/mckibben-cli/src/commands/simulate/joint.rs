@@ -15,9 +15,9 @@ use std::time::Instant;
 /// A joint with its own commands, or with a controller.
 pub(super) enum Joint {
     /// With its own commands.
-    Open(JointExperiment),
+    Open(Box<JointExperiment>),
     /// With a controller.
-    Controlled(ControlledJointExperiment),
+    Controlled(Box<ControlledJointExperiment>),
 }
 
 /// Runs the joint, tells what it came to, and writes what is asked for.
