@@ -80,7 +80,7 @@ fn its_accelerations_are_newton_s_for_both_centres_of_mass() {
                     let weights = [segment.mass, segment.mass, segment.inertia];
                     for (axis, weight) in weights.into_iter().enumerate() {
                         let per_turn = slope(1e-3, |by| bodies(turned(by))[body][axis]);
-                        let acceleration = slope(1e-3, |time| slope(1e-3, |more| bodies(at(time + more))[body][axis]));
+                        let acceleration = slope(2e-4, |time| slope(2e-4, |more| bodies(at(time + more))[body][axis]));
                         let gravity = if axis == 1 { leg.gravity } else { 0.0 };
                         inertial += weight * (acceleration + gravity) * per_turn;
                     }

@@ -19,17 +19,21 @@ fn modular(paper: &Paper) -> ModularActuator {
     ModularActuator::new(&paper.rig(), paper.start(), FREQUENCY).expect("an actuator")
 }
 
-/// The end of a mass that hangs from it, by steps of the simplest kind.
-fn hang(paper: &Paper, duty: f64, mass: f64, duration: f64, steps: u32) -> f64 {
+/// Lengths of a mass that hangs from it, at each 20th of the time, by steps of the simplest kind.
+fn hang(paper: &Paper, duty: f64, mass: f64, duration: f64, steps: u32) -> Vec<f64> {
     let mut actuator = modular(paper);
     actuator.drive(pulses(duty)).expect("pulses");
     let (mut length, mut velocity, step) = (paper.start().length, 0.0, duration / f64::from(steps));
+    let mut lengths = Vec::new();
     for count in 1..=steps {
         velocity += (GRAVITY - actuator.respond(velocity).tension / mass) * step;
         length += velocity * step;
         actuator.move_to(duration * f64::from(count) / f64::from(steps), length).expect("a step");
+        if count % (steps / 20) == 0 {
+            lengths.push(length);
+        }
     }
-    length
+    lengths
 }
 
 #[test]
@@ -56,15 +60,17 @@ fn moved_along_a_table_it_is_the_fixed_step_engine() {
 }
 
 #[test]
-fn a_mass_in_a_loop_of_one_s_own_approaches_the_event_located_run_in_first_order() {
+fn a_mass_in_a_loop_of_one_s_own_approaches_the_event_located_run() {
     let (mass, duration, duty) = (5.0 * LB, 0.32, 0.5);
-    let paper = Paper::pwm(FREQUENCY, duty).friction(100.0, 0.0).mass(mass);
-    let exact = paper.run(duration, 1e-10).at(duration).length;
-    let errors = [1600, 3200, 6400].map(|steps| (hang(&paper, duty, mass, duration, steps) - exact).abs());
-    assert!(errors[2] < 2e-5, "{errors:?}");
-    for pair in errors.windows(2) {
-        assert!((1.7..2.3).contains(&(pair[0] / pair[1])), "{errors:?}");
-    }
+    let paper = Paper::pwm(FREQUENCY, duty).friction(100.0, 0.0).mass(mass).gauge(3e5);
+    let run = paper.run(duration, 1e-10);
+    let errors = [1600, 3200, 6400].map(|steps| {
+        let lengths = hang(&paper, duty, mass, duration, steps);
+        let off = |(length, k): (f64, i32)| (length - run.at(duration * f64::from(k) / 20.0).length).abs();
+        lengths.into_iter().zip(1..).map(off).fold(0.0, f64::max)
+    });
+    // The loop is of first order at least: half the step, no more than half the error.
+    assert!(errors[2] < 5e-6 && errors.windows(2).all(|pair| pair[0] > 2.0 * pair[1]), "{errors:?}");
 }
 
 #[test]
@@ -76,16 +82,16 @@ fn what_flows_in_is_what_the_response_says_also_through_a_hose() {
         let mut actuator = ModularActuator::new(&rig, paper.start(), FREQUENCY).expect("an actuator");
         actuator.drive(Drive::Steady(Request::Fill)).expect("a request");
         actuator.move_to(0.02, 0.085).expect("a step");
-        let step = 1e-6;
+        let step = 1e-7;
         let before = (actuator.respond(0.0), actuator.state());
         actuator.move_to(0.02 + step, 0.085).expect("a step");
         let after = (actuator.respond(0.0), actuator.state());
         // The mean of both ends errs by the square of the step.
         let mean = |one: f64, other: f64| 0.5 * (one + other);
         let flow = mean(before.0.mass_flow, after.0.mass_flow);
-        assert_close((after.1.air_mass - before.1.air_mass) / step, flow, 1e-6);
+        assert_close((after.1.air_mass - before.1.air_mass) / step, flow, 1e-5);
         let rise = mean(before.0.pressure_rate, after.0.pressure_rate);
-        assert_close((after.1.pressure.0 - before.1.pressure.0) / step, rise, 1e-6);
+        assert_close((after.1.pressure.0 - before.1.pressure.0) / step, rise, 1e-5);
     }
 }
 
@@ -102,7 +108,7 @@ fn dual_numbers_carry_derivatives_through_pulses_and_motion() {
     };
     let seeded: Rig<Dual<f64, 1>> = paper.rig().map(|parameter, value| {
         let dual = Dual::of(value);
-        if parameter.key == "valve.flow_efficiency" { Dual::variable(value, 0) } else { dual }
+        if parameter.key == "valve.efficiency" { Dual::variable(value, 0) } else { dual }
     });
     let initial = paper.initial().map(|_, value| Dual::of(value));
     let start = seeded.begin(&initial).expect("a start");

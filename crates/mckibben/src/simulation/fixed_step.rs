@@ -133,9 +133,13 @@ impl<R: Real> Walk<R> {
     pub(crate) fn pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
         self.ports = timetable.pass(&mut self.progress, self.course.time);
         let held = &mut self.course.held;
-        if timetable.motion.is_some() {
+        if let Some(motion) = timetable.motion {
             let Line { time, length, slope } = timetable.line(&self.progress);
             held.line = Line { time: R::of_time(time), length: R::of_time(length), slope: R::of_time(slope) };
+            if motion.corners() > 0 {
+                // The velocity jumps at a corner, and what holds after it depends on that.
+                self.course.state[1] = held.line.slope;
+            }
         }
         (held.supply, held.exhaust) = (self.ports.supply, self.ports.exhaust);
         self.course.enter(rig);

@@ -114,8 +114,10 @@ impl<R: Real<Time = R>> ModularActuator<R> {
                 actuation.solenoid.check_request(rest)?;
             }
         }
-        let asked = self.modulator.command(drive, self.time(), self.pulse_frequency);
-        self.ask(asked);
+        let time = self.time();
+        let asked = self.modulator.command(drive, time, self.pulse_frequency);
+        self.ask(time, asked);
+        self.walk.pass(&self.rig, &self.rig.seats());
         Ok(())
     }
 
@@ -137,21 +139,25 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         course.held.line = Line { time: from, length: course.state[0], slope };
         course.state[1] = slope;
         course.enter(&self.rig);
-        loop {
-            let edge = self.modulator.next(self.pulse_frequency).filter(|edge| is_due(*edge, until));
-            // A period that begins with the step may lie a rounding before it.
-            let to = edge.map_or(until, |edge| edge.smaller(until));
-            if self.time().lt(to) {
-                let went = self.walk.advance_to(&self.rig, &self.rig.seats(), Method::Stable, to, None);
-                if went.is_err() {
-                    (self.walk, self.modulator) = before;
-                    return went;
-                }
+        while let Some(edge) = self.modulator.next(self.pulse_frequency).filter(|edge| is_due(*edge, until)) {
+            // The air does not feel an edge, only the seats that move up to it.
+            while let Some(instant) = self.rig.seats().next(&self.walk.progress, edge.smaller(until)) {
+                self.advance_to(instant.smaller(until), &before)?;
             }
-            let Some(edge) = edge else { return Ok(()) };
+            // A period that begins with the step may lie a rounding before it.
             let asked = self.modulator.pass(edge, self.pulse_frequency);
-            self.ask(asked);
+            self.ask(edge.larger(from), asked);
         }
+        self.advance_to(until, &before)
+    }
+
+    /// Goes on to `until` with what is asked; where that leaves the physics, back to where everything was `before`.
+    fn advance_to(&mut self, until: R, before: &(Walk<R>, Modulator<R>)) -> Result<(), Error> {
+        let went = self.walk.advance_to(&self.rig, &self.rig.seats(), Method::Stable, until, None);
+        if went.is_err() {
+            (self.walk, self.modulator) = *before;
+        }
+        went
     }
 
     /// The tension, its derivatives and the rates of the state, while the ends move apart at `velocity` in m/s.
@@ -168,11 +174,9 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         Response { pressure_rate: actuator.pressure_rate(&chamber, &flow), mass_flow: flow.net(), ..alone }
     }
 
-    fn ask(&mut self, request: Option<Request>) {
+    fn ask(&mut self, time: R, request: Option<Request>) {
         if let (Some(request), Some(actuation)) = (request, self.rig.actuation()) {
-            let time = self.walk.course.time;
             self.walk.progress.ask(time, &actuation.solenoid, request);
-            self.walk.pass(&self.rig, &self.rig.seats());
         }
     }
 }
