@@ -1,7 +1,7 @@
 //! A leg of two segments steps on a belt: three antagonistic pairs of the paper's actuator, each valve under PWM.
 //!
 //! ```text
-//! cargo run --release --example leg -- FOLDER
+//! cargo run --release --example leg -- FOLDER [svg|png]
 //! ```
 //!
 //! writes `leg.svg`, the courses over time, and `leg-sticks.svg`, the leg in one stride, into a folder. Nobody measures
@@ -41,6 +41,7 @@ const DRAWN: (u32, u32) = (24, 600);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map_or(PathBuf::from("."), PathBuf::from);
+    let ending = std::env::args().nth(2).unwrap_or("svg".into());
     let rig = Document::parse(MUSCLE, "muscle")?.experiment()?.rig;
     let leg = small_dog();
     let start = LegState { angles: [0.1, -0.5], rates: [0.0; 2] };
@@ -62,9 +63,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     walked.tell();
-    walked.courses().write(&folder.join("leg.svg"), Theme::default())?;
-    walked.sticks(&leg).write(&folder.join("leg-sticks.svg"), Theme::default())?;
-    println!("wrote leg.svg and leg-sticks.svg into {}", folder.display());
+    walked.courses().write(&folder.join(format!("leg.{ending}")), Theme::default())?;
+    walked.sticks(&leg).write(&folder.join(format!("leg-sticks.{ending}")), Theme::default())?;
+    println!("wrote leg.{ending} and leg-sticks.{ending} into {}", folder.display());
     Ok(())
 }
 
@@ -89,10 +90,10 @@ fn small_dog() -> Leg {
         ranges: [range(-60.0, 60.0), range(-100.0, -5.0)],
         strands: [hip_forward, hip_back, knee_forward, knee_back, both_forward, both_back],
         belt: Some(Belt {
-            depth: 0.415,
+            depth: 0.432,
             velocity: -0.35,
-            stiffness: 5e3,
-            damping: 40.0,
+            stiffness: 2e4,
+            damping: 80.0,
             friction: 0.6,
             slipping_speed: 0.02,
         }),
@@ -102,9 +103,9 @@ fn small_dog() -> Leg {
 /// Duty cycles over a stride. It begins as the foot lifts: the hip swings forward while the knee is bent, then the knee
 /// stretches and the hip draws back.
 fn duties(phase: f64) -> [f64; STRANDS] {
-    let hip = 0.32 * (TAU * (phase - 0.05)).sin();
-    let bend = 0.30 * (0.5 + 0.5 * (TAU * (phase - 0.12)).cos()).powi(2);
-    [0.42 + hip, 0.42 - hip, 0.50 - bend, 0.22 + bend, 0.25, 0.25]
+    let hip = 0.19 * (TAU * (phase - 0.02)).sin();
+    let bend = 0.40 * (0.5 + 0.5 * (TAU * (phase - 0.08)).cos()).powi(2);
+    [0.44 + hip, 0.42 - hip, 0.46 - bend, 0.24 + bend, 0.25, 0.25]
 }
 
 fn pulses(duty: f64) -> Drive {
@@ -195,7 +196,7 @@ impl Walked {
 
     fn sticks(&self, leg: &Leg) -> Figure {
         let mut panel = Panel::new(Axis::new("height", "m"));
-        let axis = Axis::new("forward", "m").starting_at(-0.25).ending_at(0.25);
+        let axis = Axis::new("forward", "m").starting_at(-0.28).ending_at(0.28);
         for (count, [knee, foot]) in self.sticks.iter().enumerate() {
             let stick = Series::line("", vec![0.0, knee[0], foot[0]], vec![0.0, knee[1], foot[1]]);
             panel = panel.series(stick.colour(Colour::Ramp(count as f64 / self.sticks.len() as f64)));
