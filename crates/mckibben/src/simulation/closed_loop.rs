@@ -48,6 +48,12 @@ impl<'c, R: Real, C: Controller<R>> ClosedLoop<'c, R, C> {
                 remedy: "give the actuator a valve, or simulate it without a controller",
             });
         };
+        if actuation.solenoid.regulator().is_some() {
+            return Err(Error::Unsupported {
+                what: "a controller drives the seats of a valve, and a pressure regulator has none",
+                remedy: "choose a valve such as valve.kind = \"three-way\", or give the regulator set points",
+            });
+        }
         actuation.command = Command::Table { time: Vec::new(), request: Vec::new() };
         let sampled = Sampled::begin(controller.begin());
         Ok((Self { controller, sampling, sensors, sampled, modulator: Modulator::idle() }, rig))

@@ -31,6 +31,7 @@ pub(crate) mod kernel;
 mod member;
 mod mode;
 mod plumbing;
+mod regulated;
 pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;
