@@ -3,7 +3,7 @@
 use crate::quantities::{digits, given, given_percent};
 use mckibben::control::Quantity;
 use mckibben_scenario::{
-    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Process, Regulator, Run, Scenario,
+    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Process, Regulator, Run, Scenario, ValveKind,
 };
 
 /// What the actuator pulls on.
@@ -47,11 +47,16 @@ pub fn drive(scenario: &Scenario) -> String {
             format!("PWM of {} at {} duty{states}", given(*frequency, "Hz"), given_percent(*duty))
         }
         Command::Constant(state) => format!("{} all the time", state.name()),
+        Command::SetPoints { time, .. } => format!("{} set points", time.len()),
         Command::Table { time, .. } => format!("table of {} commands", time.len()),
         Command::Controller(of) => controller(of),
     };
     let supply = given(supply.gauge_pressure, "Pa");
-    format!("{} valve, {command}, supply at {supply} gauge", valve.kind.name())
+    let kind = match valve.kind {
+        ValveKind::PressureRegulator => "pressure regulator".to_owned(),
+        seats => format!("{} valve", seats.name()),
+    };
+    format!("{kind}, {command}, supply at {supply} gauge")
 }
 
 /// What a controller does, and how often.

@@ -10,9 +10,8 @@
 
 use crate::progress::Progress;
 use mckibben::Error;
-use mckibben::line::Line;
 use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{FixedStepper, Sample, SampleTimes, Trajectory, simulate_watched};
+use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, Trajectory, simulate_watched};
 use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
@@ -87,11 +86,11 @@ pub fn run_steps<'e>(
 }
 
 impl Outcome<'_> {
-    /// The air line of what was run.
-    pub fn line(&self) -> &Line {
+    /// The rig that was run.
+    pub fn rig(&self) -> &Rig {
         match self {
-            Self::Located(trajectory) => trajectory.rig().line(),
-            Self::Stepped { experiment, .. } => experiment.rig.line(),
+            Self::Located(trajectory) => trajectory.rig(),
+            Self::Stepped { experiment, .. } => &experiment.rig,
         }
     }
 

@@ -4,7 +4,7 @@ use crate::closed_loop::Goal;
 use crate::engine::Outcome;
 use crate::events;
 use crate::failure::Failure;
-use crate::plot::{Axis, Dash, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
+use crate::plot::{Axis, Colour, Dash, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
 use mckibben::Error;
 use mckibben::control::Quantity;
 use mckibben::simulation::{EventKind, Sample};
@@ -113,6 +113,8 @@ struct Curves {
     pressure: Vec<f64>,
     tension: Vec<f64>,
     air_mass: Vec<f64>,
+    /// Gauge pressure that a regulator makes, where there is one.
+    regulated: Vec<f64>,
     supply: Bands,
 }
 
@@ -168,9 +170,17 @@ fn courses(experiment: &Experiment, outcome: &Outcome<'_>, goals: &[Goal], title
         let values = values.into_iter().map(|value| value * factor).collect();
         // One entry in a legend names the bands of all panels.
         let name = if index == 0 { "supply open" } else { "" };
-        let mut panel = panel.series(Series::line("", curves.time.clone(), values));
+        let beside = shown == Quantity::Pressure && !curves.regulated.is_empty();
+        let own = if beside { "actuator" } else { "" };
+        let mut panel = panel.series(Series::line(own, curves.time.clone(), values));
         if !curves.supply.intervals.is_empty() {
             panel = panel.span(Span::intervals(name, curves.supply.intervals.clone()));
+        }
+        if beside {
+            let regulated = curves.regulated.iter().map(|value| value * factor).collect();
+            let regulated = Series::line("regulated", curves.time.clone(), regulated);
+            panel =
+                panel.series(regulated.colour(Colour::Category(1)).dash(Dash::Solid)).series(asked(experiment, factor));
         }
         if let Some(goal) = goals.iter().find(|goal| goal.quantity == shown) {
             panel = panel.series(wanted(goal, factor));
@@ -178,6 +188,21 @@ fn courses(experiment: &Experiment, outcome: &Outcome<'_>, goals: &[Goal], title
         figure = figure.panel(panel);
     }
     Ok(figure.size_mm(120.0, 32.0))
+}
+
+/// The set points of a pressure regulator, in a unit of which a pascal is so many.
+fn asked(experiment: &Experiment, factor: f64) -> Series {
+    let command = experiment.rig.actuation().map(|actuation| &actuation.command);
+    let given = (0..).map_while(|index| command?.set_point(index));
+    let (mut time, mut gauge): (Vec<f64>, Vec<f64>) = given
+        .take_while(|(time, _)| *time <= experiment.run.duration)
+        .map(|(time, gauge)| (time, gauge * factor))
+        .unzip();
+    if let Some(last) = gauge.last().copied() {
+        time.push(experiment.run.duration);
+        gauge.push(last);
+    }
+    Series::steps("set point", time, gauge).colour(Colour::Category(1)).dash(Dash::Dashed)
 }
 
 /// The set point of a goal, in a unit that its own is so many of.
@@ -200,18 +225,24 @@ fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Erro
     let (duration, interval) = (experiment.run.duration, experiment.run.sample_interval);
     let mut curves = Curves::default();
     let atmosphere = experiment.rig.actuator().air().atmosphere().0;
+    let regulates = experiment.rig.regulator().is_some();
     let draw = |curves: &mut Curves, sample: &Sample| {
         curves.time.push(sample.time);
         curves.length.push(sample.length);
         curves.pressure.push(sample.pressure.0 - atmosphere);
         curves.tension.push(sample.tension);
         curves.air_mass.push(sample.air_mass);
+        if let Some(regulated) = sample.supply_pressure.filter(|_| regulates) {
+            curves.regulated.push(regulated.0 - atmosphere);
+        }
     };
+
     match outcome {
         Outcome::Located(trajectory) => {
             let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
             trajectory.samples(interval).for_each(|sample| draw(&mut curves, &sample));
-            curves.supply.see(0.0, trajectory.at(0.0).ports.supply);
+            // The passage of a regulator is open all the time.
+            curves.supply.see(0.0, !regulates && trajectory.at(0.0).ports.supply);
             for event in trajectory.events().iter().filter(|event| event.kind == EventKind::Valve) {
                 curves.supply.see(event.time, event.after.ports.supply);
             }

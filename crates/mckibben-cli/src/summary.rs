@@ -106,7 +106,12 @@ impl Summary<'_> {
         let temperature = &extremes.temperature;
         page.columns("temperature", [last.temperature, temperature.least, temperature.greatest].map(kelvin));
         page.line("air", &format!("{} in {} at the end", quantity(last.air_mass, "kg"), volume(last.volume)));
-        page.line("valve", &format!("{} at the end", last.ports.name()));
+        match last.supply_pressure.filter(|_| self.experiment.rig.regulator().is_some()) {
+            Some(regulated) => {
+                page.line("regulator", &format!("at {} gauge at the end", quantity(regulated.0 - atmosphere, "Pa")));
+            }
+            None => page.line("valve", &format!("{} at the end", last.ports.name())),
+        }
         // A length that is fixed has no ripple, whatever the pressure does.
         let moves = !matches!(self.scenario.load, Load::Isometric);
         if let Some(ripple) = self.observation.ripple.as_ref().filter(|_| moves) {

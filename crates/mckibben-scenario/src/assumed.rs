@@ -3,6 +3,7 @@
 //!
 //! A program that shows results lists them beside the results. Checked by the tests below.
 
+use crate::choice::ValveKind;
 use crate::document::{Document, Value};
 use crate::keys::{self, KEYS, Key};
 use crate::presets::{self, Preset};
@@ -74,6 +75,10 @@ impl Document {
             }
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
+            // A pressure regulator has no seats.
+            path if [p::OPENING_DELAY.key, p::CLOSING_DELAY.key].contains(&path) => {
+                self.said("valve.kind") != Some(ValveKind::PressureRegulator.name())
+            }
             // What describes a reservoir or a compressor more closely.
             path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),
             path if path == p::CLEARANCE.key => self.contains(p::DISPLACEMENT.key),

@@ -81,6 +81,7 @@ words! {
         FiveWayExhausted = "five-way-exhausted", "5/3 that exhausts both outputs when neither coil is energised.";
         FiveWayPressurised = "five-way-pressurised", "5/3 that fills both outputs when neither coil is energised.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
+        PressureRegulator = "pressure-regulator", "A proportional pressure regulator: open all the time to a pressure that follows set points.";
     }
     /// How finely a hose is resolved.
     HoseKind {
@@ -105,6 +106,7 @@ words! {
         Hold = "hold", "Closed all the time; not with a three-way valve.";
         Exhaust = "exhaust", "Joined to the exhaust all the time; not with a two-way valve.";
         Table = "table", "A list of times and what is commanded from each on.";
+        SetPoints = "set-points", "A list of times and the gauge pressure from each on, of a pressure regulator.";
         Controllers = "controllers", "What the controller decides, `[controller]`.";
     }
     /// The law of a controller.

@@ -333,6 +333,8 @@ const MAP: &[&str] = &[ForceLaw::Map.name()];
 const BLADDER: &str = "actuator.bladder.form";
 const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponential.name()];
 const PROCESS: &str = "air.process";
+const VALVE: &str = "valve.kind";
+const REGULATING: &[&str] = &[ValveKind::PressureRegulator.name()];
 const HOSE: &str = "hose.kind";
 const COMMAND: &str = "command.kind";
 const CONTROL: &str = "controller.kind";
@@ -448,12 +450,7 @@ pub static KEYS: &[Key] = &[
         "A named valve whose values the other keys override.",
         "\"matrix-eight-channel\"",
     ),
-    choice(
-        "valve.kind",
-        ValveKind::CHOICES,
-        "How the valve joins the actuator to supply and exhaust.",
-        "\"three-way\"",
-    ),
+    choice(VALVE, ValveKind::CHOICES, "How the valve joins the actuator to supply and exhaust.", "\"three-way\""),
     quantity(&p::FLOW_AREA, "\"1.8e-5 ft^2\""),
     quantity(&p::SONIC_CONDUCTANCE, "\"20 L/(min*bar) ANR\""),
     quantity(&p::CRITICAL_RATIO, "0.3"),
@@ -463,6 +460,9 @@ pub static KEYS: &[Key] = &[
     quantity(&p::EFFICIENCY, "0.85"),
     quantity(&p::OPENING_DELAY, "\"4 ms\""),
     quantity(&p::CLOSING_DELAY, "\"1 ms\""),
+    quantity(&p::REGULATOR_TIME_CONSTANT, "\"30 ms\"").required().when(VALVE, REGULATING),
+    quantity(&p::REGULATOR_DEAD_TIME, "\"5 ms\"").when(VALVE, REGULATING),
+    quantity(&p::REGULATOR_RATE_LIMIT, "\"20 bar/s\"").required().when(VALVE, REGULATING),
     quantity(&p::LAMINAR_RATIO, "0.999"),
     choice(
         "valve.exhaust_temperature",
@@ -502,7 +502,7 @@ pub static KEYS: &[Key] = &[
     )
     .or("exhaust")
     .when(COMMAND, &["pwm"]),
-    list(&p::COMMAND_TIME, "[\"0 s\", \"0.5 s\"]").required().when(COMMAND, &["table"]),
+    list(&p::COMMAND_TIME, "[\"0 s\", \"0.5 s\"]").required().when(COMMAND, &["table", "set-points"]),
     key(
         "command.state",
         Kind::Choices(CommandState::CHOICES),
@@ -511,6 +511,7 @@ pub static KEYS: &[Key] = &[
     )
     .required()
     .when(COMMAND, &["table"]),
+    list(&p::COMMAND_GAUGE_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(COMMAND, &["set-points"]),
     choice(CONTROL, ControllerKind::CHOICES, "The law of the controller.", "\"pid\"").required(),
     course(&p::SET_GAUGE_PRESSURE, "\"3 bar\"").when(CONTROL, TRACKING),
     course(&p::SET_LENGTH, "\"85 mm\""),

@@ -5,7 +5,7 @@ use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
     self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
-    Motion, Passage, Process, Run, Scenario, Supply, Valve,
+    Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Valve,
 };
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
@@ -395,12 +395,24 @@ fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Act
         ValveKind::ThreeWay => one(valve::ValveKind::ThreeWay)?,
         ValveKind::ThreeWayNormallyOpen => one(valve::ValveKind::ThreeWayNormallyOpen)?,
         ValveKind::FillHoldExhaust => one(valve::ValveKind::FillHoldExhaust)?,
+        ValveKind::PressureRegulator => regulating(valve)?,
         ValveKind::FiveWay => return five_way(valve::FiveWayRest::Returned),
         ValveKind::FiveWayClosed => return five_way(valve::FiveWayRest::Closed),
         ValveKind::FiveWayExhausted => return five_way(valve::FiveWayRest::Exhausted),
         ValveKind::FiveWayPressurised => return five_way(valve::FiveWayRest::Pressurised),
     };
     Ok(Actuation { solenoid, command })
+}
+
+/// A pressure regulator in place of a solenoid.
+fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
+    let Some(ProportionalRegulator { time_constant, dead_time, rate_limit }) = valve.regulator else {
+        return Err(Error::Unsupported {
+            what: "the valve is a pressure regulator, but nothing says how it regulates",
+            remedy: "give valve.time_constant and valve.rate_limit",
+        });
+    };
+    valve::Regulator::new(time_constant, dead_time, rate_limit).map(valve::Solenoid::regulating)
 }
 
 fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
@@ -438,6 +450,7 @@ fn core_command(command: &Command) -> Result<valve::Command, Error> {
         Command::Table { time, state } => {
             valve::Command::table(time.clone(), state.iter().copied().map(request).collect())
         }
+        Command::SetPoints { time, gauge_pressure } => valve::Command::set_points(time.clone(), gauge_pressure.clone()),
         Command::Controller(_) => Err(Error::Unsupported {
             what: "a controller is not supported here yet",
             remedy: "run it by `mckibben simulate`, or choose another command.kind",

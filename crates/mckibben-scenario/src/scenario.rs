@@ -316,6 +316,8 @@ pub struct Valve {
     pub exhaust: Option<Passage>,
     /// Factor η on the calculated mass flow.
     pub efficiency: f64,
+    /// What makes the pressure beyond the passage, exactly of a pressure regulator.
+    pub regulator: Option<ProportionalRegulator>,
     /// Time t_open in s from energising the coil to the seat's motion.
     pub opening_delay: f64,
     /// Time t_close in s from releasing the coil to the seat's return.
@@ -324,6 +326,17 @@ pub struct Valve {
     pub laminar_ratio: f64,
     /// Whose temperature the leaving air has in the flow law.
     pub exhaust_temperature: ExhaustTemperature,
+}
+
+/// A proportional pressure regulator in the place of a valve with seats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProportionalRegulator {
+    /// Time constant τ in s.
+    pub time_constant: f64,
+    /// Dead time θ in s.
+    pub dead_time: f64,
+    /// Largest rate of the pressure in Pa/s.
+    pub rate_limit: f64,
 }
 
 /// The usual ways to state how much a valve lets through.
@@ -376,6 +389,13 @@ pub enum Command {
         time: Vec<f64>,
         /// The state commanded from each time on.
         state: Vec<CommandState>,
+    },
+    /// Set points of a pressure regulator, which keeps the initial pressure until the first.
+    SetPoints {
+        /// Times in s, strictly increasing, from zero on.
+        time: Vec<f64>,
+        /// Gauge pressure in Pa from each time on.
+        gauge_pressure: Vec<f64>,
     },
     /// What a controller decides.
     Controller(Box<Controller>),

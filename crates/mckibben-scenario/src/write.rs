@@ -270,8 +270,17 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
     w.word("valve.kind", valve.kind.name());
     passage(w, &passage::SUPPLY, valve.passage);
     w.number(&p::EFFICIENCY, valve.efficiency);
-    w.number(&p::OPENING_DELAY, valve.opening_delay);
-    w.number(&p::CLOSING_DELAY, valve.closing_delay);
+    match valve.regulator {
+        Some(regulator) => {
+            w.number(&p::REGULATOR_TIME_CONSTANT, regulator.time_constant);
+            w.number(&p::REGULATOR_DEAD_TIME, regulator.dead_time);
+            w.number(&p::REGULATOR_RATE_LIMIT, regulator.rate_limit);
+        }
+        None => {
+            w.number(&p::OPENING_DELAY, valve.opening_delay);
+            w.number(&p::CLOSING_DELAY, valve.closing_delay);
+        }
+    }
     w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);
     w.word("valve.exhaust_temperature", valve.exhaust_temperature.name());
     if let Some(exhaust) = valve.exhaust {
@@ -316,6 +325,11 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             w.list(&p::COMMAND_TIME, time);
             let states: Vec<String> = state.iter().map(|state| format!("\"{}\"", state.name())).collect();
             w.line("command.state", &format!("[{}]", states.join(", ")));
+        }
+        Some(Command::SetPoints { time, gauge_pressure }) => {
+            w.word("command.kind", CommandKind::SetPoints.name());
+            w.list(&p::COMMAND_TIME, time);
+            w.list(&p::COMMAND_GAUGE_PRESSURE, gauge_pressure);
         }
         // One controller drives both actuators of a joint and stands with the first.
         Some(Command::Controller(_)) if !w.prefix.is_empty() => {}

@@ -189,6 +189,12 @@ fn surroundings(path: &str) -> String {
     if !stated.is_empty() {
         base = base.replace("preset = \"matrix-eight-channel\"", &format!("kind = \"three-way\"\n{stated}"));
     }
+    if ["valve.time_constant", "valve.dead_time", "valve.rate_limit"].contains(&path) {
+        let regulator = "kind = \"pressure-regulator\"\ncv = 0.3\ntime_constant = \"30 ms\"\nrate_limit = \"20 bar/s\"";
+        let points = "kind = \"set-points\"\ntime = [\"0 s\"]\ngauge_pressure = [\"2 bar\"]";
+        base = base.replace("preset = \"matrix-eight-channel\"", regulator);
+        base = base.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", points);
+    }
     let mass = "kind = \"hanging-mass\"\nmass = \"5 lb\"";
     if path == "load.force" {
         base = base.replace(mass, "kind = \"constant-force\"\nmass = \"1 kg\"\nforce = \"1 N\"");

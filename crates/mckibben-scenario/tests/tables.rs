@@ -77,6 +77,11 @@ fn surroundings_of(path: &str) -> &'static str {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"fill-hold-exhaust\"\nflow_area = \"1 mm^2\"\n\
              [command]\nkind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5"
         }
+        "valve.time_constant" | "valve.dead_time" | "valve.rate_limit" | "command.gauge_pressure" => {
+            "[supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"pressure-regulator\"\nflow_area = \"1 mm^2\"\n\
+             time_constant = \"30 ms\"\nrate_limit = \"20 bar/s\"\n\
+             [command]\nkind = \"set-points\"\ntime = [\"0 s\", \"1 s\"]\ngauge_pressure = [\"2 bar\", \"1 bar\"]"
+        }
         "command.time" | "command.state" => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
              [command]\nkind = \"table\"\ntime = [\"0 s\", \"1 s\"]\nstate = [\"fill\", \"exhaust\"]"

@@ -342,6 +342,15 @@ parameters! {
     CLOSING_DELAY = "valve.closing_delay", "t_close", "s", Range::NON_NEGATIVE, Some(0.0),
         "Time from releasing the coil to the seat's return.",
         "paper, section 3.3: 1 ms", "give zero or more";
+    REGULATOR_TIME_CONSTANT = "valve.time_constant", "tau", "s", Range::POSITIVE, None,
+        "Time constant with which the regulated pressure follows its set point.",
+        "manufacturer's data sheet", "give a time above zero, such as 30 ms";
+    REGULATOR_DEAD_TIME = "valve.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time from a change of the set point to the first answer of the regulated pressure.",
+        "manufacturer's data sheet", "give zero or more";
+    REGULATOR_RATE_LIMIT = "valve.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
+        "Largest rate of the regulated pressure.",
+        "manufacturer's data sheet", "give a rate above zero, such as 20 bar/s";
     LAMINAR_RATIO = "valve.laminar_ratio", "r_lam", "", Range::open(0.0, 1.0), Some(0.999),
         "Pressure ratio above which the flow law is a straight line to zero.",
         "ISO 6358 practice; the value is assumed", "give a ratio just below 1, above the critical ratio";
@@ -367,8 +376,11 @@ parameters! {
         "Commanded duty cycle, the share of each period that the pulse lasts; of a three-way valve, in which it is to fill.",
         "paper, section 3.3: 0.5", "give a number from 0 to 1";
     COMMAND_TIME = "command.time", "t", "s", Range::NON_NEGATIVE, None,
-        "Times at which a table command changes, strictly rising.",
+        "Times at which a table command or a set point changes, strictly rising.",
         "choice of the experiment", "give times of zero or more in rising order";
+    COMMAND_GAUGE_PRESSURE = "command.gauge_pressure", "P_g,set", "Pa", Range::NON_NEGATIVE, None,
+        "Set points of a pressure regulator from each of those times on.",
+        "choice of the experiment", "give gauge pressures from zero to that of the supply";
     MASS = "load.mass", "M", "kg", Range::POSITIVE, None,
         "Mass that the actuator moves.",
         "paper, (15)", "give a mass above zero";
@@ -556,13 +568,4 @@ parameters! {
     EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
         "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
         "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
-    REGULATOR_TIME_CONSTANT = "valve.regulator.time_constant", "tau", "s", Range::POSITIVE, None,
-        "Time constant with which the regulated pressure follows the setpoint.",
-        "manufacturer's data sheet", "give a time above zero, such as 30 ms";
-    REGULATOR_DEAD_TIME = "valve.regulator.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time from a change of the setpoint to the first answer of the regulated pressure.",
-        "manufacturer's data sheet", "give zero or more";
-    REGULATOR_RATE_LIMIT = "valve.regulator.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
-        "Largest rate of the regulated pressure.",
-        "manufacturer's data sheet", "give a rate above zero, such as 20 bar/s";
 }

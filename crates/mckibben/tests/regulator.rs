@@ -77,9 +77,9 @@ fn air_flows_to_and_from_the_regulated_pressure() {
 #[test]
 fn regulators_outside_physics_are_refused() {
     let cases = [
-        ((0.0, 0.0, 1.0), "valve.regulator.time_constant"),
-        ((1.0, -1.0, 1.0), "valve.regulator.dead_time"),
-        ((1.0, 0.0, 0.0), "valve.regulator.rate_limit"),
+        ((0.0, 0.0, 1.0), "valve.time_constant"),
+        ((1.0, -1.0, 1.0), "valve.dead_time"),
+        ((1.0, 0.0, 0.0), "valve.rate_limit"),
     ];
     for ((time_constant, dead_time, limit), key) in cases {
         match Regulator::new(time_constant, dead_time, limit) {

@@ -35,6 +35,7 @@ mod linearize_analysis;
 mod linearize_pwm;
 mod modular;
 mod properties;
+mod regulated_rig;
 mod simulation;
 mod solenoid;
 mod stiff;

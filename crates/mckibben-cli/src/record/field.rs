@@ -3,8 +3,7 @@
 use super::{COLUMNS, VALVE};
 use crate::closed_loop::Goal;
 use mckibben::control::Quantity;
-use mckibben::line::Line;
-use mckibben::simulation::{JointSample, Sample};
+use mckibben::simulation::{JointSample, Rig, Sample};
 
 /// A column of a file over samples `S`.
 pub(super) struct Field<S> {
@@ -23,10 +22,13 @@ pub(super) enum Value<S> {
 /// Two times that differ by less than this part of themselves are one.
 const ROUNDING: f64 = 1e-14;
 
-/// The columns of one actuator in their order: those that every run has, then those of its air line.
-pub(super) fn of_actuator(line: &Line) -> Vec<Field<Sample>> {
+/// The columns of one actuator in their order: those that every run has, then those of its rig's air line and pressure
+/// regulator.
+pub(super) fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
     let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
+    let Some(rig) = rig else { return fields };
+    let line = rig.line();
     if line.hose.is_some() {
         fields.push(number("hose_pressure_pa", "Pa", |sample: &Sample| sample.hose_pressure.0));
     }
@@ -34,12 +36,22 @@ pub(super) fn of_actuator(line: &Line) -> Vec<Field<Sample>> {
         let own = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
         fields.push(number("supply_pressure_pa", "Pa", own));
     }
+    if let (Some(_), Some(actuation)) = (rig.regulator(), rig.actuation()) {
+        let atmosphere = rig.actuator().air().atmosphere().0;
+        let regulated = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
+        let command = actuation.command.clone();
+        // Until the first set point it keeps what it has.
+        let asked =
+            move |sample: &Sample| command.set_point_at(sample.time).unwrap_or_else(|| regulated(sample) - atmosphere);
+        fields.push(number("regulated_pressure_pa", "Pa", regulated));
+        fields.push(number("set_point_pa", "Pa", asked));
+    }
     fields
 }
 
 /// The columns of one actuator under a controller: its goals follow.
-pub(super) fn of_controlled(line: &Line, goals: &[Goal]) -> Vec<Field<Sample>> {
-    let mut fields = of_actuator(line);
+pub(super) fn of_controlled(rig: &Rig, goals: &[Goal]) -> Vec<Field<Sample>> {
+    let mut fields = of_actuator(Some(rig));
     fields.extend(of_goals(goals, |sample: &Sample| sample.time));
     fields
 }
@@ -91,7 +103,7 @@ fn member(index: usize, prefix: &str) -> Vec<Field<JointSample>> {
             Value::Word(value) => Value::Word(Box::new(move |sample: &JointSample| value(&sample.actuators[index]))),
         },
     };
-    of_actuator(&Line::NONE).into_iter().map(of).collect()
+    of_actuator(None).into_iter().map(of).collect()
 }
 
 fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {

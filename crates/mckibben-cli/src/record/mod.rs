@@ -25,7 +25,7 @@ pub struct Column {
 }
 
 /// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`], and the columns of an air
-/// line if there is one.
+/// line or a pressure regulator if there is one.
 pub const COLUMNS: [Column; 9] = [
     column("time_s", "s", |sample| sample.time),
     column("length_m", "m", |sample| sample.length),
@@ -99,7 +99,7 @@ pub fn write(
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_actuator(outcome.line()), rows, provenance, (path, format), out)
+    write_fields(&field::of_actuator(Some(outcome.rig())), rows, provenance, (path, format), out)
 }
 
 /// Writes a run under a controller: with the set points and what was measured after the columns of the run.
@@ -115,7 +115,7 @@ pub fn write_controlled(
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_controlled(outcome.line(), goals), rows, provenance, (path, format), out)
+    write_fields(&field::of_controlled(outcome.rig(), goals), rows, provenance, (path, format), out)
 }
 
 /// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's, then what a

@@ -10,7 +10,7 @@ use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::keys::CONTROLLER;
 use crate::presets;
 use crate::reader::Reader;
-use crate::scenario::{Air, Command, Passage, Supply, Valve};
+use crate::scenario::{Air, Command, Passage, ProportionalRegulator, Supply, Valve};
 use mckibben::parameter as p;
 
 /// Supply, valve and command, which belong together.
@@ -20,8 +20,9 @@ pub(super) fn drive(r: &mut Reader<'_>, air: &Air) -> (Option<Supply>, Option<Va
     if valve.is_some() && supply.is_none() {
         r.missing_section("supply", Some("valve"));
     }
+    let feeds = supply.as_ref().map(|supply| supply.gauge_pressure);
     let command = match (valve.flatten(), r.key_place("command")) {
-        (Some(valve), Some(_)) => command(r, valve.kind),
+        (Some(valve), Some(_)) => command(r, valve.kind, feeds),
         (None, Some(place)) if valve.is_none() => {
             let title = "there is a [command] but no [valve], so nothing obeys it";
             r.note(
@@ -30,7 +31,7 @@ pub(super) fn drive(r: &mut Reader<'_>, air: &Air) -> (Option<Supply>, Option<Va
             );
             None
         }
-        (_, Some(_)) => command(r, ValveKind::FillHoldExhaust),
+        (_, Some(_)) => command(r, ValveKind::FillHoldExhaust, feeds),
         (_, None) => {
             if valve.is_some() {
                 r.missing_section("command", Some("valve"));
@@ -71,6 +72,10 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         Passage::FlowArea(1.0)
     });
     let efficiency = r.value(&p::EFFICIENCY, preset);
+    let regulator = (kind == Some(ValveKind::PressureRegulator)).then(|| regulator(r));
+    if regulator.is_none() && !r.has("valve.kind") {
+        of_regulator_only(r);
+    }
     let opening_delay = r.value(&p::OPENING_DELAY, preset);
     let closing_delay = r.value(&p::CLOSING_DELAY, preset);
     let laminar_ratio = r.value(&p::LAMINAR_RATIO, preset);
@@ -80,6 +85,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         passage,
         exhaust,
         efficiency,
+        regulator,
         opening_delay,
         closing_delay,
         laminar_ratio,
@@ -87,7 +93,40 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     })
 }
 
-fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
+/// Notes what only a pressure regulator has, where a preset says that the valve is another.
+fn of_regulator_only(r: &mut Reader<'_>) {
+    for row in [&p::REGULATOR_TIME_CONSTANT, &p::REGULATOR_DEAD_TIME, &p::REGULATOR_RATE_LIMIT] {
+        if let Some(place) = r.key_place(row.key) {
+            let title = format!("`{}` is for a pressure regulator", row.key);
+            r.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                    .related(r.value_place("valve.preset"), "chosen here")
+                    .help("set `valve.kind` to `pressure-regulator`, or remove it"),
+            );
+        }
+    }
+}
+
+/// A pressure regulator has no seats, and one passage.
+fn regulator(r: &mut Reader<'_>) -> ProportionalRegulator {
+    for path in [p::OPENING_DELAY.key, p::CLOSING_DELAY.key, "valve.exhaust"] {
+        if let Some(place) = r.key_place(path) {
+            let title = format!("`{path}` does not apply to a pressure regulator, which has no seats and one passage");
+            r.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                    .related(r.value_place("valve.kind"), "chosen here")
+                    .help("remove it; the delay of a regulator is `valve.dead_time`"),
+            );
+        }
+    }
+    ProportionalRegulator {
+        time_constant: r.value(&p::REGULATOR_TIME_CONSTANT, None),
+        dead_time: r.value(&p::REGULATOR_DEAD_TIME, None),
+        rate_limit: r.value(&p::REGULATOR_RATE_LIMIT, None),
+    }
+}
+
+fn command(r: &mut Reader<'_>, valve: ValveKind, supply: Option<f64>) -> Option<Command> {
     let kind: Option<CommandKind> = r.word("command.kind");
     if let Some(place) = r.key_place(CONTROLLER).filter(|_| kind.is_some_and(|kind| kind != CommandKind::Controllers)) {
         let title = "there is a [controller], but `command.kind` does not ask for it";
@@ -99,6 +138,11 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
     }
     if !r.has("command.kind") {
         r.missing("command.kind", "");
+    }
+    let regulates = valve == ValveKind::PressureRegulator;
+    if kind.is_some_and(|kind| regulates != (kind == CommandKind::SetPoints)) {
+        wrong_kind(r, regulates);
+        return None;
     }
     let chooses = valve.has_three_positions();
     let impossible = match valve {
@@ -151,11 +195,57 @@ fn command(r: &mut Reader<'_>, valve: ValveKind) -> Option<Command> {
             let (time, state) = columns(r, &p::COMMAND_TIME, time, "command.state", state);
             Some(Command::Table { time, state })
         }
+        CommandKind::SetPoints => {
+            for path in [p::COMMAND_TIME.key, p::COMMAND_GAUGE_PRESSURE.key] {
+                if !r.has(path) {
+                    r.missing(path, "");
+                }
+            }
+            let (time, gauges) = (r.list(&p::COMMAND_TIME), r.list(&p::COMMAND_GAUGE_PRESSURE));
+            within_supply(r, gauges.as_deref(), supply);
+            let (time, gauge_pressure) = columns(r, &p::COMMAND_TIME, time, p::COMMAND_GAUGE_PRESSURE.key, gauges);
+            Some(Command::SetPoints { time, gauge_pressure })
+        }
         CommandKind::Controllers if !r.has(CONTROLLER) => {
             r.missing_section(CONTROLLER, Some("command"));
             None
         }
         CommandKind::Controllers => controller::controller(r).map(|of| Command::Controller(Box::new(of))),
+    }
+}
+
+/// Notes a command that the kind of valve does not take.
+fn wrong_kind(r: &mut Reader<'_>, regulates: bool) {
+    let Some(place) = r.value_place("command.kind") else { return };
+    let chosen = r.value_place("valve.kind").or_else(|| r.value_place("valve.preset"));
+    let (title, label, help) = if regulates {
+        (
+            "a pressure regulator takes set points of pressure",
+            "asks for seats to move",
+            "set `command.kind` to `set-points`, or `valve.kind` to `three-way`",
+        )
+    } else {
+        (
+            "set points of pressure are for a pressure regulator",
+            "needs a pressure regulator",
+            "set `valve.kind` to `pressure-regulator`; to regulate the pressure by a valve with seats, set `command.kind` \
+             to `controllers`",
+        )
+    };
+    r.note(Diagnostic::at(Class::NotApplicable, place, title, label).related(chosen, "the valve").help(help));
+}
+
+/// Notes the first set point beyond the supply.
+fn within_supply(r: &mut Reader<'_>, gauges: Option<&[f64]>, supply: Option<f64>) {
+    let (Some(gauges), Some(supply)) = (gauges, supply) else { return };
+    let beyond = gauges.iter().position(|gauge| *gauge > supply);
+    if let Some(place) = beyond.and_then(|at| r.item_place(p::COMMAND_GAUGE_PRESSURE.key, at)) {
+        let title = "a regulator cannot give more than feeds it";
+        r.note(
+            Diagnostic::at(Class::Inconsistent, place, title, "beyond the supply")
+                .related(r.value_place(p::SUPPLY_GAUGE_PRESSURE.key), "the supply")
+                .help("lower the set point or raise the supply"),
+        );
     }
 }
 

@@ -14,7 +14,7 @@ use crate::friction::{Hysteresis, Memory};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::course::Course;
-use crate::simulation::fixed_step::{Walk, check_line, stepped};
+use crate::simulation::fixed_step::{Walk, check_plumbing, stepped};
 use crate::simulation::hosed::Stepped as States;
 use crate::simulation::kernel::Held;
 use crate::simulation::rig::Actuation;
@@ -126,7 +126,7 @@ impl<W: Wide> Block<W> {
             progress: Progress::none(),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: check_line(row.rig.line()).err(),
+            fault: check_plumbing(&row.rig).err(),
         };
         let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
         // Lanes without a row hold no number.
@@ -144,7 +144,7 @@ impl<W: Wide> Block<W> {
             state,
             held: Held { memory, ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_line(row.rig.line()).is_ok())),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_plumbing(&row.rig).is_ok())),
             known_until: 0.0,
             soonest: f64::INFINITY,
             shared: false,

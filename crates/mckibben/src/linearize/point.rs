@@ -134,10 +134,10 @@ pub(super) fn air_mass(rig: &Rig, pressure: AbsolutePressure, length: f64, conte
 
 /// The rig with its load, and the pressure and the length in m at which they balance.
 pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePressure, f64), Error> {
-    if !rig.line().is_none() {
+    if rig.has_plumbing() {
         return Err(Error::Unsupported {
-            what: "a linear model has no states for an air line yet",
-            remedy: "leave out [hose], actuator.leakage and the reservoir or regulator of [supply]",
+            what: "a linear model has no states for an air line or a pressure regulator yet",
+            remedy: "leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats",
         });
     }
     let air = rig.actuator().air();

@@ -18,6 +18,9 @@
 //! keeps the temperature. The paper's (19) has none by name but implies `dQ = c_p (T − T_in) dm_in`: each arriving parcel
 //! is given the temperature of the contents, from nowhere.
 //!
+//! A pressure regulator draws what flows in from the supply and lets what flows out go to the surroundings; the throttling in
+//! its own seats counts with that of the passage. The air that it needs for itself is left out.
+//!
 //! `T_0` is the temperature of the supply: air that a compressor has made and that has cooled in the line.
 //!
 //! Source: M. J. Moran and H. N. Shapiro, Fundamentals of Engineering Thermodynamics, chapter 7 (exergy of a system and of
@@ -28,6 +31,7 @@ use super::mode::{Extent, Mode};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
+use crate::air::Flow;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Valve;
 
@@ -127,12 +131,18 @@ impl CircuitAudit {
         (actuator, valve): (&Actuator<R>, &Valve<R>),
         weight: f64,
         sample: &Sample<R>,
-        mode: &Mode,
+        (mode, regulated): (&Mode, Option<&Flow<R>>),
     ) {
         let slack = mode.extent == Extent::Slack;
         let chamber = actuator.chamber(sample.length, sample.velocity, sample.pressure.0, sample.air_mass, slack);
-        let supply = actuator.flow(&chamber, mode.ports.supply, false);
-        let surroundings = actuator.flow(&chamber, false, mode.ports.exhaust);
+        let [supply, surroundings] = match regulated {
+            Some(&Flow { inward, outward }) => {
+                [Flow { inward, outward: R::zero() }, Flow { inward: R::zero(), outward }]
+            }
+            None => {
+                [actuator.flow(&chamber, mode.ports.supply, false), actuator.flow(&chamber, false, mode.ports.exhaust)]
+            }
+        };
         let [from_supply, to_supply] = [supply.inward, supply.outward].map(|flow| weight * flow.value());
         let [from_outside, to_outside] = [surroundings.inward, surroundings.outward].map(|flow| weight * flow.value());
         let (pressure, temperature) = (sample.pressure.0.value(), sample.temperature.value());
@@ -162,13 +172,21 @@ impl CircuitAudit {
 }
 
 impl<R: Real> Trajectory<R> {
-    /// The exergy of the whole circuit; none for an actuator without a valve, which draws nothing.
+    /// The exergy of the whole circuit; none for an actuator without a valve, which draws nothing, and none for a pressure
+    /// regulator with a hose or a leak, which the account does not know.
     pub fn circuit(&self) -> Option<CircuitAudit> {
         let actuator = self.rig().actuator();
         let valve = actuator.valve()?;
+        let regulated = self.rig().regulator().is_some();
+        if regulated && !self.rig().line().is_none() {
+            return None;
+        }
         let exergy = Exergy::new(actuator, valve);
         let mut audit = CircuitAudit { work: self.audit(), ..CircuitAudit::default() };
-        self.quadrature(|weight, sample, mode| audit.add(&exergy, (actuator, valve), weight.value(), sample, mode));
+        self.visit(|weight, sample, phase, flow| {
+            let flows = (&phase.mode, regulated.then_some(flow));
+            audit.add(&exergy, (actuator, valve), weight.value(), sample, flows);
+        });
         let [start, end] = [R::zero(), self.duration()].map(|time| exergy.contents(&self.at(time)));
         audit.stored = end - start;
         Some(audit)

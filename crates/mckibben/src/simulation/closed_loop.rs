@@ -47,6 +47,12 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
                     remedy: "give the actuator a valve, or simulate it without a controller",
                 });
             };
+            if actuation.solenoid.regulator().is_some() {
+                return Err(Error::Unsupported {
+                    what: "a controller drives the seats of a valve, and a pressure regulator has none",
+                    remedy: "choose a valve such as valve.kind = \"three-way\", or give the regulator set points",
+                });
+            }
             actuation.command = Command::nothing();
         }
         Ok(Self { sampling, sampled: Sampled::begin(memory), modulators: [Modulator::idle(); N] })

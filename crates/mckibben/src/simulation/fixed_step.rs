@@ -18,7 +18,7 @@ use super::timetable::{Progress, Timetable};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::friction::Memory;
-use crate::line::{self, HoseKind};
+use crate::line::HoseKind;
 use crate::load::Line;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Ports;
@@ -68,9 +68,9 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
-    /// [`Error::Unsupported`] for a distributed hose or a supply that changes.
+    /// [`Error::Unsupported`] for a distributed hose, a supply that changes or a pressure regulator.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
-        check_line(self.rig.line())?;
+        check_plumbing(self.rig)?;
         self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None)
     }
 }
@@ -152,8 +152,15 @@ pub(crate) fn stepped<S: Scalar>(start: State<S>) -> Stepped<S> {
     [length, velocity, pressure, mass, pressure]
 }
 
-/// That fixed steps can take an air line.
-pub(crate) fn check_line<S>(line: &line::Line<S>) -> Result<(), Error> {
+/// That fixed steps can take a rig's air line and what drives its valve.
+pub(crate) fn check_plumbing<S: Scalar>(rig: &Rig<S>) -> Result<(), Error> {
+    let line = rig.line();
+    if rig.regulator().is_some() {
+        return Err(Error::Unsupported {
+            what: "the fixed-step engine and batches take no pressure regulator: the pressure beyond its port changes",
+            remedy: "set run.engine = \"event-located\", or choose a valve with seats such as valve.kind = \"three-way\"",
+        });
+    }
     let distributed = line.hose.as_ref().is_some_and(|hose| matches!(hose.kind, HoseKind::Distributed { .. }));
     if distributed || line.supply.is_some() {
         return Err(Error::Unsupported {

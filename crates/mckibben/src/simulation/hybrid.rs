@@ -60,7 +60,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
         Self {
             rig,
             member: Member::new(rig.actuator(), relative_tolerance, pull),
-            plumbing: Plumbing::new(rig.line()),
+            plumbing: Plumbing::new(rig),
             inertia,
             per_mass: inertia.map_or(R::zero(), |inertia| R::one() / inertia.mass),
         }
@@ -139,12 +139,20 @@ impl<'a, R: Real> RigSystem<'a, R> {
         }
     }
 
-    /// Flows through the valve's passages to the supply and to the surroundings, into hose or actuator.
+    /// Flows through the valve's passages to the supply and to the surroundings, into hose or actuator. What flows out to a
+    /// pressure regulator it lets go to the surroundings.
     #[cfg(feature = "alloc")]
     pub(super) fn valve_flows<const N: usize>(&self, state: &[R; N], mode: &Mode) -> [Flow<R>; 2] {
         let chamber = self.chamber(state, mode);
         match &self.plumbing {
-            Some(plumbing) => plumbing.passages(&self.member, &chamber, state, mode),
+            Some(plumbing) => {
+                let flows = plumbing.passages(&self.member, &chamber, state, mode);
+                if self.rig.regulator().is_none() {
+                    return flows;
+                }
+                let [Flow { inward, outward }, _] = flows;
+                [Flow { inward, outward: R::zero() }, Flow { inward: R::zero(), outward }]
+            }
             None => {
                 let only = |supply: bool, exhaust: bool| Mode {
                     supply_zone: mode.supply_zone.filter(|_| supply),
@@ -187,6 +195,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.enter_ports(state, &mut phase.mode);
         if let Some(plumbing) = &self.plumbing {
             phase.line = plumbing.enter(&self.member, state, &phase.mode);
+            plumbing.pass_set_points(R::zero(), state, &mut phase.line);
         }
         self.enter_extent(state, &mut phase.mode);
         self.enter_sliding(R::zero(), state, &mut phase);
@@ -383,7 +392,9 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     }
 
     fn next_instant(&self, phase: &Phase<R>, until: R) -> Option<R> {
-        self.rig.timetable().next(&phase.progress, until)
+        let instant = self.rig.timetable().next(&phase.progress, until);
+        let set_point = self.plumbing.as_ref().and_then(|plumbing| plumbing.next_set_point(&phase.line, until));
+        [instant, set_point].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     fn pass_instant(&self, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
@@ -395,6 +406,11 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
                 plumbing.pass_seats(&self.member, state, &phase.mode, &mut phase.line);
             }
             return Ok(EventKind::Valve);
+        }
+        if let Some(plumbing) = &self.plumbing
+            && plumbing.pass_set_points(time, state, &mut phase.line)
+        {
+            return Ok(EventKind::SetPoint);
         }
         phase.progress.corners_passed += 1;
         self.project(time, state, phase);

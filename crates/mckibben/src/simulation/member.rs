@@ -271,7 +271,7 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::PressDown | Guard::PressUp => T::one(),
             Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
             Guard::RegimeDown | Guard::RegimeUp | Guard::CutOut | Guard::CutIn => T::one(),
-            Guard::RegulatorUp | Guard::RegulatorDown => T::one(),
+            Guard::RegulatorUp | Guard::RegulatorDown | Guard::RateLimit => T::one(),
         }
     }
 

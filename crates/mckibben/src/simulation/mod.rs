@@ -38,6 +38,7 @@ mod mode;
 #[cfg(feature = "alloc")]
 mod modular;
 mod plumbing;
+mod regulated;
 pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;

@@ -116,8 +116,10 @@ pub enum EventKind {
     Regime,
     /// The compressor started or stopped.
     Compressor,
-    /// The regulator's poppet entered or left its dead band.
+    /// The regulator's poppet entered or left its dead band, or the rate of a regulated pressure fell below its limit.
     Regulator,
+    /// A set point of a pressure regulator took effect.
+    SetPoint,
     /// A joint came to a stop, or pressed it again.
     StopReached,
     /// A stop ceased to press while the joint came back.
@@ -150,6 +152,7 @@ impl EventKind {
             Self::Regime => "regime",
             Self::Compressor => "compressor",
             Self::Regulator => "regulator",
+            Self::SetPoint => "set-point",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",
             Self::StopLeft => "stop-left",
@@ -222,4 +225,6 @@ pub enum Guard {
     RegulatorUp,
     /// The regulator's error leaves a piece of its law downwards.
     RegulatorDown,
+    /// The rate of a regulated pressure falls below its limit.
+    RateLimit,
 }

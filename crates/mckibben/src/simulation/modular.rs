@@ -35,7 +35,7 @@
 //! Checked by `tests/modular.rs`.
 
 use super::course::Course;
-use super::fixed_step::{Walk, check_line, stepped};
+use super::fixed_step::{Walk, check_plumbing, stepped};
 use super::hosed::of_rig;
 use super::kernel::Method;
 use super::rig::{Rig, State};
@@ -66,7 +66,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// steps cannot take.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
         crate::parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
-        check_line(rig.line())?;
+        check_plumbing(rig)?;
         let rig = rig.clone().guided();
         let mut walk = Walk::new(&rig, stepped(start));
         walk.course.held.line = Line::resting(start.length);

@@ -6,6 +6,7 @@
 //! | w₁ … w_n | flows out of the cells of a distributed hose, towards the actuator | kg/s |
 //! | P_r | the reservoir | Pa, absolute |
 //! | P_s | the regulator's outlet | Pa, absolute |
+//! | p | beyond the port of a proportional pressure regulator ([`regulated`](super::regulated)) | Pa, absolute |
 //!
 //! What is not there has no state. The flow law of the valve meets the hose's first volume instead of the actuator, and the
 //! reservoir or the regulator instead of the constant supply. Components of the mode are the regime of the flow through a
@@ -14,6 +15,8 @@
 
 use super::member::Member;
 use super::mode::{EventKind, Guard, Mode};
+use super::regulated::{PortMode, RegulatedPort};
+use super::rig::Rig;
 use super::system::{GuardForm, Guards};
 use super::zones::{MEETING, Places};
 use crate::air::{Chamber, Flow};
@@ -49,11 +52,12 @@ pub(super) struct LineMode {
     pub(super) regime: FlowRegime,
     pub(super) compressor_runs: bool,
     pub(super) poppet: Poppet,
+    pub(super) port: PortMode,
 }
 
 impl LineMode {
     pub(super) const AT_REST: Self =
-        Self { regime: FlowRegime::Laminar, compressor_runs: false, poppet: Poppet::Rests };
+        Self { regime: FlowRegime::Laminar, compressor_runs: false, poppet: Poppet::Rests, port: PortMode::AT_REST };
 }
 
 /// A line and the places of its states.
@@ -64,6 +68,7 @@ pub(super) struct Plumbing<'a, R: Real> {
     flows: usize,
     reservoir: Option<usize>,
     regulator: Option<usize>,
+    regulated: Option<RegulatedPort<'a, R>>,
     /// How many states there are, those of the rig included.
     pub(super) states: usize,
 }
@@ -75,9 +80,10 @@ struct Ends<T> {
 }
 
 impl<'a, R: Real> Plumbing<'a, R> {
-    /// The places of the states of a line, unless it has no part.
-    pub(super) fn new(line: &'a Line<R>) -> Option<Self> {
-        if line.is_none() {
+    /// The places of the states of a rig's line, unless it has no part and no pressure is regulated.
+    pub(super) fn new(rig: &'a Rig<R>) -> Option<Self> {
+        let line = rig.line();
+        if !rig.has_plumbing() {
             return None;
         }
         let (volumes, flows) = match line.hose.map(|hose| hose.kind()) {
@@ -92,14 +98,18 @@ impl<'a, R: Real> Plumbing<'a, R> {
         };
         let reservoir = place(line.supply.is_some_and(|supply| supply.reservoir().is_some()));
         let regulator = place(line.supply.is_some_and(|supply| supply.regulator().is_some()));
-        Some(Self { line, volumes, flows, reservoir, regulator, states })
+        // No supply that changes feeds a regulated port: it stands in its place.
+        let regulated = RegulatedPort::new(rig, states);
+        states += usize::from(regulated.is_some());
+        Some(Self { line, volumes, flows, reservoir, regulator, regulated, states })
     }
 
     /// Places of the pressures that the air depends on.
     pub(super) fn places(&self) -> Places {
         let own = super::hybrid::PRESSURE;
         let valve = if self.volumes > 0 { FIRST } else { own };
-        Places { own, valve, supply: self.regulator.or(self.reservoir) }
+        let regulated = self.regulated.map(|port| port.place);
+        Places { own, valve, supply: regulated.or(self.regulator).or(self.reservoir) }
     }
 
     fn supply(&self) -> Option<&SupplyLine<R>> {
@@ -121,6 +131,19 @@ impl<'a, R: Real> Plumbing<'a, R> {
         if let Some(place) = self.regulator {
             state[place] = reservoir.map_or(set, |pressure| set.smaller(pressure));
         }
+        if let (Some(port), Some(valve)) = (&self.regulated, member.actuator.valve()) {
+            state[port.place] = RegulatedPort::start(valve, pressure);
+        }
+    }
+
+    /// The next instant in s at which a set point takes effect, up to and with `until`.
+    pub(super) fn next_set_point(&self, line: &LineMode, until: R) -> Option<R> {
+        self.regulated?.next(&line.port, until)
+    }
+
+    /// Lets the set points up to and with `time` take effect; whether there was one.
+    pub(super) fn pass_set_points<const N: usize>(&self, time: R, state: &[R; N], line: &mut LineMode) -> bool {
+        self.regulated.is_some_and(|port| port.pass(time, state, &mut line.port))
     }
 
     /// Decides the poppet anew where the flow has jumped.
@@ -157,6 +180,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
             regime: self.regime(state).unwrap_or(FlowRegime::Laminar),
             compressor_runs: stops.zip(at).is_some_and(|(stops, at)| at < stops),
             poppet: regulator.zip(error).map_or(Poppet::Rests, |(regulator, error)| regulator.poppet(error)),
+            port: PortMode::AT_REST,
         }
     }
 
@@ -272,6 +296,9 @@ impl<'a, R: Real> Plumbing<'a, R> {
         if let Some(of_supply) = self.supply() {
             self.supply_rates(member, of_supply, state, (supply.net(), line), rates);
         }
+        if let Some(port) = &self.regulated {
+            rates[port.place] = port.rate(state, &line.port);
+        }
         into_actuator.and(self.leak(member, own))
     }
 
@@ -323,7 +350,8 @@ impl<'a, R: Real> Plumbing<'a, R> {
         seeded: impl Fn(usize) -> [Dual<R, 1>; N],
     ) -> f64 {
         let settles = |place: usize| -seeded(place)[place].slope[0].value();
-        let supply = [self.reservoir, self.regulator].into_iter().flatten();
+        let regulated = self.regulated.map(|port| port.place);
+        let supply = [self.reservoir, self.regulator, regulated].into_iter().flatten();
         let fastest = supply.fold(0.0, |fastest: f64, place| fastest.max(settles(place)));
         if self.flows > 0 || self.volumes == 0 {
             return fastest;
@@ -379,6 +407,9 @@ impl<'a, R: Real> Plumbing<'a, R> {
                 guards.add(Guard::RegulatorDown, GuardForm::Function);
             }
         }
+        if let Some(form) = self.regulated.and_then(|port| port.guard_form(&line.port)) {
+            guards.add(Guard::RateLimit, form);
+        }
     }
 
     /// Value of a guard of the line, or of a zone of the flow through the valve.
@@ -408,6 +439,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
             // From feeding to rest at the upper end of the dead band, from rest to relieving at the lower, and back.
             Guard::RegulatorUp => regulate(if line.poppet == Poppet::Rests { 1.0 } else { -1.0 }, 1.0),
             Guard::RegulatorDown => regulate(if line.poppet == Poppet::Rests { -1.0 } else { 1.0 }, -1.0),
+            Guard::RateLimit => self.regulated?.guard(state, &line.port),
             Guard::SupplyDown | Guard::SupplyUp => {
                 let (up, zone) = (guard == Guard::SupplyUp, mode.supply_zone?);
                 let (pressure, feed) = (state[self.places().valve], self.feed(member.actuator.valve()?, state));
@@ -434,6 +466,10 @@ impl<'a, R: Real> Plumbing<'a, R> {
             Guard::RegulatorUp | Guard::RegulatorDown => {
                 let towards = if guard == Guard::RegulatorUp { Poppet::Raises } else { Poppet::Lowers };
                 line.poppet = if line.poppet == Poppet::Rests { towards } else { Poppet::Rests };
+                Some(EventKind::Regulator)
+            }
+            Guard::RateLimit => {
+                line.port.settle();
                 Some(EventKind::Regulator)
             }
             _ => None,

@@ -27,7 +27,7 @@ use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
-use crate::valve::{Command, Solenoid};
+use crate::valve::{Command, Regulator, Solenoid, Valve};
 
 /// What drives the valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,8 +118,31 @@ pub(super) fn check_drive(actuator: &Actuator, actuation: Option<&Actuation>) ->
             what: "a command is given, but the actuator has no valve",
             remedy: "give the actuator a valve, or leave the command out",
         }),
-        (Some(Actuation { solenoid, command }), Some(_)) => solenoid.check(command),
+        (Some(Actuation { solenoid, command }), Some(valve)) => {
+            solenoid.check(command)?;
+            check_set_points(command, valve)
+        }
         (None, None) => Ok(()),
+    }
+}
+
+/// That no set point lies beyond the supply: no regulator can go there.
+fn check_set_points(command: &Command, valve: &Valve) -> Result<(), Error> {
+    let supply = valve.supply.gauge_pressure().0;
+    let mut set_points = (0..).map_while(|index| command.set_point(index));
+    match set_points.find(|(_, gauge)| *gauge > supply) {
+        Some((_, gauge)) => Err(Error::Inconsistent {
+            parameter: &parameter::COMMAND_GAUGE_PRESSURE,
+            value: gauge,
+            requirement: Requirement {
+                relation: "must not be greater than",
+                other: parameter::SUPPLY_GAUGE_PRESSURE.key,
+                value: supply,
+                unit: parameter::SUPPLY_GAUGE_PRESSURE.unit,
+            },
+            remedy: "lower the set point or raise the supply: a regulator cannot give more than feeds it",
+        }),
+        None => Ok(()),
     }
 }
 
@@ -146,7 +169,7 @@ impl Rig {
     ///
     /// # Errors
     /// [`Error::Unsupported`] when the actuator has a valve and nothing drives it, the other way round, or the valve
-    /// cannot do what the command asks.
+    /// cannot do what the command asks; [`Error::Inconsistent`] for a set point beyond the supply.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
         check_drive(&actuator, actuation.as_ref())?;
         if load.motion() == Some(&Motion::Guided) {
@@ -161,7 +184,8 @@ impl Rig {
     /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a hose or a supply line without a valve.
+    /// [`Error::Unsupported`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
+    /// regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
         if self.actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
             return Err(Error::Unsupported {
@@ -169,15 +193,22 @@ impl Rig {
                 remedy: "give the actuator a valve, or leave the hose and the reservoir out",
             });
         }
+        if self.regulator().is_some() && line.supply.is_some() {
+            return Err(Error::Unsupported {
+                what: "a pressure regulator is taken as fed at any pressure above its set point, so its supply must be constant",
+                remedy: "leave out the reservoir and the regulator of [supply], or choose a valve with seats",
+            });
+        }
         Ok(Self { line, ..self }.with_transport())
     }
 
-    /// That the fixed-step engine and batches can take the rig: neither a distributed hose nor a supply that changes.
+    /// That the fixed-step engine and batches can take the rig: neither a distributed hose, nor a supply that changes, nor a
+    /// pressure regulator.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when they cannot.
     pub fn check_fixed_steps(&self) -> Result<(), Error> {
-        super::fixed_step::check_line(&self.line)
+        super::fixed_step::check_plumbing(self)
     }
 
     /// The same rig with another load.
@@ -246,9 +277,10 @@ impl<S: Scalar> Rig<S> {
         self
     }
 
-    /// The same rig with the ideal braid for its law, if that is its law and it has no air line.
+    /// The same rig with the ideal braid for its law, if that is its law and it has neither an air line nor a pressure
+    /// regulator.
     pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
-        let actuator = self.actuator.ideal().filter(|_| self.line.is_none())?;
+        let actuator = self.actuator.ideal().filter(|_| !self.has_plumbing())?;
         Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone(), line: self.line })
     }
 }
@@ -258,6 +290,16 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub fn line(&self) -> &Line<S> {
         &self.line
+    }
+
+    /// The pressure regulator in the valve's place, if there is one.
+    pub fn regulator(&self) -> Option<&Regulator<S>> {
+        self.actuation.as_ref()?.solenoid.regulator()
+    }
+
+    /// Whether there is an air line or a pressure regulator: states beyond the four.
+    pub(crate) fn has_plumbing(&self) -> bool {
+        !self.line.is_none() || self.regulator().is_some()
     }
 
     /// The actuator.

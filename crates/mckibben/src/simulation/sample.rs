@@ -34,7 +34,8 @@ pub struct Sample<R = f64> {
     pub hose_pressure: AbsolutePressure<R>,
     /// Mass of the air in the hose in kg; zero without one.
     pub hose_air_mass: R,
-    /// Absolute pressure behind the valve's port to the supply where it changes, of the regulator or the reservoir.
+    /// Absolute pressure behind the valve's port to the supply where it changes: of the reservoir, of the supply's regulator,
+    /// or what a pressure regulator in the valve's place makes.
     pub supply_pressure: Option<AbsolutePressure<R>>,
 }
 

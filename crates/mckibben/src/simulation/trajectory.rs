@@ -101,9 +101,9 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = match rig.line().is_none() {
-            true => Run::Rig(begin(&system, start)),
-            false => Run::Line(Box::new(begin(&system, start))),
+        let run = match rig.has_plumbing() {
+            false => Run::Rig(begin(&system, start)),
+            true => Run::Line(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
@@ -202,7 +202,7 @@ impl<R: Real> Trajectory<R> {
 
     /// The states of the air line at `time` in s, in the order of its parts: the pressures (Pa, absolute) of the hose's
     /// volumes from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and
-    /// regulator. As far as there are such parts.
+    /// regulator, or of a regulated port. As far as there are such parts.
     pub fn line_at(&self, time: R) -> Vec<R> {
         let system = self.system();
         with_run!(&self.run, stored => {
@@ -223,7 +223,8 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
-    /// into hose or actuator, at the Gauss points of each step.
+    /// into hose or actuator, at the Gauss points of each step. What flows out to a pressure regulator it lets go to the
+    /// surroundings.
     pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, _, state, phase| {

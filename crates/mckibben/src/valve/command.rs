@@ -6,7 +6,8 @@
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Real, Scalar};
+use crate::valve::is_due;
 
 /// What the valve is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +55,14 @@ pub enum Command<S = f64> {
         /// The request from each time on.
         request: alloc::vec::Vec<Request>,
     },
+    /// Set points of a pressure regulator, whose passage stays open; it keeps what it had until the first.
+    #[cfg(feature = "alloc")]
+    SetPoints {
+        /// Times in s, strictly rising, zero or more.
+        time: alloc::vec::Vec<S>,
+        /// The gauge pressure in Pa from each time on, zero or more.
+        gauge_pressure: alloc::vec::Vec<S>,
+    },
 }
 
 impl Command {
@@ -84,6 +93,26 @@ impl Command {
         }
         check_times("command.time", &time)?;
         Ok(Self::Table { time, request })
+    }
+
+    /// Set points of a pressure regulator: gauge pressures in Pa, zero or more, that start at the given times in s.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists are empty, differ in length, or the times are negative or do not rise;
+    /// [`Error::OutOfRange`] for a gauge pressure below zero.
+    #[cfg(feature = "alloc")]
+    pub fn set_points(time: alloc::vec::Vec<f64>, gauge_pressure: alloc::vec::Vec<f64>) -> Result<Self, Error> {
+        if time.len() != gauge_pressure.len() || time.is_empty() {
+            return Err(Error::Table {
+                name: parameter::COMMAND_GAUGE_PRESSURE.key,
+                problem: "there is not one set point for each time",
+                entry: time.len().min(gauge_pressure.len()) + 1,
+                remedy: "give as many set points as times",
+            });
+        }
+        check_times("command.time", &time)?;
+        gauge_pressure.iter().try_for_each(|gauge| parameter::COMMAND_GAUGE_PRESSURE.check(*gauge).map(drop))?;
+        Ok(Self::SetPoints { time, gauge_pressure })
     }
 }
 
@@ -116,6 +145,14 @@ impl<S: Scalar> Command<S> {
                 time: time.iter().map(|&time| convert.parameter(&parameter::COMMAND_TIME, time)).collect(),
                 request: request.clone(),
             },
+            #[cfg(feature = "alloc")]
+            Self::SetPoints { time, gauge_pressure } => Command::SetPoints {
+                time: time.iter().map(|&time| convert.parameter(&parameter::COMMAND_TIME, time)).collect(),
+                gauge_pressure: gauge_pressure
+                    .iter()
+                    .map(|&gauge| convert.parameter(&parameter::COMMAND_GAUGE_PRESSURE, gauge))
+                    .collect(),
+            },
         }
     }
 
@@ -125,6 +162,41 @@ impl<S: Scalar> Command<S> {
         Self::Table { time: alloc::vec::Vec::new(), request: alloc::vec::Vec::new() }
     }
 
+    /// Whether it holds set points of a pressure regulator, and no requests.
+    pub fn has_set_points(&self) -> bool {
+        #[cfg(feature = "alloc")]
+        let has = matches!(self, Self::SetPoints { .. });
+        #[cfg(not(feature = "alloc"))]
+        let has = false;
+        has
+    }
+
+    /// The set point of index `index` (from 0, in order of time): when in s, and the gauge pressure in Pa; `None` when there
+    /// is none.
+    pub fn set_point(&self, index: u64) -> Option<(S, S)> {
+        match self {
+            #[cfg(feature = "alloc")]
+            Self::SetPoints { time, gauge_pressure } => {
+                let row = usize::try_from(index).ok()?;
+                Some((*time.get(row)?, *gauge_pressure.get(row)?))
+            }
+            _ => {
+                let _ = index;
+                None
+            }
+        }
+    }
+
+    /// The gauge pressure in Pa that was last given as a set point at a time in s, that instant included; `None` before the
+    /// first.
+    pub fn set_point_at(&self, time: S) -> Option<S>
+    where
+        S: Real,
+    {
+        let given = (0..).map_while(|index| self.set_point(index)).take_while(|(from, _)| is_due(*from, time));
+        given.last().map(|(_, gauge)| gauge)
+    }
+
     /// Whether any request in the command is `wanted`.
     pub fn asks_for(&self, wanted: Request) -> bool {
         match self {
@@ -132,6 +204,8 @@ impl<S: Scalar> Command<S> {
             Self::Pwm { pulse, rest, .. } => *pulse == wanted || *rest == wanted,
             #[cfg(feature = "alloc")]
             Self::Table { request, .. } => request.contains(&wanted),
+            #[cfg(feature = "alloc")]
+            Self::SetPoints { .. } => false,
         }
     }
 
@@ -144,6 +218,8 @@ impl<S: Scalar> Command<S> {
             }
             #[cfg(feature = "alloc")]
             Self::Table { time, request } => Self::Table { time, request: request.into_iter().map(answer).collect() },
+            #[cfg(feature = "alloc")]
+            points @ Self::SetPoints { .. } => points,
         }
     }
 
@@ -170,6 +246,8 @@ impl<S: Scalar> Command<S> {
                 let row = usize::try_from(index).ok()?;
                 Some((*time.get(row)?, *request.get(row)?))
             }
+            #[cfg(feature = "alloc")]
+            Self::SetPoints { .. } => None,
         }
     }
 }

@@ -7,12 +7,12 @@
 //! |---|---|
 //! | two-way, three-way, fill-hold-exhaust | [`Solenoid`] |
 //! | five-way, two outputs | [`FiveWay`] |
+//! | proportional pressure regulator | [`Regulator`] |
 //! | a seat that takes its time | [`Ramp`] |
 //! | proportional spool | [`Spool`] |
-//! | proportional pressure regulator | [`Regulator`] |
 //!
-//! Of the last three the engines know nothing yet: they are laws by themselves, each a known function of time between the
-//! instants at which its command changes.
+//! Of the seat that takes its time and the spool the engines know nothing yet: they are laws by themselves, each a known
+//! function of time between the instants at which its command changes.
 
 mod command;
 mod five_way;
@@ -30,7 +30,7 @@ pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone};
 pub use passage::{FlowStandard, REFERENCE_DENSITY};
 pub use ramp::{Ramp, Stroke};
-pub use regulator::{Regulated, Regulator};
+pub use regulator::{Approach, Regulated, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
@@ -107,6 +107,11 @@ impl<S: Scalar> Supply<S> {
             },
             None => Supply::assemble(gauge_pressure, atmospheric_pressure, temperature),
         }
+    }
+
+    /// Gauge pressure of the supply.
+    pub fn gauge_pressure(&self) -> GaugePressure<S> {
+        GaugePressure(self.gauge_pressure)
     }
 
     /// Absolute pressure of the supply.

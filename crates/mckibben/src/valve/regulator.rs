@@ -1,4 +1,4 @@
-//! A proportional pressure regulator: an output pressure that follows a setpoint, behind a passage.
+//! A proportional pressure regulator: an output pressure that follows a setpoint, behind a passage that is always open.
 //!
 //! ```text
 //! dp/dt = max(−q, min(q, (u(t − θ) − p)/τ))             p the regulated pressure, u the setpoint
@@ -15,6 +15,8 @@
 //! While the setpoint stays the same the pressure is known in closed form: with `e = p − u`, a straight line for
 //! `t₁ = max(0, |e₀|/q − τ)`, then `e = ±qτ exp(−(t − t₁)/τ)`, or `e₀ exp(−t/τ)` where the limit is never reached.
 //!
+//! In the engines the rate limit's two ends and what lies between are three [`Approach`]es, each a formula by itself.
+//!
 //! The passage is that of a [`Valve`]: a large actuator fills as slowly as C and b let it, and its pressure comes to rest at
 //! p from both sides. The setpoint is kept between the surroundings and the supply, beyond which no regulator can go; the
 //! passage is taken as fed at p whatever the supply, so a supply close to the setpoint is outside the law, as are dead band,
@@ -25,10 +27,11 @@
 
 use super::Valve;
 use crate::air::{Chamber, Flow};
+use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
 use crate::pressure::AbsolutePressure;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Real, Scalar};
 
 /// A proportional pressure regulator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +39,17 @@ pub struct Regulator<S = f64> {
     time_constant: S,
     dead_time: S,
     rate_limit: S,
+}
+
+/// Which formula of the rate holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Approach {
+    /// At the limit of the rate, upwards.
+    Rises,
+    /// Within it.
+    Settles,
+    /// At the limit of the rate, downwards.
+    Falls,
 }
 
 /// The regulated pressure from an instant on, under a setpoint that stays the same.
@@ -73,6 +87,55 @@ impl<S: Scalar> Regulator<S> {
             time,
             pressure: AbsolutePressure(self.pressure(before, time)),
             setpoint: AbsolutePressure(setpoint.0.larger(low).smaller(high)),
+        }
+    }
+
+    /// The same over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Regulator<T> {
+        Regulator {
+            time_constant: convert.parameter(&parameter::REGULATOR_TIME_CONSTANT, self.time_constant),
+            dead_time: convert.parameter(&parameter::REGULATOR_DEAD_TIME, self.dead_time),
+            rate_limit: convert.parameter(&parameter::REGULATOR_RATE_LIMIT, self.rate_limit),
+        }
+    }
+
+    /// Time in s from a setpoint to the first answer.
+    pub fn dead_time(&self) -> S {
+        self.dead_time
+    }
+
+    /// How an absolute pressure in Pa goes to a setpoint.
+    pub fn approach(&self, pressure: S, setpoint: S) -> Approach
+    where
+        S: Real,
+    {
+        let apart = (setpoint - pressure).value();
+        if apart.abs() <= (self.rate_limit * self.time_constant).value() {
+            Approach::Settles
+        } else if apart > 0.0 {
+            Approach::Rises
+        } else {
+            Approach::Falls
+        }
+    }
+
+    /// The absolute pressure in Pa at which the limit of the rate ceases to hold; none within it.
+    pub fn limit_end(&self, approach: Approach, setpoint: S) -> Option<S> {
+        let reach = self.rate_limit * self.time_constant;
+        match approach {
+            Approach::Rises => Some(setpoint - reach),
+            Approach::Settles => None,
+            Approach::Falls => Some(setpoint + reach),
+        }
+    }
+
+    /// Rate in Pa/s by the formula of an approach, smoothly continued.
+    #[inline(always)]
+    pub fn rate_in<T: Over<S>>(&self, approach: Approach, pressure: T, setpoint: T) -> T {
+        match approach {
+            Approach::Rises => T::of(self.rate_limit),
+            Approach::Settles => (setpoint - pressure) / T::of(self.time_constant),
+            Approach::Falls => -T::of(self.rate_limit),
         }
     }
 

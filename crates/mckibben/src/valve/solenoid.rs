@@ -19,11 +19,13 @@
 //!
 //! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
 //! the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
-//! ([`FiveWay`](super::FiveWay)).
+//! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its passage is open all the time, to a pressure
+//! that follows set points ([`Solenoid::regulating`]).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
 
 use super::command::{Command, Request};
+use super::regulator::Regulator;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
@@ -41,6 +43,12 @@ pub enum ValveKind {
     /// A two-way valve to the supply and another to the exhaust.
     FillHoldExhaust,
 }
+
+/// A pressure regulator is asked for what only a seat can do.
+const NO_SEAT: Error = Error::Unsupported {
+    what: "a pressure regulator neither fills, holds nor exhausts on request: it takes set points of pressure",
+    remedy: "set command.kind = \"set-points\", or choose a valve with seats such as valve.kind = \"three-way\"",
+};
 
 /// Which passages are open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +82,8 @@ pub struct Solenoid<S = f64> {
     closing_delay: S,
     /// By how much the seats take effect late where it counts, in s.
     transport: S,
+    /// What makes the pressure beyond the passage, which then has no seat.
+    regulator: Option<Regulator<S>>,
 }
 
 impl Solenoid {
@@ -88,14 +98,36 @@ impl Solenoid {
             opening_delay: parameter::OPENING_DELAY.check(opening_delay)?,
             closing_delay: parameter::CLOSING_DELAY.check(closing_delay)?,
             transport: 0.0,
+            regulator: None,
         })
+    }
+
+    /// No solenoid, but a pressure regulator: the passage is open all the time, and air comes from and goes to the pressure
+    /// that follows the set points of a [`Command::SetPoints`].
+    pub fn regulating(regulator: Regulator) -> Self {
+        let regulator = Some(regulator);
+        // Released, its one passage is open.
+        let kind = ValveKind::ThreeWayNormallyOpen;
+        Self { kind, opening_delay: 0.0, closing_delay: 0.0, transport: 0.0, regulator }
     }
 
     /// Checks that the valve can do what the command asks.
     ///
     /// # Errors
-    /// As [`Solenoid::check_request`].
+    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for set points of a valve that is no pressure regulator, and
+    /// for requests of one that is.
     pub fn check(&self, command: &Command) -> Result<(), Error> {
+        match (self.regulator, command.has_set_points()) {
+            (None, true) => {
+                return Err(Error::Unsupported {
+                    what: "set points of pressure are given, but the valve is no pressure regulator",
+                    remedy: "set valve.kind = \"pressure-regulator\", or ask for fill, hold or exhaust",
+                });
+            }
+            (Some(_), false) => return Err(NO_SEAT),
+            (Some(_), true) => return Ok(()),
+            (None, false) => {}
+        }
         let requests = [Request::Fill, Request::Hold, Request::Exhaust];
         requests.into_iter().filter(|request| command.asks_for(*request)).try_for_each(|one| self.check_request(one))
     }
@@ -105,8 +137,12 @@ impl<S: Scalar> Solenoid<S> {
     /// Checks that the valve can do what is asked.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for `hold` on a three-way valve and for `exhaust` on a two-way valve.
+    /// [`Error::Unsupported`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
+    /// pressure regulator.
     pub fn check_request(&self, request: Request) -> Result<(), Error> {
+        if self.regulator.is_some() {
+            return Err(NO_SEAT);
+        }
         let (impossible, what, remedy) = match self.kind {
             ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => (
                 Request::Hold,
@@ -130,7 +166,18 @@ impl<S: Scalar> Solenoid<S> {
             opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
             closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
             transport: T::zero(),
+            regulator: self.regulator.as_ref().map(|regulator| regulator.convert(convert)),
         }
+    }
+
+    /// The pressure regulator in place of a solenoid, if that is what the valve is.
+    pub fn regulator(&self) -> Option<&Regulator<S>> {
+        self.regulator.as_ref()
+    }
+
+    /// By how much it is seen late, in s.
+    pub(crate) fn transport(&self) -> S {
+        self.transport
     }
 
     /// How the passages are arranged.

@@ -113,10 +113,16 @@ impl JointRig {
     ///
     /// # Errors
     /// [`Error::Unsupported`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
-    /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
+    /// do what the command asks, and for a pressure regulator; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
             check_drive(actuator, actuation.as_ref())?;
+            if actuation.as_ref().is_some_and(|drive| drive.solenoid.regulator().is_some()) {
+                return Err(Error::Unsupported {
+                    what: "the actuators of a joint take no pressure regulator yet",
+                    remedy: "choose a valve with seats such as valve.kind = \"three-way\"",
+                });
+            }
         }
         let rig = Self { driven, joint };
         let [low, high] = rig.straight();

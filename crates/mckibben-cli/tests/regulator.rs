@@ -1,0 +1,71 @@
+//! `mckibben simulate` on a pressure regulator: its columns, what is told, its figure, and mistakes.
+
+mod common;
+
+use common::{Folder, of_repository};
+
+fn example() -> String {
+    of_repository("examples/valves/pressure-regulator.toml").display().to_string()
+}
+
+#[test]
+fn the_file_shows_set_point_and_regulated_pressure() {
+    let folder = Folder::new("regulator");
+    let file = example();
+    let arguments = ["simulate", file.as_str(), "-o", "run.csv", "-p", "run.svg"];
+    let output = folder.mckibben().args(arguments).output().expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    for words in ["pressure regulator, 4 set points", "set-point", "gauge at the end", "Exergy of the supply's air"] {
+        assert!(told.contains(words), "{words}:\n{told}");
+    }
+
+    let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
+    let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
+    assert!(header.ends_with("valve,regulated_pressure_pa,set_point_pa"), "{header}");
+    let (mut rows, mut last) = (0, [0.0; 3]);
+    for record in reader.records() {
+        let record = record.expect("a row");
+        let number = |column: usize| record[column].parse::<f64>().expect("a number");
+        let [time, pressure, regulated, asked] = [0, 3, 10, 11].map(number);
+        let expected = match time {
+            t if t < 0.1 => 0.0,
+            t if t < 0.7 => 4e5,
+            t if t < 1.0 => 4.3e5,
+            t if t < 1.5 => 1.5e5,
+            _ => 5e5,
+        };
+        assert!((asked - expected).abs() <= 1e-9 * 101_325.0, "{asked} at {time}");
+        // It answers after its dead time of 10 ms.
+        if time <= 0.11 {
+            assert!((regulated - 101_325.0).abs() < 1e-6, "{regulated} at {time}");
+        }
+        (rows, last) = (rows + 1, [pressure, regulated, asked]);
+    }
+    assert_eq!(rows, 2101);
+    // 600 ms after the step only e^-10 of it or so is left; about it the actuator's own pressure swings with the mass.
+    let [pressure, regulated, asked] = last;
+    assert!((regulated - 101_325.0 - asked).abs() < 1e2 && (pressure - regulated).abs() < 5e3, "{last:?}");
+
+    let svg = std::fs::read_to_string(folder.path("run.svg")).expect("written");
+    for word in ["regulated", "set point", "gauge pressure"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    assert!(!svg.contains("supply open"));
+}
+
+#[test]
+fn what_does_not_take_a_regulator_says_so() {
+    let folder = Folder::new("no-regulator");
+    let file = example();
+    let cases: [(&[&str], &str); 3] = [
+        (&["simulate", file.as_str(), "--set", "run.engine=fixed-step"], "event-located"),
+        (&["linearize", file.as_str()], "pressure regulator"),
+        (&["simulate", file.as_str(), "--set", "supply.gauge_pressure=3 bar"], "cannot give more than feeds it"),
+    ];
+    for (arguments, words) in cases {
+        let output = folder.mckibben().args(arguments).output().expect("the program runs");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && said.contains(words), "{words}:\n{said}");
+    }
+}
