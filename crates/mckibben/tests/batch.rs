@@ -3,11 +3,8 @@
 //!
 //! `cargo xtask rows` tries ten million random rows.
 
-#[path = "common/laws.rs"]
-mod laws;
-#[path = "common/random.rs"]
-mod random;
-
+use crate::common::laws;
+use crate::common::random;
 use crate::common::{INCH, LB, PSI, Paper, ROOM};
 use mckibben::batch::{Batch, Float, Row, Width};
 use mckibben::line::{Hose, HoseKind, Leakage, Line};

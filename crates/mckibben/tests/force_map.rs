@@ -2,8 +2,7 @@
 //! secants; and both engines, with the lines of its grid as events.
 
 use crate::common;
-#[path = "common/laws.rs"]
-mod laws;
+use crate::common::laws;
 
 use common::{PSI, Paper, assert_close, assert_within, slope, spread};
 use mckibben::force::{ForceMap, MAX_MAP, Piece, StaticForce};

@@ -1,9 +1,7 @@
 //! The static model turned round: (3) solved for the pressure, round trips, implicit derivatives, the joint's stiffness
 //! against a displaced joint, and what is refused.
 
-#[path = "common/laws.rs"]
-mod of_force;
-
+use crate::common::laws as of_force;
 use crate::common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within, between, slope};
 use mckibben::air::Process;
 use mckibben::control::{AntagonisticPair, Held};

@@ -1,11 +1,8 @@
 //! The antagonistic joint: symmetry, a closed-form period, sticking torque and restitution, the energy balance, the reduction
 //! to the hanging mass, derivatives, and random joints.
 
-#[path = "common/laws.rs"]
-mod laws;
-#[path = "common/random.rs"]
-mod random;
-
+use crate::common::laws;
+use crate::common::random;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::load::{Joint, Limb, Pulley, Stops};

@@ -2,8 +2,7 @@
 //! both engines on each.
 
 use crate::common;
-#[path = "common/laws.rs"]
-mod laws;
+use crate::common::laws;
 
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
 use laws::{

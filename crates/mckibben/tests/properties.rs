@@ -2,10 +2,8 @@
 //!
 //! The rigs are the same in every run. `MCKIBBEN_SEED` (a number) draws others and `MCKIBBEN_CASES` sets how many; `MCKIBBEN_CASES=20000 cargo test --release --test runs properties::` is a long run.
 
-#[path = "common/random.rs"]
-mod random;
-
 use crate::common::ATMOSPHERE;
+use crate::common::random;
 use mckibben::Error;
 use mckibben::air::Process;
 use mckibben::load::Load;

@@ -4,7 +4,9 @@
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
 use crate::scalar::Real;
-use crate::valve::{Ports, Request, SeatClock, Solenoid, is_due};
+use crate::valve::{Ports, SeatClock, is_due};
+#[cfg(feature = "alloc")]
+use crate::valve::{Request, Solenoid};
 
 /// Where the instants of a rig come from: what drives its valve, and the corners of a prescribed motion.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +29,7 @@ impl<S: Real> Progress<S> {
     }
 
     /// Something is asked of a valve at `time` in s beside its command.
+    #[cfg(feature = "alloc")]
     pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
         self.clock.ask(time, solenoid, request);
     }

@@ -276,6 +276,7 @@ impl<S: Real> SeatClock<S> {
     }
 
     /// Drives the coils by a request at `time` in s, as whoever has no command on paper does.
+    #[cfg(feature = "alloc")]
     pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
         self.drive(time, solenoid, solenoid.coils(request));
     }

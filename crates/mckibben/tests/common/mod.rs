@@ -1,6 +1,9 @@
 //! Shared by the tests: the paper's rig with every number open to change, and a comparison that says what it compared.
 #![allow(dead_code)]
 
+pub(crate) mod laws;
+pub(crate) mod random;
+
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
 use mckibben::friction::{Coulomb, Friction, Hysteresis};
