@@ -8,7 +8,6 @@ mod accuracy;
 mod air;
 #[cfg(feature = "batch")]
 mod batch;
-mod bouc_wen;
 mod circuit;
 mod closed_loop;
 mod events;
