@@ -132,7 +132,10 @@ fn each_kind_takes_the_commands_that_it_can_follow() {
         Document::parse(&text, "valve.toml").expect("TOML").experiment()
     };
     let kinds = ValveKind::CHOICES.iter().map(|choice| choice.name);
-    for kind in kinds {
+    let asked = ["fill", "hold", "exhaust"].map(|request| format!("kind = \"{request}\""));
+    // It follows set points, and no requests.
+    assert!(asked.iter().all(|request| with("pressure-regulator", request).is_err()));
+    for kind in kinds.filter(|kind| *kind != "pressure-regulator") {
         let holds = kind == "two-way" || kind == "fill-hold-exhaust" || kind.starts_with("five-way-");
         assert!(with(kind, "kind = \"fill\"").is_ok(), "{kind}");
         assert_eq!(with(kind, "kind = \"hold\"").is_ok(), holds, "{kind}");
