@@ -62,6 +62,7 @@ words! {
         MartensBoblan = "martens-boblan", "The ideal braid in a rubber membrane: fluidic muscles.";
         ExtensibleBraid = "extensible-braid", "The ideal braid of threads that stretch.";
         Bolen = "bolen", "A normalized surface for all muscles of a diameter.";
+        Polynomial = "polynomial", "A surface polynomial in contraction and affine in pressure.";
         Map = "map", "A smooth monotone surface through tensions measured on a grid.";
     }
     /// How the bladder's resistance grows with contraction.

@@ -324,6 +324,8 @@ const HYSTERESIS: &str = "actuator.friction.hysteresis.law";
 const FORCE: &str = "actuator.force.law";
 const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
 const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
+const WITH_UNITS: &[&str] = &[ForceLaw::Sarosi.name(), ForceLaw::Polynomial.name()];
+const POLYNOMIAL_LAW: &[&str] = &[ForceLaw::Polynomial.name()];
 const MARTENS_BOBLAN: &[&str] = &[ForceLaw::MartensBoblan.name()];
 const EXTENSIBLE: &[&str] = &[ForceLaw::ExtensibleBraid.name()];
 const BOLEN: &[&str] = &[ForceLaw::Bolen.name()];
@@ -363,6 +365,8 @@ pub static KEYS: &[Key] = &[
     quantity(&p::EXTERNAL_VOLUME, "\"3 cm^3\""),
     quantity(&p::LEAKAGE, "\"1e-12 m^3/(s*Pa)\""),
     quantity(&p::WALL_THICKNESS, "\"0.5 mm\""),
+    quantity(&p::TAPER_END_RADIUS, "\"3 mm\"").required(),
+    quantity(&p::TAPER_LENGTH_RATIO, "1.7").required(),
     choice(FORCE, ForceLaw::CHOICES, "The law of static force.", "\"ideal-braid\"").or("ideal-braid"),
     quantity(&p::END_FACTOR, "1.1").when(FORCE, TONDU_LOPEZ),
     quantity(&p::END_FACTOR_RISE, "0.2").when(FORCE, TONDU_LOPEZ),
@@ -373,10 +377,10 @@ pub static KEYS: &[Key] = &[
     list(&p::SAROSI_COEFFICIENTS, "[-4.4, 290, -0.33, -9.3, 298, -300]").required().when(FORCE, SAROSI),
     key("actuator.force.pressure_unit", Kind::Unit("Pa"), "Unit of the pressure in the coefficients.", "\"kPa\"")
         .required()
-        .when(FORCE, SAROSI),
+        .when(FORCE, WITH_UNITS),
     key("actuator.force.force_unit", Kind::Unit("N"), "Unit of the force in the coefficients.", "\"N\"")
         .required()
-        .when(FORCE, SAROSI),
+        .when(FORCE, WITH_UNITS),
     quantity(&p::MEMBRANE_THICKNESS, "\"1.8 mm\"").required().when(FORCE, MARTENS_BOBLAN),
     list(&p::MEMBRANE_MODULUS, "[93.2, -715, 1548, -503]").required().when(FORCE, MARTENS_BOBLAN),
     key("actuator.force.modulus_unit", Kind::Unit("Pa"), "Unit of the modulus in its coefficients.", "\"MPa\"")
@@ -390,6 +394,8 @@ pub static KEYS: &[Key] = &[
     quantity(&p::MAX_PRESSURE, "\"620 kPa\"").required().when(FORCE, BOLEN),
     quantity(&p::MAX_CONTRACTION, "0.25").required().when(FORCE, BOLEN),
     list(&p::BOLEN_SHAPE, "[0.2607, 6.398, 1.303]").required().when(FORCE, BOLEN),
+    list(&p::PRESSURE_COEFFICIENTS, "[2.9, -21.5, 29.3]").required().when(FORCE, POLYNOMIAL_LAW),
+    list(&p::PASSIVE_COEFFICIENTS, "[150, 990]").when(FORCE, POLYNOMIAL_LAW),
     list(&p::MAP_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(FORCE, MAP),
     list(&p::MAP_LENGTH, "[\"7 cm\", \"8 cm\", \"9 cm\"]").required().when(FORCE, MAP),
     list(&p::MAP_TENSION, "[\"4 N\", \"16 N\", \"30 N\", \"9 N\", \"33 N\", \"61 N\"]").required().when(FORCE, MAP),

@@ -316,9 +316,16 @@ impl Scenario {
             Force::Bolen { max_force, max_pressure, max_contraction, shape } => {
                 force::Law::Bolen(force::Bolen::new(longest, *max_force, *max_pressure, *max_contraction, *shape)?)
             }
+            Force::Polynomial { pressure, passive } => {
+                force::Law::Polynomial(force::Polynomial::new(longest, pressure, passive)?)
+            }
             Force::Sarosi(coefficients) => force::Law::Sarosi(force::Sarosi::new(longest, *coefficients)?),
         };
-        let characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;
+        let mut characteristic = Characteristic::new(braid, law).with_wall(actuator.wall_thickness, longest)?;
+        if let Some(taper) = actuator.taper {
+            let lengths = [actuator.min_length, longest];
+            characteristic = characteristic.with_taper(taper.end_radius, taper.length_ratio, lengths)?;
+        }
         let Some(bladder) = actuator.bladder else { return Ok(characteristic) };
         let form = match bladder.form {
             BladderForm::Linear => force::BladderForm::Linear,

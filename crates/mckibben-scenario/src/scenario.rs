@@ -51,6 +51,8 @@ pub struct Actuator {
     pub leakage: Option<f64>,
     /// Thickness t in m of the bladder's wall.
     pub wall_thickness: f64,
+    /// The taper of the ends, if they have one.
+    pub taper: Option<Taper>,
     /// The law of static force.
     pub force: Force,
     /// The bladder, where its elasticity counts.
@@ -104,6 +106,13 @@ pub enum Force {
         /// Coefficients s0, s1, s2 of the surface.
         shape: [f64; 3],
     },
+    /// A surface polynomial in contraction.
+    Polynomial {
+        /// Coefficients a_i in m^2 of rising powers of contraction, at least one.
+        pressure: Vec<f64>,
+        /// Coefficients b_i in N of rising powers of contraction; none for no passive part.
+        passive: Vec<f64>,
+    },
     /// A measured force map.
     Map {
         /// Gauge pressures in Pa, strictly increasing.
@@ -124,6 +133,15 @@ pub struct TonduLopezCoefficients {
     pub a: f64,
     /// Factor b of the pushing term.
     pub b: f64,
+}
+
+/// Cones at the ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taper {
+    /// Radius r_e in m of the braid where it is clamped.
+    pub end_radius: f64,
+    /// Length of a cone over the radius by which it widens.
+    pub length_ratio: f64,
 }
 
 /// An elastic bladder.

@@ -97,6 +97,10 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
         w.number(&p::LEAKAGE, leakage);
     }
     w.number(&p::WALL_THICKNESS, actuator.wall_thickness);
+    if let Some(taper) = actuator.taper {
+        w.number(&p::TAPER_END_RADIUS, taper.end_radius);
+        w.number(&p::TAPER_LENGTH_RATIO, taper.length_ratio);
+    }
     force(w, actuator);
     match &actuator.effectiveness {
         Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
@@ -139,6 +143,7 @@ fn force(w: &mut Writer, actuator: &Actuator) {
         Force::MartensBoblan { .. } => ForceLaw::MartensBoblan,
         Force::ExtensibleBraid { .. } => ForceLaw::ExtensibleBraid,
         Force::Bolen { .. } => ForceLaw::Bolen,
+        Force::Polynomial { .. } => ForceLaw::Polynomial,
         Force::Map { .. } => ForceLaw::Map,
     };
     w.word("actuator.force.law", law.name());
@@ -171,6 +176,14 @@ fn force(w: &mut Writer, actuator: &Actuator) {
             w.number(&p::MAX_PRESSURE, *max_pressure);
             w.number(&p::MAX_CONTRACTION, *max_contraction);
             w.list(&p::BOLEN_SHAPE, shape);
+        }
+        Force::Polynomial { pressure, passive } => {
+            w.list(&p::PRESSURE_COEFFICIENTS, pressure);
+            if !passive.is_empty() {
+                w.list(&p::PASSIVE_COEFFICIENTS, passive);
+            }
+            w.word("actuator.force.pressure_unit", "Pa");
+            w.word("actuator.force.force_unit", "N");
         }
         Force::Map { gauge_pressure, length, tension } => {
             w.list(&p::MAP_PRESSURE, gauge_pressure);

@@ -141,6 +141,12 @@ parameters! {
     WALL_THICKNESS = "actuator.wall_thickness", "t", "m", Range::NON_NEGATIVE, Some(0.0),
         "Thickness of the bladder's wall inside the braid, the same at any length.",
         "Chou & Hannaford (1996); the paper has none", "give zero or more, below the braid's radius";
+    TAPER_END_RADIUS = "actuator.taper.end_radius", "r_e", "m", Range::POSITIVE, None,
+        "Radius of the braid where it is clamped to its end fittings.",
+        "assumed", "give a radius above zero, at most that of the braid at max_length";
+    TAPER_LENGTH_RATIO = "actuator.taper.length_ratio", "c", "", Range::NON_NEGATIVE, None,
+        "Length of the cone at either end over the radius by which it widens.",
+        "assumed", "give zero for no cones, 1 for a half-angle of 45 deg, 1.7 for 30 deg";
     END_FACTOR = "actuator.force.end_factor", "k", "", Range::POSITIVE, Some(1.0),
         "Contraction of the middle over that of the whole, which the taper of the ends makes larger than 1.",
         "Tondu & Lopez (2000)", "give a factor such as 1.1, or 1 for a cylinder up to its ends";
@@ -183,6 +189,12 @@ parameters! {
     BOLEN_SHAPE = "actuator.force.shape", "s_i", "", Range::NON_NEGATIVE, None,
         "The coefficients s0, s1 and s2 of s0 (e^(-s1 x) - 1) + p e^(-s2 x^2).",
         "the public code of the group of A. Hunt", "give three numbers of zero or more";
+    PRESSURE_COEFFICIENTS = "actuator.force.pressure_coefficients", "a_i", "", Range::FINITE, None,
+        "Coefficients of rising powers of contraction in what the pressure pulls, in `force_unit` over `pressure_unit`.",
+        "after Hildebrandt et al. (2005)", "give 1 to 6 finite numbers";
+    PASSIVE_COEFFICIENTS = "actuator.force.passive_coefficients", "b_i", "", Range::FINITE, None,
+        "Coefficients of rising powers of contraction in what resists without pressure, in `force_unit`; none when absent.",
+        "after Hildebrandt et al. (2005)", "give 1 to 6 finite numbers, or leave it out";
     MAP_PRESSURE = "actuator.force.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
         "Gauge pressures of a measured force map, strictly rising.",
         "choice of the measurement", "give 2 to 24 pressures in rising order";

@@ -167,6 +167,7 @@ fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
             Some(format!("threads of {} kN/m together", number(1e-3 * thread_stiffness, 1)))
         }
         Force::Bolen { .. } => Some("law of Bolen".to_owned()),
+        Force::Polynomial { .. } => Some("polynomial in contraction".to_owned()),
         Force::Map { gauge_pressure, length, .. } => {
             let span = |list: &[f64], factor: f64, decimals| {
                 let ends =
@@ -180,7 +181,11 @@ fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
     let bladder = actuator.bladder.map(|bladder| format!("{} bladder", bladder.form.name()));
     let thickness = actuator.wall_thickness;
     let wall = (thickness > 0.0).then(|| format!("wall of {} mm", number(1e3 * thickness, 2)));
-    let words: Vec<String> = [law, bladder, wall].into_iter().flatten().collect();
+    let taper = actuator.taper.map(|taper| {
+        let (radius, ratio) = (number(1e3 * taper.end_radius, 2), number(taper.length_ratio, 2));
+        format!("ends that taper to a radius of {radius} mm, {ratio} times as long as they widen")
+    });
+    let words: Vec<String> = [law, bladder, wall, taper].into_iter().flatten().collect();
     if words.is_empty() { String::new() } else { format!("Beyond the ideal braid: {}.", words.join("; ")) }
 }
 

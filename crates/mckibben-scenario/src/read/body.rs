@@ -10,7 +10,7 @@ use crate::diagnostic::{Class, Diagnostic};
 use crate::keys;
 use crate::presets::{self, Preset};
 use crate::reader::Reader;
-use crate::scenario::{Actuator, Air, Bladder, Effectiveness, Force, Limit, Process, TonduLopezCoefficients};
+use crate::scenario::{Actuator, Air, Bladder, Effectiveness, Force, Limit, Process, Taper, TonduLopezCoefficients};
 use mckibben::parameter::{self as p, Parameter};
 
 /// The keys that together say how long the braid is; giving none of them asks for the default preset.
@@ -39,6 +39,7 @@ pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
         external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
         leakage: r.number(&p::LEAKAGE),
         wall_thickness: r.value(&p::WALL_THICKNESS, preset),
+        taper: r.has("actuator.taper").then(|| taper(r)),
         force: force(r),
         bladder: r.has("actuator.bladder").then(|| bladder(r)).flatten(),
         effectiveness: effectiveness(r, preset),
@@ -80,6 +81,7 @@ fn force(r: &mut Reader<'_>) -> Force {
                 "give s0, s1 and s2 of s0 (e^(-s1 x) - 1) + p e^(-s2 x^2)",
             ),
         },
+        ForceLaw::Polynomial => polynomial(r),
         ForceLaw::Map => {
             let [gauge_pressure, length, tension] = [&p::MAP_PRESSURE, &p::MAP_LENGTH, &p::MAP_TENSION].map(|row| {
                 if !r.has(row.key) {
@@ -99,6 +101,19 @@ fn sarosi(r: &mut Reader<'_>) -> [f64; 6] {
     let [pressure, force] = units(r, [("actuator.force.pressure_unit", "Pa"), ("actuator.force.force_unit", "N")]);
     let per_pressure = force / pressure;
     [a1 * per_pressure, a2 * force, a3, a4 * per_pressure, a5 * per_pressure, a6 * force]
+}
+
+/// A polynomial law for pressures in Pa and forces in N.
+fn polynomial(r: &mut Reader<'_>) -> Force {
+    if !r.has(p::PRESSURE_COEFFICIENTS.key) {
+        r.missing(p::PRESSURE_COEFFICIENTS.key, "");
+    }
+    let [mut pressure, mut passive] =
+        [&p::PRESSURE_COEFFICIENTS, &p::PASSIVE_COEFFICIENTS].map(|row| r.list(row).unwrap_or_default());
+    let [pressure_unit, force] = units(r, [("actuator.force.pressure_unit", "Pa"), ("actuator.force.force_unit", "N")]);
+    pressure.iter_mut().for_each(|a| *a *= force / pressure_unit);
+    passive.iter_mut().for_each(|b| *b *= force);
+    Force::Polynomial { pressure, passive }
 }
 
 /// The coefficients of the membrane's modulus for lengths in m.
@@ -133,6 +148,10 @@ fn units(r: &mut Reader<'_>, units: [(&str, &str); 2]) -> [f64; 2] {
         }
         r.unit(path, like).unwrap_or(1.0)
     })
+}
+
+fn taper(r: &mut Reader<'_>) -> Taper {
+    Taper { end_radius: r.value(&p::TAPER_END_RADIUS, None), length_ratio: r.value(&p::TAPER_LENGTH_RATIO, None) }
 }
 
 fn bladder(r: &mut Reader<'_>) -> Option<Bladder> {

@@ -22,6 +22,8 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::EXTERNAL_VOLUME, |s| Some(&mut s.actuator.external_volume)),
     (&p::LEAKAGE, |s| s.actuator.leakage.as_mut()),
     (&p::WALL_THICKNESS, |s| Some(&mut s.actuator.wall_thickness)),
+    (&p::TAPER_END_RADIUS, |s| Some(&mut s.actuator.taper.as_mut()?.end_radius)),
+    (&p::TAPER_LENGTH_RATIO, |s| Some(&mut s.actuator.taper.as_mut()?.length_ratio)),
     (&p::END_FACTOR, |s| match &mut s.actuator.force {
         Force::TonduLopez { end_factor, .. } => Some(end_factor),
         _ => None,

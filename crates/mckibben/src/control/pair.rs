@@ -74,8 +74,8 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
             parameter::PULLEY_ARM.check(arm[i].value())?;
             if actuators[i].law().law.ideal().is_none() {
                 return Err(Error::Unsupported {
-                    what: "an antagonistic pair is turned round for the ideal braid only, without wall or bladder",
-                    remedy: "leave out actuator.force, actuator.bladder and actuator.wall_thickness",
+                    what: "an antagonistic pair is turned round for the ideal braid only, without wall, taper or bladder",
+                    remedy: "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness",
                 });
             }
             actuators[i].check_pulling(length[i])?;

@@ -1,12 +1,12 @@
-//! The static characteristic of a muscle: a braid, the law of its force, its wall and its bladder.
+//! The static characteristic of a muscle: a braid, the law of its force, its wall, its ends and its bladder.
 //!
 //! ```text
 //! F = F_law(L, P_g) + F_bladder(L)
-//! V = the braid's volume, less the wall's
+//! V = the braid's volume, less the wall's and what the ends lack of a cylinder
 //! ```
 //!
 //! The air needs a volume whatever the law, so the braid stands beside it. Virtual work, `F = −P_g dV/dL`, ties the two
-//! together for the ideal braid, with or without a wall; bladder and membrane add an energy of their own. The other laws are
+//! together for the ideal braid, with or without wall and taper; bladder and membrane add an energy of their own. The other laws are
 //! measured forces, or fitted ones, that follow no volume: over a cycle in pressure and length they take another work from
 //! the muscle than the air puts in.
 //!
@@ -18,6 +18,7 @@
 //! | [`Law::MartensBoblan`] | membrane: thickness, modulus | yes, and the membrane's energy |
 //! | [`Law::ExtensibleBraid`] | stiffness of the threads | with a volume of its own, which depends on pressure |
 //! | [`Law::Bolen`] | largest force, pressure and contraction; shape | no |
+//! | [`Law::Polynomial`] | coefficients of pressure, and passive ones | with the ideal braid's; its passive part stores energy |
 //! | `Law::Map` | measured tensions | no |
 //!
 //! Checked by `tests/laws.rs`.
@@ -25,7 +26,8 @@
 #[cfg(feature = "alloc")]
 use super::ForceMap;
 use super::{
-    Bladder, Bolen, ExtensibleBraid, IdealBraid, MartensBoblan, Sarosi, StaticForce, Statics, TonduLopez, Wall,
+    Bladder, Bolen, ExtensibleBraid, IdealBraid, MartensBoblan, Polynomial, Sarosi, StaticForce, Statics, Taper,
+    TonduLopez, Wall,
 };
 use crate::braid::Braid;
 use crate::convert::Convert;
@@ -49,6 +51,8 @@ pub enum Law<S = f64> {
     ExtensibleBraid(ExtensibleBraid<S>),
     /// A normalized surface.
     Bolen(Bolen<S>),
+    /// A surface polynomial in contraction.
+    Polynomial(Polynomial<S>),
     /// A measured force map.
     #[cfg(feature = "alloc")]
     Map(ForceMap<S>),
@@ -63,7 +67,7 @@ pub struct Piece {
     pub pressure: usize,
 }
 
-/// A law on a braid, with a wall and a bladder if they count.
+/// A law on a braid, with a wall, a taper and a bladder if they count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Characteristic<S = f64> {
     /// The braid's geometry.
@@ -72,39 +76,62 @@ pub struct Characteristic<S = f64> {
     beyond: Option<Beyond<S>>,
 }
 
-/// A law with a wall and a bladder of which at least one is not the ideal braid's.
+/// A law with a wall, a taper and a bladder of which at least one is not the ideal braid's.
 #[derive(Clone, Debug, PartialEq)]
 struct Beyond<S> {
     law: Law<S>,
     wall: Option<Wall<S>>,
+    taper: Option<Taper<S>>,
     bladder: Option<Bladder<S>>,
 }
 
 impl Characteristic {
-    /// A law on a braid without wall or bladder.
+    /// A law on a braid without wall, taper or bladder.
     pub fn new(braid: Braid, law: Law) -> Self {
-        Self::assemble(braid, law, None, None)
+        Self::assemble(braid, Beyond { law, wall: None, taper: None, bladder: None })
     }
 
-    fn assemble(braid: Braid, law: Law, wall: Option<Wall>, bladder: Option<Bladder>) -> Self {
-        let is_ideal = law == Law::IdealBraid && wall.is_none() && bladder.is_none();
-        Self { braid, beyond: (!is_ideal).then_some(Beyond { law, wall, bladder }) }
+    fn assemble(braid: Braid, beyond: Beyond<f64>) -> Self {
+        let Beyond { law, wall, taper, bladder } = &beyond;
+        let is_ideal = *law == Law::IdealBraid && wall.is_none() && taper.is_none() && bladder.is_none();
+        Self { braid, beyond: (!is_ideal).then_some(beyond) }
+    }
+
+    fn into_parts(self) -> (Braid, Beyond<f64>) {
+        let none = Beyond { law: Law::IdealBraid, wall: None, taper: None, bladder: None };
+        (self.braid, self.beyond.unwrap_or(none))
     }
 
     /// The same with a wall of `thickness` (m) whose bore is open up to `max_length` (m); the volume is the gas's, and so
     /// is the force of the ideal braid. None, if the thickness is zero.
     ///
     /// # Errors
-    /// As [`Wall::new`].
+    /// As [`Wall::new`]; [`Error::Inconsistent`] when the wall fills the ends of a taper.
     pub fn with_wall(self, thickness: f64, max_length: f64) -> Result<Self, Error> {
-        let wall = Wall::new(thickness, &self.braid, max_length)?;
+        let (braid, beyond) = self.into_parts();
+        let wall = Wall::new(thickness, &braid, max_length)?;
         let wall = (thickness > 0.0).then_some(wall);
-        Ok(Self::assemble(self.braid, self.law().clone(), wall, self.bladder().copied()))
+        let taper = beyond.taper.map(|taper| taper.beside(&braid, wall.as_ref())).transpose()?;
+        Ok(Self::assemble(braid, Beyond { wall, taper, ..beyond }))
+    }
+
+    /// The same with ends that taper to `end_radius` (m) in cones `length_ratio` times as long as they widen, for lengths from
+    /// `min_length` to `max_length` (m); the volume is the gas's, and so is the force of the ideal braid. None, if the cones have
+    /// no length.
+    ///
+    /// # Errors
+    /// As [`Taper::new`].
+    pub fn with_taper(self, end_radius: f64, length_ratio: f64, lengths: [f64; 2]) -> Result<Self, Error> {
+        let (braid, beyond) = self.into_parts();
+        let taper = Taper::new(end_radius, length_ratio, &braid, beyond.wall.as_ref(), lengths)?;
+        let taper = (length_ratio > 0.0).then_some(taper);
+        Ok(Self::assemble(braid, Beyond { taper, ..beyond }))
     }
 
     /// The same with a bladder.
     pub fn with_bladder(self, bladder: Bladder) -> Self {
-        Self::assemble(self.braid, self.law().clone(), self.wall().copied(), Some(bladder))
+        let (braid, beyond) = self.into_parts();
+        Self::assemble(braid, Beyond { bladder: Some(bladder), ..beyond })
     }
 }
 
@@ -118,19 +145,21 @@ impl<S: Scalar> Characteristic<S> {
     /// The same over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Characteristic<T> {
         let braid = self.braid.convert(convert);
-        let beyond = self.beyond.as_ref().map(|Beyond { law, wall, bladder }| Beyond {
-            law: match law {
+        let beyond = self.beyond.as_ref().map(|Beyond { law, wall, taper, bladder }| {
+            let law = match law {
                 Law::IdealBraid => Law::IdealBraid,
                 Law::TonduLopez(law) => Law::TonduLopez(law.convert(&braid, convert)),
                 Law::Sarosi(law) => Law::Sarosi(law.convert(convert)),
                 Law::MartensBoblan(law) => Law::MartensBoblan(law.convert(&braid, convert)),
                 Law::ExtensibleBraid(law) => Law::ExtensibleBraid(law.convert(&braid, convert)),
                 Law::Bolen(law) => Law::Bolen(law.convert(convert)),
+                Law::Polynomial(law) => Law::Polynomial(law.convert(convert)),
                 #[cfg(feature = "alloc")]
                 Law::Map(map) => Law::Map(map.convert(convert)),
-            },
-            wall: wall.map(|wall| wall.convert(&braid, convert)),
-            bladder: bladder.map(|bladder| bladder.convert(convert)),
+            };
+            let wall = wall.map(|wall| wall.convert(&braid, convert));
+            let taper = taper.map(|taper| taper.convert(&braid, wall.as_ref(), convert));
+            Beyond { law, wall, taper, bladder: bladder.map(|bladder| bladder.convert(convert)) }
         });
         Characteristic { braid, beyond }
     }
@@ -146,6 +175,12 @@ impl<S: Scalar> Characteristic<S> {
         self.beyond.as_ref().and_then(|beyond| beyond.wall.as_ref())
     }
 
+    /// The taper of the ends, if it counts.
+    #[inline(always)]
+    pub fn taper(&self) -> Option<&Taper<S>> {
+        self.beyond.as_ref().and_then(|beyond| beyond.taper.as_ref())
+    }
+
     /// The bladder, if it counts.
     pub fn bladder(&self) -> Option<&Bladder<S>> {
         self.beyond.as_ref().and_then(|beyond| beyond.bladder.as_ref())
@@ -153,9 +188,10 @@ impl<S: Scalar> Characteristic<S> {
 
     /// What the end length is, by the key of the parameter where there is one.
     pub(crate) fn end_name(&self) -> &'static str {
-        match self.wall() {
-            None => parameter::THREAD_LENGTH.key,
-            Some(_) => "the length at which the wall closes the bore",
+        match (self.wall(), self.taper()) {
+            (None, None) => parameter::THREAD_LENGTH.key,
+            (Some(_), None) => "the length at which the wall closes the bore",
+            (_, Some(_)) => "the length at which the bore is half as wide as in its fittings",
         }
     }
 
@@ -198,30 +234,39 @@ impl<S: Scalar> Characteristic<S> {
         }
     }
 
-    /// Energy in J that the rubber holds at a length in m: the bladder, and the membrane of a law that has one.
+    /// Energy in J that the rubber holds at a length in m: the bladder, and what a law has of its own.
     pub fn stored_energy<T: Over<S>>(&self, length: T) -> T {
-        let membrane = match self.law() {
+        let of_law = match self.law() {
             Law::MartensBoblan(law) => law.stored_energy(length),
+            Law::Polynomial(law) => law.stored_energy(length),
             _ => T::zero(),
         };
-        membrane + self.bladder().map_or(T::zero(), |bladder| bladder.stored_energy(length))
+        of_law + self.bladder().map_or(T::zero(), |bladder| bladder.stored_energy(length))
     }
 
-    /// Force in N by virtual work of the gas: on the braid, or inside its wall.
+    /// Force in N by virtual work of the gas: on the braid, or inside its wall, with ends that taper or not.
     #[inline(always)]
     fn gas_force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
-        match self.wall() {
+        let force = match self.wall() {
             None => IdealBraid { braid: self.braid }.force(length, gauge),
             Some(wall) => -gauge.0 * wall.volume_slope(&self.braid, length),
+        };
+        match self.taper() {
+            None => force,
+            Some(taper) => force + gauge.0 * taper.lost_slope(&self.braid, self.wall(), length),
         }
     }
 
     /// The secant of that force over length in N/m.
     #[inline(always)]
     fn gas_secant<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
-        match self.wall() {
+        let secant = match self.wall() {
             None => IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge),
             Some(wall) => -gauge.0 * wall.slope_secant(&self.braid, length, from),
+        };
+        match self.taper() {
+            None => secant,
+            Some(taper) => secant + gauge.0 * taper.slope_secant(&self.braid, self.wall(), length, from),
         }
     }
 }
@@ -237,6 +282,7 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             Law::Sarosi(law) => law.force(length, gauge),
             Law::ExtensibleBraid(law) => law.force(length, gauge),
             Law::Bolen(law) => law.force(length, gauge),
+            Law::Polynomial(law) => law.force(length, gauge),
             #[cfg(feature = "alloc")]
             Law::Map(map) => map.force(length, gauge),
         };
@@ -258,6 +304,7 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             Law::Sarosi(law) => law.secant_stiffness(length, from, gauge),
             Law::ExtensibleBraid(law) => law.secant_stiffness(length, from, gauge),
             Law::Bolen(law) => law.secant_stiffness(length, from, gauge),
+            Law::Polynomial(law) => law.secant_stiffness(length, from, gauge),
             #[cfg(feature = "alloc")]
             Law::Map(map) => map.secant_stiffness(length, from, gauge),
         };
@@ -269,17 +316,25 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
 }
 
 impl<S: Scalar> Statics<S> for Characteristic<S> {
-    /// The braid is straight, or the wall has closed the bore.
+    /// The braid is straight, the wall has closed the bore, or the bore is half as wide as in fittings that it tapers to.
     #[inline(always)]
     fn end_length(&self) -> S {
-        self.wall().map_or(self.braid.thread_length(), Wall::closed_length)
+        match (self.taper(), self.wall()) {
+            (Some(taper), _) => taper.end_length(),
+            (None, Some(wall)) => wall.closed_length(),
+            (None, None) => self.braid.thread_length(),
+        }
     }
 
     #[inline(always)]
     fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2] {
-        match self.wall() {
+        let [volume, slope] = match self.wall() {
             None => IdealBraid { braid: self.braid }.volume_and_slope(length),
             Some(wall) => [wall.volume(&self.braid, length), wall.volume_slope(&self.braid, length)],
-        }
+        };
+        let Some(taper) = self.taper() else { return [volume, slope] };
+        let [lost, lost_slope] =
+            [taper.lost_volume(&self.braid, self.wall(), length), taper.lost_slope(&self.braid, self.wall(), length)];
+        [volume - lost, slope - lost_slope]
     }
 }

@@ -1,8 +1,8 @@
 //! Static force: how hard the gas pulls the ends together.
 //!
 //! One trait, [`StaticForce`], is the question; each law is a file, and a [`Characteristic`] puts one on a braid. A
-//! correction wraps what it corrects: a [`Bladder`] adds its elasticity and a [`Wall`] takes room from the gas;
-//! [`Effectiveness`] multiplies any law by a measured ratio (9). [`LengthLimits`] adds the end effects (10)(11)(14).
+//! correction wraps what it corrects: a [`Bladder`] adds its elasticity, a [`Wall`] and a [`Taper`] of the ends take room from
+//! the gas; [`Effectiveness`] multiplies any law by a measured ratio (9). [`LengthLimits`] adds the end effects (10)(11)(14).
 
 mod bladder;
 mod bolen;
@@ -15,7 +15,9 @@ mod limits;
 mod map;
 mod martens_boblan;
 mod monotone;
+mod polynomial;
 mod sarosi;
+mod taper;
 mod tondu_lopez;
 mod wall;
 
@@ -29,7 +31,9 @@ pub use limits::LengthLimits;
 #[cfg(feature = "alloc")]
 pub use map::{ForceMap, MAX_MAP};
 pub use martens_boblan::MartensBoblan;
+pub use polynomial::{MAX_POWERS, Polynomial};
 pub use sarosi::Sarosi;
+pub use taper::Taper;
 pub use tondu_lopez::{Coefficients, EndFactor, TonduLopez};
 pub use wall::Wall;
 
