@@ -257,6 +257,7 @@ pub const VARY: &str = "sweep.vary";
 pub static SECTIONS: &[Section] = &[
     section("actuator", "The braided actuator.", false),
     section("actuator.force", "The law of static force.", false),
+    section("actuator.taper", "Cones at the ends; without it the muscle is a cylinder up to its fittings.", false),
     section("actuator.bladder", "Elasticity of the bladder; without it the bladder is limp.", false),
     section("actuator.effectiveness", "Measured force over ideal force: a constant, a polynomial or a table.", false),
     section("actuator.friction", "Friction between threads and bladder.", false),

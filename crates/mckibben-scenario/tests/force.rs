@@ -12,6 +12,9 @@ const MEMBRANE: &str = "[actuator.force]\nlaw = \"martens-boblan\"\nmembrane_thi
 const EXTENSIBLE: &str = "[actuator.force]\nlaw = \"extensible-braid\"\nthread_stiffness = \"30 kN/m\"";
 const BOLEN: &str = "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]";
 
+const POLYNOMIAL: &str = "[actuator.force]\nlaw = \"polynomial\"\npressure_coefficients = [120, -800, 900]\npassive_coefficients = [1, 40]\npressure_unit = \"MPa\"\nforce_unit = \"N\"";
+const TAPER: &str = "[actuator.taper]\nend_radius = \"2.8 mm\"\nlength_ratio = 1.7";
+
 fn document(lines: &str) -> Document {
     Document::parse(&format!("{lines}\n{REST}"), "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -44,6 +47,8 @@ fn each_law_is_read_written_and_built() {
         BOLEN,
         EXTENSIBLE,
         "[actuator]\nwall_thickness = \"0.4 mm\"",
+        POLYNOMIAL,
+        TAPER,
         "[actuator.bladder]\nform = \"linear\"\nforce = \"6 N\"",
         "[actuator.bladder]\nform = \"saturating\"\nforce = \"6 N\"\nscale = 0.05",
         "[actuator.force]\nlaw = \"tondu-lopez\"\n[actuator.bladder]\nform = \"exponential\"\nforce = \"1 N\"\nscale = 0.1",
@@ -56,13 +61,15 @@ fn each_law_is_read_written_and_built() {
         let law = &experiment.rig.actuator().law().law;
         assert_eq!(law.bladder().is_some(), file.contains("bladder"));
         assert_eq!(law.wall().is_some(), file.contains("wall"));
+        assert_eq!(law.taper().is_some(), file.contains("taper"));
+        assert_eq!(matches!(law.law(), Law::Polynomial(_)), file.contains("polynomial"));
         assert_eq!(matches!(law.law(), Law::TonduLopez(_)), file.contains("tondu"));
         assert_eq!(matches!(law.law(), Law::Sarosi(_)), file.contains("sarosi"));
         assert_eq!(matches!(law.law(), Law::MartensBoblan(_)), file.contains("martens"));
         assert_eq!(matches!(law.law(), Law::ExtensibleBraid(_)), file.contains("extensible"));
         assert_eq!(matches!(law.law(), Law::Bolen(_)), file.contains("bolen"));
     }
-    let saturating = read(files[10]).actuator.bladder.expect("a bladder");
+    let saturating = read(files[12]).actuator.bladder.expect("a bladder");
     assert_eq!((saturating.form, saturating.force, saturating.scale), (BladderForm::Saturating, 6.0, 0.05));
 }
 
@@ -75,6 +82,22 @@ fn the_coefficients_of_sarosi_take_their_units_along() {
     };
     let Force::Sarosi(a) = file("kPa", "kN", "[1, 2, 3, 4, 5, 6]").actuator.force else { panic!("another law") };
     assert_eq!(a, [1.0, 2e3, 3.0, 4.0, 5.0, 6e3]);
+}
+
+#[test]
+fn the_coefficients_of_a_polynomial_take_their_units_along() {
+    let expected = Force::Polynomial { pressure: vec![120e-6, -800e-6, 900e-6], passive: vec![1.0, 40.0] };
+    let kilo = POLYNOMIAL.replace("[120, -800, 900]", "[0.12e-3, -0.8e-3, 0.9e-3]").replace("[1, 40]", "[1e-3, 0.04]");
+    let Force::Polynomial { pressure, passive } = expected else { panic!("another law") };
+    for file in [POLYNOMIAL.to_owned(), kilo.replace("MPa", "kPa").replace("\"N\"", "\"kN\"")] {
+        let Force::Polynomial { pressure: a, passive: b } = read(&file).actuator.force else { panic!("another law") };
+        for (found, expected) in a.iter().chain(&b).zip(pressure.iter().chain(&passive)) {
+            assert!((found / expected - 1.0).abs() < 1e-14, "{found} is not {expected}");
+        }
+    }
+    let bare = POLYNOMIAL.replace("passive_coefficients = [1, 40]\n", "");
+    let Force::Polynomial { passive, .. } = read(&bare).actuator.force else { panic!("another law") };
+    assert!(passive.is_empty());
 }
 
 #[test]
@@ -94,6 +117,10 @@ fn what_is_missing_or_out_of_place_is_said() {
     let soft = EXTENSIBLE.replace("30", "0");
     let far = BOLEN.replace("0.3\n", "1.5\n");
     let falling = MAP.replace("60 psi", "10 psi");
+    let seven = POLYNOMIAL.replace("[1, 40]", "[1, 2, 3, 4, 5, 6, 7]");
+    let unitless = POLYNOMIAL.replace("force_unit = \"N\"", "");
+    let wide = TAPER.replace("2.8 mm", "4 mm");
+    let long = TAPER.replace("1.7", "17");
     let cases = [
         ("[actuator.force]\nlaw = \"tondu-lopes\"", "did you mean \"tondu-lopez\"?"),
         (
@@ -121,6 +148,12 @@ fn what_is_missing_or_out_of_place_is_said() {
         (short.as_str(), "it has not one entry for each pressure and length"),
         (falling.as_str(), "the entries do not rise"),
         ("[actuator.force]\nlaw = \"map\"", "`actuator.force.tension` (F) is missing"),
+        ("[actuator.force]\nlaw = \"polynomial\"", "`actuator.force.pressure_coefficients` (a_i) is missing"),
+        (seven.as_str(), "keep to 6 coefficients"),
+        (unitless.as_str(), "`actuator.force.force_unit` is missing"),
+        ("[actuator.taper]\nlength_ratio = 1", "`actuator.taper.end_radius` (r_e) is missing"),
+        (wide.as_str(), "must be at most the braid's radius at actuator.max_length"),
+        (long.as_str(), "must be less than actuator.min_length over the braid's diameter there"),
         ("[actuator.bladder]\nforce = \"1 N\"", "`actuator.bladder.form` is missing"),
         ("[actuator.bladder]\nform = \"linear\"\nforce = \"1 N\"\nscale = 0.1", "has no meaning with"),
         ("[actuator.bladder]\nform = \"saturating\"\nforce = \"1 N\"", "`actuator.bladder.scale` (s) is missing"),

@@ -164,6 +164,7 @@ fn surroundings(path: &str) -> String {
         _ if path.starts_with("actuator.force.max_") => {
             "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]\n"
         }
+        _ if path.starts_with("actuator.taper") => "[actuator.taper]\nend_radius = \"2.8 mm\"\nlength_ratio = 1\n",
         _ if path.starts_with("actuator.bladder") => {
             "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1\n"
         }

@@ -146,6 +146,11 @@ fn surroundings_of(path: &str) -> &'static str {
         _ if path.starts_with("actuator.friction.hysteresis") => {
             "[actuator.friction.hysteresis]\nreach = [\"0.1 mm\", \"1 mm\"]\nstiffness_ratio = [0.5, 0.1]"
         }
+        "actuator.force.pressure_coefficients" | "actuator.force.passive_coefficients" => {
+            "[actuator.force]\nlaw = \"polynomial\"\npressure_coefficients = [1, 2]\npassive_coefficients = [1, 2]\n\
+             pressure_unit = \"MPa\"\nforce_unit = \"N\""
+        }
+        _ if path.starts_with("actuator.taper") => "[actuator.taper]\nend_radius = \"2.8 mm\"\nlength_ratio = 1",
         _ if path.starts_with("actuator.bladder.s") => {
             "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1"
         }

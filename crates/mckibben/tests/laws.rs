@@ -6,12 +6,12 @@ use crate::common::laws;
 
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
 use laws::{
-    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, SHAPE, THREADS, WALL, all, bladder, extensible,
-    martens_boblan, tondu_lopez, walled,
+    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, PASSIVE, PRESSURE, SHAPE, TAPER, THREADS, WALL, all,
+    bladder, extensible, martens_boblan, polynomial, tapered, tondu_lopez, walled,
 };
 use mckibben::force::{
-    Bladder, BladderForm, Bolen, EndFactor, ExtensibleBraid, IdealBraid, LengthLimits, MartensBoblan, Sarosi,
-    StaticForce, Statics, Wall,
+    Bladder, BladderForm, Bolen, Characteristic, EndFactor, ExtensibleBraid, IdealBraid, LengthLimits, MAX_POWERS,
+    MartensBoblan, Polynomial, Sarosi, StaticForce, Statics, Taper, Wall,
 };
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, InitialLength, Method};
@@ -217,6 +217,120 @@ fn bolen_transcribed_and_its_two_ends() {
 }
 
 #[test]
+fn a_polynomial_transcribed_power_by_power() {
+    let law = Polynomial::new(0.3, &[2e-3, -1e-2, 3e-2, -7e-2, 0.2, -0.3], &[5.0, 300.0, -2e3, 6e3, -9e3, 4e3])
+        .expect("a law");
+    for (place, (_, gauge)) in places().enumerate() {
+        let length = common::between(place, 3, 0.2, 0.31);
+        let e = (0.3 - length) / 0.3;
+        let pulls = 2e-3 - 1e-2 * e + 3e-2 * e.powi(2) - 7e-2 * e.powi(3) + 0.2 * e.powi(4) - 0.3 * e.powi(5);
+        let resists = 5.0 + 300.0 * e - 2e3 * e.powi(2) + 6e3 * e.powi(3) - 9e3 * e.powi(4) + 4e3 * e.powi(5);
+        assert_within(law.force(length, at(gauge)), gauge * pulls - resists, 1e-14 * (gauge.abs() + 300.0));
+        // What resists gives back what it takes.
+        let energy: Dual<f64, 1> = law.stored_energy(Dual::variable(length, 0));
+        assert_within(energy.slope[0], -resists, 1e-12 * 300.0);
+    }
+    assert_eq!(law.stored_energy::<f64>(0.3), 0.0);
+}
+
+/// The ideal braid in a linear bladder is a polynomial of degree 2 and 1, in force, stiffness, energy and motion.
+#[test]
+fn a_polynomial_holds_the_ideal_braid_and_a_linear_bladder() {
+    let paper = Paper::sealed();
+    let (longest, thread) = (paper.max_length, paper.thread_length);
+    let per_turns = 1.0 / (4.0 * PI * paper.turns * paper.turns);
+    let squared = longest * longest * per_turns;
+    let pressure = [3.0 * squared - thread * thread * per_turns, -6.0 * squared, 3.0 * squared];
+    let (law, expected) = (polynomial(&paper, &pressure, &[0.0, BLADDER[0]]), bladder(&paper, BladderForm::Linear));
+    for (place, (length, gauge)) in places().enumerate() {
+        let size = gauge.abs() * 1e-4 + BLADDER[0];
+        assert_within(law.force(length, at(gauge)), expected.force(length, at(gauge)), 1e-14 * size);
+        let from = common::between(place, 2, 2.4, 3.8) * INCH;
+        let [of_law, of_braid]: [f64; 2] =
+            [law.secant_stiffness(length, from, at(gauge)), expected.secant_stiffness(length, from, at(gauge))];
+        assert_within(of_law, of_braid, 1e-13 * size / longest);
+        assert_within(law.stored_energy(length), expected.stored_energy(length), 1e-15 * size);
+    }
+    let run = |law| cycle(&paper).with(|rig| rig.characteristic = Some(law)).run(0.37, 1e-11).audit();
+    let (audit, of_braid) = (run(law), run(expected));
+    assert!(audit.effectiveness_loss.abs() < 1e-9 * audit.turnover(), "{audit:?}");
+    assert_close(audit.bladder_storage, of_braid.bladder_storage, 1e-9);
+}
+
+/// Half the diameter of the braid of a rig in m.
+fn radius(paper: &Paper, length: f64) -> f64 {
+    0.5 * paper.braid().diameter::<f64>(length)
+}
+
+#[test]
+fn a_taper_is_two_cones_and_pulls_by_virtual_work() {
+    let paper = Paper::sealed();
+    let [end, ratio] = TAPER;
+    let ideal = || Characteristic::from(IdealBraid { braid: paper.braid() });
+    for (law, wall) in [(tapered(&paper, ideal(), TAPER), 0.0), (tapered(&paper, walled(&paper), TAPER), WALL)] {
+        for (length, gauge) in places() {
+            let (middle, cone) = (radius(&paper, length), ratio * (radius(&paper, length) - end));
+            // Simpson's rule is exact for the square of a radius that rises in proportion.
+            let bore = |share: f64| PI * (end + share * (middle - end) - wall).powi(2);
+            let of_cone = cone * (bore(0.0) + 4.0 * bore(0.5) + bore(1.0)) / 6.0;
+            let volume = 2.0 * of_cone + (length - 2.0 * cone) * bore(1.0);
+            assert_close(law.volume(length), volume, 1e-13);
+            let by_work = -gauge * slope(1e-5, |h| law.volume(length + h));
+            assert_within(law.force(length, at(gauge)), by_work, 1e-9 * gauge.abs() * 1e-4);
+            if wall == 0.0 {
+                let per_turns = 1.0 / (4.0 * PI * paper.turns * paper.turns);
+                let thread = paper.thread_length;
+                let bracket = 3.0 * length * length - thread * thread - 4.0 * ratio * length * (middle - end);
+                assert_within(law.force(length, at(gauge)), gauge * per_turns * bracket, 1e-13 * gauge.abs() * 1e-4);
+            }
+        }
+        // The model ends where the bore is half as wide as in the fittings; it has room until there.
+        let stop = law.end_length();
+        assert_close(radius(&paper, stop) - wall, 0.5 * (end - wall), 1e-12);
+        assert!((0..=100).all(|n| law.volume::<f64>(2.4 * INCH + (stop - 2.4 * INCH) * f64::from(n) / 100.0) > 0.0));
+    }
+    let pushed = walled(&paper).with_taper(end, ratio, [2.4 * INCH, paper.max_length]).expect("a taper");
+    let other_way = tapered(&paper, ideal(), TAPER).with_wall(WALL, paper.max_length).expect("a wall");
+    assert_eq!(pushed, other_way);
+}
+
+#[test]
+fn without_cones_a_taper_is_the_ideal_braid() {
+    let paper = Paper::sealed();
+    let ideal = || Characteristic::from(IdealBraid { braid: paper.braid() });
+    assert_eq!(tapered(&paper, ideal(), [TAPER[0], 0.0]), ideal());
+    let lost = |ratio: f64, length, gauge| {
+        let law = tapered(&paper, ideal(), [TAPER[0], ratio]);
+        ideal().force(length, at(gauge)) - law.force(length, at(gauge))
+    };
+    for (length, gauge) in places().filter(|place| place.1 > 0.0) {
+        let one = lost(1.0, length, gauge);
+        assert!(one > 0.0);
+        for ratio in [1e-6, 0.1, 3.0] {
+            assert_within(lost(ratio, length, gauge), ratio * one, 1e-13 * gauge * 1e-4);
+        }
+    }
+}
+
+/// An unswollen end: the taper starts as an end factor and then takes less than it.
+#[test]
+fn a_taper_begins_as_an_end_factor() {
+    let paper = Paper::sealed();
+    let (longest, gauge) = (paper.max_length, 60.0 * PSI);
+    let end = radius(&paper, longest);
+    let tangent = (longest / paper.thread_length).acos().tan();
+    for ratio in [0.3, 1.0, 2.5] {
+        let law = tapered(&paper, IdealBraid { braid: paper.braid() }.into(), [end, ratio]);
+        let factor = 1.0 + 2.0 / 3.0 * ratio * end / longest / (tangent * tangent);
+        let other = tondu_lopez(&paper, EndFactor::constant(factor).expect("a factor"), None);
+        let [tapers, contracts]: [Dual<f64, 1>; 2] =
+            [&law, &other].map(|law| law.force(Dual::variable(longest, 0), GaugePressure(Dual::of_value(gauge))));
+        assert_close(tapers.value, contracts.value, 1e-12);
+        assert_close(tapers.slope[0], contracts.slope[0], 1e-12);
+    }
+}
+
+#[test]
 fn a_wall_is_the_law_of_chou_and_hannaford_over_the_braid_angle() {
     let paper = Paper::sealed();
     let law = walled(&paper);
@@ -327,6 +441,8 @@ fn derivatives_by_parameters_reach_every_law() {
         &p::END_FACTOR,
         &p::INITIAL_RADIUS,
         &p::WALL_THICKNESS,
+        &p::TAPER_END_RADIUS,
+        &p::TAPER_LENGTH_RATIO,
         &p::MEMBRANE_THICKNESS,
         &p::THREAD_STIFFNESS,
         &p::MAX_CONTRACTION,
@@ -372,12 +488,13 @@ fn cycle(paper: &Paper) -> Paper {
 fn virtual_work_and_a_bladder_lose_nothing_and_other_laws_do() {
     let paper = Paper::sealed();
     for (name, law) in all(&paper) {
-        let conservative = !["tondu", "sarosi", "bolen", "extensible"].iter().any(|other| name.contains(other));
+        let conservative =
+            !["tondu", "sarosi", "bolen", "extensible", "polynomial"].iter().any(|other| name.contains(other));
         let audit = cycle(&paper).with(|rig| rig.characteristic = Some(law)).run(0.37, 1e-10).audit();
         assert!(audit.residual().abs() < 1e-9 * audit.turnover(), "{name}: {audit:?}");
         let share = audit.effectiveness_loss.abs() / audit.turnover();
         assert_eq!(share < 1e-9, conservative, "{name}: {share}");
-        if name.contains("bladder") || name.contains("martens") {
+        if ["bladder", "martens", "polynomial"].iter().any(|storing| name.contains(storing)) {
             assert!(audit.bladder_storage.abs() > 1e-3 * audit.turnover(), "{name}: {audit:?}");
         }
     }
@@ -452,6 +569,30 @@ fn what_makes_no_sense_is_refused_by_name() {
     assert_eq!(key(bolen(90.0, -6e5, 0.2, SHAPE)), "actuator.force.max_pressure");
     assert_eq!(key(bolen(90.0, 6e5, 1.0, SHAPE)), "actuator.force.max_contraction");
     assert_eq!(key(bolen(90.0, 6e5, 0.2, [0.1, -1.0, 0.0])), "actuator.force.shape");
+    let polynomial = |pressure: &[f64], passive: &[f64]| Polynomial::new(0.1, pressure, passive).unwrap_err();
+    assert_eq!(key(polynomial(&[1e-3, f64::NAN], &[])), "actuator.force.pressure_coefficients");
+    assert_eq!(key(polynomial(&[1e-3], &[f64::INFINITY])), "actuator.force.passive_coefficients");
+    let long = [1.0; MAX_POWERS + 1];
+    for (error, words) in [
+        (polynomial(&[], &[1.0]), "give at least the coefficient without contraction"),
+        (polynomial(&long, &[]), "keep to 6 coefficients"),
+        (polynomial(&[1.0], &long), "keep to 6 coefficients"),
+    ] {
+        assert!(matches!(error, Error::Table { .. }) && error.to_string().contains(words), "{error}");
+    }
+    let lengths = [0.065, 0.098];
+    let thick = Wall::new(2e-3, &braid, 0.098).expect("a wall");
+    let taper = |radius, ratio, wall| Taper::new(radius, ratio, &braid, wall, lengths).unwrap_err();
+    assert_eq!(key(taper(0.0, 1.0, None)), "actuator.taper.end_radius");
+    assert_eq!(key(taper(2e-3, -1.0, None)), "actuator.taper.length_ratio");
+    for (error, parameter, words) in [
+        (taper(3.5e-3, 1.0, None), "actuator.taper.end_radius", "the braid's radius at actuator.max_length"),
+        (taper(2e-3, 1.0, Some(&thick)), "actuator.taper.end_radius", "must be greater than actuator.wall_thickness"),
+        (taper(2e-3, 9.0, None), "actuator.taper.length_ratio", "actuator.min_length over the braid's diameter there"),
+    ] {
+        assert!(error.to_string().contains(words), "{error}");
+        assert_eq!(key(error), parameter);
+    }
     // A braid that pushes wherever it is.
     for shortest in [None, Some(0.03)] {
         let error = LengthLimits::new(&braid, shortest, 0.06, 1e5, 0.0).unwrap_err();

@@ -4,7 +4,7 @@
 use crate::common::{INCH, PSI, Paper};
 use mckibben::force::{
     Bladder, BladderForm, Bolen, Characteristic, Coefficients, EndFactor, ExtensibleBraid, ForceMap, IdealBraid, Law,
-    MartensBoblan, Sarosi, TonduLopez,
+    MartensBoblan, Polynomial, Sarosi, TonduLopez,
 };
 
 /// Coefficients of Sárosi's law for pressures in Pa.
@@ -19,10 +19,15 @@ pub(crate) const MODULUS: [f64; 4] = [4e6, -6e7, 3e8, 1e8];
 /// Largest force in N, pressure in Pa and contraction, and shape of Bolen's law.
 pub(crate) const BOLEN: [f64; 3] = [90.0, 6.2e5, 0.3];
 pub(crate) const SHAPE: [f64; 3] = [0.26, 6.4, 1.3];
+/// Coefficients in m² and in N of rising powers of contraction.
+pub(crate) const PRESSURE: [f64; 4] = [1.2e-4, -8e-4, 9e-4, -4e-4];
+pub(crate) const PASSIVE: [f64; 5] = [1.0, 40.0, -150.0, 400.0, 100.0];
 /// Stiffness of the threads in N/m.
 pub(crate) const THREADS: f64 = 3e4;
 /// Wall thickness in m.
 pub(crate) const WALL: f64 = 0.4e-3;
+/// Radius in m of the braid at its fittings, and length of the cones over the radius by which they widen.
+pub(crate) const TAPER: [f64; 2] = [2.8e-3, 2.0];
 /// Force in N and scale of the bladder.
 pub(crate) const BLADDER: [f64; 2] = [6.0, 0.07];
 
@@ -55,6 +60,15 @@ pub(crate) fn walled(paper: &Paper) -> Characteristic {
     Characteristic::from(IdealBraid { braid: paper.braid() }).with_wall(WALL, paper.max_length).expect("a wall")
 }
 
+pub(crate) fn polynomial(paper: &Paper, pressure: &[f64], passive: &[f64]) -> Characteristic {
+    let law = Polynomial::new(paper.max_length, pressure, passive).expect("a law");
+    Characteristic::new(paper.braid(), Law::Polynomial(law))
+}
+
+pub(crate) fn tapered(paper: &Paper, law: Characteristic, [end_radius, length_ratio]: [f64; 2]) -> Characteristic {
+    law.with_taper(end_radius, length_ratio, [2.4 * INCH, paper.max_length]).expect("a taper")
+}
+
 pub(crate) fn all(paper: &Paper) -> Vec<(&'static str, Characteristic)> {
     let [limit, rise, pressure] = END_FACTOR;
     let falling = EndFactor::falling(limit, rise, pressure).expect("an end factor");
@@ -76,6 +90,9 @@ pub(crate) fn all(paper: &Paper) -> Vec<(&'static str, Characteristic)> {
         ("linear bladder", bladder(paper, BladderForm::Linear)),
         ("tondu-lopez, coefficients", tondu_lopez(paper, falling, Some(coefficients()))),
         ("wall", walled(paper)),
+        ("taper", tapered(paper, IdealBraid { braid: paper.braid() }.into(), TAPER)),
+        ("taper, wall and saturating bladder", tapered(paper, walled(paper).with_bladder(saturating), TAPER)),
+        ("polynomial", polynomial(paper, &PRESSURE, &PASSIVE)),
     ]
 }
 
