@@ -6,8 +6,8 @@ use crate::common::laws;
 
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
 use laws::{
-    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, PASSIVE, PRESSURE, SHAPE, TAPER, THREADS, WALL, all,
-    bladder, extensible, martens_boblan, polynomial, tapered, tondu_lopez, walled,
+    BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, SHAPE, TAPER, THREADS, WALL, all, bladder, extensible,
+    martens_boblan, polynomial, tapered, tondu_lopez, walled,
 };
 use mckibben::force::{
     Bladder, BladderForm, Bolen, Characteristic, EndFactor, ExtensibleBraid, IdealBraid, LengthLimits, MAX_POWERS,
