@@ -327,6 +327,10 @@ fn a_taper_begins_as_an_end_factor() {
             [&law, &other].map(|law| law.force(Dual::variable(longest, 0), GaugePressure(Dual::of_value(gauge))));
         assert_close(tapers.value, contracts.value, 1e-12);
         assert_close(tapers.slope[0], contracts.slope[0], 1e-12);
+        for contraction in [0.02, 0.1, 0.2, 0.3] {
+            let length = longest * (1.0 - contraction);
+            assert!(law.force(length, at(gauge)) > other.force(length, at(gauge)));
+        }
     }
 }
 
