@@ -366,8 +366,6 @@ pub static KEYS: &[Key] = &[
     quantity(&p::EXTERNAL_VOLUME, "\"3 cm^3\""),
     quantity(&p::LEAKAGE, "\"1e-12 m^3/(s*Pa)\""),
     quantity(&p::WALL_THICKNESS, "\"0.5 mm\""),
-    quantity(&p::TAPER_END_RADIUS, "\"3 mm\"").required(),
-    quantity(&p::TAPER_LENGTH_RATIO, "1.7").required(),
     choice(FORCE, ForceLaw::CHOICES, "The law of static force.", "\"ideal-braid\"").or("ideal-braid"),
     quantity(&p::END_FACTOR, "1.1").when(FORCE, TONDU_LOPEZ),
     quantity(&p::END_FACTOR_RISE, "0.2").when(FORCE, TONDU_LOPEZ),
@@ -400,6 +398,8 @@ pub static KEYS: &[Key] = &[
     list(&p::MAP_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(FORCE, MAP),
     list(&p::MAP_LENGTH, "[\"7 cm\", \"8 cm\", \"9 cm\"]").required().when(FORCE, MAP),
     list(&p::MAP_TENSION, "[\"4 N\", \"16 N\", \"30 N\", \"9 N\", \"33 N\", \"61 N\"]").required().when(FORCE, MAP),
+    quantity(&p::TAPER_END_RADIUS, "\"3 mm\"").required(),
+    quantity(&p::TAPER_LENGTH_RATIO, "1.7").required(),
     choice(BLADDER, BladderForm::CHOICES, "How the bladder's resistance grows with contraction.", "\"linear\"")
         .required(),
     quantity(&p::BLADDER_FORCE, "\"20 N\"").required(),

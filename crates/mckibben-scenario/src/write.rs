@@ -97,10 +97,6 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
         w.number(&p::LEAKAGE, leakage);
     }
     w.number(&p::WALL_THICKNESS, actuator.wall_thickness);
-    if let Some(taper) = actuator.taper {
-        w.number(&p::TAPER_END_RADIUS, taper.end_radius);
-        w.number(&p::TAPER_LENGTH_RATIO, taper.length_ratio);
-    }
     force(w, actuator);
     match &actuator.effectiveness {
         Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
@@ -190,6 +186,10 @@ fn force(w: &mut Writer, actuator: &Actuator) {
             w.list(&p::MAP_LENGTH, length);
             w.list(&p::MAP_TENSION, tension);
         }
+    }
+    if let Some(taper) = actuator.taper {
+        w.number(&p::TAPER_END_RADIUS, taper.end_radius);
+        w.number(&p::TAPER_LENGTH_RATIO, taper.length_ratio);
     }
     if let Some(bladder) = &actuator.bladder {
         w.word("actuator.bladder.form", bladder.form.name());

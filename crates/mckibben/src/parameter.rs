@@ -141,12 +141,6 @@ parameters! {
     WALL_THICKNESS = "actuator.wall_thickness", "t", "m", Range::NON_NEGATIVE, Some(0.0),
         "Thickness of the bladder's wall inside the braid, the same at any length.",
         "Chou & Hannaford (1996); the paper has none", "give zero or more, below the braid's radius";
-    TAPER_END_RADIUS = "actuator.taper.end_radius", "r_e", "m", Range::POSITIVE, None,
-        "Radius of the braid where it is clamped to its end fittings.",
-        "assumed", "give a radius above zero, at most that of the braid at max_length";
-    TAPER_LENGTH_RATIO = "actuator.taper.length_ratio", "c", "", Range::NON_NEGATIVE, None,
-        "Length of the cone at either end over the radius by which it widens.",
-        "assumed", "give zero for no cones, 1 for a half-angle of 45 deg, 1.7 for 30 deg";
     END_FACTOR = "actuator.force.end_factor", "k", "", Range::POSITIVE, Some(1.0),
         "Contraction of the middle over that of the whole, which the taper of the ends makes larger than 1.",
         "Tondu & Lopez (2000)", "give a factor such as 1.1, or 1 for a cylinder up to its ends";
@@ -204,6 +198,12 @@ parameters! {
     MAP_TENSION = "actuator.force.tension", "F", "N", Range::FINITE, None,
         "Measured tensions: one for each length at the first pressure, then at the next.",
         "choice of the measurement", "give as many as there are lengths times pressures";
+    TAPER_END_RADIUS = "actuator.taper.end_radius", "r_e", "m", Range::POSITIVE, None,
+        "Radius of the braid where it is clamped to its end fittings.",
+        "assumed", "give a radius above zero, at most that of the braid at max_length";
+    TAPER_LENGTH_RATIO = "actuator.taper.length_ratio", "c", "", Range::NON_NEGATIVE, None,
+        "Length of the cone at either end over the radius by which it widens.",
+        "assumed", "give zero for no cones, 1 for a half-angle of 45 deg, 1.7 for 30 deg";
     BLADDER_FORCE = "actuator.bladder.force", "K_0", "N", Range::NON_NEGATIVE, None,
         "Force that the bladder's resistance to contraction is measured by.",
         "assumed", "give zero or more";

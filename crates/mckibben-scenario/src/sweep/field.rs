@@ -22,8 +22,6 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::EXTERNAL_VOLUME, |s| Some(&mut s.actuator.external_volume)),
     (&p::LEAKAGE, |s| s.actuator.leakage.as_mut()),
     (&p::WALL_THICKNESS, |s| Some(&mut s.actuator.wall_thickness)),
-    (&p::TAPER_END_RADIUS, |s| Some(&mut s.actuator.taper.as_mut()?.end_radius)),
-    (&p::TAPER_LENGTH_RATIO, |s| Some(&mut s.actuator.taper.as_mut()?.length_ratio)),
     (&p::END_FACTOR, |s| match &mut s.actuator.force {
         Force::TonduLopez { end_factor, .. } => Some(end_factor),
         _ => None,
@@ -59,6 +57,8 @@ static FIELDS: &[(&Parameter, Field)] = &[
         Force::Bolen { max_contraction, .. } => Some(max_contraction),
         _ => None,
     }),
+    (&p::TAPER_END_RADIUS, |s| Some(&mut s.actuator.taper.as_mut()?.end_radius)),
+    (&p::TAPER_LENGTH_RATIO, |s| Some(&mut s.actuator.taper.as_mut()?.length_ratio)),
     (&p::BLADDER_FORCE, |s| Some(&mut s.actuator.bladder.as_mut()?.force)),
     (&p::BLADDER_SCALE, |s| {
         let bladder = s.actuator.bladder.as_mut().filter(|bladder| bladder.form != BladderForm::Linear)?;
