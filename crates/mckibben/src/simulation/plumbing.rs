@@ -29,9 +29,6 @@ use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
 const FIRST: usize = 4;
-/// The states that a rig with a lumped hose has, and one more.
-#[cfg(feature = "alloc")]
-pub(super) const FEW: usize = FIRST + 2;
 /// The most states that a rig with a line may have.
 #[cfg(feature = "alloc")]
 pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 2;
