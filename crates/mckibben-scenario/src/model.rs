@@ -129,6 +129,10 @@ fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
             let elements = friction::MaxwellSlip::new(reach, stiffness_ratio)?;
             Ok(friction.with_hysteresis(friction::Hysteresis::MaxwellSlip(elements)))
         }
+        Some(Hysteresis::BoucWen { width, beta, gamma }) => {
+            let law = friction::BoucWen::new(*width, *beta, *gamma)?;
+            Ok(friction.with_hysteresis(friction::Hysteresis::BoucWen(law)))
+        }
         None => Ok(friction),
     }
 }

@@ -182,6 +182,15 @@ pub enum Hysteresis {
         /// Stiffness of each over the actuator's secant stiffness.
         stiffness_ratio: Vec<f64>,
     },
+    /// A loop with rounded corners.
+    BoucWen {
+        /// Force in steady sliding over the secant stiffness, in m.
+        width: f64,
+        /// β in 1/m.
+        beta: f64,
+        /// γ in 1/m.
+        gamma: f64,
+    },
 }
 
 /// The taut braid at full stretch.

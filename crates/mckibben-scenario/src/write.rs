@@ -127,6 +127,12 @@ fn friction(w: &mut Writer, friction: &Friction) {
             w.list(&p::HYSTERESIS_REACH, reach);
             w.list(&p::HYSTERESIS_STIFFNESS_RATIO, stiffness_ratio);
         }
+        Some(Hysteresis::BoucWen { width, beta, gamma }) => {
+            w.word("actuator.friction.hysteresis.law", HysteresisLaw::BoucWen.name());
+            w.number(&p::HYSTERESIS_WIDTH, *width);
+            w.number(&p::HYSTERESIS_BETA, *beta);
+            w.number(&p::HYSTERESIS_GAMMA, *gamma);
+        }
         None => {}
     }
 }

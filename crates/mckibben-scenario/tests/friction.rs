@@ -1,6 +1,6 @@
 //! Friction in a scenario file.
 
-use mckibben::friction::{Coulomb, Friction, Hysteresis, MaxwellSlip};
+use mckibben::friction::{BoucWen, Coulomb, Friction, Hysteresis, MaxwellSlip};
 use mckibben_scenario::Document;
 
 const LOAD: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"1 s\"\n";
@@ -29,11 +29,28 @@ fn every_number_reaches_the_core() {
     assert_eq!(*experiment.rig.actuator().friction(), expected);
 }
 
+const ROUNDED: &str = "[actuator.friction]\ncoulomb_width = \"0 m\"\n[actuator.friction.hysteresis]\nlaw = \"bouc-wen\"\n\
+    width = \"0.1 mm\"\nbeta = \"4 mm^-1\"\ngamma = \"-1500 m^-1\"\n";
+
+#[test]
+fn a_rounded_loop_reaches_the_core_and_has_keys_of_its_own() {
+    let experiment = document(ROUNDED).experiment().expect("a scenario");
+    let law = BoucWen::new(1e-4, 4e3, -1.5e3).expect("a law");
+    assert_eq!(experiment.rig.actuator().friction().hysteresis(), Some(&Hysteresis::BoucWen(law)));
+    let section = "[actuator.friction.hysteresis]\nlaw = \"bouc-wen\"\nwidth = \"0.1 mm\"\n";
+    assert!(problem(section).contains("beta"));
+    assert!(problem(&format!("{section}beta = \"4000 m^-1\"\ngamma = \"5000 m^-1\"")).contains("yield work"));
+    let foreign = problem(&format!("{section}beta = \"4000 m^-1\"\nreach = [\"1 mm\"]"));
+    assert!(foreign.contains("reach"), "{foreign}");
+}
+
 #[test]
 fn what_is_written_reads_back_the_same() {
-    let scenario = document(ELEMENTS).scenario().expect("a scenario");
-    let again = Document::parse(&scenario.to_toml(), "again.toml").expect("TOML").scenario().expect("a scenario");
-    assert_eq!(again, scenario);
+    for text in [ELEMENTS, ROUNDED] {
+        let scenario = document(text).scenario().expect("a scenario");
+        let again = Document::parse(&scenario.to_toml(), "again.toml").expect("TOML").scenario().expect("a scenario");
+        assert_eq!(again, scenario);
+    }
 }
 
 #[test]

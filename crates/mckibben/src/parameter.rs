@@ -225,6 +225,15 @@ parameters! {
     HYSTERESIS_STIFFNESS_RATIO = "actuator.friction.hysteresis.stiffness_ratio", "w_i", "", Range::POSITIVE, None,
         "Stiffnesses of the elements over the actuator's secant stiffness.",
         "Iwan (1966), scaled by (13)", "give numbers above zero, such as 0.1";
+    HYSTERESIS_WIDTH = "actuator.friction.hysteresis.width", "W", "m", Range::POSITIVE, None,
+        "Force of the hysteresis in steady sliding, over the secant stiffness.",
+        "Bouc (1971) and Wen (1976), scaled by (13)", "give a length above zero, such as 0.1 mm";
+    HYSTERESIS_BETA = "actuator.friction.hysteresis.beta", "beta", "1/m", Range::POSITIVE, None,
+        "How fast the hysteresis bends over, whichever way it goes.",
+        "Bouc (1971) and Wen (1976)", "give a number above zero, such as 2000 / m";
+    HYSTERESIS_GAMMA = "actuator.friction.hysteresis.gamma", "gamma", "1/m", Range::FINITE, Some(0.0),
+        "How much faster it bends over in loading than in unloading; zero is Dahl's law.",
+        "Bouc (1971) and Wen (1976)", "give a number between -beta and beta";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";

@@ -8,6 +8,7 @@ mod accuracy;
 mod air;
 #[cfg(feature = "batch")]
 mod batch;
+mod bouc_wen;
 mod circuit;
 mod closed_loop;
 mod events;

@@ -32,5 +32,10 @@ fn hysteresis(r: &mut Reader<'_>) -> Hysteresis {
             let (reach, stiffness_ratio) = columns(r, rows[0], reach, rows[1].key, stiffness_ratio);
             Hysteresis::MaxwellSlip { reach, stiffness_ratio }
         }
+        HysteresisLaw::BoucWen => Hysteresis::BoucWen {
+            width: r.value(&p::HYSTERESIS_WIDTH, None),
+            beta: r.value(&p::HYSTERESIS_BETA, None),
+            gamma: r.value(&p::HYSTERESIS_GAMMA, None),
+        },
     }
 }

@@ -5,8 +5,8 @@
 
 use crate::choice::BladderForm;
 use crate::scenario::{
-    Command, Compressor, Effectiveness, Force, InitialLength, Load, Motion, Passage, PressureRegulator, Process,
-    Reservoir, Scenario, TonduLopezCoefficients,
+    Command, Compressor, Effectiveness, Force, Hysteresis, InitialLength, Load, Motion, Passage, PressureRegulator,
+    Process, Reservoir, Scenario, TonduLopezCoefficients,
 };
 use mckibben::parameter::{self as p, Parameter};
 
@@ -78,6 +78,9 @@ static FIELDS: &[(&Parameter, Field)] = &[
         Process::Polytropic { index } => Some(index),
         _ => None,
     }),
+    (&p::HYSTERESIS_WIDTH, |s| bouc_wen(s).map(|[width, ..]| width)),
+    (&p::HYSTERESIS_BETA, |s| bouc_wen(s).map(|[_, beta, _]| beta)),
+    (&p::HYSTERESIS_GAMMA, |s| bouc_wen(s).map(|[.., gamma]| gamma)),
     (&p::HEAT_TRANSFER, |s| match &mut s.air.process {
         Process::EnergyBalance { heat_transfer, .. } => Some(heat_transfer),
         _ => None,
@@ -181,6 +184,14 @@ fn reservoir(s: &mut Scenario) -> Option<&mut Reservoir> {
 
 fn compressor(s: &mut Scenario) -> Option<&mut Compressor> {
     reservoir(s)?.compressor.as_mut()
+}
+
+/// Width, β and γ of a hysteresis with rounded corners.
+fn bouc_wen(s: &mut Scenario) -> Option<[&mut f64; 3]> {
+    match &mut s.actuator.friction.hysteresis {
+        Some(Hysteresis::BoucWen { width, beta, gamma }) => Some([width, beta, gamma]),
+        _ => None,
+    }
 }
 
 fn regulator(s: &mut Scenario) -> Option<&mut PressureRegulator> {

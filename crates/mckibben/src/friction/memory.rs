@@ -4,8 +4,10 @@
 //! at an actuator length, and every law can say what they are when the length has moved on from there in one direction:
 //! a step of any length is stable, and one that goes in one direction is exact.
 
+use super::bouc_wen::BoucWen;
 use super::maxwell_slip::MaxwellSlip;
 use crate::convert::Convert;
+use crate::force::relative_exponential;
 use crate::scalar::{Over, Real, Scalar};
 
 /// The largest number of elements of a hysteresis law.
@@ -16,6 +18,8 @@ pub const MAX_ELEMENTS: usize = 12;
 pub enum Hysteresis<S = f64> {
     /// Elastic elements that slip.
     MaxwellSlip(MaxwellSlip<S>),
+    /// A loop with rounded corners.
+    BoucWen(BoucWen<S>),
 }
 
 /// The state of a law of hysteresis; it belongs to the caller.
@@ -34,26 +38,42 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-/// The smooth law that a hysteresis follows while the length goes in one direction, up to where the next element slips.
+/// The smooth law that a hysteresis follows while the length goes in one direction, up to where the next element slips or
+/// the deflection goes through zero: `width + slope (1 − e^{−decay x})/decay` at x from its beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch<S = f64> {
     /// Where it begins, as an actuator length in m.
     pub from: S,
     /// The force over the secant stiffness in m at its beginning.
     pub width: S,
-    /// How the width grows with the length.
+    /// How the width grows with the length at its beginning.
     pub slope: S,
+    /// Rate in 1/m at which that slope falls with the length; zero for a straight line.
+    pub decay: S,
     /// The part of the width that slips, in magnitude: what dissipates.
     pub slipping: S,
-    /// The actuator length in m at which the next element slips, if one is left.
+    /// What dissipates beside, over the square of the width, in 1/m.
+    pub wear: S,
+    /// The actuator length in m at which it ends, if it does.
     pub end: Option<S>,
 }
 
-impl<S: Scalar> Branch<S> {
+impl<R: Real> Branch<R> {
     /// The width in m at an actuator length in m.
     #[inline(always)]
-    pub fn width<T: Over<S>>(&self, length: T) -> T {
-        T::of(self.width) + T::of(self.slope) * (length - T::of(self.from))
+    pub fn width<T: Over<R>>(&self, length: T) -> T {
+        let way = length - T::of(self.from);
+        let straight = T::of(self.slope) * way;
+        // Most laws have straight lines, and an exponential costs more than all else here.
+        let bent = self.decay.value() != 0.0;
+        T::of(self.width) + if bent { straight * relative_exponential(-T::of(self.decay) * way) } else { straight }
+    }
+
+    /// The part of the width in m that dissipates, in magnitude, at an actuator length in m.
+    #[inline(always)]
+    pub fn dissipating(&self, length: R) -> R {
+        let width = self.width(length);
+        self.slipping + self.wear * width * width
     }
 }
 
@@ -62,13 +82,15 @@ impl<R: Real> Hysteresis<R> {
     pub fn branch(&self, memory: &Memory<R>, direction: f64) -> Branch<R> {
         match self {
             Self::MaxwellSlip(law) => law.branch(memory, direction),
+            Self::BoucWen(law) => law.branch(memory, direction),
         }
     }
 
-    /// Takes the memory to the end of its branch: what slips from there on has reached its bound.
+    /// Takes the memory to the end of its branch: what slips from there on has reached its bound, what came back is at zero.
     pub fn slip(&self, memory: &mut Memory<R>, direction: f64, length: R) {
         match self {
             Self::MaxwellSlip(law) => law.slip(memory, direction, length),
+            Self::BoucWen(law) => law.slip(memory, length),
         }
     }
 }
@@ -77,6 +99,7 @@ impl<S: Scalar> Hysteresis<S> {
     pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Hysteresis<T> {
         match self {
             Self::MaxwellSlip(law) => Hysteresis::MaxwellSlip(law.convert(convert)),
+            Self::BoucWen(law) => Hysteresis::BoucWen(law.convert(convert)),
         }
     }
 
@@ -84,6 +107,7 @@ impl<S: Scalar> Hysteresis<S> {
     pub fn count(&self) -> usize {
         match self {
             Self::MaxwellSlip(law) => law.count(),
+            Self::BoucWen(_) => 1,
         }
     }
 
@@ -93,6 +117,7 @@ impl<S: Scalar> Hysteresis<S> {
     pub fn width<T: Over<S>>(&self, memory: &Memory<S>, length: T) -> T {
         match self {
             Self::MaxwellSlip(law) => law.width(memory, length),
+            Self::BoucWen(law) => law.width(memory, length),
         }
     }
 
@@ -101,6 +126,7 @@ impl<S: Scalar> Hysteresis<S> {
     pub fn moved(&self, memory: &mut Memory<S>, length: S) {
         match self {
             Self::MaxwellSlip(law) => law.moved(memory, length),
+            Self::BoucWen(law) => law.moved(memory, length),
         }
     }
 }

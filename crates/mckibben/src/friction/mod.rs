@@ -16,12 +16,14 @@
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3; Q and c are averages of its ring-down tests.
 //! Checked by `tests/friction.rs`: decrement 4Q per cycle, exponential decay, never negative dissipation; and
-//! `tests/hysteresis.rs`.
+//! `tests/hysteresis.rs` and `tests/bouc_wen.rs`.
 
+mod bouc_wen;
 mod coulomb;
 mod maxwell_slip;
 mod memory;
 
+pub use bouc_wen::BoucWen;
 pub use coulomb::Coulomb;
 pub use maxwell_slip::MaxwellSlip;
 pub use memory::{Branch, Hysteresis, MAX_ELEMENTS, Memory};

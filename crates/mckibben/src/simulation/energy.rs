@@ -122,7 +122,8 @@ impl EnergyAudit {
         let [mut hysteresis, mut slipping] = [R::zero(); 2];
         if let Some(trace) = trace {
             let secant = pressing.secant_stiffness();
-            (hysteresis, slipping) = (secant * trace.width(sample.length), direction * secant * trace.slipping());
+            (hysteresis, slipping) =
+                (secant * trace.width(sample.length), direction * secant * trace.dissipating(sample.length));
         }
         let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
         let stretch = (sample.length - limits.max_length()).larger(R::zero());

@@ -66,10 +66,10 @@ impl<R: Real> Trace<R> {
         self.branch.width(length)
     }
 
-    /// The part of the width in m that slips, in magnitude.
+    /// The part of the width in m that dissipates, in magnitude, at an actuator length in m on the branch.
     #[cfg(feature = "alloc")]
-    pub(super) fn slipping(&self) -> R {
-        self.branch.slipping
+    pub(super) fn dissipating(&self, length: R) -> R {
+        self.branch.dissipating(length)
     }
 
     /// The guard of the next slip: the actuator length in m, and whether the branch lasts above it.
