@@ -228,10 +228,10 @@ parameters! {
     HYSTERESIS_WIDTH = "actuator.friction.hysteresis.width", "W", "m", Range::POSITIVE, None,
         "Force of the hysteresis in steady sliding, over the secant stiffness.",
         "Bouc (1971) and Wen (1976), scaled by (13)", "give a length above zero, such as 0.1 mm";
-    HYSTERESIS_BETA = "actuator.friction.hysteresis.beta", "beta", "1/m", Range::POSITIVE, None,
+    HYSTERESIS_BETA = "actuator.friction.hysteresis.beta", "beta", "m^-1", Range::POSITIVE, None,
         "How fast the hysteresis bends over, whichever way it goes.",
-        "Bouc (1971) and Wen (1976)", "give a number above zero, such as 2000 / m";
-    HYSTERESIS_GAMMA = "actuator.friction.hysteresis.gamma", "gamma", "1/m", Range::FINITE, Some(0.0),
+        "Bouc (1971) and Wen (1976)", "give a number above zero, such as 2000 m^-1";
+    HYSTERESIS_GAMMA = "actuator.friction.hysteresis.gamma", "gamma", "m^-1", Range::FINITE, Some(0.0),
         "How much faster it bends over in loading than in unloading; zero is Dahl's law.",
         "Bouc (1971) and Wen (1976)", "give a number between -beta and beta";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),

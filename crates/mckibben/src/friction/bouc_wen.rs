@@ -61,7 +61,7 @@ impl BoucWen {
                 relation: if gamma > 0.0 { "must be at most" } else { "must be, without its sign, less than" },
                 other: parameter::HYSTERESIS_BETA.key,
                 value: beta,
-                unit: "1/m",
+                unit: "m^-1",
             },
             remedy: "raise beta, or bring gamma nearer to zero: otherwise a cycle would yield work",
         })
