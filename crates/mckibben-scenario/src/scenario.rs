@@ -191,6 +191,19 @@ pub enum Hysteresis {
         /// γ in 1/m.
         gamma: f64,
     },
+    /// Bristles whose friction falls with velocity.
+    LuGre {
+        /// Force in fast sliding over the secant stiffness, in m.
+        width: f64,
+        /// Deflection in fast sliding, in m.
+        reach: f64,
+        /// Force in the slowest sliding over that in fast sliding.
+        static_ratio: f64,
+        /// Velocity in m/s over which it falls.
+        stribeck_velocity: f64,
+        /// Damping over stiffness at rest, in s.
+        damping_time: f64,
+    },
 }
 
 /// The taut braid at full stretch.

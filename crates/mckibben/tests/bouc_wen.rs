@@ -51,14 +51,14 @@ fn the_deflection_is_the_solution_of_its_equation() {
             // The same way in one and in three parts.
             let (mut parts, from) = (memory, memory.at);
             for part in [0.2, 0.55, 1.0] {
-                law.moved(&mut parts, from + part * way);
+                law.moved(&mut parts, from + part * way, 0.0);
             }
-            law.moved(&mut memory, from + way);
+            law.moved(&mut memory, from + way, 0.0);
             assert_within(parts.elements[0], memory.elements[0], 1e-13 / beta);
             // The corner at zero leaves the other method an error of second order in its step.
             assert_within(memory.elements[0], z, 1e-6 / beta);
             // No way leaves it as it is.
-            assert_close(law.width(&memory, memory.at), WIDTH * (beta + gamma) * memory.elements[0], 1e-14);
+            assert_close(law.width(&memory, memory.at, 0.0), WIDTH * (beta + gamma) * memory.elements[0], 1e-14);
         }
     }
 }
@@ -66,13 +66,13 @@ fn the_deflection_is_the_solution_of_its_equation() {
 #[test]
 fn dahl_s_law_and_straight_unloading_are_its_ends() {
     let mut dahl = Memory::relaxed(MIDDLE);
-    law(BETA, 0.0).moved(&mut dahl, MIDDLE + 3e-4);
+    law(BETA, 0.0).moved(&mut dahl, MIDDLE + 3e-4, 0.0);
     assert_close(dahl.elements[0], -(-BETA * 3e-4_f64).exp_m1() / BETA, 1e-14);
     let mut straight = Memory::relaxed(MIDDLE);
     let law = law(BETA, BETA);
-    law.moved(&mut straight, MIDDLE + 1.0);
+    law.moved(&mut straight, MIDDLE + 1.0, 0.0);
     assert_close(straight.elements[0], 0.5 / BETA, 1e-15);
-    law.moved(&mut straight, MIDDLE + 1.0 - 0.3 / BETA);
+    law.moved(&mut straight, MIDDLE + 1.0 - 0.3 / BETA, 0.0);
     assert_close(straight.elements[0], 0.2 / BETA, 1e-12);
 }
 

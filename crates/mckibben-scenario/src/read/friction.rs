@@ -37,5 +37,12 @@ fn hysteresis(r: &mut Reader<'_>) -> Hysteresis {
             beta: r.value(&p::HYSTERESIS_BETA, None),
             gamma: r.value(&p::HYSTERESIS_GAMMA, None),
         },
+        HysteresisLaw::LuGre => Hysteresis::LuGre {
+            width: r.value(&p::HYSTERESIS_WIDTH, None),
+            reach: r.value(&p::BRISTLE_REACH, None),
+            static_ratio: r.value(&p::BRISTLE_STATIC_RATIO, None),
+            stribeck_velocity: r.value(&p::BRISTLE_STRIBECK_VELOCITY, None),
+            damping_time: r.value(&p::BRISTLE_DAMPING_TIME, None),
+        },
     }
 }

@@ -2,9 +2,11 @@
 //!
 //! The memory is a value that belongs to the caller, as pressure and air mass do. It says what the elements of the law were
 //! at an actuator length, and every law can say what they are when the length has moved on from there in one direction:
-//! a step of any length is stable, and one that goes in one direction is exact.
+//! a step of any length is stable, and one that goes in one direction is exact. LuGre's law asks for the velocity too, and its
+//! error falls with the square of the step.
 
 use super::bouc_wen::BoucWen;
+use super::lugre::LuGre;
 use super::maxwell_slip::MaxwellSlip;
 use crate::convert::Convert;
 use crate::force::relative_exponential;
@@ -20,6 +22,8 @@ pub enum Hysteresis<S = f64> {
     MaxwellSlip(MaxwellSlip<S>),
     /// A loop with rounded corners.
     BoucWen(BoucWen<S>),
+    /// Bristles whose friction falls with velocity.
+    LuGre(LuGre<S>),
 }
 
 /// The state of a law of hysteresis; it belongs to the caller.
@@ -27,7 +31,8 @@ pub enum Hysteresis<S = f64> {
 pub struct Memory<S = f64> {
     /// The actuator length in m at which the elements are as they are.
     pub at: S,
-    /// The elements in the law's own unit: deflections in m; those that the law does not have are zero.
+    /// The elements in the law's own unit: deflections in m, and behind the one of LuGre's law how far its friction has
+    /// fallen with velocity, from 0 at rest to 1; those that the law does not have are zero.
     pub elements: [S; MAX_ELEMENTS],
 }
 
@@ -83,6 +88,7 @@ impl<R: Real> Hysteresis<R> {
         match self {
             Self::MaxwellSlip(law) => law.branch(memory, direction),
             Self::BoucWen(law) => law.branch(memory, direction),
+            Self::LuGre(law) => law.branch(memory, direction),
         }
     }
 
@@ -91,6 +97,8 @@ impl<R: Real> Hysteresis<R> {
         match self {
             Self::MaxwellSlip(law) => law.slip(memory, direction, length),
             Self::BoucWen(law) => law.slip(memory, length),
+            // Its branches do not end.
+            Self::LuGre(_) => memory.at = length,
         }
     }
 }
@@ -100,6 +108,7 @@ impl<S: Scalar> Hysteresis<S> {
         match self {
             Self::MaxwellSlip(law) => Hysteresis::MaxwellSlip(law.convert(convert)),
             Self::BoucWen(law) => Hysteresis::BoucWen(law.convert(convert)),
+            Self::LuGre(law) => Hysteresis::LuGre(law.convert(convert)),
         }
     }
 
@@ -108,25 +117,28 @@ impl<S: Scalar> Hysteresis<S> {
         match self {
             Self::MaxwellSlip(law) => law.count(),
             Self::BoucWen(_) => 1,
+            Self::LuGre(_) => 2,
         }
     }
 
     /// The force over the secant stiffness in m, at an actuator length in m that has been reached from the memory's in one
-    /// direction; positive when it adds to the tension.
+    /// direction, and a velocity in m/s, which only LuGre's law asks for; positive when it adds to the tension.
     #[inline(always)]
-    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, length: T) -> T {
+    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, length: T, velocity: T) -> T {
         match self {
             Self::MaxwellSlip(law) => law.width(memory, length),
             Self::BoucWen(law) => law.width(memory, length),
+            Self::LuGre(law) => law.width(memory, length, velocity),
         }
     }
 
-    /// Takes the memory on to an actuator length in m in one direction.
+    /// Takes the memory on to an actuator length in m in one direction, and a velocity in m/s, which only LuGre's law asks for.
     #[inline(always)]
-    pub fn moved(&self, memory: &mut Memory<S>, length: S) {
+    pub fn moved(&self, memory: &mut Memory<S>, length: S, velocity: S) {
         match self {
             Self::MaxwellSlip(law) => law.moved(memory, length),
             Self::BoucWen(law) => law.moved(memory, length),
+            Self::LuGre(law) => law.moved(memory, length, velocity),
         }
     }
 }
