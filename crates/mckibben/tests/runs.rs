@@ -33,6 +33,7 @@ mod line_supply;
 mod linearize;
 mod linearize_analysis;
 mod linearize_pwm;
+mod lugre;
 mod modular;
 mod properties;
 mod regulated_rig;
