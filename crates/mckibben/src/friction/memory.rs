@@ -10,7 +10,7 @@ use super::lugre::LuGre;
 use super::maxwell_slip::MaxwellSlip;
 use crate::convert::Convert;
 use crate::force::relative_exponential;
-use crate::scalar::{Over, Real, Scalar};
+use crate::scalar::{Over, Real, Scalar, Work};
 
 /// The largest number of elements of a hysteresis law.
 pub const MAX_ELEMENTS: usize = 12;
@@ -71,7 +71,7 @@ impl<R: Real> Branch<R> {
         let straight = T::of(self.slope) * way;
         // Most laws have straight lines, and an exponential costs more than all else here.
         let bent = self.decay.value() != 0.0;
-        T::of(self.width) + if bent { straight * relative_exponential(-T::of(self.decay) * way) } else { straight }
+        T::of(self.width) + if bent { straight * T::apart(Slackened(-T::of(self.decay) * way)) } else { straight }
     }
 
     /// The part of the width in m that dissipates, in magnitude, at an actuator length in m.
@@ -79,6 +79,17 @@ impl<R: Real> Branch<R> {
     pub fn dissipating(&self, length: R) -> R {
         let width = self.width(length);
         self.slipping + self.wear * width * width
+    }
+}
+
+/// How much less than a straight line a branch rises.
+struct Slackened<T>(T);
+
+impl<T: Scalar> Work for Slackened<T> {
+    type Output = T;
+    #[inline(always)]
+    fn done(self) -> T {
+        relative_exponential(self.0)
     }
 }
 
@@ -127,8 +138,8 @@ impl<S: Scalar> Hysteresis<S> {
     pub fn width<T: Over<S>>(&self, memory: &Memory<S>, length: T, velocity: T) -> T {
         match self {
             Self::MaxwellSlip(law) => law.width(memory, length),
-            Self::BoucWen(law) => law.width(memory, length),
-            Self::LuGre(law) => law.width(memory, length, velocity),
+            Self::BoucWen(law) => T::apart(Rounded { law, memory, length }),
+            Self::LuGre(law) => T::apart(Bent { law, memory, length, velocity }),
         }
     }
 
@@ -137,8 +148,70 @@ impl<S: Scalar> Hysteresis<S> {
     pub fn moved(&self, memory: &mut Memory<S>, length: S, velocity: S) {
         match self {
             Self::MaxwellSlip(law) => law.moved(memory, length),
-            Self::BoucWen(law) => law.moved(memory, length),
-            Self::LuGre(law) => law.moved(memory, length, velocity),
+            Self::BoucWen(law) => S::apart(MoveRounded { law, memory, length }),
+            Self::LuGre(law) => S::apart(MoveBent { law, memory, length, velocity }),
         }
+    }
+}
+
+/// The width by the law of Bouc and Wen.
+struct Rounded<'a, S, T> {
+    law: &'a BoucWen<S>,
+    memory: &'a Memory<S>,
+    length: T,
+}
+
+impl<S: Scalar, T: Over<S>> Work for Rounded<'_, S, T> {
+    type Output = T;
+    #[inline(always)]
+    fn done(self) -> T {
+        self.law.width(self.memory, self.length)
+    }
+}
+
+/// The memory taken on by that law.
+struct MoveRounded<'a, S> {
+    law: &'a BoucWen<S>,
+    memory: &'a mut Memory<S>,
+    length: S,
+}
+
+impl<S: Scalar> Work for MoveRounded<'_, S> {
+    type Output = ();
+    #[inline(always)]
+    fn done(self) {
+        self.law.moved(self.memory, self.length);
+    }
+}
+
+/// The width by LuGre's law.
+struct Bent<'a, S, T> {
+    law: &'a LuGre<S>,
+    memory: &'a Memory<S>,
+    length: T,
+    velocity: T,
+}
+
+impl<S: Scalar, T: Over<S>> Work for Bent<'_, S, T> {
+    type Output = T;
+    #[inline(always)]
+    fn done(self) -> T {
+        self.law.width(self.memory, self.length, self.velocity)
+    }
+}
+
+/// The memory taken on by that law.
+struct MoveBent<'a, S> {
+    law: &'a LuGre<S>,
+    memory: &'a mut Memory<S>,
+    length: S,
+    velocity: S,
+}
+
+impl<S: Scalar> Work for MoveBent<'_, S> {
+    type Output = ();
+    #[inline(always)]
+    fn done(self) {
+        self.law.moved(self.memory, self.length, self.velocity);
     }
 }

@@ -297,15 +297,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_ref()?.solenoid.regulator()
     }
 
-    /// Whether there is an air line or a pressure regulator.
+    /// Whether there is an air line or a pressure regulator: states beyond the four, of the air.
     pub(crate) fn has_plumbing(&self) -> bool {
         !self.line.is_none() || self.regulator().is_some()
-    }
-
-    /// Whether there are states beyond the four: those of an air line or a pressure regulator, or bristles.
-    #[cfg(feature = "alloc")]
-    pub(super) fn has_more_states(&self) -> bool {
-        self.has_plumbing() || self.actuator.friction().lugre().is_some()
     }
 
     /// The actuator.
