@@ -29,9 +29,6 @@ use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
 const FIRST: usize = 4;
-/// The states that a rig with a lumped hose and bristles has.
-#[cfg(feature = "alloc")]
-pub(super) const FEW: usize = FIRST + 2;
 /// The most states that a rig with a line and bristles may have.
 #[cfg(feature = "alloc")]
 pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 3;

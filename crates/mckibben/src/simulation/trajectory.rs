@@ -3,7 +3,7 @@
 use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, Piece};
 use super::mode::{EventKind, Mode};
-use super::plumbing::{FEW, MOST};
+use super::plumbing::MOST;
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
 use super::stored::Stored;
@@ -40,11 +40,10 @@ pub struct Trajectory<R: Real = f64> {
 /// The run of a rig with `N` states.
 type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
 
-/// A run of a rig alone, or with an air line or bristles: of a state or two, or of many.
+/// A run of a rig alone, or with an air line or bristles.
 #[derive(Clone, Debug)]
 enum Run<R: Real> {
     Rig(Of<R, 4>),
-    ShortLine(Box<Of<R, FEW>>),
     Line(Box<Of<R, MOST>>),
 }
 
@@ -53,7 +52,6 @@ macro_rules! with_run {
     ($run:expr, $stored:ident => $do:expr) => {
         match $run {
             Run::Rig($stored) => $do,
-            Run::ShortLine($stored) => $do,
             Run::Line($stored) => $do,
         }
     };
@@ -103,12 +101,9 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = if system.states() == 4 {
-            Run::Rig(begin(&system, start))
-        } else if system.states() <= FEW {
-            Run::ShortLine(Box::new(begin(&system, start)))
-        } else {
-            Run::Line(Box::new(begin(&system, start)))
+        let run = match system.states() {
+            4 => Run::Rig(begin(&system, start)),
+            _ => Run::Line(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
