@@ -53,6 +53,8 @@ words! {
     /// The law of hysteresis.
     HysteresisLaw {
         MaxwellSlip = "maxwell-slip", "Elastic elements that slip: the stop operators of Prandtl and Ishlinskii.";
+        BoucWen = "bouc-wen", "A loop with rounded corners, by Bouc and Wen with exponent one; gamma = 0 is Dahl's law.";
+        LuGre = "lugre", "Bristles whose friction falls with velocity and whose motion is damped.";
     }
     /// The law of static force.
     ForceLaw {

@@ -322,6 +322,10 @@ const DESIGN: &str = "sweep.design";
 const RECORD: &str = "sweep.record";
 const NO_GRID: &[&str] = &[DesignKind::Random.name(), DesignKind::LatinHypercube.name(), DesignKind::Sobol.name()];
 const HYSTERESIS: &str = "actuator.friction.hysteresis.law";
+const ELEMENTS: &[&str] = &[HysteresisLaw::MaxwellSlip.name()];
+const ROUNDED: &[&str] = &[HysteresisLaw::BoucWen.name()];
+const BRISTLES: &[&str] = &[HysteresisLaw::LuGre.name()];
+const ONE_WIDTH: &[&str] = &[HysteresisLaw::BoucWen.name(), HysteresisLaw::LuGre.name()];
 const FORCE: &str = "actuator.force.law";
 const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
 const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
@@ -421,8 +425,15 @@ pub static KEYS: &[Key] = &[
     quantity(&p::STATIC_RATIO, "1.3"),
     quantity(&p::STRIBECK_VELOCITY, "\"10 mm/s\""),
     choice(HYSTERESIS, HysteresisLaw::CHOICES, "The law of hysteresis.", "\"maxwell-slip\"").or("maxwell-slip"),
-    list(&p::HYSTERESIS_REACH, "[\"0.05 mm\", \"0.3 mm\"]").required(),
-    list(&p::HYSTERESIS_STIFFNESS_RATIO, "[0.8, 0.1]").required(),
+    list(&p::HYSTERESIS_REACH, "[\"0.05 mm\", \"0.3 mm\"]").required().when(HYSTERESIS, ELEMENTS),
+    list(&p::HYSTERESIS_STIFFNESS_RATIO, "[0.8, 0.1]").required().when(HYSTERESIS, ELEMENTS),
+    quantity(&p::HYSTERESIS_WIDTH, "\"0.1 mm\"").required().when(HYSTERESIS, ONE_WIDTH),
+    quantity(&p::HYSTERESIS_BETA, "\"4000 m^-1\"").required().when(HYSTERESIS, ROUNDED),
+    quantity(&p::HYSTERESIS_GAMMA, "\"-1500 m^-1\"").when(HYSTERESIS, ROUNDED),
+    quantity(&p::BRISTLE_REACH, "\"0.05 mm\"").required().when(HYSTERESIS, BRISTLES),
+    quantity(&p::BRISTLE_STATIC_RATIO, "1.5").when(HYSTERESIS, BRISTLES),
+    quantity(&p::BRISTLE_STRIBECK_VELOCITY, "\"10 mm/s\"").when(HYSTERESIS, BRISTLES),
+    quantity(&p::BRISTLE_DAMPING_TIME, "\"5 ms\"").when(HYSTERESIS, BRISTLES),
     quantity(&p::LIMIT_STIFFNESS, "\"1.75e5 N/m\""),
     quantity(&p::LIMIT_DAMPING, "\"100 N*s/m\""),
     choice(PROCESS, ProcessKind::CHOICES, "How the actuator's air changes its state.", "\"isentropic\"")

@@ -129,6 +129,15 @@ fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
             let elements = friction::MaxwellSlip::new(reach, stiffness_ratio)?;
             Ok(friction.with_hysteresis(friction::Hysteresis::MaxwellSlip(elements)))
         }
+        Some(Hysteresis::BoucWen { width, beta, gamma }) => {
+            let law = friction::BoucWen::new(*width, *beta, *gamma)?;
+            Ok(friction.with_hysteresis(friction::Hysteresis::BoucWen(law)))
+        }
+        Some(Hysteresis::LuGre { width, reach, static_ratio, stribeck_velocity, damping_time }) => {
+            let law = friction::LuGre::new(*width, *reach)?;
+            let law = law.with_velocity(*static_ratio, *stribeck_velocity, *damping_time)?;
+            Ok(friction.with_hysteresis(friction::Hysteresis::LuGre(law)))
+        }
         None => Ok(friction),
     }
 }

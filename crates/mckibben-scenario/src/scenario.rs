@@ -200,6 +200,28 @@ pub enum Hysteresis {
         /// Stiffness of each over the actuator's secant stiffness.
         stiffness_ratio: Vec<f64>,
     },
+    /// A loop with rounded corners.
+    BoucWen {
+        /// Force in steady sliding over the secant stiffness, in m.
+        width: f64,
+        /// β in 1/m.
+        beta: f64,
+        /// γ in 1/m.
+        gamma: f64,
+    },
+    /// Bristles whose friction falls with velocity.
+    LuGre {
+        /// Force in fast sliding over the secant stiffness, in m.
+        width: f64,
+        /// Deflection in fast sliding, in m.
+        reach: f64,
+        /// Force in the slowest sliding over that in fast sliding.
+        static_ratio: f64,
+        /// Velocity in m/s over which it falls.
+        stribeck_velocity: f64,
+        /// Damping over stiffness at rest, in s.
+        damping_time: f64,
+    },
 }
 
 /// The taut braid at full stretch.

@@ -127,6 +127,20 @@ fn friction(w: &mut Writer, friction: &Friction) {
             w.list(&p::HYSTERESIS_REACH, reach);
             w.list(&p::HYSTERESIS_STIFFNESS_RATIO, stiffness_ratio);
         }
+        Some(Hysteresis::BoucWen { width, beta, gamma }) => {
+            w.word("actuator.friction.hysteresis.law", HysteresisLaw::BoucWen.name());
+            w.number(&p::HYSTERESIS_WIDTH, *width);
+            w.number(&p::HYSTERESIS_BETA, *beta);
+            w.number(&p::HYSTERESIS_GAMMA, *gamma);
+        }
+        Some(Hysteresis::LuGre { width, reach, static_ratio, stribeck_velocity, damping_time }) => {
+            w.word("actuator.friction.hysteresis.law", HysteresisLaw::LuGre.name());
+            w.number(&p::HYSTERESIS_WIDTH, *width);
+            w.number(&p::BRISTLE_REACH, *reach);
+            w.number(&p::BRISTLE_STATIC_RATIO, *static_ratio);
+            w.number(&p::BRISTLE_STRIBECK_VELOCITY, *stribeck_velocity);
+            w.number(&p::BRISTLE_DAMPING_TIME, *damping_time);
+        }
         None => {}
     }
 }

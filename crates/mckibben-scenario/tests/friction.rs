@@ -1,6 +1,6 @@
 //! Friction in a scenario file.
 
-use mckibben::friction::{Coulomb, Friction, Hysteresis, MaxwellSlip};
+use mckibben::friction::{BoucWen, Coulomb, Friction, Hysteresis, LuGre, MaxwellSlip};
 use mckibben_scenario::Document;
 
 const LOAD: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"1 s\"\n";
@@ -29,11 +29,43 @@ fn every_number_reaches_the_core() {
     assert_eq!(*experiment.rig.actuator().friction(), expected);
 }
 
+const ROUNDED: &str = "[actuator.friction]\ncoulomb_width = \"0 m\"\n[actuator.friction.hysteresis]\nlaw = \"bouc-wen\"\n\
+    width = \"0.1 mm\"\nbeta = \"4 mm^-1\"\ngamma = \"-1500 m^-1\"\n";
+
+#[test]
+fn a_rounded_loop_reaches_the_core_and_has_keys_of_its_own() {
+    let experiment = document(ROUNDED).experiment().expect("a scenario");
+    let law = BoucWen::new(1e-4, 4e3, -1.5e3).expect("a law");
+    assert_eq!(experiment.rig.actuator().friction().hysteresis(), Some(&Hysteresis::BoucWen(law)));
+    let section = "[actuator.friction.hysteresis]\nlaw = \"bouc-wen\"\nwidth = \"0.1 mm\"\n";
+    assert!(problem(section).contains("beta"));
+    assert!(problem(&format!("{section}beta = \"4000 m^-1\"\ngamma = \"5000 m^-1\"")).contains("yield work"));
+    let foreign = problem(&format!("{section}beta = \"4000 m^-1\"\nreach = [\"1 mm\"]"));
+    assert!(foreign.contains("reach"), "{foreign}");
+}
+
+const BRISTLES: &str = "[actuator.friction.hysteresis]\nlaw = \"lugre\"\nwidth = \"0.1 mm\"\nbristle_reach = \"0.05 mm\"\n\
+    static_ratio = 1.4\nstribeck_velocity = \"8 mm/s\"\ndamping_time = \"5 ms\"\n";
+
+#[test]
+fn bristles_reach_the_core_and_have_keys_of_their_own() {
+    let experiment = document(BRISTLES).experiment().expect("a scenario");
+    let law = LuGre::new(1e-4, 5e-5).and_then(|law| law.with_velocity(1.4, 8e-3, 5e-3)).expect("a law");
+    assert_eq!(experiment.rig.actuator().friction().hysteresis(), Some(&Hysteresis::LuGre(law)));
+    let section = "[actuator.friction.hysteresis]\nlaw = \"lugre\"\nwidth = \"0.1 mm\"\n";
+    assert!(problem(section).contains("bristle_reach"));
+    let damped = problem(&format!("{section}bristle_reach = \"0.01 mm\"\ndamping_time = \"1 s\""));
+    assert!(damped.contains("damping_time") && damped.contains("yield work"), "{damped}");
+    assert!(problem(&format!("{section}bristle_reach = \"0.01 mm\"\nbeta = \"1 mm^-1\"")).contains("beta"));
+}
+
 #[test]
 fn what_is_written_reads_back_the_same() {
-    let scenario = document(ELEMENTS).scenario().expect("a scenario");
-    let again = Document::parse(&scenario.to_toml(), "again.toml").expect("TOML").scenario().expect("a scenario");
-    assert_eq!(again, scenario);
+    for text in [ELEMENTS, ROUNDED, BRISTLES] {
+        let scenario = document(text).scenario().expect("a scenario");
+        let again = Document::parse(&scenario.to_toml(), "again.toml").expect("TOML").scenario().expect("a scenario");
+        assert_eq!(again, scenario);
+    }
 }
 
 #[test]

@@ -165,6 +165,14 @@ fn surroundings(path: &str) -> String {
             "[actuator.force]\nlaw = \"bolen\"\nmax_force = \"90 N\"\nmax_pressure = \"620 kPa\"\nmax_contraction = 0.3\nshape = [0.26, 6.4, 1.3]\n"
         }
         _ if path.starts_with("actuator.taper") => "[actuator.taper]\nend_radius = \"2.8 mm\"\nlength_ratio = 1\n",
+        "actuator.friction.hysteresis.width"
+        | "actuator.friction.hysteresis.beta"
+        | "actuator.friction.hysteresis.gamma" => {
+            "[actuator.friction.hysteresis]\nlaw = \"bouc-wen\"\nwidth = \"0.1 mm\"\nbeta = \"4000 m^-1\"\n"
+        }
+        _ if path.starts_with("actuator.friction.hysteresis") => {
+            "[actuator.friction.hysteresis]\nlaw = \"lugre\"\nwidth = \"0.1 mm\"\nbristle_reach = \"0.05 mm\"\n"
+        }
         _ if path.starts_with("actuator.bladder") => {
             "[actuator.bladder]\nform = \"saturating\"\nforce = \"10 N\"\nscale = 0.1\n"
         }

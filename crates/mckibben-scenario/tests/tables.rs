@@ -143,6 +143,17 @@ fn surroundings_of(path: &str) -> &'static str {
             "[actuator.force]\nlaw = \"map\"\ngauge_pressure = [\"1 bar\", \"2 bar\"]\n\
              length = [\"7 cm\", \"8 cm\"]\ntension = [\"1 N\", \"2 N\", \"3 N\", \"4 N\"]"
         }
+        "actuator.friction.hysteresis.width"
+        | "actuator.friction.hysteresis.beta"
+        | "actuator.friction.hysteresis.gamma" => {
+            "[actuator.friction.hysteresis]\nlaw = \"bouc-wen\"\nwidth = \"0.1 mm\"\nbeta = \"4000 m^-1\""
+        }
+        "actuator.friction.hysteresis.bristle_reach"
+        | "actuator.friction.hysteresis.static_ratio"
+        | "actuator.friction.hysteresis.stribeck_velocity"
+        | "actuator.friction.hysteresis.damping_time" => {
+            "[actuator.friction.hysteresis]\nlaw = \"lugre\"\nwidth = \"0.1 mm\"\nbristle_reach = \"0.05 mm\""
+        }
         _ if path.starts_with("actuator.friction.hysteresis") => {
             "[actuator.friction.hysteresis]\nreach = [\"0.1 mm\", \"1 mm\"]\nstiffness_ratio = [0.5, 0.1]"
         }

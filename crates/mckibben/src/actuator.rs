@@ -242,21 +242,22 @@ impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
         [self.law.effectiveness.at(gauge), self.law.law.force(length, gauge)]
     }
 
-    /// Force of the hysteresis over the secant stiffness in m, for the ends at `distance` (m), if there is such a law.
+    /// Force of the hysteresis over the secant stiffness in m, for the ends at `distance` (m) and `velocity` (m/s), if there is
+    /// such a law.
     #[inline(always)]
-    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, distance: T) -> Option<T> {
+    pub fn width<T: Over<S>>(&self, memory: &Memory<S>, distance: T, velocity: T) -> Option<T> {
         // No closure: it would be compiled by itself, without the instructions of a batch.
         match self.friction.hysteresis() {
-            Some(hysteresis) => Some(hysteresis.width(memory, self.limits.actuator_length(distance))),
+            Some(hysteresis) => Some(hysteresis.width(memory, self.limits.actuator_length(distance), velocity)),
             None => None,
         }
     }
 
-    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m).
+    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m) and `velocity` (m/s).
     #[inline(always)]
-    pub fn remember(&self, memory: &mut Memory<S>, distance: S) {
+    pub fn remember(&self, memory: &mut Memory<S>, distance: S, velocity: S) {
         if let Some(hysteresis) = self.friction.hysteresis() {
-            hysteresis.moved(memory, self.limits.actuator_length(distance));
+            hysteresis.moved(memory, self.limits.actuator_length(distance), velocity);
         }
     }
 
@@ -321,7 +322,7 @@ impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
         let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
-        let rubbing = Rubbing { width: self.width(&state.memory, end), ..speed.sign().into() };
+        let rubbing = Rubbing { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
         let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), rubbing);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));

@@ -237,6 +237,27 @@ parameters! {
     HYSTERESIS_STIFFNESS_RATIO = "actuator.friction.hysteresis.stiffness_ratio", "w_i", "", Range::POSITIVE, None,
         "Stiffnesses of the elements over the actuator's secant stiffness.",
         "Iwan (1966), scaled by (13)", "give numbers above zero, such as 0.1";
+    HYSTERESIS_WIDTH = "actuator.friction.hysteresis.width", "W", "m", Range::POSITIVE, None,
+        "Force of the hysteresis in steady sliding, over the secant stiffness.",
+        "Bouc (1971), Wen (1976) and Canudas de Wit et al. (1995), scaled by (13)", "give a length above zero, such as 0.1 mm";
+    HYSTERESIS_BETA = "actuator.friction.hysteresis.beta", "beta", "m^-1", Range::POSITIVE, None,
+        "How fast the hysteresis bends over, whichever way it goes.",
+        "Bouc (1971) and Wen (1976)", "give a number above zero, such as 2000 m^-1";
+    HYSTERESIS_GAMMA = "actuator.friction.hysteresis.gamma", "gamma", "m^-1", Range::FINITE, Some(0.0),
+        "How much faster it bends over in loading than in unloading; zero is Dahl's law.",
+        "Bouc (1971) and Wen (1976)", "give a number between -beta and beta";
+    BRISTLE_REACH = "actuator.friction.hysteresis.bristle_reach", "r", "m", Range::POSITIVE, None,
+        "Deflection of the bristles in fast sliding.",
+        "Canudas de Wit, Olsson, Astrom & Lischinsky (1995), as F_C/sigma_0", "give a length above zero, such as 0.05 mm";
+    BRISTLE_STATIC_RATIO = "actuator.friction.hysteresis.static_ratio", "rho", "", Range { low: 1.0, low_included: true, high: f64::INFINITY, high_included: false }, Some(1.0),
+        "Force of the bristles in the slowest sliding over that in fast sliding.",
+        "Canudas de Wit, Olsson, Astrom & Lischinsky (1995), as F_S/F_C", "give 1 or more, such as 1.3";
+    BRISTLE_STRIBECK_VELOCITY = "actuator.friction.hysteresis.stribeck_velocity", "v_s", "m/s", Range::POSITIVE, Some(0.01),
+        "Velocity over which the force of the bristles falls, and their damping.",
+        "Canudas de Wit, Olsson, Astrom & Lischinsky (1995); the value is assumed", "give a velocity above zero, such as 10 mm/s";
+    BRISTLE_DAMPING_TIME = "actuator.friction.hysteresis.damping_time", "tau", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Damping of the bristles over their stiffness, at rest.",
+        "Canudas de Wit, Olsson, Astrom & Lischinsky (1995), as sigma_1/sigma_0", "give zero or more, such as 5 ms";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";

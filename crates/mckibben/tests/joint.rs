@@ -414,3 +414,11 @@ fn what_cannot_be_is_refused_with_a_reason() {
     let error = told(pair().with(|pair| pair.pulleys[0].radius = f64::NAN));
     assert!(error.contains("load.pulley_radius"), "{error}");
 }
+
+#[test]
+fn bristles_have_no_states_in_a_joint_and_it_says_so() {
+    let law = mckibben::friction::LuGre::new(1e-4, 5e-5).expect("a law");
+    let bristles = |rig: &mut Paper| rig.hysteresis = Some(mckibben::friction::Hysteresis::LuGre(law));
+    let error = Pair::of(Paper::sealed().with(bristles)).try_run(0.1, 1e-8).expect_err("no run");
+    assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains("bouc-wen"), "{error}");
+}

@@ -60,6 +60,7 @@ fn units_are_si() {
         "kg",
         "Hz",
         "rad",
+        "m^-1",
         "m^2",
         "m^3",
         "m^3/s",

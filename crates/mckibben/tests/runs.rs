@@ -8,6 +8,7 @@ mod accuracy;
 mod air;
 #[cfg(feature = "batch")]
 mod batch;
+mod bouc_wen;
 mod circuit;
 mod closed_loop;
 mod events;
@@ -32,6 +33,7 @@ mod line_supply;
 mod linearize;
 mod linearize_analysis;
 mod linearize_pwm;
+mod lugre;
 mod modular;
 mod properties;
 mod regulated_rig;

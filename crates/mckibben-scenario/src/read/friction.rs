@@ -32,5 +32,17 @@ fn hysteresis(r: &mut Reader<'_>) -> Hysteresis {
             let (reach, stiffness_ratio) = columns(r, rows[0], reach, rows[1].key, stiffness_ratio);
             Hysteresis::MaxwellSlip { reach, stiffness_ratio }
         }
+        HysteresisLaw::BoucWen => Hysteresis::BoucWen {
+            width: r.value(&p::HYSTERESIS_WIDTH, None),
+            beta: r.value(&p::HYSTERESIS_BETA, None),
+            gamma: r.value(&p::HYSTERESIS_GAMMA, None),
+        },
+        HysteresisLaw::LuGre => Hysteresis::LuGre {
+            width: r.value(&p::HYSTERESIS_WIDTH, None),
+            reach: r.value(&p::BRISTLE_REACH, None),
+            static_ratio: r.value(&p::BRISTLE_STATIC_RATIO, None),
+            stribeck_velocity: r.value(&p::BRISTLE_STRIBECK_VELOCITY, None),
+            damping_time: r.value(&p::BRISTLE_DAMPING_TIME, None),
+        },
     }
 }

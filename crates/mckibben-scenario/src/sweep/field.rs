@@ -5,8 +5,8 @@
 
 use crate::choice::BladderForm;
 use crate::scenario::{
-    Command, Compressor, Effectiveness, Force, InitialLength, Load, Motion, Passage, PressureRegulator, Process,
-    Reservoir, Scenario, TonduLopezCoefficients,
+    Command, Compressor, Effectiveness, Force, Hysteresis, InitialLength, Load, Motion, Passage, PressureRegulator,
+    Process, Reservoir, Scenario, TonduLopezCoefficients,
 };
 use mckibben::parameter::{self as p, Parameter};
 
@@ -80,6 +80,16 @@ static FIELDS: &[(&Parameter, Field)] = &[
         Process::Polytropic { index } => Some(index),
         _ => None,
     }),
+    (&p::HYSTERESIS_WIDTH, |s| match &mut s.actuator.friction.hysteresis {
+        Some(Hysteresis::BoucWen { width, .. } | Hysteresis::LuGre { width, .. }) => Some(width),
+        _ => None,
+    }),
+    (&p::HYSTERESIS_BETA, |s| bouc_wen(s).map(|[beta, _]| beta)),
+    (&p::HYSTERESIS_GAMMA, |s| bouc_wen(s).map(|[_, gamma]| gamma)),
+    (&p::BRISTLE_REACH, |s| bristles(s).map(|[reach, ..]| reach)),
+    (&p::BRISTLE_STATIC_RATIO, |s| bristles(s).map(|[_, ratio, ..]| ratio)),
+    (&p::BRISTLE_STRIBECK_VELOCITY, |s| bristles(s).map(|[_, _, velocity, _]| velocity)),
+    (&p::BRISTLE_DAMPING_TIME, |s| bristles(s).map(|[.., time]| time)),
     (&p::HEAT_TRANSFER, |s| match &mut s.air.process {
         Process::EnergyBalance { heat_transfer, .. } => Some(heat_transfer),
         _ => None,
@@ -183,6 +193,24 @@ fn reservoir(s: &mut Scenario) -> Option<&mut Reservoir> {
 
 fn compressor(s: &mut Scenario) -> Option<&mut Compressor> {
     reservoir(s)?.compressor.as_mut()
+}
+
+/// β and γ of a hysteresis with rounded corners.
+fn bouc_wen(s: &mut Scenario) -> Option<[&mut f64; 2]> {
+    match &mut s.actuator.friction.hysteresis {
+        Some(Hysteresis::BoucWen { beta, gamma, .. }) => Some([beta, gamma]),
+        _ => None,
+    }
+}
+
+/// Reach, static ratio, Stribeck velocity and damping time of LuGre's bristles.
+fn bristles(s: &mut Scenario) -> Option<[&mut f64; 4]> {
+    match &mut s.actuator.friction.hysteresis {
+        Some(Hysteresis::LuGre { reach, static_ratio, stribeck_velocity, damping_time, .. }) => {
+            Some([reach, static_ratio, stribeck_velocity, damping_time])
+        }
+        _ => None,
+    }
 }
 
 fn regulator(s: &mut Scenario) -> Option<&mut PressureRegulator> {

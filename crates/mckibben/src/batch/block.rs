@@ -83,12 +83,12 @@ impl<W: Wide> Rigs<W> {
         }
     }
 
-    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m).
+    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m) and `velocity` (m/s).
     #[inline(always)]
-    fn remember(&self, memory: &mut Memory<W>, distance: W) {
+    fn remember(&self, memory: &mut Memory<W>, distance: W, velocity: W) {
         match self {
-            Self::Ideal(rig) => rig.actuator().remember(memory, distance),
-            Self::Any(rig) => rig.actuator().remember(memory, distance),
+            Self::Ideal(rig) => rig.actuator().remember(memory, distance, velocity),
+            Self::Any(rig) => rig.actuator().remember(memory, distance, velocity),
         }
     }
 }
@@ -290,7 +290,7 @@ impl<W: Wide> Block<W> {
             self.held.sliding = sliding;
         }
         // Rows that went by themselves have come to where their memory is: this does not change it.
-        self.rigs.remember(&mut self.held.memory, end[0]);
+        self.rigs.remember(&mut self.held.memory, end[0], end[1]);
         self.state = end;
         self.time = until;
     }

@@ -145,7 +145,15 @@ impl<R: Real> MaxwellSlip<R> {
 
     pub(super) fn branch(&self, memory: &Memory<R>, direction: f64) -> Branch<R> {
         let sign = R::constant(direction);
-        let mut branch = Branch { from: memory.at, width: R::zero(), slope: R::zero(), slipping: R::zero(), end: None };
+        let mut branch = Branch {
+            from: memory.at,
+            width: R::zero(),
+            slope: R::zero(),
+            decay: R::zero(),
+            slipping: R::zero(),
+            wear: R::zero(),
+            end: None,
+        };
         for element in 0..self.count {
             let ratio = self.stiffness_ratio[element];
             branch.width = branch.width + ratio * memory.elements[element];

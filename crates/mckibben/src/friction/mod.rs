@@ -16,13 +16,17 @@
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3; Q and c are averages of its ring-down tests.
 //! Checked by `tests/friction.rs`: decrement 4Q per cycle, exponential decay, never negative dissipation; and
-//! `tests/hysteresis.rs`.
+//! `tests/hysteresis.rs`, `tests/bouc_wen.rs` and `tests/lugre.rs`.
 
+mod bouc_wen;
 mod coulomb;
+mod lugre;
 mod maxwell_slip;
 mod memory;
 
+pub use bouc_wen::BoucWen;
 pub use coulomb::Coulomb;
+pub use lugre::LuGre;
 pub use maxwell_slip::MaxwellSlip;
 pub use memory::{Branch, Hysteresis, MAX_ELEMENTS, Memory};
 
@@ -169,6 +173,15 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     pub fn hysteresis(&self) -> Option<&Hysteresis<S>> {
         self.hysteresis.as_ref()
+    }
+
+    /// LuGre's law, if that is the hysteresis.
+    #[inline(always)]
+    pub fn lugre(&self) -> Option<&LuGre<S>> {
+        match &self.hysteresis {
+            Some(Hysteresis::LuGre(law)) => Some(law),
+            _ => None,
+        }
     }
 
     /// Viscous part `c v` in N.

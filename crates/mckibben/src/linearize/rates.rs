@@ -61,7 +61,7 @@ fn rates<T: Over<f64>>(rig: &Rig, state: [T; 4], seats: &[Interval<T>], inputs: 
     let chamber = actuator.chamber(length, velocity, state[2], state[3], false);
     // The flow enters the pressure's rate linearly, so the rate of the mean flow is the mean of the rates.
     let flow = mean_flow(rig, &chamber, seats).and(Flow { inward: inputs.mass_flow, outward: T::zero() });
-    let rubbing = Rubbing { width: actuator.width(&inputs.memory, length), ..T::zero().into() };
+    let rubbing = Rubbing { width: actuator.width(&inputs.memory, length, velocity), ..T::zero().into() };
     let tension = actuator.tension_sliding(length, velocity, state[2], rubbing) + beside;
     ([velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()], tension)
 }

@@ -183,8 +183,8 @@ impl<R: Real> Trajectory<R> {
         }
         let exergy = Exergy::new(actuator, valve);
         let mut audit = CircuitAudit { work: self.audit(), ..CircuitAudit::default() };
-        self.visit(|weight, sample, phase, flow| {
-            let flows = (&phase.mode, regulated.then_some(flow));
+        self.visit(|weight, sample, mode, flow, _| {
+            let flows = (mode, regulated.then_some(flow));
             audit.add(&exergy, (actuator, valve), weight.value(), sample, flows);
         });
         let [start, end] = [R::zero(), self.duration()].map(|time| exergy.contents(&self.at(time)));

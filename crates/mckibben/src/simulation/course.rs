@@ -60,7 +60,7 @@ impl<R: Real> Course<R> {
 
     fn arrive(&mut self, rig: &Rig<R>, until: R::Time, end: Stepped<R>) {
         self.state = end;
-        rig.actuator().remember(&mut self.held.memory, end[0]);
+        rig.actuator().remember(&mut self.held.memory, end[0], end[1]);
         self.time = self.time.larger(until);
         if rig.load().inertia().is_none() {
             self.slide(rig);
@@ -77,6 +77,8 @@ impl<R: Real> Course<R> {
 
     /// Decides anew what follows an instant.
     pub(crate) fn enter(&mut self, rig: &Rig<R>) {
+        // The velocity may have jumped.
+        rig.actuator().remember(&mut self.held.memory, self.state[0], self.state[1]);
         self.slide(rig);
         self.stretch(rig);
     }
@@ -99,7 +101,7 @@ impl<R: Real> Course<R> {
     /// Goes to a turn and through it.
     fn turn(&mut self, rig: &Rig<R>, turn: &Turn<R>) {
         self.state = turn.state;
-        rig.actuator().remember(&mut self.held.memory, self.state[0]);
+        rig.actuator().remember(&mut self.held.memory, self.state[0], self.state[1]);
         self.time = self.time + turn.part.to_time();
         if turn.at_limit {
             let limits = rig.actuator().limits();
@@ -203,7 +205,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The least and the largest tension in N that can be held at rest in a state.
     #[inline(always)]
     fn held_tensions(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S) {
-        self.holdable(state[0], state[2], self.rubbing(state[0], held))
+        self.holdable(state[0], state[2], self.rubbing(state[0], state[1], held))
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.

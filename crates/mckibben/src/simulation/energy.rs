@@ -6,7 +6,7 @@
 //!          + Δ(½ M v²) − W Δx                      the load (or −∫ F dx when its motion is given)
 //!          + Δ(½ K_braid (x − L_max)²)             the taut braid
 //!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
-//!          + ∫ k_sec Σ w r |v| dt, slipping         hysteresis: what its elements dissipate,
+//!          + ∫ k_sec Σ w r |v| dt, slipping         hysteresis: what its elements or bristles dissipate,
 //!          + ∫ k_sec Σ w z v dt, not slipping       and what they store
 //!          + ∫ (F_limit − K_braid (x − L_max)) v dt    the taut braid's damping and its rebound
 //!          + ∫ (F − F_sum) v dt                    a correction of these where a tendon cannot push
@@ -15,7 +15,6 @@
 //! The load and the taut braid are taken from the states, the rest by quadrature over the dense output: that the sum
 //! closes is a test of the simulation, to its tolerance, in every run.
 
-use super::member::Trace;
 use super::mode::{Extent, Mode};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
@@ -92,14 +91,15 @@ impl EnergyAudit {
 
 impl EnergyAudit {
     /// Adds what happens in an instant of `weight` s: the flows and what is dissipated. Returns the work on the ends in J.
-    /// `flow` is that from and to outside of all volumes that are counted.
+    /// `flow` is that from and to outside of all volumes that are counted; the widths are of the hysteresis, in m over the
+    /// secant stiffness, and of what dissipates of it.
     pub(super) fn add<R: Real>(
         &mut self,
         actuator: &Actuator<R>,
         weight: f64,
         sample: &Sample<R>,
         mode: &Mode,
-        (flow, trace): (&Flow<R>, &Option<Trace<R>>),
+        (flow, widths): (&Flow<R>, [R; 2]),
     ) -> f64 {
         let (limits, friction, law) = (actuator.limits(), actuator.friction(), actuator.law());
         let velocity = sample.velocity;
@@ -119,11 +119,8 @@ impl EnergyAudit {
         let direction = R::constant(mode.sliding.direction());
         let pressing = actuator.pressing(sample.length, sample.pressure.0, mode.touch());
         let coulomb = friction.coulomb().sliding(direction, velocity, friction.coulomb().kinetic(pressing));
-        let [mut hysteresis, mut slipping] = [R::zero(); 2];
-        if let Some(trace) = trace {
-            let secant = pressing.secant_stiffness();
-            (hysteresis, slipping) = (secant * trace.width(sample.length), direction * secant * trace.slipping());
-        }
+        let secant = pressing.secant_stiffness();
+        let (hysteresis, slipping) = (secant * widths[0], direction * secant * widths[1]);
         let limit = if mode.extent == Extent::Taut { limits.taut_force(sample.length, velocity) } else { R::zero() };
         let stretch = (sample.length - limits.max_length()).larger(R::zero());
         self.viscous += weight * (viscous * velocity).value();
@@ -156,8 +153,8 @@ impl<R: Real> Trajectory<R> {
         let actuator = rig.actuator();
         let mut audit = EnergyAudit::default();
         let mut work_on_ends = 0.0;
-        self.visit(|weight, sample, phase, flow| {
-            work_on_ends += audit.add(actuator, weight.value(), sample, &phase.mode, (flow, &phase.trace));
+        self.visit(|weight, sample, mode, flow, widths| {
+            work_on_ends += audit.add(actuator, weight.value(), sample, mode, (flow, widths));
         });
         let (start, end) = (self.at(R::zero()), self.at(self.duration()));
         audit.add_gains(actuator, &start, &end);

@@ -6,6 +6,8 @@
 //! |---|---|---|
 //! | sliding | lengthening, shortening, stuck, held, frictionless | the velocity comes to zero; the load breaks away |
 //!
+//! The bristles of LuGre's law are a state behind those of the air line; they bend while the ends move.
+//!
 //! At rest, a tension between `F_s + F_limit − Q k_sec` and `F_s + F_limit + Q k_sec` can be held, and any from zero up
 //! when the actuator rests on its shortest length. The load sticks while its pull lies between.
 
@@ -20,6 +22,7 @@ use super::zones::Places;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::error::Error;
+use crate::friction::{LuGre, Rubbing};
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
 
@@ -83,14 +86,71 @@ impl<'a, R: Real> RigSystem<'a, R> {
         [longest, longest * USUAL_RATE, atmosphere, air_mass]
     }
 
-    /// How many states the rig has with its line.
+    /// How many states the rig has with its line and its bristles.
     pub fn states(&self) -> usize {
+        self.line_states() + usize::from(self.lugre().is_some())
+    }
+
+    /// How many states the rig has with its line.
+    pub(super) fn line_states(&self) -> usize {
         self.plumbing.map_or(4, |plumbing| plumbing.states)
+    }
+
+    #[inline(always)]
+    fn lugre(&self) -> Option<&LuGre<R>> {
+        self.rig.actuator().friction().lugre()
+    }
+
+    /// Deflection in m of the bristles, if there are such.
+    #[inline(always)]
+    pub(super) fn bristles<T: Copy, const N: usize>(&self, state: &[T; N]) -> Option<T> {
+        (Room::<N>::FOR_LINE && self.lugre().is_some()).then(|| state[self.line_states()])
+    }
+
+    /// LuGre's law, the deflection of its bristles, and velocity and direction of sliding, where the ends move.
+    #[inline(always)]
+    fn bent<T: Over<R>, const N: usize>(
+        &self,
+        state: &[T; N],
+        velocity: T,
+        mode: &Mode,
+    ) -> Option<(&LuGre<R>, [T; 3])> {
+        let (law, deflection) = (self.lugre()?, self.bristles(state)?);
+        Some((law, [deflection, velocity, T::constant(mode.sliding.direction())]))
+    }
+
+    /// How the threads rub.
+    #[inline(always)]
+    fn rubbing<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> Rubbing<T> {
+        let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
+        match self.bent(state, state[VELOCITY], &phase.mode) {
+            Some((law, [bent, velocity, direction])) => {
+                Rubbing { width: Some(law.width_at(bent, velocity, direction)), ..rubbing }
+            }
+            None => rubbing,
+        }
+    }
+
+    /// The sum of (12), before it is kept from pushing.
+    #[inline(always)]
+    fn signed_force<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> T {
+        self.member.signed_force_rubbing(ends(state), &phase.mode, self.rubbing(state, phase))
+    }
+
+    /// The force of the hysteresis over the secant stiffness in m, and the part of it that dissipates, in magnitude.
+    #[cfg(feature = "alloc")]
+    pub(super) fn widths<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> [R; 2] {
+        match self.bent(state, state[VELOCITY], &phase.mode) {
+            Some((law, [bent, velocity, direction])) => {
+                [law.width_at(bent, velocity, direction), law.dissipating(bent, velocity, direction)]
+            }
+            None => Trace::widths(&phase.trace, state[LENGTH]),
+        }
     }
 
     /// The states at the start: the rig's four, and those of its line; zero in places that have no meaning.
     pub fn start<const N: usize>(&self, rig: State<R>) -> [R; N] {
-        debug_assert!(Room::<N>::FOR_LINE || self.plumbing.is_none(), "a line has no room in {N} states");
+        debug_assert!(Room::<N>::FOR_LINE || self.states() == 4, "{} states have no room in {N}", self.states());
         let mut state = [R::zero(); N];
         state[..4].copy_from_slice(&rig.to_array());
         if let Some(plumbing) = &self.plumbing {
@@ -210,13 +270,15 @@ impl<'a, R: Real> RigSystem<'a, R> {
         if mode.sliding == Sliding::Stuck {
             return self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
         }
-        self.member.tension(ends(state), mode, &phase.trace)
+        if mode.extent == Extent::Slack || mode.clamped {
+            return T::zero();
+        }
+        self.signed_force(state, phase)
     }
 
     /// The least and the largest tension in N that can be held at rest.
     fn holdable<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> (T, T) {
-        let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
-        self.rig.holdable(state[LENGTH], state[PRESSURE], rubbing)
+        self.rig.holdable(state[LENGTH], state[PRESSURE], self.rubbing(state, phase))
     }
 
     /// Takes the memory of the hysteresis on to a state, and to the branch that follows.
@@ -278,7 +340,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     fn enter_clamp<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>) {
-        self.member.enter_clamp(ends(state), &mut phase.mode, &phase.trace);
+        let moves = phase.mode.extent != Extent::Slack && phase.mode.sliding != Sliding::Stuck;
+        phase.mode.clamped = moves && self.signed_force(state, phase).value() < 0.0;
     }
 
     /// Whether the load, arriving at the shortest length, comes to rest there: it can be held, and it would bounce less
@@ -332,6 +395,11 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         let air = [length, velocity, state[PRESSURE], state[AIR_MASS]];
         let mut rates = [T::zero(); N];
         (rates[LENGTH], rates[VELOCITY]) = (velocity, acceleration);
+        if mode.extent != Extent::Slack
+            && let Some((law, [bent, velocity, direction])) = self.bent(state, velocity, mode)
+        {
+            rates[self.line_states()] = law.rate(bent, velocity, direction);
+        }
         [rates[PRESSURE], rates[AIR_MASS]] = if Room::<N>::FOR_LINE
             && let Some(plumbing) = &self.plumbing
         {
@@ -356,7 +424,12 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         let supply = supply.map(|place| state[place]);
         let rate = |pressure| seeded_at(valve, pressure)[valve];
         let settling = self.member.pressure_settling_rate(state[valve], supply, &phase.mode, rate);
-        let fastest = (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling);
+        let mut fastest = (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling);
+        if self.bristles(state).is_some() {
+            let place = self.line_states();
+            let settles = |place: usize| -seeded_at(place, Dual::variable(state[place], 0))[place].slope[0].value();
+            fastest = fastest.max(settles(place)).max(settles(VELOCITY));
+        }
         if Room::<N>::FOR_LINE
             && let Some(plumbing) = &self.plumbing
         {
@@ -387,6 +460,9 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             && let Some(plumbing) = &self.plumbing
         {
             plumbing.scales(&self.member, state, &mut scales);
+        }
+        if let (Some(bent), Some(law)) = (self.bristles(state), self.lugre()) {
+            scales[self.line_states()] = bent.value().abs() + law.reach().value();
         }
         scales
     }
@@ -482,6 +558,8 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             Guard::Rest => T::constant(self.rest_band()) + velocity,
             Guard::BreakLonger => self.holdable(state, phase).1 + band - pull(),
             Guard::BreakShorter => pull() - self.holdable(state, phase).0 + band,
+            Guard::TensionZero => self.signed_force(state, phase) + band,
+            Guard::TensionBack => band - self.signed_force(state, phase),
             _ => self.member.guard(guard, ends(state), mode, &phase.trace),
         }
     }

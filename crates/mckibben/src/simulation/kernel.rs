@@ -108,7 +108,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
                 let Some(inertia) = self.load().inertia() else { return [length, velocity, T::zero()] };
                 let actuator = self.actuator();
                 let factors = actuator.factors(length, pressure);
-                let force = actuator.signed_force(ends, self.rubbing(length, held), held.taut, factors);
+                let force = actuator.signed_force(ends, self.rubbing(length, velocity, held), held.taut, factors);
                 let tension = T::select(held.slack, T::zero(), force.larger(T::zero()));
                 let acceleration = T::select(held.stuck, T::zero(), inertia.acceleration(tension));
                 [length, T::select(held.stuck, T::zero(), velocity), acceleration]
@@ -116,10 +116,10 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         }
     }
 
-    /// How the threads rub where the ends have come to `length` (m).
+    /// How the threads rub where the ends have come to `length` (m) and `velocity` (m/s).
     #[inline(always)]
-    pub(super) fn rubbing<T: Over<S>>(&self, length: T, held: &Held<S>) -> Rubbing<T> {
-        Rubbing { width: self.actuator().width(&held.memory, length), ..T::of(held.sliding).into() }
+    pub(super) fn rubbing<T: Over<S>>(&self, length: T, velocity: T, held: &Held<S>) -> Rubbing<T> {
+        Rubbing { width: self.actuator().width(&held.memory, length, velocity), ..T::of(held.sliding).into() }
     }
 
     /// The air and its flow.
@@ -143,7 +143,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         {
             flow = self.through_hose(hose, &chamber, state[4]);
         }
-        let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, held));
+        let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, velocity, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);
         let tension = S::select(held.stuck, pull, sliding);
         Observed { tension, volume: chamber.volume, temperature: actuator.air().temperature(&chamber), flow }

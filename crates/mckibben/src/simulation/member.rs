@@ -26,7 +26,7 @@ use crate::actuator::Actuator;
 use crate::air::Flow;
 use crate::air::Process;
 use crate::force::Statics;
-use crate::friction::{Branch, Memory, Rubbing};
+use crate::friction::{Branch, Hysteresis, Memory, Rubbing};
 use crate::scalar::{Over, Real};
 
 /// Temperature in K at which the scale of the air mass is taken.
@@ -66,10 +66,11 @@ impl<R: Real> Trace<R> {
         self.branch.width(length)
     }
 
-    /// The part of the width in m that slips, in magnitude.
+    /// That and the part of it in m that dissipates, in magnitude; zero where there is no trace.
     #[cfg(feature = "alloc")]
-    pub(super) fn slipping(&self) -> R {
-        self.branch.slipping
+    pub(super) fn widths(trace: &Option<Self>, length: R) -> [R; 2] {
+        let Some(Self { branch, .. }) = trace else { return [R::zero(); 2] };
+        [branch.width(length), branch.dissipating(length)]
     }
 
     /// The guard of the next slip: the actuator length in m, and whether the branch lasts above it.
@@ -115,9 +116,9 @@ impl<'a, R: Real> Member<'a, R> {
         matches!(self.actuator.air().process(), Process::Isothermal).then(content)
     }
 
-    /// A relaxed hysteresis at an actuator length in m, if there is one.
+    /// A relaxed hysteresis at an actuator length in m, if there is one that follows the length alone.
     pub(super) fn trace(&self, length: R) -> Option<Trace<R>> {
-        let hysteresis = self.actuator.friction().hysteresis()?;
+        let hysteresis = self.actuator.friction().hysteresis().filter(|law| !matches!(law, Hysteresis::LuGre(_)))?;
         let memory = Memory::relaxed(length);
         Some(Trace { memory, branch: hysteresis.branch(&memory, 0.0), direction: 0.0 })
     }
@@ -129,7 +130,8 @@ impl<'a, R: Real> Member<'a, R> {
         if slips {
             hysteresis.slip(&mut trace.memory, trace.direction, length);
         } else {
-            hysteresis.moved(&mut trace.memory, length);
+            // What has a trace does not ask for the velocity.
+            hysteresis.moved(&mut trace.memory, length, R::zero());
         }
         trace.direction = sliding.direction();
         trace.branch = hysteresis.branch(&trace.memory, trace.direction);
@@ -145,11 +147,17 @@ impl<'a, R: Real> Member<'a, R> {
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
     #[inline(always)]
     pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
+        self.signed_force_rubbing(ends, mode, self.rubbing(ends[0], mode, trace))
+    }
+
+    /// The same as the threads rub.
+    #[inline(always)]
+    pub(super) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: Rubbing<T>) -> T {
         let actuator = self.actuator;
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
         let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
-        actuator.signed_force(ends, self.rubbing(ends[0], mode, trace), mode.extent == Extent::Taut, factors)
+        actuator.signed_force(ends, rubbing, mode.extent == Extent::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.

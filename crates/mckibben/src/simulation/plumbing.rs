@@ -29,9 +29,9 @@ use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
 const FIRST: usize = 4;
-/// The most states that a rig with a line may have.
+/// The most states that a rig with a line and bristles may have.
 #[cfg(feature = "alloc")]
-pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 2;
+pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 3;
 /// Part of the flow at the speed of sound from the surroundings below which an error in a flow counts absolutely.
 const SLOW: f64 = 0.1;
 /// Part of a bound between two regimes by which it is passed at least: their slopes agree there.

@@ -40,7 +40,7 @@ pub struct Trajectory<R: Real = f64> {
 /// The run of a rig with `N` states.
 type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
 
-/// A run of a rig alone, or with an air line.
+/// A run of a rig alone, or with an air line or bristles.
 #[derive(Clone, Debug)]
 enum Run<R: Real> {
     Rig(Of<R, 4>),
@@ -101,9 +101,9 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = match rig.has_plumbing() {
-            false => Run::Rig(begin(&system, start)),
-            true => Run::Line(Box::new(begin(&system, start))),
+        let run = match system.states() {
+            4 => Run::Rig(begin(&system, start)),
+            _ => Run::Line(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
@@ -207,7 +207,16 @@ impl<R: Real> Trajectory<R> {
         let system = self.system();
         with_run!(&self.run, stored => {
             let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
-            state[4..system.states()].to_vec()
+            state[4..system.line_states()].to_vec()
+        })
+    }
+
+    /// The deflection in m of the bristles of LuGre's law at `time` in s, if that is the rig's friction.
+    pub fn bristles_at(&self, time: R) -> Option<R> {
+        let system = self.system();
+        with_run!(&self.run, stored => {
+            let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
+            system.bristles(&state)
         })
     }
 
@@ -219,7 +228,7 @@ impl<R: Real> Trajectory<R> {
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
-        self.visit(|weight, sample, phase, _| visit(weight, sample, &phase.mode));
+        self.visit(|weight, sample, mode, _, _| visit(weight, sample, mode));
     }
 
     /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
@@ -232,13 +241,13 @@ impl<R: Real> Trajectory<R> {
         }));
     }
 
-    /// As [`Trajectory::quadrature`], with the phase and the flow between the rig, its hose included, and the supply or the
-    /// surroundings.
-    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>, &Flow<R>)) {
+    /// As [`Trajectory::quadrature`], with the flow between the rig, its hose included, and the supply or the surroundings,
+    /// and the widths of the hysteresis.
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode, &Flow<R>, [R; 2])) {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
             let flow = system.exchange(state, &phase.mode);
-            visit(weight, &sample(&system, time, state, phase), phase, &flow);
+            visit(weight, &sample(&system, time, state, phase), &phase.mode, &flow, system.widths(state, phase));
         }));
     }
 

@@ -14,6 +14,7 @@ use super::trajectory::JointTrajectory;
 use crate::load::SIGN;
 use crate::scalar::Real;
 use crate::simulation::energy::EnergyAudit;
+use crate::simulation::member::Trace;
 use crate::simulation::mode::Extent;
 
 /// Where the work of both gases went, in J.
@@ -68,7 +69,8 @@ impl<R: Real> JointTrajectory<R> {
                 let ends = [sample.length, sample.velocity, sample.pressure.0, sample.air_mass];
                 let chamber = actuator.chamber(ends[0], ends[1], ends[2], ends[3], slack);
                 let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
-                of.load += of.add(actuator, weight, sample, mode, (&flow, &phase.traces[i]));
+                of.load +=
+                    of.add(actuator, weight, sample, mode, (&flow, Trace::widths(&phase.traces[i], sample.length)));
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();

@@ -84,6 +84,13 @@ impl<R: Real> JointTrajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: JointRig<R>, start: JointState<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+        if rig.driven().iter().any(|driven| driven.actuator.friction().lugre().is_some()) {
+            return Err(Error::Unsupported {
+                what: "an antagonistic joint has no states for the bristles of LuGre's law yet",
+                remedy: "set hysteresis.law = \"bouc-wen\" with gamma = 0, which is the same law at one velocity, or \
+                         \"maxwell-slip\"",
+            });
+        }
         let state = start.to_array();
         let phase = JointSystem::new(&rig, relative_tolerance).begin(&state);
         Ok(Self { rig, relative_tolerance, stored: Stored::begin(state, phase), events: Vec::new() })
