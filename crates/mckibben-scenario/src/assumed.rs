@@ -8,7 +8,7 @@ use crate::document::{Document, Value};
 use crate::keys::{self, KEYS, Key};
 use crate::presets::{self, Preset};
 use crate::quantity;
-use crate::read::GEOMETRY;
+use crate::read::{GEOMETRY, SEATS};
 use crate::read::passage::{EXHAUST, SUPPLY};
 use mckibben::parameter::{self as p, Parameter};
 
@@ -76,7 +76,7 @@ impl Document {
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
             // A pressure regulator has no seats.
-            path if [p::OPENING_DELAY.key, p::CLOSING_DELAY.key].contains(&path) => {
+            path if SEATS.contains(&path) => {
                 self.said("valve.kind") != Some(ValveKind::PressureRegulator.name())
             }
             // What describes a reservoir or a compressor more closely.

@@ -380,11 +380,12 @@ fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::Supp
 fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
     let command = core_command(command)?;
     let (opening, closing) = (valve.opening_delay, valve.closing_delay);
-    let one = |kind| valve::Solenoid::new(kind, opening, closing);
+    let ramp = valve::Ramp::new(valve.opening_time, valve.closing_time)?;
+    let one = |kind| valve::Solenoid::new(kind, opening, closing).map(|solenoid| solenoid.with_ramp(ramp));
     let five_way = |rest| {
         let [a, b] = valve::FiveWay::new(rest, opening, closing)?.outputs(&command)?;
         let valve::FiveWayOutput { solenoid, command } = if output == 0 { a } else { b };
-        Ok(Actuation { solenoid, command })
+        Ok(Actuation { solenoid: solenoid.with_ramp(ramp), command })
     };
     let solenoid = match valve.kind {
         ValveKind::TwoWay => one(valve::ValveKind::TwoWay)?,

@@ -313,6 +313,10 @@ pub struct Valve {
     pub opening_delay: f64,
     /// Time t_close in s from releasing the coil to the seat's return.
     pub closing_delay: f64,
+    /// Time t_rise in s that the seat takes from shut to open.
+    pub opening_time: f64,
+    /// Time t_fall in s that the seat takes from open to shut.
+    pub closing_time: f64,
     /// Pressure ratio r_lam above which the flow law is a straight line.
     pub laminar_ratio: f64,
     /// Whose temperature the leaving air has in the flow law.

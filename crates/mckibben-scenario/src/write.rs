@@ -273,6 +273,8 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
         None => {
             w.number(&p::OPENING_DELAY, valve.opening_delay);
             w.number(&p::CLOSING_DELAY, valve.closing_delay);
+            w.number(&p::OPENING_TIME, valve.opening_time);
+            w.number(&p::CLOSING_TIME, valve.closing_time);
         }
     }
     w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);

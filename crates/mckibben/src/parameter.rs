@@ -333,6 +333,12 @@ parameters! {
     CLOSING_DELAY = "valve.closing_delay", "t_close", "s", Range::NON_NEGATIVE, Some(0.0),
         "Time from releasing the coil to the seat's return.",
         "paper, section 3.3: 1 ms", "give zero or more";
+    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from shut to open once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from open to shut once it moves.",
+        "manufacturer's data sheet", "give zero or more";
     REGULATOR_TIME_CONSTANT = "valve.time_constant", "tau", "s", Range::POSITIVE, None,
         "Time constant with which the regulated pressure follows its set point.",
         "manufacturer's data sheet", "give a time above zero, such as 30 ms";
@@ -541,12 +547,6 @@ parameters! {
 parameters! {
     /// Rows of laws that no key of a scenario file selects yet.
     LAWS:
-    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from shut to open once it moves.",
-        "manufacturer's data sheet", "give zero or more";
-    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from open to shut once it moves.",
-        "manufacturer's data sheet", "give zero or more";
     SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
         "Undamped natural frequency of the spool with its drive.",
         "manufacturer's data sheet", "give a frequency such as 100 Hz";

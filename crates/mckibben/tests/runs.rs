@@ -34,6 +34,7 @@ mod linearize_analysis;
 mod linearize_pwm;
 mod modular;
 mod properties;
+mod ramped_rig;
 mod regulated_rig;
 mod simulation;
 mod solenoid;

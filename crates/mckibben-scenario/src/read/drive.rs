@@ -13,6 +13,10 @@ use crate::reader::Reader;
 use crate::scenario::{Air, Command, Passage, ProportionalRegulator, Supply, Valve};
 use mckibben::parameter as p;
 
+/// Keys of a valve with seats.
+pub(crate) const SEATS: &[&str] =
+    &[p::OPENING_DELAY.key, p::CLOSING_DELAY.key, p::OPENING_TIME.key, p::CLOSING_TIME.key];
+
 /// Supply, valve and command, which belong together.
 pub(super) fn drive(r: &mut Reader<'_>, air: &Air) -> (Option<Supply>, Option<Valve>, Option<Command>) {
     let supply = r.has("supply").then(|| supply(r, air));
@@ -78,6 +82,8 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     }
     let opening_delay = r.value(&p::OPENING_DELAY, preset);
     let closing_delay = r.value(&p::CLOSING_DELAY, preset);
+    let opening_time = r.value(&p::OPENING_TIME, preset);
+    let closing_time = r.value(&p::CLOSING_TIME, preset);
     let laminar_ratio = r.value(&p::LAMINAR_RATIO, preset);
     let exhaust_temperature = r.word("valve.exhaust_temperature").unwrap_or(ExhaustTemperature::Actuator);
     Some(Valve {
@@ -88,6 +94,8 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         regulator,
         opening_delay,
         closing_delay,
+        opening_time,
+        closing_time,
         laminar_ratio,
         exhaust_temperature,
     })
@@ -109,7 +117,7 @@ fn of_regulator_only(r: &mut Reader<'_>) {
 
 /// A pressure regulator has no seats, and one passage.
 fn regulator(r: &mut Reader<'_>) -> ProportionalRegulator {
-    for path in [p::OPENING_DELAY.key, p::CLOSING_DELAY.key, "valve.exhaust"] {
+    for path in SEATS.iter().copied().chain(["valve.exhaust"]) {
         if let Some(place) = r.key_place(path) {
             let title = format!("`{path}` does not apply to a pressure regulator, which has no seats and one passage");
             r.note(

@@ -121,6 +121,8 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::EFFICIENCY, |s| Some(&mut s.valve.as_mut()?.efficiency)),
     (&p::OPENING_DELAY, |s| Some(&mut s.valve.as_mut()?.opening_delay)),
     (&p::CLOSING_DELAY, |s| Some(&mut s.valve.as_mut()?.closing_delay)),
+    (&p::OPENING_TIME, |s| Some(&mut s.valve.as_mut()?.opening_time)),
+    (&p::CLOSING_TIME, |s| Some(&mut s.valve.as_mut()?.closing_time)),
     (&p::REGULATOR_TIME_CONSTANT, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.time_constant)),
     (&p::REGULATOR_DEAD_TIME, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.dead_time)),
     (&p::REGULATOR_RATE_LIMIT, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.rate_limit)),

@@ -96,7 +96,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let own = actuator.chamber(length, velocity, pressure, mass, held.slack);
         let through = hose.flow(at_valve, pressure);
         let inflow = self.with_leak(&own, split(through));
-        let valve = actuator.flow(&hose.chamber(at_valve), held.supply, held.exhaust);
+        let valve = self.through_valve(time, &hose.chamber(at_valve), held);
         let hose_rate = hose.pressure_rate(valve.net() - through);
         [velocity, acceleration, actuator.pressure_rate(&own, &inflow), inflow.net(), hose_rate]
     }
@@ -121,7 +121,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
         let seeded: Dual<S, 1> = Dual::variable(at_valve, 0);
         let through = hose.flow(seeded, Dual::of(pressure));
-        let valve = actuator.flow(&hose.chamber(seeded), held.supply, held.exhaust).net();
+        let widest = held.widest(time, step);
+        let of_matrix = widest.as_ref().unwrap_or(held);
+        let valve = self.through_valve(Dual::of(time), &hose.chamber(seeded), of_matrix).net();
+        let into_hose = match widest {
+            None => valve.value,
+            Some(_) => self.through_valve(time, &hose.chamber(at_valve), held).net(),
+        };
         // The rate is linear in the flow; the leak and the volume do not settle here.
         let inflow = self.with_leak(&own, split(through.value));
         let outwards = through.value.lt(S::zero());
@@ -137,14 +143,14 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             acceleration.value,
             actuator.pressure_rate(&own, &inflow),
             inflow.net(),
-            hose.pressure_rate(valve.value - through.value),
+            hose.pressure_rate(into_hose - through.value),
         ];
 
         let secant = secant(at_valve - pressure, through.value, through.slope[0]);
         let slopes = Slopes { acceleration: acceleration.slope, pressure_rate: S::zero(), mass_rate: S::zero() };
         let matrix = HosedMatrix {
             rig: Matrix::new(&slopes, [S::zero(); 2], step),
-            air: Air::new(secant, self.valve_slope(at_valve, valve, held), hose.stiffness(), per_flow, step),
+            air: Air::new(secant, self.valve_slope(at_valve, valve, of_matrix), hose.stiffness(), per_flow, step),
         };
         let k1 = matrix.solve(first);
         let second = self.hosed_rates(hose, time + step, &ahead(state, step, &k1), held);

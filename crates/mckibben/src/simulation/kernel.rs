@@ -29,7 +29,7 @@ use crate::force::Statics;
 use crate::friction::{Memory, Rubbing};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::Port;
+use crate::valve::{Openings, Port};
 
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,8 @@ pub struct Held<S: Scalar> {
     pub supply: S::Mask,
     /// Where the passage to the surroundings is open.
     pub exhaust: S::Mask,
+    /// How far the passages are open where they are not whole; with several lanes they are.
+    pub openings: Openings<S>,
     /// Direction of sliding: −1, 0 or +1.
     pub sliding: S,
     /// Where friction holds the load at rest.
@@ -68,6 +70,7 @@ impl<S: Scalar> Held<S> {
         Self {
             supply: nowhere,
             exhaust: nowhere,
+            openings: Openings::Whole,
             sliding: S::zero(),
             stuck: nowhere,
             slack: nowhere,
@@ -75,6 +78,13 @@ impl<S: Scalar> Held<S> {
             line: Line::resting(S::zero()),
             memory: Memory::relaxed(S::zero()),
         }
+    }
+
+    /// The same with the passages as wide as they come to be in a step, where they are under way.
+    #[inline(always)]
+    pub(super) fn widest(&self, time: S, step: S) -> Option<Self> {
+        let moves = S::IS_ONE && !matches!(self.openings, Openings::Whole);
+        moves.then(|| Self { openings: self.openings.widest(time, time + step), ..*self })
     }
 }
 
@@ -93,7 +103,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {
         let [length, velocity, pressure, mass] = *state;
         let [length, velocity, acceleration] = self.motion(time, [length, velocity, pressure], held);
-        let (chamber, flow) = self.contents([length, velocity, pressure, mass], held, held.slack);
+        let (chamber, flow) = self.contents(time, [length, velocity, pressure, mass], held, held.slack);
         [velocity, acceleration, self.actuator().pressure_rate(&chamber, &flow), flow.net()]
     }
 
@@ -122,22 +132,41 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         Rubbing { width: self.actuator().width(&held.memory, length), ..T::of(held.sliding).into() }
     }
 
+    /// Flow through the valve from a chamber at its end of the line.
+    #[inline(always)]
+    pub(super) fn through_valve<T: Over<S>>(&self, time: T, chamber: &Chamber<T>, held: &Held<S>) -> Flow<T> {
+        let actuator = self.actuator();
+        if S::IS_ONE
+            && let (Some([supply, exhaust]), Some(valve)) = (held.openings.at(time), actuator.valve())
+        {
+            let inlet = valve.flow(Port::Supply, chamber).where_open(held.supply).through(supply);
+            return inlet.and(valve.flow(Port::Exhaust, chamber).where_open(held.exhaust).through(exhaust));
+        }
+        actuator.flow(chamber, held.supply, held.exhaust)
+    }
+
     /// The air and its flow.
     #[inline(always)]
-    fn contents<T: Over<S>>(&self, state: [T; 4], held: &Held<S>, slack: S::Mask) -> (Chamber<T>, Flow<T>) {
+    fn contents<T: Over<S>>(
+        &self,
+        time: T,
+        state: [T; 4],
+        held: &Held<S>,
+        slack: S::Mask,
+    ) -> (Chamber<T>, Flow<T>) {
         let actuator = self.actuator();
         let [length, velocity, pressure, mass] = state;
         let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
-        let flow = actuator.flow(&chamber, held.supply, held.exhaust);
+        let flow = self.through_valve(time, &chamber, held);
         (chamber, self.with_leak(&chamber, flow))
     }
 
-    /// What a sample shows beside the state.
+    /// What a sample shows beside the state at a time in s.
     #[inline(always)]
-    pub(crate) fn observe(&self, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
+    pub(crate) fn observe(&self, time: S, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
         let actuator = self.actuator();
         let [length, velocity, pressure, ..] = *state;
-        let (chamber, mut flow) = self.contents(of_rig(state), held, actuator.limits().is_slack(length));
+        let (chamber, mut flow) = self.contents(time, of_rig(state), held, actuator.limits().is_slack(length));
         if L::MAY_HAVE_LINE
             && let Some(hose) = &self.line().hose
         {
@@ -164,8 +193,14 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// One part of a step by the stable method.
     #[inline(always)]
     pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        let (first, slopes) = self.rates_with_slopes(time, &state, held);
-        let matrix = Matrix::new(&slopes, self.settling_rate(&state, &first, held), step);
+        // Of passages under way the matrix takes what they come to, so that it is steep enough for the whole step.
+        let widest = held.widest(time, step);
+        let of_matrix = widest.as_ref().unwrap_or(held);
+        let (mut first, slopes) = self.rates_with_slopes(time, &state, of_matrix);
+        let matrix = Matrix::new(&slopes, self.settling_rate(&state, &first, of_matrix), step);
+        if widest.is_some() {
+            first = self.rates(time, &state, held);
+        }
         let k1 = matrix.solve(first);
         let second = self.rates(time + step, &ahead(&state, step, &k1), held);
         let k2 = matrix.solve(ahead(&second, S::constant(-2.0), &k1));
@@ -180,7 +215,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let [length, velocity, acceleration] = self.motion(Dual::of(time), ends, held);
         let ends = [Dual::of(length.value), Dual::of(velocity.value)];
         let air: [Dual<S, 1>; 4] = [ends[0], ends[1], Dual::variable(pressure, 0), Dual::of(mass)];
-        let (chamber, flow) = self.contents(air, held, held.slack);
+        let (chamber, flow) = self.contents(Dual::of(time), air, held, held.slack);
         let (pressure_rate, mass_rate) = (self.actuator().pressure_rate(&chamber, &flow), flow.net());
         let slopes = Slopes {
             acceleration: acceleration.slope,

@@ -168,7 +168,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         let of_air = ActuatorState { pressure: AbsolutePressure(pressure), air_mass, memory: held.memory };
         let alone = actuator.respond(&of_air, length, velocity, self.ports());
         // The flow may come through a hose, and a leak takes some.
-        let flow = self.rig.observe(state, held).flow;
+        let flow = self.rig.observe(self.time(), state, held).flow;
         let slack = actuator.limits().is_slack(length);
         let chamber = actuator.chamber(length, velocity, pressure, air_mass, slack);
         Response { pressure_rate: actuator.pressure_rate(&chamber, &flow), mass_flow: flow.net(), ..alone }

@@ -1,10 +1,10 @@
-//! The instants that are known beforehand: a seat moves, or a prescribed motion turns a corner. Both engines and the
+//! The instants that are known beforehand: a seat moves or arrives, or a prescribed motion turns a corner. Both engines and the
 //! batches ask here.
 
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
 use crate::scalar::Real;
-use crate::valve::{Ports, SeatClock, is_due};
+use crate::valve::{Openings, Ports, SeatClock, is_due};
 #[cfg(feature = "alloc")]
 use crate::valve::{Request, Solenoid};
 
@@ -28,6 +28,11 @@ impl<S: Real> Progress<S> {
         Self { clock: SeatClock::released(), corners_passed: 0 }
     }
 
+    /// A number that differs once the openings are another function of time.
+    pub(crate) fn openings_counted(&self) -> u64 {
+        self.clock.strokes_counted()
+    }
+
     /// Something is asked of a valve at `time` in s beside its command.
     #[cfg(feature = "alloc")]
     pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
@@ -36,7 +41,8 @@ impl<S: Real> Progress<S> {
 }
 
 impl<S: Real> Timetable<'_, S> {
-    /// The next instant in s, up to and with `until`, at which a seat moves or a prescribed motion turns a corner.
+    /// The next instant in s, up to and with `until`, at which a seat moves or arrives, or a prescribed motion turns a
+    /// corner.
     pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
         let seat = self.actuation.and_then(|drive| progress.clock.next_motion(&drive.solenoid, &drive.command, until));
         let corner = self.corner(progress.corners_passed).filter(|corner| is_due(*corner, until));
@@ -56,6 +62,11 @@ impl<S: Real> Timetable<'_, S> {
         let Some(drive) = self.actuation else { return Ports::CLOSED };
         progress.clock.advance(time, &drive.solenoid, &drive.command);
         progress.clock.ports(&drive.solenoid)
+    }
+
+    /// How far the passages are open, until the next instant.
+    pub(crate) fn openings(&self, progress: &Progress<S>) -> Openings<S> {
+        self.actuation.map_or(Openings::Whole, |drive| progress.clock.openings(&drive.solenoid))
     }
 
     /// The straight line that a prescribed motion is on.

@@ -227,8 +227,8 @@ impl<R: Real> Trajectory<R> {
     /// surroundings.
     pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
         let system = self.system();
-        with_run!(&self.run, stored => stored.quadrature(&system, |weight, _, state, phase| {
-            visit(weight, system.valve_flows(state, &phase.mode));
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
+            visit(weight, system.valve_flows(time, state, phase));
         }));
     }
 
@@ -237,7 +237,7 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>, &Flow<R>)) {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
-            let flow = system.exchange(state, &phase.mode);
+            let flow = system.exchange(time, state, phase);
             visit(weight, &sample(&system, time, state, phase), phase, &flow);
         }));
     }
@@ -262,7 +262,7 @@ fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
 
 fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
     let (mode, Places { valve, supply, .. }) = (&phase.mode, system.places());
-    let (tension, flow) = (system.tension(state, phase), system.inflow(state, phase));
+    let (tension, flow) = (system.tension(state, phase), system.inflow(time, state, phase));
     let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
     sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))
 }

@@ -17,6 +17,7 @@
 mod command;
 mod five_way;
 mod flow;
+mod opening;
 mod passage;
 mod ramp;
 mod regulator;
@@ -28,6 +29,7 @@ pub(crate) use command::check_times;
 pub use command::{Command, Request};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone};
+pub use opening::Openings;
 pub use passage::{FlowStandard, REFERENCE_DENSITY};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulated, Regulator};

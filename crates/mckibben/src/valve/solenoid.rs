@@ -17,6 +17,8 @@
 //! | three-way-normally-open | one | exhaust | supply |
 //! | fill-hold-exhaust | two two-way valves | its passage open | its passage shut |
 //!
+//! A seat may take its time once it moves ([`Ramp`]); the coil acts on it then as before, and it turns where it is.
+//!
 //! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
 //! the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
 //! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its passage is open all the time, to a pressure
@@ -25,6 +27,8 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
 
 use super::command::{Command, Request};
+use super::opening::Openings;
+use super::ramp::{Ramp, Stroke};
 use super::regulator::Regulator;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -42,6 +46,19 @@ pub enum ValveKind {
     ThreeWayNormallyOpen,
     /// A two-way valve to the supply and another to the exhaust.
     FillHoldExhaust,
+}
+
+impl ValveKind {
+    /// How far the passages to the supply and to the surroundings are open, by the openings of the seats.
+    #[inline(always)]
+    pub(super) fn shares<T: Scalar>(self, [first, second]: [T; 2]) -> [T; 2] {
+        match self {
+            Self::TwoWay => [first, T::zero()],
+            Self::ThreeWay => [first, T::one() - first],
+            Self::ThreeWayNormallyOpen => [T::one() - first, first],
+            Self::FillHoldExhaust => [first, second],
+        }
+    }
 }
 
 /// A pressure regulator is asked for what only a seat can do.
@@ -80,6 +97,7 @@ pub struct Solenoid<S = f64> {
     kind: ValveKind,
     opening_delay: S,
     closing_delay: S,
+    ramp: Ramp<S>,
     /// By how much the seats take effect late where it counts, in s.
     transport: S,
     /// What makes the pressure beyond the passage, which then has no seat.
@@ -97,9 +115,15 @@ impl Solenoid {
             kind,
             opening_delay: parameter::OPENING_DELAY.check(opening_delay)?,
             closing_delay: parameter::CLOSING_DELAY.check(closing_delay)?,
+            ramp: Ramp::none(),
             transport: 0.0,
             regulator: None,
         })
+    }
+
+    /// The same valve with seats that take their time once they move.
+    pub fn with_ramp(self, ramp: Ramp) -> Self {
+        Self { ramp, ..self }
     }
 
     /// No solenoid, but a pressure regulator: the passage is open all the time, and air comes from and goes to the pressure
@@ -108,7 +132,7 @@ impl Solenoid {
         let regulator = Some(regulator);
         // Released, its one passage is open.
         let kind = ValveKind::ThreeWayNormallyOpen;
-        Self { kind, opening_delay: 0.0, closing_delay: 0.0, transport: 0.0, regulator }
+        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp: Ramp::none(), transport: 0.0, regulator }
     }
 
     /// Checks that the valve can do what the command asks.
@@ -165,6 +189,7 @@ impl<S: Scalar> Solenoid<S> {
             kind: self.kind,
             opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
             closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
+            ramp: self.ramp.convert(convert),
             transport: T::zero(),
             regulator: self.regulator.as_ref().map(|regulator| regulator.convert(convert)),
         }
@@ -173,6 +198,11 @@ impl<S: Scalar> Solenoid<S> {
     /// The pressure regulator in place of a solenoid, if that is what the valve is.
     pub fn regulator(&self) -> Option<&Regulator<S>> {
         self.regulator.as_ref()
+    }
+
+    /// How long the seats are under way.
+    pub fn ramp(&self) -> &Ramp<S> {
+        &self.ramp
     }
 
     /// By how much it is seen late, in s.
@@ -212,28 +242,48 @@ pub struct SeatClock<S = f64> {
     coil: [bool; 2],
     seat: [bool; 2],
     due: [Option<S>; 2],
+    strokes: [Stroke<S>; 2],
+    /// How many strokes that take time have begun or ended.
+    strokes_counted: u64,
 }
 
 impl<S: Real> SeatClock<S> {
     /// The state before t = 0: coils released for long.
     pub fn released() -> Self {
-        Self { next_change: 0, coil: [false; 2], seat: [false; 2], due: [None; 2] }
+        let strokes = [Stroke::resting(false); 2];
+        Self { next_change: 0, coil: [false; 2], seat: [false; 2], due: [None; 2], strokes, strokes_counted: 0 }
     }
 
-    /// Which passages are open.
+    /// Which passages are open, those of a seat under way included.
     pub fn ports(&self, solenoid: &Solenoid<S>) -> Ports {
+        let [first, second] = [0, 1].map(|side| self.seat[side] || self.strokes[side].end().is_some());
+        let back = !self.seat[0] || self.strokes[0].end().is_some();
         match solenoid.kind {
-            ValveKind::TwoWay => Ports { supply: self.seat[0], exhaust: false },
-            ValveKind::ThreeWay => Ports { supply: self.seat[0], exhaust: !self.seat[0] },
-            ValveKind::ThreeWayNormallyOpen => Ports { supply: !self.seat[0], exhaust: self.seat[0] },
-            ValveKind::FillHoldExhaust => Ports { supply: self.seat[0], exhaust: self.seat[1] },
+            ValveKind::TwoWay => Ports { supply: first, exhaust: false },
+            ValveKind::ThreeWay => Ports { supply: first, exhaust: back },
+            ValveKind::ThreeWayNormallyOpen => Ports { supply: back, exhaust: first },
+            ValveKind::FillHoldExhaust => Ports { supply: first, exhaust: second },
         }
     }
 
-    /// The next instant in s at which a coil or a seat moves.
+    /// A number that differs once the openings are another function of time.
+    pub(crate) fn strokes_counted(&self) -> u64 {
+        self.strokes_counted
+    }
+
+    /// How far the passages are open, until the next motion.
+    pub fn openings(&self, solenoid: &Solenoid<S>) -> Openings<S> {
+        if self.strokes.iter().all(|stroke| stroke.end().is_none()) {
+            return Openings::Whole;
+        }
+        Openings::Seats { kind: solenoid.kind, strokes: self.strokes }
+    }
+
+    /// The next instant in s at which a coil or a seat moves, or a seat arrives.
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         let change = command.change(self.next_change).map(|(time, _)| time + solenoid.transport);
-        [change, self.due[0], self.due[1]].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+        let [first, second] = self.strokes.map(|stroke| stroke.end());
+        [change, self.due[0], self.due[1], first, second].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.
@@ -248,9 +298,18 @@ impl<S: Real> SeatClock<S> {
         {
             let mut seat_moved = false;
             for side in 0..2 {
+                if self.strokes[side].end().is_some_and(|end| is_due(end, next)) {
+                    self.strokes[side] = Stroke::resting(self.seat[side]);
+                    self.strokes_counted += 1;
+                    seat_moved = true;
+                }
                 if self.due[side].is_some_and(|due| is_due(due, next)) {
                     self.due[side] = None;
                     self.seat[side] = self.coil[side];
+                    let stroke = solenoid.ramp.send(&self.strokes[side], next, self.seat[side]);
+                    let takes_time = stroke.end().is_some();
+                    self.strokes[side] = if takes_time { stroke } else { Stroke::resting(self.seat[side]) };
+                    self.strokes_counted += u64::from(takes_time);
                     seat_moved = true;
                 }
             }
@@ -263,13 +322,13 @@ impl<S: Real> SeatClock<S> {
         upcoming
     }
 
-    /// The next instant in s, up to and with `until`, at which a seat moves and so the passages change.
+    /// The next instant in s, up to and with `until`, at which a seat moves or arrives and so the passages change.
     pub fn next_motion(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
         let (mut probe, mut upcoming) = (*self, self.next(solenoid, command));
         loop {
             let instant = upcoming.filter(|next| is_due(*next, until))?;
             upcoming = probe.pass(upcoming, instant, solenoid, command);
-            if probe.ports(solenoid) != self.ports(solenoid) {
+            if probe.ports(solenoid) != self.ports(solenoid) || probe.strokes_counted != self.strokes_counted {
                 return Some(instant);
             }
         }

@@ -117,6 +117,12 @@ impl JointRig {
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
             check_drive(actuator, actuation.as_ref())?;
+            if actuation.as_ref().is_some_and(|drive| !drive.solenoid.ramp().is_none()) {
+                return Err(Error::Unsupported {
+                    what: "the valves of a joint take no time from shut to open yet",
+                    remedy: "leave out valve.opening_time and valve.closing_time, or set them to zero",
+                });
+            }
             if actuation.as_ref().is_some_and(|drive| drive.solenoid.regulator().is_some()) {
                 return Err(Error::Unsupported {
                     what: "the actuators of a joint take no pressure regulator yet",
