@@ -38,6 +38,7 @@ mod ramped_rig;
 mod regulated_rig;
 mod simulation;
 mod solenoid;
+mod spool_rig;
 mod stiff;
 mod stops;
 mod work;

@@ -126,6 +126,10 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::REGULATOR_TIME_CONSTANT, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.time_constant)),
     (&p::REGULATOR_DEAD_TIME, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.dead_time)),
     (&p::REGULATOR_RATE_LIMIT, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.rate_limit)),
+    (&p::SPOOL_FREQUENCY, |s| Some(&mut s.valve.as_mut()?.spool.as_mut()?.natural_frequency)),
+    (&p::SPOOL_DAMPING_RATIO, |s| Some(&mut s.valve.as_mut()?.spool.as_mut()?.damping_ratio)),
+    (&p::SUPPLY_OVERLAP, |s| Some(&mut s.valve.as_mut()?.spool.as_mut()?.supply_overlap)),
+    (&p::EXHAUST_OVERLAP, |s| Some(&mut s.valve.as_mut()?.spool.as_mut()?.exhaust_overlap)),
     (&p::LAMINAR_RATIO, |s| Some(&mut s.valve.as_mut()?.laminar_ratio)),
     (&p::PWM_FREQUENCY, |s| match &mut s.command {
         Some(Command::Pwm { frequency, .. }) => Some(frequency),

@@ -169,7 +169,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
                     exhaust_zone: mode.exhaust_zone.filter(|_| exhaust),
                     ..*mode
                 };
-                [only(true, false), only(false, true)].map(|one| self.member.flow(&chamber, Through { mode: &one, ..through }))
+                [only(true, false), only(false, true)]
+                    .map(|one| self.member.flow(&chamber, Through { mode: &one, ..through }))
             }
         }
     }

@@ -29,7 +29,7 @@ use crate::force::Statics;
 use crate::friction::{Memory, Rubbing};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::{Openings, Port};
+use crate::valve::{Openings, Port, Valve};
 
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,11 +80,13 @@ impl<S: Scalar> Held<S> {
         }
     }
 
-    /// The same with the passages as wide as they come to be in a step, where they are under way.
+    /// The same with the passages as they are at a time in s, where they are under way.
     #[inline(always)]
-    pub(super) fn widest(&self, time: S, step: S) -> Option<Self> {
-        let moves = S::IS_ONE && !matches!(self.openings, Openings::Whole);
-        moves.then(|| Self { openings: self.openings.widest(time, time + step), ..*self })
+    pub(super) fn come_to(&self, time: S) -> Option<Self> {
+        match self.openings.at(time) {
+            Some(shares) if S::IS_ONE => Some(Self { openings: Openings::Shares(shares), ..*self }),
+            _ => None,
+        }
     }
 }
 
@@ -147,13 +149,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// The air and its flow.
     #[inline(always)]
-    fn contents<T: Over<S>>(
-        &self,
-        time: T,
-        state: [T; 4],
-        held: &Held<S>,
-        slack: S::Mask,
-    ) -> (Chamber<T>, Flow<T>) {
+    fn contents<T: Over<S>>(&self, time: T, state: [T; 4], held: &Held<S>, slack: S::Mask) -> (Chamber<T>, Flow<T>) {
         let actuator = self.actuator();
         let [length, velocity, pressure, mass] = state;
         let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
@@ -193,17 +189,19 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// One part of a step by the stable method.
     #[inline(always)]
     pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
-        // Of passages under way the matrix takes what they come to, so that it is steep enough for the whole step.
-        let widest = held.widest(time, step);
-        let of_matrix = widest.as_ref().unwrap_or(held);
-        let (mut first, slopes) = self.rates_with_slopes(time, &state, of_matrix);
-        let matrix = Matrix::new(&slopes, self.settling_rate(&state, &first, of_matrix), step);
-        if widest.is_some() {
-            first = self.rates(time, &state, held);
-        }
+        let (first, slopes) = self.rates_with_slopes(time, &state, held);
+        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), step);
         let k1 = matrix.solve(first);
         let second = self.rates(time + step, &ahead(&state, step, &k1), held);
-        let k2 = matrix.solve(ahead(&second, S::constant(-2.0), &k1));
+        let second = ahead(&second, S::constant(-2.0), &k1);
+        // Where passages are under way the second stage has the matrix of what they come to: the order stays.
+        let k2 = match held.come_to(time + step) {
+            None => matrix.solve(second),
+            Some(held) => {
+                let (rates, slopes) = self.rates_with_slopes(time, &state, &held);
+                Matrix::new(&slopes, self.settling_rate(time, &state, &rates, &held), step).solve(second)
+            }
+        };
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
     }
 
@@ -228,9 +226,14 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The secant from the pressure to that of an open port: of the pressure's rate in 1/s, and of the air mass's in
     /// kg/(s·Pa), by the flow alone. What else moves the pressure (the volume, heat) does not settle at the port.
     #[inline(always)]
-    fn settling_rate(&self, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> [S; 2] {
+    fn settling_rate(&self, time: S, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> [S; 2] {
         let actuator = self.actuator();
         let Some(valve) = actuator.valve() else { return [S::zero(); 2] };
+        if S::IS_ONE
+            && let Some(shares) = held.openings.at(time)
+        {
+            return self.settling_rate_of_shares(valve, state, rates[0], held, shares);
+        }
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
         let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
         let [length, _, pressure, mass] = *state;
@@ -247,6 +250,43 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let settles = one_open & S::zero().lt(gap.magnitude()) & S::zero().lt(settling);
         [S::select(settles, settling, S::zero()), S::select(settles, by_mass * per_gap, S::zero())]
     }
+}
+
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
+    /// The same where the passages are open to shares: the sum of the secants to both ports.
+    fn settling_rate_of_shares(
+        &self,
+        valve: &Valve<S>,
+        [length, _, pressure, mass]: &[S; 4],
+        velocity: S,
+        held: &Held<S>,
+        shares: [S; 2],
+    ) -> [S; 2] {
+        let actuator = self.actuator();
+        let chamber = actuator.chamber(*length, velocity, *pressure, *mass, held.slack);
+        let still = actuator.pressure_rate(&chamber, &Flow::none());
+        let flows = through_shares(valve, &chamber, held, shares);
+        flows.into_iter().fold([S::zero(); 2], |[settling, by_mass], (gap, flow)| {
+            let secant = (actuator.pressure_rate(&chamber, &flow) - still) / gap;
+            let settles = S::zero().lt(gap.magnitude()) & S::zero().lt(secant);
+            let of_mass = S::select(settles, flow.net() / gap, S::zero());
+            [settling + S::select(settles, secant, S::zero()), by_mass + of_mass]
+        })
+    }
+}
+
+/// Flow through each passage by its share, with the gap from the chamber's pressure to that of the port in Pa.
+pub(super) fn through_shares<S: Scalar>(
+    valve: &Valve<S>,
+    chamber: &Chamber<S>,
+    held: &Held<S>,
+    shares: [S; 2],
+) -> [(S, Flow<S>); 2] {
+    let through = |port, open: S::Mask, share: S| {
+        let flow = valve.flow(port, chamber).where_open(open).through(share);
+        (valve.port_pressure(port) - chamber.pressure, flow)
+    };
+    [through(Port::Supply, held.supply, shares[0]), through(Port::Exhaust, held.exhaust, shares[1])]
 }
 
 /// How far ahead each stage of the Runge–Kutta method looks.

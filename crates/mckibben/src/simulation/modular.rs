@@ -63,10 +63,16 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Unsupported`] for a line that fixed
-    /// steps cannot take.
+    /// steps cannot take, and for a valve without seats.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
         crate::parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
         check_plumbing(rig)?;
+        if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
+            return Err(Error::Unsupported {
+                what: "a modular actuator is driven by requests, which neither a pressure regulator nor a proportional spool takes",
+                remedy: "choose a valve with seats such as valve.kind = \"three-way\"",
+            });
+        }
         let rig = rig.clone().guided();
         let mut walk = Walk::new(&rig, stepped(start));
         walk.course.held.line = Line::resting(start.length);

@@ -216,7 +216,8 @@ impl<'a, R: Real> Plumbing<'a, R> {
             })
         };
         let exhaust = T::of(valve.port_pressure(Port::Exhaust));
-        let flows = [through(Port::Supply, mode.supply_zone, supply), through(Port::Exhaust, mode.exhaust_zone, exhaust)];
+        let flows =
+            [through(Port::Supply, mode.supply_zone, supply), through(Port::Exhaust, mode.exhaust_zone, exhaust)];
         match shares {
             None => flows,
             Some([supply, exhaust]) => [flows[0].through(supply), flows[1].through(exhaust)],

@@ -56,11 +56,7 @@ impl Places {
 impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode, each to its share where they are not whole.
     #[inline(always)]
-    pub(super) fn flow<T: Over<R>>(
-        &self,
-        chamber: &Chamber<T>,
-        Through { mode, shares }: Through<'_, T>,
-    ) -> Flow<T> {
+    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, Through { mode, shares }: Through<'_, T>) -> Flow<T> {
         let Some(valve) = self.actuator.valve() else { return Flow::none() };
         if let Some([supply, exhaust]) = shares {
             let through = |port, zone: Option<FlowZone>, share| {

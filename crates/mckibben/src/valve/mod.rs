@@ -11,8 +11,7 @@
 //! | a seat that takes its time | [`Ramp`] |
 //! | proportional spool | [`Spool`] |
 //!
-//! Of the seat that takes its time and the spool the engines know nothing yet: they are laws by themselves, each a known
-//! function of time between the instants at which its command changes.
+//! How far the passages are open is known beforehand ([`Openings`]): a function of time between instants that are known too.
 
 mod command;
 mod five_way;
@@ -23,6 +22,7 @@ mod ramp;
 mod regulator;
 mod solenoid;
 mod spool;
+mod spool_clock;
 
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
@@ -36,6 +36,7 @@ pub use regulator::{Approach, Regulated, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
+pub use spool_clock::SpoolClock;
 
 use crate::air::{Air, Chamber, Flow};
 use crate::convert::Convert;

@@ -4,13 +4,15 @@
 //! ṁ = λ_supply(t) · ṁ_supply(open) + λ_exhaust(t) · ṁ_exhaust(open)
 //! ```
 //!
-//! Of seats under way ([`Ramp`](super::Ramp)) λ is a straight line. The instants at which that ends, or turns into another, are
+//! Of seats under way ([`Ramp`](super::Ramp)) λ is a straight line; of a spool ([`Spool`]) it follows the closed form of its
+//! motion between its edges. The instants at which that ends, or turns into another, are
 //! known beforehand, so that within a part of a run between two of them every λ is smooth.
 //!
-//! Checked by `tests/ramped_rig.rs`.
+//! Checked by `tests/ramped_rig.rs` and `tests/spool_rig.rs`.
 
 use super::ramp::Stroke;
 use super::solenoid::ValveKind;
+use super::spool::{Spool, SpoolMotion};
 use crate::scalar::{Over, Scalar};
 
 /// How far the passages to the supply and to the surroundings are open.
@@ -27,6 +29,13 @@ pub enum Openings<S = f64> {
         /// The strokes of both seats; of most kinds the first alone counts.
         strokes: [Stroke<S>; 2],
     },
+    /// By a spool under way.
+    Spool {
+        /// The spool.
+        spool: Spool<S>,
+        /// Its motion, in which no stop is met.
+        motion: SpoolMotion<S>,
+    },
 }
 
 impl<S: Scalar> Openings<S> {
@@ -37,14 +46,7 @@ impl<S: Scalar> Openings<S> {
             Self::Whole => None,
             Self::Shares(shares) => Some(shares.map(T::of)),
             Self::Seats { kind, strokes } => Some(kind.shares(strokes.map(|stroke| stroke.opening(time)))),
-        }
-    }
-
-    /// The larger of the shares at two times in s.
-    pub(crate) fn widest(&self, from: S, until: S) -> Self {
-        match (self.at(from), self.at(until)) {
-            (Some([a, b]), Some([c, d])) => Self::Shares([a.larger(c), b.larger(d)]),
-            _ => *self,
+            Self::Spool { spool, motion } => Some(spool.openings(spool.at(motion, time)[0])),
         }
     }
 
@@ -56,6 +58,7 @@ impl<S: Scalar> Openings<S> {
             Self::Seats { kind, strokes } => {
                 Openings::Seats { kind: *kind, strokes: strokes.map(|stroke| stroke.map(&number)) }
             }
+            Self::Spool { spool, motion } => Openings::Spool { spool: spool.map(&number), motion: motion.map(&number) },
         }
     }
 }

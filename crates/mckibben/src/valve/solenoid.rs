@@ -22,7 +22,8 @@
 //! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
 //! the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
 //! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its passage is open all the time, to a pressure
-//! that follows set points ([`Solenoid::regulating`]).
+//! that follows set points ([`Solenoid::regulating`]). A proportional [`Spool`] takes the place of the seats
+//! ([`Solenoid::proportional`]).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
 
@@ -30,6 +31,7 @@ use super::command::{Command, Request};
 use super::opening::Openings;
 use super::ramp::{Ramp, Stroke};
 use super::regulator::Regulator;
+use super::spool::Spool;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
@@ -67,6 +69,12 @@ const NO_SEAT: Error = Error::Unsupported {
     remedy: "set command.kind = \"set-points\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
+/// A proportional spool is asked for what only a seat can do.
+const NO_REQUEST: Error = Error::Unsupported {
+    what: "a proportional spool neither fills, holds nor exhausts on request: it takes positions",
+    remedy: "set command.kind = \"positions\", or choose a valve with seats such as valve.kind = \"three-way\"",
+};
+
 /// Which passages are open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ports {
@@ -102,6 +110,8 @@ pub struct Solenoid<S = f64> {
     transport: S,
     /// What makes the pressure beyond the passage, which then has no seat.
     regulator: Option<Regulator<S>>,
+    /// What moves instead of seats.
+    spool: Option<Spool<S>>,
 }
 
 impl Solenoid {
@@ -118,6 +128,7 @@ impl Solenoid {
             ramp: Ramp::none(),
             transport: 0.0,
             regulator: None,
+            spool: None,
         })
     }
 
@@ -132,15 +143,34 @@ impl Solenoid {
         let regulator = Some(regulator);
         // Released, its one passage is open.
         let kind = ValveKind::ThreeWayNormallyOpen;
-        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp: Ramp::none(), transport: 0.0, regulator }
+        let (ramp, spool) = (Ramp::none(), None);
+        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp, transport: 0.0, regulator, spool }
+    }
+
+    /// No solenoid, but a proportional spool that follows the positions of a [`Command::Positions`].
+    pub fn proportional(spool: Spool) -> Self {
+        let (ramp, spool) = (Ramp::none(), Some(spool));
+        let kind = ValveKind::FillHoldExhaust;
+        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp, transport: 0.0, regulator: None, spool }
     }
 
     /// Checks that the valve can do what the command asks.
     ///
     /// # Errors
-    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for set points of a valve that is no pressure regulator, and
-    /// for requests of one that is.
+    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for set points of a valve that is no pressure regulator, for
+    /// positions of one that is no proportional spool, and for requests of one that is either.
     pub fn check(&self, command: &Command) -> Result<(), Error> {
+        match (self.spool, command.has_positions()) {
+            (None, true) => {
+                return Err(Error::Unsupported {
+                    what: "positions are given, but the valve is no proportional spool",
+                    remedy: "set valve.kind = \"proportional-spool\", or ask for fill, hold or exhaust",
+                });
+            }
+            (Some(_), false) => return Err(NO_REQUEST),
+            (Some(_), true) => return Ok(()),
+            (None, false) => {}
+        }
         match (self.regulator, command.has_set_points()) {
             (None, true) => {
                 return Err(Error::Unsupported {
@@ -162,10 +192,13 @@ impl<S: Scalar> Solenoid<S> {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
-    /// pressure regulator.
+    /// pressure regulator or a proportional spool.
     pub fn check_request(&self, request: Request) -> Result<(), Error> {
         if self.regulator.is_some() {
             return Err(NO_SEAT);
+        }
+        if self.spool.is_some() {
+            return Err(NO_REQUEST);
         }
         let (impossible, what, remedy) = match self.kind {
             ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => (
@@ -192,6 +225,7 @@ impl<S: Scalar> Solenoid<S> {
             ramp: self.ramp.convert(convert),
             transport: T::zero(),
             regulator: self.regulator.as_ref().map(|regulator| regulator.convert(convert)),
+            spool: self.spool.as_ref().map(|spool| spool.convert(convert)),
         }
     }
 
@@ -203,6 +237,16 @@ impl<S: Scalar> Solenoid<S> {
     /// How long the seats are under way.
     pub fn ramp(&self) -> &Ramp<S> {
         &self.ramp
+    }
+
+    /// The proportional spool in place of seats, if that is what the valve is.
+    pub fn spool(&self) -> Option<&Spool<S>> {
+        self.spool.as_ref()
+    }
+
+    /// Whether it has seats, which coils move on request.
+    pub fn has_seats(&self) -> bool {
+        self.regulator.is_none() && self.spool.is_none()
     }
 
     /// By how much it is seen late, in s.
@@ -283,7 +327,10 @@ impl<S: Real> SeatClock<S> {
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         let change = command.change(self.next_change).map(|(time, _)| time + solenoid.transport);
         let [first, second] = self.strokes.map(|stroke| stroke.end());
-        [change, self.due[0], self.due[1], first, second].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+        [change, self.due[0], self.due[1], first, second]
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.

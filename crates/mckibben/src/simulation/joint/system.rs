@@ -235,7 +235,10 @@ impl<'a, R: Real> JointSystem<'a, R> {
     fn rates_of_member<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> [T; 2] {
         let [length, velocity, pressure] = self.ends(i, state);
         let velocity = if mode.turning == Turning::Stuck { T::zero() } else { velocity };
-        self.members[i].air_rates([length, velocity, pressure, state[PRESSURE[i] + 1]], Through { mode: &mode.actuators[i], shares: None })
+        self.members[i].air_rates(
+            [length, velocity, pressure, state[PRESSURE[i] + 1]],
+            Through { mode: &mode.actuators[i], shares: None },
+        )
     }
 }
 
