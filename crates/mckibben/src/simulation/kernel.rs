@@ -83,10 +83,11 @@ impl<S: Scalar> Held<S> {
     /// The same with the passages as they are at a time in s, where they are under way.
     #[inline(always)]
     pub(super) fn come_to(&self, time: S) -> Option<Self> {
-        match self.openings.at(time) {
-            Some(shares) if S::IS_ONE => Some(Self { openings: Openings::Shares(shares), ..*self }),
-            _ => None,
+        if !S::IS_ONE {
+            return None;
         }
+        let shares = self.openings.at(time)?;
+        Some(Self { openings: Openings::Shares(shares), ..*self })
     }
 }
 
