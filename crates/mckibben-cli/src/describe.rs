@@ -48,12 +48,14 @@ pub fn drive(scenario: &Scenario) -> String {
         }
         Command::Constant(state) => format!("{} all the time", state.name()),
         Command::SetPoints { time, .. } => format!("{} set points", time.len()),
+        Command::Positions { time, .. } => format!("{} positions", time.len()),
         Command::Table { time, .. } => format!("table of {} commands", time.len()),
         Command::Controller(of) => controller(of),
     };
     let supply = given(supply.gauge_pressure, "Pa");
     let kind = match valve.kind {
         ValveKind::PressureRegulator => "pressure regulator".to_owned(),
+        ValveKind::ProportionalSpool => "proportional spool".to_owned(),
         seats => format!("{} valve", seats.name()),
     };
     format!("{kind}, {command}, supply at {supply} gauge")

@@ -8,8 +8,8 @@ use crate::document::{Document, Value};
 use crate::keys::{self, KEYS, Key};
 use crate::presets::{self, Preset};
 use crate::quantity;
-use crate::read::GEOMETRY;
 use crate::read::passage::{EXHAUST, SUPPLY};
+use crate::read::{GEOMETRY, SEATS};
 use mckibben::parameter::{self as p, Parameter};
 
 /// A number that is in force and that no source states.
@@ -75,9 +75,10 @@ impl Document {
             }
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
-            // A pressure regulator has no seats.
-            path if [p::OPENING_DELAY.key, p::CLOSING_DELAY.key].contains(&path) => {
-                self.said("valve.kind") != Some(ValveKind::PressureRegulator.name())
+            // Neither a pressure regulator nor a proportional spool has seats.
+            path if SEATS.contains(&path) => {
+                let without = [ValveKind::PressureRegulator, ValveKind::ProportionalSpool].map(ValveKind::name);
+                !self.said("valve.kind").is_some_and(|kind| without.contains(&kind))
             }
             // What describes a reservoir or a compressor more closely.
             path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),

@@ -83,6 +83,7 @@ words! {
         FiveWayExhausted = "five-way-exhausted", "5/3 that exhausts both outputs when neither coil is energised.";
         FiveWayPressurised = "five-way-pressurised", "5/3 that fills both outputs when neither coil is energised.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
+        ProportionalSpool = "proportional-spool", "A spool that follows commanded positions and uncovers each passage by its share.";
         PressureRegulator = "pressure-regulator", "A proportional pressure regulator: open all the time to a pressure that follows set points.";
     }
     /// How finely a hose is resolved.
@@ -109,6 +110,7 @@ words! {
         Exhaust = "exhaust", "Joined to the exhaust all the time; not with a two-way valve.";
         Table = "table", "A list of times and what is commanded from each on.";
         SetPoints = "set-points", "A list of times and the gauge pressure from each on, of a pressure regulator.";
+        Positions = "positions", "A list of times and the position from each on, of a proportional spool.";
         Controllers = "controllers", "What the controller decides, `[controller]`.";
     }
     /// The law of a controller.

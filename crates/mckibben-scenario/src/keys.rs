@@ -271,6 +271,7 @@ pub static SECTIONS: &[Section] = &[
         "The valve's passage to the surroundings, where it differs from the one to the supply.",
         false,
     ),
+    section("valve.spool", "The proportional spool; given exactly when `valve.kind` is `proportional-spool`.", false),
     section("hose", "The hose from the valve to the actuator; none when absent.", false),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section(CONTROLLER, "The controller; given exactly when `command.kind` is `controllers`.", false),
@@ -340,6 +341,7 @@ const CURVED: &[&str] = &[BladderForm::Saturating.name(), BladderForm::Exponenti
 const PROCESS: &str = "air.process";
 const VALVE: &str = "valve.kind";
 const REGULATING: &[&str] = &[ValveKind::PressureRegulator.name()];
+const SPOOLING: &[&str] = &[ValveKind::ProportionalSpool.name()];
 const HOSE: &str = "hose.kind";
 const COMMAND: &str = "command.kind";
 const CONTROL: &str = "controller.kind";
@@ -473,6 +475,8 @@ pub static KEYS: &[Key] = &[
     quantity(&p::EFFICIENCY, "0.85"),
     quantity(&p::OPENING_DELAY, "\"4 ms\""),
     quantity(&p::CLOSING_DELAY, "\"1 ms\""),
+    quantity(&p::OPENING_TIME, "\"2 ms\""),
+    quantity(&p::CLOSING_TIME, "\"2 ms\""),
     quantity(&p::REGULATOR_TIME_CONSTANT, "\"30 ms\"").required().when(VALVE, REGULATING),
     quantity(&p::REGULATOR_DEAD_TIME, "\"5 ms\"").when(VALVE, REGULATING),
     quantity(&p::REGULATOR_RATE_LIMIT, "\"20 bar/s\"").required().when(VALVE, REGULATING),
@@ -490,6 +494,10 @@ pub static KEYS: &[Key] = &[
     quantity(&p::EXHAUST_KV, "\"0.06 m^3/h\""),
     quantity(&p::EXHAUST_CV, "0.07"),
     quantity(&p::EXHAUST_PRESSURE_DROP_RATIO, "0.7"),
+    quantity(&p::SPOOL_FREQUENCY, "\"100 Hz\"").required().when(VALVE, SPOOLING),
+    quantity(&p::SPOOL_DAMPING_RATIO, "0.7").required().when(VALVE, SPOOLING),
+    quantity(&p::SUPPLY_OVERLAP, "0.05").when(VALVE, SPOOLING),
+    quantity(&p::EXHAUST_OVERLAP, "0.05").when(VALVE, SPOOLING),
     choice(HOSE, HoseKind::CHOICES, "How finely the hose is resolved.", "\"lumped\"").or("lumped"),
     quantity(&p::HOSE_LENGTH, "\"1 m\"").required(),
     quantity(&p::HOSE_DIAMETER, "\"2.5 mm\"").required(),
@@ -515,7 +523,7 @@ pub static KEYS: &[Key] = &[
     )
     .or("exhaust")
     .when(COMMAND, &["pwm"]),
-    list(&p::COMMAND_TIME, "[\"0 s\", \"0.5 s\"]").required().when(COMMAND, &["table", "set-points"]),
+    list(&p::COMMAND_TIME, "[\"0 s\", \"0.5 s\"]").required().when(COMMAND, &["table", "set-points", "positions"]),
     key(
         "command.state",
         Kind::Choices(CommandState::CHOICES),
@@ -525,6 +533,7 @@ pub static KEYS: &[Key] = &[
     .required()
     .when(COMMAND, &["table"]),
     list(&p::COMMAND_GAUGE_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(COMMAND, &["set-points"]),
+    list(&p::COMMAND_POSITION, "[0.5, -1.0]").required().when(COMMAND, &["positions"]),
     choice(CONTROL, ControllerKind::CHOICES, "The law of the controller.", "\"pid\"").required(),
     course(&p::SET_GAUGE_PRESSURE, "\"3 bar\"").when(CONTROL, TRACKING),
     course(&p::SET_LENGTH, "\"85 mm\""),

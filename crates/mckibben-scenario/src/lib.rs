@@ -73,7 +73,7 @@ pub use model::{Experiment, JointExperiment};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
     Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, Motion, Passage, PressureRegulator, Process,
-    ProportionalRegulator, Pulley, Regulator, Reservoir, Run, Scenario, Supply, Taper, TonduLopezCoefficients, Valve,
+    ProportionalRegulator, Pulley, Regulator, Reservoir, Run, Scenario, Spool, Supply, Taper, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

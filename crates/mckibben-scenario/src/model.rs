@@ -396,11 +396,12 @@ fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::Supp
 fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
     let command = core_command(command)?;
     let (opening, closing) = (valve.opening_delay, valve.closing_delay);
-    let one = |kind| valve::Solenoid::new(kind, opening, closing);
+    let ramp = valve::Ramp::new(valve.opening_time, valve.closing_time)?;
+    let one = |kind| valve::Solenoid::new(kind, opening, closing).map(|solenoid| solenoid.with_ramp(ramp));
     let five_way = |rest| {
         let [a, b] = valve::FiveWay::new(rest, opening, closing)?.outputs(&command)?;
         let valve::FiveWayOutput { solenoid, command } = if output == 0 { a } else { b };
-        Ok(Actuation { solenoid, command })
+        Ok(Actuation { solenoid: solenoid.with_ramp(ramp), command })
     };
     let solenoid = match valve.kind {
         ValveKind::TwoWay => one(valve::ValveKind::TwoWay)?,
@@ -408,12 +409,25 @@ fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Act
         ValveKind::ThreeWayNormallyOpen => one(valve::ValveKind::ThreeWayNormallyOpen)?,
         ValveKind::FillHoldExhaust => one(valve::ValveKind::FillHoldExhaust)?,
         ValveKind::PressureRegulator => regulating(valve)?,
+        ValveKind::ProportionalSpool => proportional(valve)?,
         ValveKind::FiveWay => return five_way(valve::FiveWayRest::Returned),
         ValveKind::FiveWayClosed => return five_way(valve::FiveWayRest::Closed),
         ValveKind::FiveWayExhausted => return five_way(valve::FiveWayRest::Exhausted),
         ValveKind::FiveWayPressurised => return five_way(valve::FiveWayRest::Pressurised),
     };
     Ok(Actuation { solenoid, command })
+}
+
+/// A proportional spool in place of a solenoid.
+fn proportional(valve: &Valve) -> Result<valve::Solenoid, Error> {
+    let Some(of) = valve.spool else {
+        return Err(Error::Unsupported {
+            what: "the valve is a proportional spool, but nothing says how it moves",
+            remedy: "give valve.spool.natural_frequency and valve.spool.damping_ratio",
+        });
+    };
+    let spool = valve::Spool::new(of.natural_frequency, of.damping_ratio, of.supply_overlap, of.exhaust_overlap);
+    spool.map(valve::Solenoid::proportional)
 }
 
 /// A pressure regulator in place of a solenoid.
@@ -463,6 +477,7 @@ fn core_command(command: &Command) -> Result<valve::Command, Error> {
             valve::Command::table(time.clone(), state.iter().copied().map(request).collect())
         }
         Command::SetPoints { time, gauge_pressure } => valve::Command::set_points(time.clone(), gauge_pressure.clone()),
+        Command::Positions { time, position } => valve::Command::positions(time.clone(), position.clone()),
         Command::Controller(_) => Err(Error::Unsupported {
             what: "a controller is not supported here yet",
             remedy: "run it by `mckibben simulate`, or choose another command.kind",

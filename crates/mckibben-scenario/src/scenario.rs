@@ -349,10 +349,16 @@ pub struct Valve {
     pub efficiency: f64,
     /// What makes the pressure beyond the passage, exactly of a pressure regulator.
     pub regulator: Option<ProportionalRegulator>,
+    /// What uncovers the passages, exactly of a proportional spool.
+    pub spool: Option<Spool>,
     /// Time t_open in s from energising the coil to the seat's motion.
     pub opening_delay: f64,
     /// Time t_close in s from releasing the coil to the seat's return.
     pub closing_delay: f64,
+    /// Time t_rise in s that the seat takes from shut to open.
+    pub opening_time: f64,
+    /// Time t_fall in s that the seat takes from open to shut.
+    pub closing_time: f64,
     /// Pressure ratio r_lam above which the flow law is a straight line.
     pub laminar_ratio: f64,
     /// Whose temperature the leaving air has in the flow law.
@@ -368,6 +374,19 @@ pub struct ProportionalRegulator {
     pub dead_time: f64,
     /// Largest rate of the pressure in Pa/s.
     pub rate_limit: f64,
+}
+
+/// A proportional spool in the place of seats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spool {
+    /// Undamped natural frequency f_n in Hz.
+    pub natural_frequency: f64,
+    /// Damping ratio ζ.
+    pub damping_ratio: f64,
+    /// Overlap o_s of the edge to the supply, a share of the stroke.
+    pub supply_overlap: f64,
+    /// Overlap o_e of the edge to the exhaust, a share of the stroke.
+    pub exhaust_overlap: f64,
 }
 
 /// The usual ways to state how much a valve lets through.
@@ -427,6 +446,13 @@ pub enum Command {
         time: Vec<f64>,
         /// Gauge pressure in Pa from each time on.
         gauge_pressure: Vec<f64>,
+    },
+    /// Positions of a proportional spool, which rests in the middle until the first.
+    Positions {
+        /// Times in s, strictly increasing, from zero on.
+        time: Vec<f64>,
+        /// Position from each time on, from −1 (exhaust open) to 1 (supply open).
+        position: Vec<f64>,
     },
     /// What a controller decides.
     Controller(Box<Controller>),

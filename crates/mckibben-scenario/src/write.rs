@@ -297,15 +297,24 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
             w.number(&p::REGULATOR_DEAD_TIME, regulator.dead_time);
             w.number(&p::REGULATOR_RATE_LIMIT, regulator.rate_limit);
         }
+        None if valve.spool.is_some() => {}
         None => {
             w.number(&p::OPENING_DELAY, valve.opening_delay);
             w.number(&p::CLOSING_DELAY, valve.closing_delay);
+            w.number(&p::OPENING_TIME, valve.opening_time);
+            w.number(&p::CLOSING_TIME, valve.closing_time);
         }
     }
     w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);
     w.word("valve.exhaust_temperature", valve.exhaust_temperature.name());
     if let Some(exhaust) = valve.exhaust {
         passage(w, &passage::EXHAUST, exhaust);
+    }
+    if let Some(spool) = valve.spool {
+        w.number(&p::SPOOL_FREQUENCY, spool.natural_frequency);
+        w.number(&p::SPOOL_DAMPING_RATIO, spool.damping_ratio);
+        w.number(&p::SUPPLY_OVERLAP, spool.supply_overlap);
+        w.number(&p::EXHAUST_OVERLAP, spool.exhaust_overlap);
     }
 }
 
@@ -351,6 +360,11 @@ fn command(w: &mut Writer, scenario: &Scenario) {
             w.word("command.kind", CommandKind::SetPoints.name());
             w.list(&p::COMMAND_TIME, time);
             w.list(&p::COMMAND_GAUGE_PRESSURE, gauge_pressure);
+        }
+        Some(Command::Positions { time, position }) => {
+            w.word("command.kind", CommandKind::Positions.name());
+            w.list(&p::COMMAND_TIME, time);
+            w.list(&p::COMMAND_POSITION, position);
         }
         // One controller drives both actuators of a joint and stands with the first.
         Some(Command::Controller(_)) if !w.prefix.is_empty() => {}

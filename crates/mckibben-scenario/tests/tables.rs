@@ -82,6 +82,15 @@ fn surroundings_of(path: &str) -> &'static str {
              time_constant = \"30 ms\"\nrate_limit = \"20 bar/s\"\n\
              [command]\nkind = \"set-points\"\ntime = [\"0 s\", \"1 s\"]\ngauge_pressure = [\"2 bar\", \"1 bar\"]"
         }
+        "valve.spool.natural_frequency"
+        | "valve.spool.damping_ratio"
+        | "valve.spool.supply_overlap"
+        | "valve.spool.exhaust_overlap"
+        | "command.position" => {
+            "[supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"proportional-spool\"\nflow_area = \"1 mm^2\"\n\
+             spool.natural_frequency = \"80 Hz\"\nspool.damping_ratio = 0.8\n\
+             [command]\nkind = \"positions\"\ntime = [\"0 s\", \"1 s\"]\nposition = [0.2, -0.4]"
+        }
         "command.time" | "command.state" => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
              [command]\nkind = \"table\"\ntime = [\"0 s\", \"1 s\"]\nstate = [\"fill\", \"exhaust\"]"

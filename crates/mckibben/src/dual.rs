@@ -98,6 +98,7 @@ impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
 
 impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     type Mask = S::Mask;
+    const IS_ONE: bool = S::IS_ONE;
 
     #[inline(always)]
     fn apart<W: Work>(work: W) -> W::Output {

@@ -357,6 +357,18 @@ parameters! {
     EXHAUST_PRESSURE_DROP_RATIO = "valve.exhaust.pressure_drop_ratio", "x_T", "", Range::open(0.0, 1.0), Some(0.7),
         "Pressure drop over upstream pressure at which air chokes in the passage to the surroundings.",
         "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
+    SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
+        "Undamped natural frequency of the spool with its drive.",
+        "manufacturer's data sheet", "give a frequency such as 100 Hz";
+    SPOOL_DAMPING_RATIO = "valve.spool.damping_ratio", "zeta", "", Range::POSITIVE, None,
+        "Damping ratio of the spool with its drive.",
+        "manufacturer's data sheet", "give a ratio such as 0.7";
+    SUPPLY_OVERLAP = "valve.spool.supply_overlap", "o_s", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the supply's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
+    EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
+        "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
+        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
     EFFICIENCY = "valve.efficiency", "eta", "", Range::POSITIVE, Some(1.0),
         "Factor on the calculated mass flow.",
         "paper, section 3.3: 0.85", "give a factor such as 0.85";
@@ -366,6 +378,12 @@ parameters! {
     CLOSING_DELAY = "valve.closing_delay", "t_close", "s", Range::NON_NEGATIVE, Some(0.0),
         "Time from releasing the coil to the seat's return.",
         "paper, section 3.3: 1 ms", "give zero or more";
+    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from shut to open once it moves.",
+        "manufacturer's data sheet", "give zero or more";
+    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Time that the seat takes from open to shut once it moves.",
+        "manufacturer's data sheet", "give zero or more";
     REGULATOR_TIME_CONSTANT = "valve.time_constant", "tau", "s", Range::POSITIVE, None,
         "Time constant with which the regulated pressure follows its set point.",
         "manufacturer's data sheet", "give a time above zero, such as 30 ms";
@@ -405,6 +423,9 @@ parameters! {
     COMMAND_GAUGE_PRESSURE = "command.gauge_pressure", "P_g,set", "Pa", Range::NON_NEGATIVE, None,
         "Set points of a pressure regulator from each of those times on.",
         "choice of the experiment", "give gauge pressures from zero to that of the supply";
+    COMMAND_POSITION = "command.position", "u", "", Range { low: -1.0, low_included: true, high: 1.0, high_included: true }, None,
+        "Positions of a proportional spool from each of those times on, as shares of its stroke: 1 opens the supply, -1 the exhaust.",
+        "choice of the experiment", "give positions from -1 to 1";
     MASS = "load.mass", "M", "kg", Range::POSITIVE, None,
         "Mass that the actuator moves.",
         "paper, (15)", "give a mass above zero";
@@ -569,27 +590,4 @@ parameters! {
     CONTROL_TEMPERATURE = "controller.temperature", "T", "K", Range::POSITIVE, Some(293.15),
         "Temperature of the air that the controller reckons with.",
         "choice of the experiment", "give an absolute temperature above zero, such as 20 degC";
-}
-
-parameters! {
-    /// Rows of laws that no key of a scenario file selects yet.
-    LAWS:
-    OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from shut to open once it moves.",
-        "manufacturer's data sheet", "give zero or more";
-    CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from open to shut once it moves.",
-        "manufacturer's data sheet", "give zero or more";
-    SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
-        "Undamped natural frequency of the spool with its drive.",
-        "manufacturer's data sheet", "give a frequency such as 100 Hz";
-    SPOOL_DAMPING_RATIO = "valve.spool.damping_ratio", "zeta", "", Range::POSITIVE, None,
-        "Damping ratio of the spool with its drive.",
-        "manufacturer's data sheet", "give a ratio such as 0.7";
-    SUPPLY_OVERLAP = "valve.spool.supply_overlap", "o_s", "", Range::open(-1.0, 1.0), Some(0.0),
-        "Share of the stroke by which the spool covers the supply's edge in the middle; below zero for underlap.",
-        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
-    EXHAUST_OVERLAP = "valve.spool.exhaust_overlap", "o_e", "", Range::open(-1.0, 1.0), Some(0.0),
-        "Share of the stroke by which the spool covers the exhaust's edge in the middle; below zero for underlap.",
-        "manufacturer's data sheet", "give a share between -1 and 1, such as 0.05";
 }

@@ -62,6 +62,9 @@ pub trait Scalar:
     /// The answer of a comparison.
     type Mask: Mask;
 
+    /// Whether it is one number: what only a few rows of a batch need is left out of the code for all of its lanes.
+    const IS_ONE: bool = false;
+
     /// A number known when the program is written, the same in every lane.
     fn constant(value: f64) -> Self;
     /// The square root; the argument must not be negative where the result is used.
@@ -180,6 +183,7 @@ macro_rules! float {
     ($type:ident, $($method:ident => $libm:path),*) => {
         impl Scalar for $type {
             type Mask = bool;
+            const IS_ONE: bool = true;
             #[inline(always)]
             fn constant(value: f64) -> Self {
                 value as $type

@@ -18,6 +18,7 @@ fn sliding() -> Held<f64> {
     Held {
         supply: true,
         exhaust: false,
+        openings: mckibben::valve::Openings::Whole,
         sliding: 1.0,
         stuck: false,
         slack: false,

@@ -10,8 +10,12 @@ use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::keys::CONTROLLER;
 use crate::presets;
 use crate::reader::Reader;
-use crate::scenario::{Air, Command, Passage, ProportionalRegulator, Supply, Valve};
+use crate::scenario::{Air, Command, Passage, ProportionalRegulator, Spool, Supply, Valve};
 use mckibben::parameter as p;
+
+/// Keys of a valve with seats.
+pub(crate) const SEATS: &[&str] =
+    &[p::OPENING_DELAY.key, p::CLOSING_DELAY.key, p::OPENING_TIME.key, p::CLOSING_TIME.key];
 
 /// Supply, valve and command, which belong together.
 pub(super) fn drive(r: &mut Reader<'_>, air: &Air) -> (Option<Supply>, Option<Valve>, Option<Command>) {
@@ -73,11 +77,14 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     });
     let efficiency = r.value(&p::EFFICIENCY, preset);
     let regulator = (kind == Some(ValveKind::PressureRegulator)).then(|| regulator(r));
+    let spool = (kind == Some(ValveKind::ProportionalSpool)).then(|| spool(r));
     if regulator.is_none() && !r.has("valve.kind") {
         of_regulator_only(r);
     }
     let opening_delay = r.value(&p::OPENING_DELAY, preset);
     let closing_delay = r.value(&p::CLOSING_DELAY, preset);
+    let opening_time = r.value(&p::OPENING_TIME, preset);
+    let closing_time = r.value(&p::CLOSING_TIME, preset);
     let laminar_ratio = r.value(&p::LAMINAR_RATIO, preset);
     let exhaust_temperature = r.word("valve.exhaust_temperature").unwrap_or(ExhaustTemperature::Actuator);
     Some(Valve {
@@ -86,8 +93,11 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         exhaust,
         efficiency,
         regulator,
+        spool,
         opening_delay,
         closing_delay,
+        opening_time,
+        closing_time,
         laminar_ratio,
         exhaust_temperature,
     })
@@ -107,18 +117,44 @@ fn of_regulator_only(r: &mut Reader<'_>) {
     }
 }
 
-/// A pressure regulator has no seats, and one passage.
-fn regulator(r: &mut Reader<'_>) -> ProportionalRegulator {
-    for path in [p::OPENING_DELAY.key, p::CLOSING_DELAY.key, "valve.exhaust"] {
+/// Notes keys that do not apply to a kind of valve.
+fn not_of(r: &mut Reader<'_>, paths: &[&str], kind: &str, help: &str) {
+    for path in paths {
         if let Some(place) = r.key_place(path) {
-            let title = format!("`{path}` does not apply to a pressure regulator, which has no seats and one passage");
+            let title = format!("`{path}` does not apply to {kind}");
             r.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .related(r.value_place("valve.kind"), "chosen here")
-                    .help("remove it; the delay of a regulator is `valve.dead_time`"),
+                    .help(help),
             );
         }
     }
+}
+
+/// A proportional spool has no seats.
+fn spool(r: &mut Reader<'_>) -> Spool {
+    not_of(
+        r,
+        SEATS,
+        "a proportional spool, which has no seats",
+        "remove it; what is slow in a spool is its own motion",
+    );
+    Spool {
+        natural_frequency: r.value(&p::SPOOL_FREQUENCY, None),
+        damping_ratio: r.value(&p::SPOOL_DAMPING_RATIO, None),
+        supply_overlap: r.value(&p::SUPPLY_OVERLAP, None),
+        exhaust_overlap: r.value(&p::EXHAUST_OVERLAP, None),
+    }
+}
+
+/// A pressure regulator has no seats, and one passage.
+fn regulator(r: &mut Reader<'_>) -> ProportionalRegulator {
+    let (kind, help) = (
+        "a pressure regulator, which has no seats and one passage",
+        "remove it; the delay of a regulator is `valve.dead_time`",
+    );
+    not_of(r, SEATS, kind, help);
+    not_of(r, &["valve.exhaust"], kind, help);
     ProportionalRegulator {
         time_constant: r.value(&p::REGULATOR_TIME_CONSTANT, None),
         dead_time: r.value(&p::REGULATOR_DEAD_TIME, None),
@@ -139,9 +175,14 @@ fn command(r: &mut Reader<'_>, valve: ValveKind, supply: Option<f64>) -> Option<
     if !r.has("command.kind") {
         r.missing("command.kind", "");
     }
-    let regulates = valve == ValveKind::PressureRegulator;
-    if kind.is_some_and(|kind| regulates != (kind == CommandKind::SetPoints)) {
-        wrong_kind(r, regulates);
+    let without_seats = [CommandKind::SetPoints, CommandKind::Positions];
+    let own = match valve {
+        ValveKind::PressureRegulator => Some(CommandKind::SetPoints),
+        ValveKind::ProportionalSpool => Some(CommandKind::Positions),
+        _ => None,
+    };
+    if kind.is_some_and(|kind| own.is_some_and(|own| own != kind) || (own.is_none() && without_seats.contains(&kind))) {
+        wrong_kind(r, own, kind);
         return None;
     }
     let chooses = valve.has_three_positions();
@@ -206,6 +247,16 @@ fn command(r: &mut Reader<'_>, valve: ValveKind, supply: Option<f64>) -> Option<
             let (time, gauge_pressure) = columns(r, &p::COMMAND_TIME, time, p::COMMAND_GAUGE_PRESSURE.key, gauges);
             Some(Command::SetPoints { time, gauge_pressure })
         }
+        CommandKind::Positions => {
+            for path in [p::COMMAND_TIME.key, p::COMMAND_POSITION.key] {
+                if !r.has(path) {
+                    r.missing(path, "");
+                }
+            }
+            let (time, position) = (r.list(&p::COMMAND_TIME), r.list(&p::COMMAND_POSITION));
+            let (time, position) = columns(r, &p::COMMAND_TIME, time, p::COMMAND_POSITION.key, position);
+            Some(Command::Positions { time, position })
+        }
         CommandKind::Controllers if !r.has(CONTROLLER) => {
             r.missing_section(CONTROLLER, Some("command"));
             None
@@ -215,10 +266,22 @@ fn command(r: &mut Reader<'_>, valve: ValveKind, supply: Option<f64>) -> Option<
 }
 
 /// Notes a command that the kind of valve does not take.
-fn wrong_kind(r: &mut Reader<'_>, regulates: bool) {
+fn wrong_kind(r: &mut Reader<'_>, own: Option<CommandKind>, kind: Option<CommandKind>) {
     let Some(place) = r.value_place("command.kind") else { return };
     let chosen = r.value_place("valve.kind").or_else(|| r.value_place("valve.preset"));
-    let (title, label, help) = if regulates {
+    let (title, label, help) = if own == Some(CommandKind::Positions) {
+        (
+            "a proportional spool takes positions",
+            "asks for something else",
+            "set `command.kind` to `positions`, or `valve.kind` to `three-way`",
+        )
+    } else if kind == Some(CommandKind::Positions) {
+        (
+            "positions are for a proportional spool",
+            "needs a proportional spool",
+            "set `valve.kind` to `proportional-spool`, or `command.kind` to what the valve takes",
+        )
+    } else if own == Some(CommandKind::SetPoints) {
         (
             "a pressure regulator takes set points of pressure",
             "asks for seats to move",

@@ -25,6 +25,7 @@ mod line;
 pub(crate) mod passage;
 
 pub(crate) use body::GEOMETRY;
+pub(crate) use drive::SEATS;
 
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;

@@ -2,7 +2,7 @@
 //!
 //! The numbers of the rows lie lane by lane in one rig over lanes. A step of all rows is one step of the method. Rows to
 //! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
-//! themselves as the fixed-step engine does, from where they were; an instant that all rows share divides the step of the
+//! themselves as the fixed-step engine does, from where they were, and so do rows whose seats are under way; an instant that all rows share divides the step of the
 //! block. So every row goes the fixed-step engine's way, bit for bit.
 
 use super::Row;
@@ -21,7 +21,7 @@ use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
 use crate::simulation::timetable::{Progress, Timetable};
 use crate::simulation::{Method, Rig};
-use crate::valve::{Ports, is_due};
+use crate::valve::{Openings, Ports, is_due};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
@@ -59,6 +59,8 @@ pub(super) struct Block<W: Wide> {
     /// How many elements of the memory are in use.
     elements: usize,
     alive: W::Mask,
+    /// Rows whose passages are not whole.
+    under_way: W::Mask,
     /// Instants up to this time in s are known.
     known_until: f64,
     /// The first of the instants of all lanes; infinite when none is known.
@@ -111,6 +113,10 @@ impl<R> Lane<R> {
         Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
     }
 
+    fn openings(&self) -> Openings<f64> {
+        self.timetable().openings(&self.progress)
+    }
+
     fn look_ahead(&mut self, until: f64) {
         self.next = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
     }
@@ -145,6 +151,7 @@ impl<W: Wide> Block<W> {
             held: Held { memory, ..Held::nothing() },
             elements,
             alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_plumbing(&row.rig).is_ok())),
+            under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,
             shared: false,
@@ -160,6 +167,7 @@ impl<W: Wide> Block<W> {
         let held = Held {
             supply: W::holds(held.supply, index),
             exhaust: W::holds(held.exhaust, index),
+            openings: self.lanes[index].openings().map(W::Lane::of_time),
             sliding: number(&held.sliding),
             stuck: W::holds(held.stuck, index),
             slack: W::holds(held.slack, index),
@@ -239,7 +247,8 @@ impl<W: Wide> Block<W> {
             let mut walk = self.walk(index);
             let lane = &self.lanes[index];
             let at = |number: usize| end[number].lane(index);
-            let known = Some([at(0), at(1), at(2), at(3), at(4)]);
+            // The step of all lanes knows whole passages only.
+            let known = (!W::holds(self.under_way, index)).then(|| [at(0), at(1), at(2), at(3), at(4)]);
             match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until, known) {
                 Ok(()) => self.take_back(index, &walk, end),
                 Err(fault) => self.stop(index, fault, end),
@@ -268,8 +277,11 @@ impl<W: Wide> Block<W> {
         }
     }
 
-    /// Finds the first of all instants.
+    /// Finds the first of all instants, and the rows whose passages are not whole.
     fn sort(&mut self) {
+        let lanes = &self.lanes;
+        self.under_way =
+            W::mask(|index| lanes.get(index).is_some_and(|lane| !matches!(lane.openings(), Openings::Whole)));
         self.soonest = self.lanes.iter().map(|lane| lane.next).fold(f64::INFINITY, f64::min);
         self.shared = self.lanes.iter().all(|lane| lane.fault.is_some() || lane.next == self.soonest);
     }
@@ -282,7 +294,7 @@ impl<W: Wide> Block<W> {
             Rigs::Ideal(rig) => simd.vectorize(Take { block: self, rig, step }),
             Rigs::Any(rig) => simd.vectorize(Take { block: self, rig, step }),
         };
-        let alone = (happens | alone(self)) & self.alive;
+        let alone = (happens | self.under_way | alone(self)) & self.alive;
         if alone.any() {
             self.walk_to(alone, until, &mut end);
             self.held.sliding = W::select(alone, self.held.sliding, sliding);
@@ -315,17 +327,31 @@ impl<W: Wide> Block<W> {
         }
     }
 
+    /// Net flow in kg/s into the actuator of a row whose passages are not whole.
+    #[inline(never)]
+    fn flow_of(&self, index: usize) -> f64 {
+        let Course { time, state, held } = self.walk(index).course;
+        self.lanes[index].rig.observe(W::Lane::of_time(time), &state, &held).flow.net().value()
+    }
+
     /// What each row shows now, or why it has stopped.
     #[inline(always)]
     fn samples(&self) -> Vec<Result<Sample, Error>> {
+        let time = W::constant(self.time);
         let (observed, line) = match &self.rigs {
-            Rigs::Ideal(rig) => (rig.observe(&self.state, &self.held), rig.line()),
-            Rigs::Any(rig) => (rig.observe(&self.state, &self.held), rig.line()),
+            Rigs::Ideal(rig) => (rig.observe(time, &self.state, &self.held), rig.line()),
+            Rigs::Any(rig) => (rig.observe(time, &self.state, &self.held), rig.line()),
         };
         let hose_air = line.hose.as_ref().map(|hose| hose.content(self.state[4]));
         let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
             Some(fault) => Err(fault.clone()),
-            None => Ok(Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air))),
+            None => {
+                let sample = Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air));
+                Ok(match W::holds(self.under_way, index) {
+                    false => sample,
+                    true => Sample { mass_flow: self.flow_of(index), ..sample },
+                })
+            }
         };
         self.lanes.iter().enumerate().map(sample).collect()
     }

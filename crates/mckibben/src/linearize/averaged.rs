@@ -141,7 +141,7 @@ pub enum Aim {
 /// Linearises a rig under PWM by the mean flow of its valve; duty and mass flow are inputs.
 ///
 /// # Errors
-/// [`Error::Unsupported`] when the command is no PWM, when no air ever flows, or when no duty in the range of the seats
+/// [`Error::Unsupported`] when the command is no PWM, when the seats take their time, when no air ever flows, or when no duty in the range of the seats
 /// holds the pressure; and as [`OperatingPoint::held`].
 pub fn average(rig: &Rig, aim: Aim, content: Content) -> Result<Linearization, Error> {
     let pwm = Pwm::of(rig)?;
@@ -178,6 +178,12 @@ struct Pwm<'a> {
 
 impl<'a> Pwm<'a> {
     fn of(rig: &'a Rig) -> Result<Self, Error> {
+        if rig.actuation().is_some_and(|drive| !drive.solenoid.ramp().is_none()) {
+            return Err(Error::Unsupported {
+                what: "the average over pulses does not know seats that take their time",
+                remedy: "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes",
+            });
+        }
         if let (Some(actuation), Some(valve)) = (rig.actuation(), rig.actuator().valve())
             && let (Command::Pwm { frequency, .. }, Some(duty_range)) = (&actuation.command, duty_range(actuation))
         {

@@ -27,7 +27,8 @@
 //! a stream, exergy balance of a control volume). Checked by `tests/circuit.rs`: filling in closed form, and the sum.
 
 use super::energy::EnergyAudit;
-use super::mode::{Extent, Mode};
+use super::hybrid::Phase;
+use super::mode::Extent;
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
@@ -131,8 +132,9 @@ impl CircuitAudit {
         (actuator, valve): (&Actuator<R>, &Valve<R>),
         weight: f64,
         sample: &Sample<R>,
-        (mode, regulated): (&Mode, Option<&Flow<R>>),
+        (phase, regulated): (&Phase<R>, Option<&Flow<R>>),
     ) {
+        let mode = &phase.mode;
         let slack = mode.extent == Extent::Slack;
         let chamber = actuator.chamber(sample.length, sample.velocity, sample.pressure.0, sample.air_mass, slack);
         let [supply, surroundings] = match regulated {
@@ -140,7 +142,14 @@ impl CircuitAudit {
                 [Flow { inward, outward: R::zero() }, Flow { inward: R::zero(), outward }]
             }
             None => {
-                [actuator.flow(&chamber, mode.ports.supply, false), actuator.flow(&chamber, false, mode.ports.exhaust)]
+                let flows = [
+                    actuator.flow(&chamber, mode.ports.supply, false),
+                    actuator.flow(&chamber, false, mode.ports.exhaust),
+                ];
+                match phase.through(sample.time).shares {
+                    None => flows,
+                    Some([supply, exhaust]) => [flows[0].through(supply), flows[1].through(exhaust)],
+                }
             }
         };
         let [from_supply, to_supply] = [supply.inward, supply.outward].map(|flow| weight * flow.value());
@@ -183,8 +192,8 @@ impl<R: Real> Trajectory<R> {
         }
         let exergy = Exergy::new(actuator, valve);
         let mut audit = CircuitAudit { work: self.audit(), ..CircuitAudit::default() };
-        self.visit(|weight, sample, mode, flow, _| {
-            let flows = (mode, regulated.then_some(flow));
+        self.visit(|weight, sample, phase, flow, _| {
+            let flows = (phase, regulated.then_some(flow));
             audit.add(&exergy, (actuator, valve), weight.value(), sample, flows);
         });
         let [start, end] = [R::zero(), self.duration()].map(|time| exergy.contents(&self.at(time)));

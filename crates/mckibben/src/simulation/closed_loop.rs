@@ -47,10 +47,10 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
                     remedy: "give the actuator a valve, or simulate it without a controller",
                 });
             };
-            if actuation.solenoid.regulator().is_some() {
+            if !actuation.solenoid.has_seats() {
                 return Err(Error::Unsupported {
-                    what: "a controller drives the seats of a valve, and a pressure regulator has none",
-                    remedy: "choose a valve such as valve.kind = \"three-way\", or give the regulator set points",
+                    what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
+                    remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
                 });
             }
             actuation.command = Command::nothing();

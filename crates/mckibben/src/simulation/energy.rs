@@ -153,8 +153,8 @@ impl<R: Real> Trajectory<R> {
         let actuator = rig.actuator();
         let mut audit = EnergyAudit::default();
         let mut work_on_ends = 0.0;
-        self.visit(|weight, sample, mode, flow, widths| {
-            work_on_ends += audit.add(actuator, weight.value(), sample, mode, (flow, widths));
+        self.visit(|weight, sample, phase, flow, widths| {
+            work_on_ends += audit.add(actuator, weight.value(), sample, &phase.mode, (flow, widths));
         });
         let (start, end) = (self.at(R::zero()), self.at(self.duration()));
         audit.add_gains(actuator, &start, &end);

@@ -1,6 +1,6 @@
 //! The fixed-step engine: bounded cost, no allocation, valve edges honoured inside the step.
 //!
-//! A step of length `h` is divided at every instant at which a seat moves or a prescribed motion turns, where the tendon
+//! A step of length `h` is divided at every instant at which a seat moves or arrives or a prescribed motion turns, where the tendon
 //! falls slack or tight, where the braid comes taut or ceases to pull, and, with Coulomb friction, where the velocity comes
 //! to zero: there the load sticks if friction can hold it. Each part is one step of a [`Method`]. A
 //! [batch](crate::batch) does the same in lanes.
@@ -87,7 +87,7 @@ impl<R: Real<Time = R>> Walk<R> {
     /// Everything that is known at the time that has been reached.
     pub(super) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
         let Course { time, state, held } = &self.course;
-        let sample = Sample::new(*time, &of_rig(state), &rig.observe(state, held), self.ports);
+        let sample = Sample::new(*time, &of_rig(state), &rig.observe(*time, state, held), self.ports);
         let hose = rig.line().hose.as_ref();
         hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None))
     }
@@ -132,6 +132,7 @@ impl<R: Real> Walk<R> {
     /// Passes what is due.
     pub(crate) fn pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
         self.ports = timetable.pass(&mut self.progress, self.course.time);
+        let openings = timetable.openings(&self.progress).map(R::of_time);
         let held = &mut self.course.held;
         if let Some(motion) = timetable.motion {
             let Line { time, length, slope } = timetable.line(&self.progress);
@@ -141,7 +142,7 @@ impl<R: Real> Walk<R> {
                 self.course.state[1] = held.line.slope;
             }
         }
-        (held.supply, held.exhaust) = (self.ports.supply, self.ports.exhaust);
+        (held.supply, held.exhaust, held.openings) = (self.ports.supply, self.ports.exhaust, openings);
         self.course.enter(rig);
     }
 }

@@ -17,7 +17,7 @@
 //!
 //! Checked by `tests/line_step.rs` against the event-located engine.
 
-use super::kernel::{Held, Matrix, Method, Slopes, ahead, gathered, reaches};
+use super::kernel::{Held, Matrix, Method, Slopes, ahead, gathered, reaches, through_shares};
 use super::rig::Rig;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
@@ -96,7 +96,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let own = actuator.chamber(length, velocity, pressure, mass, held.slack);
         let through = hose.flow(at_valve, pressure);
         let inflow = self.with_leak(&own, split(through));
-        let valve = actuator.flow(&hose.chamber(at_valve), held.supply, held.exhaust);
+        let valve = self.through_valve(time, &hose.chamber(at_valve), held);
         let hose_rate = hose.pressure_rate(valve.net() - through);
         [velocity, acceleration, actuator.pressure_rate(&own, &inflow), inflow.net(), hose_rate]
     }
@@ -121,7 +121,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
         let seeded: Dual<S, 1> = Dual::variable(at_valve, 0);
         let through = hose.flow(seeded, Dual::of(pressure));
-        let valve = actuator.flow(&hose.chamber(seeded), held.supply, held.exhaust).net();
+        let valve = self.through_valve(Dual::of(time), &hose.chamber(seeded), held).net();
         // The rate is linear in the flow; the leak and the volume do not settle here.
         let inflow = self.with_leak(&own, split(through.value));
         let outwards = through.value.lt(S::zero());
@@ -144,19 +144,35 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let slopes = Slopes { acceleration: acceleration.slope, pressure_rate: S::zero(), mass_rate: S::zero() };
         let matrix = HosedMatrix {
             rig: Matrix::new(&slopes, [S::zero(); 2], step),
-            air: Air::new(secant, self.valve_slope(at_valve, valve, held), hose.stiffness(), per_flow, step),
+            air: Air::new(secant, self.valve_slope(time, at_valve, valve, held), hose.stiffness(), per_flow, step),
         };
         let k1 = matrix.solve(first);
         let second = self.hosed_rates(hose, time + step, &ahead(state, step, &k1), held);
-        let k2 = matrix.solve(ahead(&second, S::constant(-2.0), &k1));
+        let second = ahead(&second, S::constant(-2.0), &k1);
+        let k2 = match held.come_to(time + step) {
+            None => matrix.solve(second),
+            Some(held) => {
+                let valve = self.through_valve(Dual::of(time), &hose.chamber(seeded), &held).net();
+                let valve_slope = self.valve_slope(time, at_valve, valve, &held);
+                let air = Air::new(secant, valve_slope, hose.stiffness(), per_flow, step);
+                HosedMatrix { air, ..matrix }.solve(second)
+            }
+        };
         ahead(state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
     }
 
     /// `−∂ṁ_valve/∂P₁`, or the secant to the open port where that is steeper; zero or more.
     #[inline(always)]
-    fn valve_slope(&self, pressure: S, flow: Dual<S, 1>, held: &Held<S>) -> S {
+    fn valve_slope(&self, time: S, pressure: S, flow: Dual<S, 1>, held: &Held<S>) -> S {
         let Some(valve) = self.actuator().valve() else { return S::zero() };
         let tangent = (-flow.slope[0]).larger(S::zero());
+        if S::IS_ONE
+            && let (Some(shares), Some(hose)) = (held.openings.at(time), &self.line().hose)
+        {
+            let flows = through_shares(valve, &hose.chamber(pressure), held, shares);
+            let each = flows.map(|(gap, flow)| secant(gap, flow.net(), S::zero()));
+            return tangent.larger(each[0] + each[1]);
+        }
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
         let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
         let secant = secant(port - pressure, flow.value, tangent);

@@ -17,7 +17,7 @@ use super::plumbing::{LineMode, Plumbing, Room};
 use super::rig::{Rig, State};
 use super::system::{GuardForm, Guards, HybridSystem};
 use super::timetable::Progress;
-use super::zones::Places;
+use super::zones::{Places, Through};
 #[cfg(feature = "alloc")]
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
@@ -25,6 +25,7 @@ use crate::error::Error;
 use crate::friction::{LuGre, Rubbing};
 use crate::load::{Inertia, Load};
 use crate::scalar::{Over, Real};
+use crate::valve::Openings;
 
 const LENGTH: usize = 0;
 const VELOCITY: usize = 1;
@@ -37,11 +38,20 @@ pub struct Phase<R = f64> {
     /// Which formulas hold.
     pub mode: Mode,
     progress: Progress<R>,
+    openings: Openings<R>,
     /// `P V/m` of an isothermal process, which nothing changes.
     isothermal: Option<R>,
     line: LineMode,
     /// What the hysteresis remembers, where there is one.
     pub(super) trace: Option<Trace<R>>,
+}
+
+impl<R: Real> Phase<R> {
+    /// What the valve lets through at a time in s.
+    #[inline(always)]
+    pub(super) fn through<T: Over<R>>(&self, time: T) -> Through<'_, T> {
+        Through { mode: &self.mode, shares: self.openings.at(time) }
+    }
 }
 
 /// A rig with the tolerance to which its events are told from rounding.
@@ -178,35 +188,35 @@ impl<'a, R: Real> RigSystem<'a, R> {
         self.rig.actuator().chamber(state[LENGTH], state[VELOCITY], state[PRESSURE], state[AIR_MASS], slack)
     }
 
-    /// Flow into the actuator in a mode.
+    /// Flow into the actuator at a time in s.
     #[cfg(feature = "alloc")]
-    pub(super) fn inflow<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
-        let mode = &phase.mode;
-        let chamber = self.chamber(state, mode);
+    pub(super) fn inflow<const N: usize>(&self, time: R, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
+        let (through, chamber) = (phase.through(time), self.chamber(state, &phase.mode));
         match &self.plumbing {
-            Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, (mode, &phase.line)),
-            None => self.member.flow(&chamber, mode),
+            Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, (through, &phase.line)),
+            None => self.member.flow(&chamber, through),
         }
     }
 
-    /// Flow between the rig with its line and the surroundings or the supply.
+    /// Flow between the rig with its line and the surroundings or the supply at a time in s.
     #[cfg(feature = "alloc")]
-    pub(super) fn exchange<const N: usize>(&self, state: &[R; N], mode: &Mode) -> Flow<R> {
-        let chamber = self.chamber(state, mode);
+    pub(super) fn exchange<const N: usize>(&self, time: R, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
+        let (through, chamber) = (phase.through(time), self.chamber(state, &phase.mode));
         match &self.plumbing {
-            Some(plumbing) => plumbing.exchange(&self.member, &chamber, state, mode),
-            None => self.member.flow(&chamber, mode),
+            Some(plumbing) => plumbing.exchange(&self.member, &chamber, state, through),
+            None => self.member.flow(&chamber, through),
         }
     }
 
-    /// Flows through the valve's passages to the supply and to the surroundings, into hose or actuator. What flows out to a
+    /// Flows through the valve's passages to the supply and to the surroundings, into hose or actuator, at a time in s. What flows out to a
     /// pressure regulator it lets go to the surroundings.
     #[cfg(feature = "alloc")]
-    pub(super) fn valve_flows<const N: usize>(&self, state: &[R; N], mode: &Mode) -> [Flow<R>; 2] {
+    pub(super) fn valve_flows<const N: usize>(&self, time: R, state: &[R; N], phase: &Phase<R>) -> [Flow<R>; 2] {
+        let (mode, through) = (&phase.mode, phase.through(time));
         let chamber = self.chamber(state, mode);
         match &self.plumbing {
             Some(plumbing) => {
-                let flows = plumbing.passages(&self.member, &chamber, state, mode);
+                let flows = plumbing.passages(&self.member, &chamber, state, through);
                 if self.rig.regulator().is_none() {
                     return flows;
                 }
@@ -219,7 +229,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
                     exhaust_zone: mode.exhaust_zone.filter(|_| exhaust),
                     ..*mode
                 };
-                [only(true, false), only(false, true)].map(|one| self.member.flow(&chamber, &one))
+                [only(true, false), only(false, true)]
+                    .map(|one| self.member.flow(&chamber, Through { mode: &one, ..through }))
             }
         }
     }
@@ -248,13 +259,14 @@ impl<'a, R: Real> RigSystem<'a, R> {
         let mut phase = Phase {
             mode,
             progress,
+            openings: self.rig.timetable().openings(&progress),
             isothermal: self.member.isothermal_content(state[LENGTH], [state[PRESSURE], state[AIR_MASS]]),
             line: LineMode::AT_REST,
             trace: self.member.trace(self.rig.actuator().limits().actuator_length(state[LENGTH])),
         };
         self.enter_ports(state, &mut phase.mode);
         if let Some(plumbing) = &self.plumbing {
-            phase.line = plumbing.enter(&self.member, state, &phase.mode);
+            phase.line = plumbing.enter(&self.member, state, phase.through(R::zero()));
             plumbing.pass_set_points(R::zero(), state, &mut phase.line);
         }
         self.enter_extent(state, &mut phase.mode);
@@ -379,7 +391,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
 
     #[inline(always)]
     fn rates<T: Over<R>>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> [T; N] {
-        let mode = &phase.mode;
+        let (mode, through) = (&phase.mode, phase.through(time));
         let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
         match self.rig.load() {
             Load::Prescribed(motion) => ends = motion.at(time, phase.progress.corners_passed),
@@ -406,10 +418,10 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             let [length, velocity, pressure, mass] = air;
             let actuator = self.rig.actuator();
             let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
-            let inflow = plumbing.rates(&self.member, &chamber, state, (mode, &phase.line), &mut rates);
+            let inflow = plumbing.rates(&self.member, &chamber, state, (through, &phase.line), &mut rates);
             [actuator.pressure_rate(&chamber, &inflow), inflow.net()]
         } else {
-            self.member.air_rates(air, mode)
+            self.member.air_rates(air, through)
         };
         rates
     }
@@ -474,12 +486,17 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     }
 
     fn pass_instant(&self, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
-        let ports = self.rig.timetable().pass_seats(&mut phase.progress, time);
-        if ports != phase.mode.ports {
-            phase.mode.ports = ports;
-            self.enter_ports(state, &mut phase.mode);
+        let (timetable, counted) = (self.rig.timetable(), phase.progress.openings_counted());
+        let ports = timetable.pass_seats(&mut phase.progress, time);
+        if ports != phase.mode.ports || phase.progress.openings_counted() != counted {
+            phase.openings = timetable.openings(&phase.progress);
+            if ports != phase.mode.ports {
+                phase.mode.ports = ports;
+                self.enter_ports(state, &mut phase.mode);
+            }
             if let Some(plumbing) = &self.plumbing {
-                plumbing.pass_seats(&self.member, state, &phase.mode, &mut phase.line);
+                let through = Through { mode: &phase.mode, shares: phase.openings.at(time) };
+                plumbing.pass_seats(&self.member, state, through, &mut phase.line);
             }
             return Ok(EventKind::Valve);
         }
@@ -537,7 +554,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         guards
     }
 
-    fn guard<T: Over<R>>(&self, guard: Guard, _time: T, state: &[T; N], phase: &Phase<R>) -> T {
+    fn guard<T: Over<R>>(&self, guard: Guard, time: T, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
         let [length, velocity, _] = ends(state);
         if Room::<N>::FOR_LINE
@@ -547,7 +564,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
                 let ends = [length, velocity, state[plumbing.places().valve]];
                 return self.member.guard(guard, ends, mode, &phase.trace);
             }
-            if let Some(value) = plumbing.guard(guard, &self.member, state, (mode, &phase.line)) {
+            if let Some(value) = plumbing.guard(guard, &self.member, state, (phase.through(time), &phase.line)) {
                 return value;
             }
         }

@@ -29,7 +29,7 @@ use crate::force::Statics;
 use crate::friction::{Memory, Rubbing};
 use crate::load::{Line, Load};
 use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::Port;
+use crate::valve::{Openings, Port, Valve};
 
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,8 @@ pub struct Held<S: Scalar> {
     pub supply: S::Mask,
     /// Where the passage to the surroundings is open.
     pub exhaust: S::Mask,
+    /// How far the passages are open where they are not whole; with several lanes they are.
+    pub openings: Openings<S>,
     /// Direction of sliding: −1, 0 or +1.
     pub sliding: S,
     /// Where friction holds the load at rest.
@@ -68,6 +70,7 @@ impl<S: Scalar> Held<S> {
         Self {
             supply: nowhere,
             exhaust: nowhere,
+            openings: Openings::Whole,
             sliding: S::zero(),
             stuck: nowhere,
             slack: nowhere,
@@ -75,6 +78,16 @@ impl<S: Scalar> Held<S> {
             line: Line::resting(S::zero()),
             memory: Memory::relaxed(S::zero()),
         }
+    }
+
+    /// The same with the passages as they are at a time in s, where they are under way.
+    #[inline(always)]
+    pub(super) fn come_to(&self, time: S) -> Option<Self> {
+        if !S::IS_ONE {
+            return None;
+        }
+        let shares = self.openings.at(time)?;
+        Some(Self { openings: Openings::Shares(shares), ..*self })
     }
 }
 
@@ -93,7 +106,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     pub fn rates<T: Over<S>>(&self, time: T, state: &[T; 4], held: &Held<S>) -> [T; 4] {
         let [length, velocity, pressure, mass] = *state;
         let [length, velocity, acceleration] = self.motion(time, [length, velocity, pressure], held);
-        let (chamber, flow) = self.contents([length, velocity, pressure, mass], held, held.slack);
+        let (chamber, flow) = self.contents(time, [length, velocity, pressure, mass], held, held.slack);
         [velocity, acceleration, self.actuator().pressure_rate(&chamber, &flow), flow.net()]
     }
 
@@ -122,22 +135,35 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         Rubbing { width: self.actuator().width(&held.memory, length, velocity), ..T::of(held.sliding).into() }
     }
 
+    /// Flow through the valve from a chamber at its end of the line.
+    #[inline(always)]
+    pub(super) fn through_valve<T: Over<S>>(&self, time: T, chamber: &Chamber<T>, held: &Held<S>) -> Flow<T> {
+        let actuator = self.actuator();
+        if S::IS_ONE
+            && let (Some([supply, exhaust]), Some(valve)) = (held.openings.at(time), actuator.valve())
+        {
+            let inlet = valve.flow(Port::Supply, chamber).where_open(held.supply).through(supply);
+            return inlet.and(valve.flow(Port::Exhaust, chamber).where_open(held.exhaust).through(exhaust));
+        }
+        actuator.flow(chamber, held.supply, held.exhaust)
+    }
+
     /// The air and its flow.
     #[inline(always)]
-    fn contents<T: Over<S>>(&self, state: [T; 4], held: &Held<S>, slack: S::Mask) -> (Chamber<T>, Flow<T>) {
+    fn contents<T: Over<S>>(&self, time: T, state: [T; 4], held: &Held<S>, slack: S::Mask) -> (Chamber<T>, Flow<T>) {
         let actuator = self.actuator();
         let [length, velocity, pressure, mass] = state;
         let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
-        let flow = actuator.flow(&chamber, held.supply, held.exhaust);
+        let flow = self.through_valve(time, &chamber, held);
         (chamber, self.with_leak(&chamber, flow))
     }
 
-    /// What a sample shows beside the state.
+    /// What a sample shows beside the state at a time in s.
     #[inline(always)]
-    pub(crate) fn observe(&self, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
+    pub(crate) fn observe(&self, time: S, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
         let actuator = self.actuator();
         let [length, velocity, pressure, ..] = *state;
-        let (chamber, mut flow) = self.contents(of_rig(state), held, actuator.limits().is_slack(length));
+        let (chamber, mut flow) = self.contents(time, of_rig(state), held, actuator.limits().is_slack(length));
         if L::MAY_HAVE_LINE
             && let Some(hose) = &self.line().hose
         {
@@ -165,10 +191,18 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
         let (first, slopes) = self.rates_with_slopes(time, &state, held);
-        let matrix = Matrix::new(&slopes, self.settling_rate(&state, &first, held), step);
+        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), step);
         let k1 = matrix.solve(first);
         let second = self.rates(time + step, &ahead(&state, step, &k1), held);
-        let k2 = matrix.solve(ahead(&second, S::constant(-2.0), &k1));
+        let second = ahead(&second, S::constant(-2.0), &k1);
+        // Where passages are under way the second stage has the matrix of what they come to: the order stays.
+        let k2 = match held.come_to(time + step) {
+            None => matrix.solve(second),
+            Some(held) => {
+                let (rates, slopes) = self.rates_with_slopes(time, &state, &held);
+                Matrix::new(&slopes, self.settling_rate(time, &state, &rates, &held), step).solve(second)
+            }
+        };
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
     }
 
@@ -180,7 +214,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let [length, velocity, acceleration] = self.motion(Dual::of(time), ends, held);
         let ends = [Dual::of(length.value), Dual::of(velocity.value)];
         let air: [Dual<S, 1>; 4] = [ends[0], ends[1], Dual::variable(pressure, 0), Dual::of(mass)];
-        let (chamber, flow) = self.contents(air, held, held.slack);
+        let (chamber, flow) = self.contents(Dual::of(time), air, held, held.slack);
         let (pressure_rate, mass_rate) = (self.actuator().pressure_rate(&chamber, &flow), flow.net());
         let slopes = Slopes {
             acceleration: acceleration.slope,
@@ -193,9 +227,14 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The secant from the pressure to that of an open port: of the pressure's rate in 1/s, and of the air mass's in
     /// kg/(s·Pa), by the flow alone. What else moves the pressure (the volume, heat) does not settle at the port.
     #[inline(always)]
-    fn settling_rate(&self, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> [S; 2] {
+    fn settling_rate(&self, time: S, state: &[S; 4], rates: &[S; 4], held: &Held<S>) -> [S; 2] {
         let actuator = self.actuator();
         let Some(valve) = actuator.valve() else { return [S::zero(); 2] };
+        if S::IS_ONE
+            && let Some(shares) = held.openings.at(time)
+        {
+            return self.settling_rate_of_shares(valve, state, rates[0], held, shares);
+        }
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
         let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
         let [length, _, pressure, mass] = *state;
@@ -212,6 +251,43 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let settles = one_open & S::zero().lt(gap.magnitude()) & S::zero().lt(settling);
         [S::select(settles, settling, S::zero()), S::select(settles, by_mass * per_gap, S::zero())]
     }
+}
+
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
+    /// The same where the passages are open to shares: the sum of the secants to both ports.
+    fn settling_rate_of_shares(
+        &self,
+        valve: &Valve<S>,
+        [length, _, pressure, mass]: &[S; 4],
+        velocity: S,
+        held: &Held<S>,
+        shares: [S; 2],
+    ) -> [S; 2] {
+        let actuator = self.actuator();
+        let chamber = actuator.chamber(*length, velocity, *pressure, *mass, held.slack);
+        let still = actuator.pressure_rate(&chamber, &Flow::none());
+        let flows = through_shares(valve, &chamber, held, shares);
+        flows.into_iter().fold([S::zero(); 2], |[settling, by_mass], (gap, flow)| {
+            let secant = (actuator.pressure_rate(&chamber, &flow) - still) / gap;
+            let settles = S::zero().lt(gap.magnitude()) & S::zero().lt(secant);
+            let of_mass = S::select(settles, flow.net() / gap, S::zero());
+            [settling + S::select(settles, secant, S::zero()), by_mass + of_mass]
+        })
+    }
+}
+
+/// Flow through each passage by its share, with the gap from the chamber's pressure to that of the port in Pa.
+pub(super) fn through_shares<S: Scalar>(
+    valve: &Valve<S>,
+    chamber: &Chamber<S>,
+    held: &Held<S>,
+    shares: [S; 2],
+) -> [(S, Flow<S>); 2] {
+    let through = |port, open: S::Mask, share: S| {
+        let flow = valve.flow(port, chamber).where_open(open).through(share);
+        (valve.port_pressure(port) - chamber.pressure, flow)
+    };
+    [through(Port::Supply, held.supply, shares[0]), through(Port::Exhaust, held.exhaust, shares[1])]
 }
 
 /// How far ahead each stage of the Runge–Kutta method looks.

@@ -20,7 +20,7 @@ use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
 use super::sample::Sample;
 use super::system::GuardForm;
-use super::zones::Places;
+use super::zones::{Places, Through};
 use crate::actuator::Actuator;
 #[cfg(feature = "alloc")]
 use crate::air::Flow;
@@ -169,11 +169,17 @@ impl<'a, R: Real> Member<'a, R> {
         self.signed_force(ends, mode, trace)
     }
 
-    /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air.
+    /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air, with what the valve lets
+    /// through.
     #[inline(always)]
-    pub(super) fn air_rates<T: Over<R>>(&self, [length, velocity, pressure, mass]: [T; 4], mode: &Mode) -> [T; 2] {
-        let chamber = self.actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
-        let flow = self.flow(&chamber, mode);
+    pub(super) fn air_rates<T: Over<R>>(
+        &self,
+        [length, velocity, pressure, mass]: [T; 4],
+        through: Through<'_, T>,
+    ) -> [T; 2] {
+        let slack = through.mode.extent == Extent::Slack;
+        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
+        let flow = self.flow(&chamber, through);
         [self.actuator.pressure_rate(&chamber, &flow), flow.net()]
     }
 
@@ -183,7 +189,7 @@ impl<'a, R: Real> Member<'a, R> {
         let [length, velocity, pressure, mass] = *state;
         let slack = mode.extent == Extent::Slack;
         let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
-        self.sample_with(time, state, tension, mode, self.flow(&chamber, mode))
+        self.sample_with(time, state, tension, mode, self.flow(&chamber, Through { mode, shares: None }))
     }
 
     /// The same with a given flow into the actuator.

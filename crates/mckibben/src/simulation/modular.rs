@@ -63,10 +63,16 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Unsupported`] for a line that fixed
-    /// steps cannot take.
+    /// steps cannot take, and for a valve without seats.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
         crate::parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
         check_plumbing(rig)?;
+        if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
+            return Err(Error::Unsupported {
+                what: "a modular actuator is driven by requests, which neither a pressure regulator nor a proportional spool takes",
+                remedy: "choose a valve with seats such as valve.kind = \"three-way\"",
+            });
+        }
         let rig = rig.clone().guided();
         let mut walk = Walk::new(&rig, stepped(start));
         walk.course.held.line = Line::resting(start.length);
@@ -168,7 +174,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         let of_air = ActuatorState { pressure: AbsolutePressure(pressure), air_mass, memory: held.memory };
         let alone = actuator.respond(&of_air, length, velocity, self.ports());
         // The flow may come through a hose, and a leak takes some.
-        let flow = self.rig.observe(state, held).flow;
+        let flow = self.rig.observe(self.time(), state, held).flow;
         let slack = actuator.limits().is_slack(length);
         let chamber = actuator.chamber(length, velocity, pressure, air_mass, slack);
         Response { pressure_rate: actuator.pressure_rate(&chamber, &flow), mass_flow: flow.net(), ..alone }

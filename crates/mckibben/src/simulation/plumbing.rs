@@ -14,11 +14,11 @@
 //! slope is continuous, as a whole.
 
 use super::member::Member;
-use super::mode::{EventKind, Guard, Mode};
+use super::mode::{EventKind, Guard};
 use super::regulated::{PortMode, RegulatedPort};
 use super::rig::Rig;
 use super::system::{GuardForm, Guards};
-use super::zones::{MEETING, Places};
+use super::zones::{MEETING, Places, Through};
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 #[cfg(feature = "alloc")]
@@ -151,10 +151,10 @@ impl<'a, R: Real> Plumbing<'a, R> {
         &self,
         member: &Member<'_, R>,
         state: &[R; N],
-        mode: &Mode,
+        through: Through<'_, R>,
         line: &mut LineMode,
     ) {
-        line.poppet = self.enter(member, state, mode).poppet;
+        line.poppet = self.enter(member, state, through).poppet;
     }
 
     /// The regime of the flow through a lumped hose.
@@ -170,11 +170,16 @@ impl<'a, R: Real> Plumbing<'a, R> {
     }
 
     /// The line's part of the mode in a state: a compressor runs from the start below its upper pressure.
-    pub(super) fn enter<const N: usize>(&self, member: &Member<'_, R>, state: &[R; N], mode: &Mode) -> LineMode {
+    pub(super) fn enter<const N: usize>(
+        &self,
+        member: &Member<'_, R>,
+        state: &[R; N],
+        through: Through<'_, R>,
+    ) -> LineMode {
         let reservoir = self.supply().and_then(|supply| supply.reservoir());
         let stops = reservoir.and_then(|reservoir| reservoir.switch_pressures()).map(|[_, stops]| stops.value());
         let at = self.reservoir.map(|place| state[place].value());
-        let error = self.regulator_error(member, state, mode);
+        let error = self.regulator_error(member, state, through);
         let regulator = self.supply().and_then(|supply| supply.regulator());
         LineMode {
             regime: self.regime(state).unwrap_or(FlowRegime::Laminar),
@@ -201,7 +206,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
         member: &Member<'_, R>,
         own: &Chamber<T>,
         state: &[T; N],
-        mode: &Mode,
+        Through { mode, shares }: Through<'_, T>,
     ) -> [Flow<T>; 2] {
         let Some(valve) = member.actuator.valve() else { return [Flow::none(); 2] };
         let Ends { chamber, supply } = self.ends(valve, own, state);
@@ -211,7 +216,12 @@ impl<'a, R: Real> Plumbing<'a, R> {
             })
         };
         let exhaust = T::of(valve.port_pressure(Port::Exhaust));
-        [through(Port::Supply, mode.supply_zone, supply), through(Port::Exhaust, mode.exhaust_zone, exhaust)]
+        let flows =
+            [through(Port::Supply, mode.supply_zone, supply), through(Port::Exhaust, mode.exhaust_zone, exhaust)];
+        match shares {
+            None => flows,
+            Some([supply, exhaust]) => [flows[0].through(supply), flows[1].through(exhaust)],
+        }
     }
 
     fn leak<T: Over<R>>(&self, member: &Member<'_, R>, own: &Chamber<T>) -> Flow<T> {
@@ -226,9 +236,9 @@ impl<'a, R: Real> Plumbing<'a, R> {
         member: &Member<'_, R>,
         own: &Chamber<R>,
         state: &[R; N],
-        mode: &Mode,
+        through: Through<'_, R>,
     ) -> Flow<R> {
-        let [supply, exhaust] = self.passages(member, own, state, mode);
+        let [supply, exhaust] = self.passages(member, own, state, through);
         supply.and(exhaust).and(self.leak(member, own))
     }
 
@@ -256,10 +266,10 @@ impl<'a, R: Real> Plumbing<'a, R> {
         member: &Member<'_, R>,
         own: &Chamber<R>,
         state: &[R; N],
-        (mode, line): (&Mode, &LineMode),
+        (through, line): (Through<'_, R>, &LineMode),
     ) -> Flow<R> {
         let inflow = self.out_of_hose(own, state, line).map(split).unwrap_or_else(|| {
-            let [supply, exhaust] = self.passages(member, own, state, mode);
+            let [supply, exhaust] = self.passages(member, own, state, through);
             supply.and(exhaust)
         });
         inflow.and(self.leak(member, own))
@@ -272,10 +282,10 @@ impl<'a, R: Real> Plumbing<'a, R> {
         member: &Member<'_, R>,
         own: &Chamber<T>,
         state: &[T; N],
-        (mode, line): (&Mode, &LineMode),
+        (through, line): (Through<'_, T>, &LineMode),
         rates: &mut [T; N],
     ) -> Flow<T> {
-        let [supply, exhaust] = self.passages(member, own, state, mode);
+        let [supply, exhaust] = self.passages(member, own, state, through);
         let out_of_hose = self.out_of_hose(own, state, line);
         let mut into_actuator = supply.and(exhaust);
         if let (Some(hose), Some(last)) = (&self.line.hose, out_of_hose) {
@@ -329,14 +339,14 @@ impl<'a, R: Real> Plumbing<'a, R> {
         &self,
         member: &Member<'_, R>,
         state: &[T; N],
-        mode: &Mode,
+        through: Through<'_, T>,
     ) -> Option<T> {
         let (place, supply, valve) = (self.regulator?, self.supply()?, member.actuator.valve()?);
         // The flow does not ask how fast the actuator's volume changes.
         let [length, _, pressure, mass] = [state[0], state[1], state[2], state[3]];
-        let slack = mode.extent == super::mode::Extent::Slack;
+        let slack = through.mode.extent == super::mode::Extent::Slack;
         let own = member.actuator.chamber(length, T::zero(), pressure, mass, slack);
-        let drawn = self.passages(member, &own, state, mode)[0].net() * T::of(supply.actuators());
+        let drawn = self.passages(member, &own, state, through)[0].net() * T::of(supply.actuators());
         let set = T::of(valve.port_pressure(Port::Supply));
         Some(supply.regulator()?.error(state[place], set, self.reservoir.map(|place| state[place]), drawn))
     }
@@ -418,13 +428,13 @@ impl<'a, R: Real> Plumbing<'a, R> {
         guard: Guard,
         member: &Member<'_, R>,
         state: &[T; N],
-        (mode, line): (&Mode, &LineMode),
+        (through, line): (Through<'_, T>, &LineMode),
     ) -> Option<T> {
         let switch = || self.supply()?.reservoir()?.switch_pressures();
         let regulate = |bound: f64, sign: f64| {
             let regulator = self.supply()?.regulator()?;
             let band = T::constant(member.band * member.atmosphere);
-            let error = self.regulator_error(member, state, mode)?;
+            let error = self.regulator_error(member, state, through)?;
             Some((T::of(regulator.dead_band()) * T::constant(bound) - error) * T::constant(sign) + band)
         };
         match guard {
@@ -441,7 +451,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
             Guard::RegulatorDown => regulate(if line.poppet == Poppet::Rests { -1.0 } else { 1.0 }, -1.0),
             Guard::RateLimit => self.regulated?.guard(state, &line.port),
             Guard::SupplyDown | Guard::SupplyUp => {
-                let (up, zone) = (guard == Guard::SupplyUp, mode.supply_zone?);
+                let (up, zone) = (guard == Guard::SupplyUp, through.mode.supply_zone?);
                 let (pressure, feed) = (state[self.places().valve], self.feed(member.actuator.valve()?, state));
                 let bound = T::of(member.zone_ratio(zone, up)?) * feed;
                 Some(if up { bound - pressure } else { pressure - bound })

@@ -1,10 +1,10 @@
-//! The instants that are known beforehand: a seat moves, or a prescribed motion turns a corner. Both engines and the
+//! The instants that are known beforehand: a seat moves or arrives, or a prescribed motion turns a corner. Both engines and the
 //! batches ask here.
 
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
 use crate::scalar::Real;
-use crate::valve::{Ports, SeatClock, is_due};
+use crate::valve::{Openings, Ports, SeatClock, SpoolClock, is_due};
 #[cfg(feature = "alloc")]
 use crate::valve::{Request, Solenoid};
 
@@ -19,13 +19,22 @@ pub(crate) struct Timetable<'a, S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Progress<S> {
     clock: SeatClock<S>,
+    spool: SpoolClock<S>,
+    /// How many instants of the spool have been passed.
+    spool_passed: u64,
     pub(crate) corners_passed: usize,
 }
 
 impl<S: Real> Progress<S> {
     /// Before the first instant.
     pub(crate) fn none() -> Self {
-        Self { clock: SeatClock::released(), corners_passed: 0 }
+        let (clock, spool) = (SeatClock::released(), SpoolClock::resting());
+        Self { clock, spool, spool_passed: 0, corners_passed: 0 }
+    }
+
+    /// A number that differs once the openings are another function of time.
+    pub(crate) fn openings_counted(&self) -> u64 {
+        self.clock.strokes_counted() + self.spool_passed
     }
 
     /// Something is asked of a valve at `time` in s beside its command.
@@ -36,9 +45,13 @@ impl<S: Real> Progress<S> {
 }
 
 impl<S: Real> Timetable<'_, S> {
-    /// The next instant in s, up to and with `until`, at which a seat moves or a prescribed motion turns a corner.
+    /// The next instant in s, up to and with `until`, at which a seat moves or arrives, or a prescribed motion turns a
+    /// corner.
     pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
-        let seat = self.actuation.and_then(|drive| progress.clock.next_motion(&drive.solenoid, &drive.command, until));
+        let seat = self.actuation.and_then(|Actuation { solenoid, command }| match solenoid.spool() {
+            None => progress.clock.next_motion(solenoid, command, until),
+            Some(_) => progress.spool.next(solenoid, command, until),
+        });
         let corner = self.corner(progress.corners_passed).filter(|corner| is_due(*corner, until));
         [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
@@ -54,8 +67,21 @@ impl<S: Real> Timetable<'_, S> {
     /// Passes what moves seats up to and with `time` (s), and no corner; which passages are open then.
     pub(crate) fn pass_seats(&self, progress: &mut Progress<S>, time: S) -> Ports {
         let Some(drive) = self.actuation else { return Ports::CLOSED };
-        progress.clock.advance(time, &drive.solenoid, &drive.command);
-        progress.clock.ports(&drive.solenoid)
+        let Actuation { solenoid, command } = drive;
+        if let Some(spool) = solenoid.spool() {
+            progress.spool_passed += progress.spool.advance(time, spool, solenoid, command);
+            return progress.spool.ports(spool);
+        }
+        progress.clock.advance(time, solenoid, command);
+        progress.clock.ports(solenoid)
+    }
+
+    /// How far the passages are open, until the next instant.
+    pub(crate) fn openings(&self, progress: &Progress<S>) -> Openings<S> {
+        self.actuation.map_or(Openings::Whole, |Actuation { solenoid, .. }| match solenoid.spool() {
+            None => progress.clock.openings(solenoid),
+            Some(spool) => progress.spool.openings(spool),
+        })
     }
 
     /// The straight line that a prescribed motion is on.

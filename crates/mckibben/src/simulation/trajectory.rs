@@ -228,7 +228,7 @@ impl<R: Real> Trajectory<R> {
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
-        self.visit(|weight, sample, mode, _, _| visit(weight, sample, mode));
+        self.visit(|weight, sample, phase, _, _| visit(weight, sample, &phase.mode));
     }
 
     /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
@@ -236,18 +236,18 @@ impl<R: Real> Trajectory<R> {
     /// surroundings.
     pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
         let system = self.system();
-        with_run!(&self.run, stored => stored.quadrature(&system, |weight, _, state, phase| {
-            visit(weight, system.valve_flows(state, &phase.mode));
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
+            visit(weight, system.valve_flows(time, state, phase));
         }));
     }
 
-    /// As [`Trajectory::quadrature`], with the flow between the rig, its hose included, and the supply or the surroundings,
-    /// and the widths of the hysteresis.
-    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode, &Flow<R>, [R; 2])) {
+    /// As [`Trajectory::quadrature`], with the phase, the flow between the rig, its hose included, and the supply or the
+    /// surroundings, and the widths of the hysteresis.
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>, &Flow<R>, [R; 2])) {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
-            let flow = system.exchange(state, &phase.mode);
-            visit(weight, &sample(&system, time, state, phase), &phase.mode, &flow, system.widths(state, phase));
+            let flow = system.exchange(time, state, phase);
+            visit(weight, &sample(&system, time, state, phase), phase, &flow, system.widths(state, phase));
         }));
     }
 
@@ -271,7 +271,7 @@ fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
 
 fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
     let (mode, Places { valve, supply, .. }) = (&phase.mode, system.places());
-    let (tension, flow) = (system.tension(state, phase), system.inflow(state, phase));
+    let (tension, flow) = (system.tension(state, phase), system.inflow(time, state, phase));
     let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
     sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))
 }

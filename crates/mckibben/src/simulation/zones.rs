@@ -28,6 +28,13 @@ const GUARDS: [Guard; 12] = [
     Guard::PressUp,
 ];
 
+/// What the valve lets through: the mode, and how far its passages are open where they are not whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Through<'a, T> {
+    pub(super) mode: &'a Mode,
+    pub(super) shares: Option<[T; 2]>,
+}
+
 /// Places among the states of the pressures that an actuator's air depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Places {
@@ -47,10 +54,17 @@ impl Places {
 }
 
 impl<R: Real> Member<'_, R> {
-    /// Flow through the passages that are open in a mode.
+    /// Flow through the passages that are open in a mode, each to its share where they are not whole.
     #[inline(always)]
-    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, mode: &Mode) -> Flow<T> {
+    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, Through { mode, shares }: Through<'_, T>) -> Flow<T> {
         let Some(valve) = self.actuator.valve() else { return Flow::none() };
+        if let Some([supply, exhaust]) = shares {
+            let through = |port, zone: Option<FlowZone>, share| {
+                zone.map_or(Flow::none(), |zone| valve.flow_in_zone(port, zone, chamber).through(share))
+            };
+            let inlet = through(Port::Supply, mode.supply_zone, supply);
+            return inlet.and(through(Port::Exhaust, mode.exhaust_zone, exhaust));
+        }
         match (mode.supply_zone, mode.exhaust_zone) {
             (Some(zone), None) => valve.flow_in_zone(Port::Supply, zone, chamber),
             (None, Some(zone)) => valve.flow_in_zone(Port::Exhaust, zone, chamber),

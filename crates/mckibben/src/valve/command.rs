@@ -63,6 +63,14 @@ pub enum Command<S = f64> {
         /// The gauge pressure in Pa from each time on, zero or more.
         gauge_pressure: alloc::vec::Vec<S>,
     },
+    /// Positions of a proportional spool, which rests in the middle until the first.
+    #[cfg(feature = "alloc")]
+    Positions {
+        /// Times in s, strictly rising, zero or more.
+        time: alloc::vec::Vec<S>,
+        /// The position from each time on, from −1 (exhaust open) to 1 (supply open).
+        position: alloc::vec::Vec<S>,
+    },
 }
 
 impl Command {
@@ -116,6 +124,28 @@ impl Command {
     }
 }
 
+impl Command {
+    /// Positions of a proportional spool, from −1 (exhaust open) to 1 (supply open), that start at the given times in s.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists are empty, differ in length, or the times are negative or do not rise;
+    /// [`Error::OutOfRange`] for a position beyond the stroke.
+    #[cfg(feature = "alloc")]
+    pub fn positions(time: alloc::vec::Vec<f64>, position: alloc::vec::Vec<f64>) -> Result<Self, Error> {
+        if time.len() != position.len() || time.is_empty() {
+            return Err(Error::Table {
+                name: parameter::COMMAND_POSITION.key,
+                problem: "there is not one position for each time",
+                entry: time.len().min(position.len()) + 1,
+                remedy: "give as many positions as times",
+            });
+        }
+        check_times("command.time", &time)?;
+        position.iter().try_for_each(|position| parameter::COMMAND_POSITION.check(*position).map(drop))?;
+        Ok(Self::Positions { time, position })
+    }
+}
+
 /// Checks that times are finite, not negative and strictly rising.
 #[cfg(feature = "alloc")]
 pub(crate) fn check_times(name: &'static str, time: &[f64]) -> Result<(), Error> {
@@ -153,6 +183,11 @@ impl<S: Scalar> Command<S> {
                     .map(|&gauge| convert.parameter(&parameter::COMMAND_GAUGE_PRESSURE, gauge))
                     .collect(),
             },
+            #[cfg(feature = "alloc")]
+            Self::Positions { time, position } => Command::Positions {
+                time: time.iter().map(|&time| convert.parameter(&parameter::COMMAND_TIME, time)).collect(),
+                position: position.iter().map(|&at| convert.parameter(&parameter::COMMAND_POSITION, at)).collect(),
+            },
         }
     }
 
@@ -169,6 +204,30 @@ impl<S: Scalar> Command<S> {
         #[cfg(not(feature = "alloc"))]
         let has = false;
         has
+    }
+
+    /// Whether it holds positions of a proportional spool, and no requests.
+    pub fn has_positions(&self) -> bool {
+        #[cfg(feature = "alloc")]
+        let has = matches!(self, Self::Positions { .. });
+        #[cfg(not(feature = "alloc"))]
+        let has = false;
+        has
+    }
+
+    /// The position of index `index` (from 0, in order of time): when in s, and where; `None` when there is none.
+    pub fn position(&self, index: u64) -> Option<(S, S)> {
+        match self {
+            #[cfg(feature = "alloc")]
+            Self::Positions { time, position } => {
+                let row = usize::try_from(index).ok()?;
+                Some((*time.get(row)?, *position.get(row)?))
+            }
+            _ => {
+                let _ = index;
+                None
+            }
+        }
     }
 
     /// The set point of index `index` (from 0, in order of time): when in s, and the gauge pressure in Pa; `None` when there
@@ -205,7 +264,7 @@ impl<S: Scalar> Command<S> {
             #[cfg(feature = "alloc")]
             Self::Table { request, .. } => request.contains(&wanted),
             #[cfg(feature = "alloc")]
-            Self::SetPoints { .. } => false,
+            Self::SetPoints { .. } | Self::Positions { .. } => false,
         }
     }
 
@@ -219,7 +278,7 @@ impl<S: Scalar> Command<S> {
             #[cfg(feature = "alloc")]
             Self::Table { time, request } => Self::Table { time, request: request.into_iter().map(answer).collect() },
             #[cfg(feature = "alloc")]
-            points @ Self::SetPoints { .. } => points,
+            points @ (Self::SetPoints { .. } | Self::Positions { .. }) => points,
         }
     }
 
@@ -247,7 +306,7 @@ impl<S: Scalar> Command<S> {
                 Some((*time.get(row)?, *request.get(row)?))
             }
             #[cfg(feature = "alloc")]
-            Self::SetPoints { .. } => None,
+            Self::SetPoints { .. } | Self::Positions { .. } => None,
         }
     }
 }

@@ -11,29 +11,32 @@
 //! | a seat that takes its time | [`Ramp`] |
 //! | proportional spool | [`Spool`] |
 //!
-//! Of the seat that takes its time and the spool the engines know nothing yet: they are laws by themselves, each a known
-//! function of time between the instants at which its command changes.
+//! How far the passages are open is known beforehand ([`Openings`]): a function of time between instants that are known too.
 
 mod command;
 mod five_way;
 mod flow;
+mod opening;
 mod passage;
 mod ramp;
 mod regulator;
 mod solenoid;
 mod spool;
+mod spool_clock;
 
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone};
+pub use opening::Openings;
 pub use passage::{FlowStandard, REFERENCE_DENSITY};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulated, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
+pub use spool_clock::SpoolClock;
 
 use crate::air::{Air, Chamber, Flow};
 use crate::convert::Convert;

@@ -20,8 +20,10 @@
 //! would through a seat without ramp, at a constant pressure. With both times zero the seat jumps, as in the paper.
 //!
 //! Source: elementary; the area of a poppet grows with its lift until the lift is a quarter of the seat's diameter.
-//! Checked by `tests/ramp.rs`: the line, its ends, turning under way, the area of a pulse.
+//! Checked by `tests/ramp.rs`: the line, its ends, turning under way, the area of a pulse; by `tests/ramped_rig.rs` in the
+//! engines.
 
+use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
@@ -56,6 +58,24 @@ impl Ramp {
 }
 
 impl<S: Scalar> Ramp<S> {
+    /// A seat that jumps.
+    pub fn none() -> Self {
+        Self { opening_time: S::zero(), closing_time: S::zero() }
+    }
+
+    /// Times in s from shut to open and back.
+    pub fn times(&self) -> [S; 2] {
+        [self.opening_time, self.closing_time]
+    }
+
+    /// The same over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Ramp<T> {
+        Ramp {
+            opening_time: convert.parameter(&parameter::OPENING_TIME, self.opening_time),
+            closing_time: convert.parameter(&parameter::CLOSING_TIME, self.closing_time),
+        }
+    }
+
     /// The stroke of a seat that is sent at `time` (s) to open or to shut, from where `before` has it then.
     pub fn send(&self, before: &Stroke<S>, time: S, open: bool) -> Stroke<S> {
         let from = before.opening(time);
@@ -86,7 +106,27 @@ impl<S: Scalar> Stroke<S> {
     }
 }
 
+impl<S: Scalar> Stroke<S> {
+    /// The same over another scalar.
+    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Stroke<T> {
+        let Self { start, end, from, to } = *self;
+        Stroke { start: number(start), end: number(end), from: number(from), to: number(to) }
+    }
+}
+
+impl<S: Real> Ramp<S> {
+    /// Whether the seat jumps both ways.
+    pub fn is_none(&self) -> bool {
+        self.times().into_iter().all(|time| time.value() <= 0.0)
+    }
+}
+
 impl<S: Real> Stroke<S> {
+    /// When it ends in s, if it takes any time.
+    pub(super) fn end(&self) -> Option<S> {
+        self.arrival(self.start)
+    }
+
     /// The instant in s at which the seat arrives, if it is under way at `time`.
     pub fn arrival(&self, time: S) -> Option<S> {
         (time.value() < self.end.value()).then_some(self.end)

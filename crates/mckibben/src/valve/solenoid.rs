@@ -17,15 +17,21 @@
 //! | three-way-normally-open | one | exhaust | supply |
 //! | fill-hold-exhaust | two two-way valves | its passage open | its passage shut |
 //!
+//! A seat may take its time once it moves ([`Ramp`]); the coil acts on it then as before, and it turns where it is.
+//!
 //! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
 //! the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
 //! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its passage is open all the time, to a pressure
-//! that follows set points ([`Solenoid::regulating`]).
+//! that follows set points ([`Solenoid::regulating`]). A proportional [`Spool`] takes the place of the seats
+//! ([`Solenoid::proportional`]).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
 
 use super::command::{Command, Request};
+use super::opening::Openings;
+use super::ramp::{Ramp, Stroke};
 use super::regulator::Regulator;
+use super::spool::Spool;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
@@ -44,10 +50,29 @@ pub enum ValveKind {
     FillHoldExhaust,
 }
 
+impl ValveKind {
+    /// How far the passages to the supply and to the surroundings are open, by the openings of the seats.
+    #[inline(always)]
+    pub(super) fn shares<T: Scalar>(self, [first, second]: [T; 2]) -> [T; 2] {
+        match self {
+            Self::TwoWay => [first, T::zero()],
+            Self::ThreeWay => [first, T::one() - first],
+            Self::ThreeWayNormallyOpen => [T::one() - first, first],
+            Self::FillHoldExhaust => [first, second],
+        }
+    }
+}
+
 /// A pressure regulator is asked for what only a seat can do.
 const NO_SEAT: Error = Error::Unsupported {
     what: "a pressure regulator neither fills, holds nor exhausts on request: it takes set points of pressure",
     remedy: "set command.kind = \"set-points\", or choose a valve with seats such as valve.kind = \"three-way\"",
+};
+
+/// A proportional spool is asked for what only a seat can do.
+const NO_REQUEST: Error = Error::Unsupported {
+    what: "a proportional spool neither fills, holds nor exhausts on request: it takes positions",
+    remedy: "set command.kind = \"positions\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
 /// Which passages are open.
@@ -80,10 +105,13 @@ pub struct Solenoid<S = f64> {
     kind: ValveKind,
     opening_delay: S,
     closing_delay: S,
+    ramp: Ramp<S>,
     /// By how much the seats take effect late where it counts, in s.
     transport: S,
     /// What makes the pressure beyond the passage, which then has no seat.
     regulator: Option<Regulator<S>>,
+    /// What moves instead of seats.
+    spool: Option<Spool<S>>,
 }
 
 impl Solenoid {
@@ -97,9 +125,16 @@ impl Solenoid {
             kind,
             opening_delay: parameter::OPENING_DELAY.check(opening_delay)?,
             closing_delay: parameter::CLOSING_DELAY.check(closing_delay)?,
+            ramp: Ramp::none(),
             transport: 0.0,
             regulator: None,
+            spool: None,
         })
+    }
+
+    /// The same valve with seats that take their time once they move.
+    pub fn with_ramp(self, ramp: Ramp) -> Self {
+        Self { ramp, ..self }
     }
 
     /// No solenoid, but a pressure regulator: the passage is open all the time, and air comes from and goes to the pressure
@@ -108,15 +143,34 @@ impl Solenoid {
         let regulator = Some(regulator);
         // Released, its one passage is open.
         let kind = ValveKind::ThreeWayNormallyOpen;
-        Self { kind, opening_delay: 0.0, closing_delay: 0.0, transport: 0.0, regulator }
+        let (ramp, spool) = (Ramp::none(), None);
+        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp, transport: 0.0, regulator, spool }
+    }
+
+    /// No solenoid, but a proportional spool that follows the positions of a [`Command::Positions`].
+    pub fn proportional(spool: Spool) -> Self {
+        let (ramp, spool) = (Ramp::none(), Some(spool));
+        let kind = ValveKind::FillHoldExhaust;
+        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp, transport: 0.0, regulator: None, spool }
     }
 
     /// Checks that the valve can do what the command asks.
     ///
     /// # Errors
-    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for set points of a valve that is no pressure regulator, and
-    /// for requests of one that is.
+    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for set points of a valve that is no pressure regulator, for
+    /// positions of one that is no proportional spool, and for requests of one that is either.
     pub fn check(&self, command: &Command) -> Result<(), Error> {
+        match (self.spool, command.has_positions()) {
+            (None, true) => {
+                return Err(Error::Unsupported {
+                    what: "positions are given, but the valve is no proportional spool",
+                    remedy: "set valve.kind = \"proportional-spool\", or ask for fill, hold or exhaust",
+                });
+            }
+            (Some(_), false) => return Err(NO_REQUEST),
+            (Some(_), true) => return Ok(()),
+            (None, false) => {}
+        }
         match (self.regulator, command.has_set_points()) {
             (None, true) => {
                 return Err(Error::Unsupported {
@@ -138,10 +192,13 @@ impl<S: Scalar> Solenoid<S> {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
-    /// pressure regulator.
+    /// pressure regulator or a proportional spool.
     pub fn check_request(&self, request: Request) -> Result<(), Error> {
         if self.regulator.is_some() {
             return Err(NO_SEAT);
+        }
+        if self.spool.is_some() {
+            return Err(NO_REQUEST);
         }
         let (impossible, what, remedy) = match self.kind {
             ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen => (
@@ -165,14 +222,31 @@ impl<S: Scalar> Solenoid<S> {
             kind: self.kind,
             opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
             closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
+            ramp: self.ramp.convert(convert),
             transport: T::zero(),
             regulator: self.regulator.as_ref().map(|regulator| regulator.convert(convert)),
+            spool: self.spool.as_ref().map(|spool| spool.convert(convert)),
         }
     }
 
     /// The pressure regulator in place of a solenoid, if that is what the valve is.
     pub fn regulator(&self) -> Option<&Regulator<S>> {
         self.regulator.as_ref()
+    }
+
+    /// How long the seats are under way.
+    pub fn ramp(&self) -> &Ramp<S> {
+        &self.ramp
+    }
+
+    /// The proportional spool in place of seats, if that is what the valve is.
+    pub fn spool(&self) -> Option<&Spool<S>> {
+        self.spool.as_ref()
+    }
+
+    /// Whether it has seats, which coils move on request.
+    pub fn has_seats(&self) -> bool {
+        self.regulator.is_none() && self.spool.is_none()
     }
 
     /// By how much it is seen late, in s.
@@ -212,28 +286,51 @@ pub struct SeatClock<S = f64> {
     coil: [bool; 2],
     seat: [bool; 2],
     due: [Option<S>; 2],
+    strokes: [Stroke<S>; 2],
+    /// How many strokes that take time have begun or ended.
+    strokes_counted: u64,
 }
 
 impl<S: Real> SeatClock<S> {
     /// The state before t = 0: coils released for long.
     pub fn released() -> Self {
-        Self { next_change: 0, coil: [false; 2], seat: [false; 2], due: [None; 2] }
+        let strokes = [Stroke::resting(false); 2];
+        Self { next_change: 0, coil: [false; 2], seat: [false; 2], due: [None; 2], strokes, strokes_counted: 0 }
     }
 
-    /// Which passages are open.
+    /// Which passages are open, those of a seat under way included.
     pub fn ports(&self, solenoid: &Solenoid<S>) -> Ports {
+        let [first, second] = [0, 1].map(|side| self.seat[side] || self.strokes[side].end().is_some());
+        let back = !self.seat[0] || self.strokes[0].end().is_some();
         match solenoid.kind {
-            ValveKind::TwoWay => Ports { supply: self.seat[0], exhaust: false },
-            ValveKind::ThreeWay => Ports { supply: self.seat[0], exhaust: !self.seat[0] },
-            ValveKind::ThreeWayNormallyOpen => Ports { supply: !self.seat[0], exhaust: self.seat[0] },
-            ValveKind::FillHoldExhaust => Ports { supply: self.seat[0], exhaust: self.seat[1] },
+            ValveKind::TwoWay => Ports { supply: first, exhaust: false },
+            ValveKind::ThreeWay => Ports { supply: first, exhaust: back },
+            ValveKind::ThreeWayNormallyOpen => Ports { supply: back, exhaust: first },
+            ValveKind::FillHoldExhaust => Ports { supply: first, exhaust: second },
         }
     }
 
-    /// The next instant in s at which a coil or a seat moves.
+    /// A number that differs once the openings are another function of time.
+    pub(crate) fn strokes_counted(&self) -> u64 {
+        self.strokes_counted
+    }
+
+    /// How far the passages are open, until the next motion.
+    pub fn openings(&self, solenoid: &Solenoid<S>) -> Openings<S> {
+        if self.strokes.iter().all(|stroke| stroke.end().is_none()) {
+            return Openings::Whole;
+        }
+        Openings::Seats { kind: solenoid.kind, strokes: self.strokes }
+    }
+
+    /// The next instant in s at which a coil or a seat moves, or a seat arrives.
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         let change = command.change(self.next_change).map(|(time, _)| time + solenoid.transport);
-        [change, self.due[0], self.due[1]].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+        let [first, second] = self.strokes.map(|stroke| stroke.end());
+        [change, self.due[0], self.due[1], first, second]
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.
@@ -248,9 +345,18 @@ impl<S: Real> SeatClock<S> {
         {
             let mut seat_moved = false;
             for side in 0..2 {
+                if self.strokes[side].end().is_some_and(|end| is_due(end, next)) {
+                    self.strokes[side] = Stroke::resting(self.seat[side]);
+                    self.strokes_counted += 1;
+                    seat_moved = true;
+                }
                 if self.due[side].is_some_and(|due| is_due(due, next)) {
                     self.due[side] = None;
                     self.seat[side] = self.coil[side];
+                    let stroke = solenoid.ramp.send(&self.strokes[side], next, self.seat[side]);
+                    let takes_time = stroke.end().is_some();
+                    self.strokes[side] = if takes_time { stroke } else { Stroke::resting(self.seat[side]) };
+                    self.strokes_counted += u64::from(takes_time);
                     seat_moved = true;
                 }
             }
@@ -263,13 +369,13 @@ impl<S: Real> SeatClock<S> {
         upcoming
     }
 
-    /// The next instant in s, up to and with `until`, at which a seat moves and so the passages change.
+    /// The next instant in s, up to and with `until`, at which a seat moves or arrives and so the passages change.
     pub fn next_motion(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
         let (mut probe, mut upcoming) = (*self, self.next(solenoid, command));
         loop {
             let instant = upcoming.filter(|next| is_due(*next, until))?;
             upcoming = probe.pass(upcoming, instant, solenoid, command);
-            if probe.ports(solenoid) != self.ports(solenoid) {
+            if probe.ports(solenoid) != self.ports(solenoid) || probe.strokes_counted != self.strokes_counted {
                 return Some(instant);
             }
         }

@@ -28,8 +28,9 @@
 //!
 //! Source: the second-order spool with edges of overlap is that of textbooks, for instance H. E. Merritt, Hydraulic Control
 //! Systems (1967), chapters 5 and 6. Checked by `tests/spool.rs`: the equation of motion by dual numbers, overshoot and peak
-//! time, the stop, overlap and underlap.
+//! time, the stop, overlap and underlap; by `tests/spool_rig.rs` in the engines.
 
+use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
 use crate::root::bracketed;
@@ -38,10 +39,8 @@ use core::f64::consts::{PI, TAU};
 
 /// Terms of the series of cosine and sine over q, for |q| < 1: the next is below the rounding of `f64`.
 const TERMS: usize = 10;
-/// Time constants after which a creeping spool has come to rest.
-const CREEPING: f64 = 40.0;
-/// Swings after which a stop is not met any more: their size has fallen below rounding for any damping that matters.
-const MOST_SWINGS: usize = 1000;
+/// Time constants of the slowest decay after which a spool has come to rest.
+const TIME_CONSTANTS: f64 = 40.0;
 
 /// A proportional spool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +87,32 @@ impl Spool {
 }
 
 impl<S: Scalar> Spool<S> {
+    /// The same over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Spool<T> {
+        let frequency = self.angular_frequency / S::constant(TAU);
+        Spool {
+            angular_frequency: T::constant(TAU) * convert.parameter(&parameter::SPOOL_FREQUENCY, frequency),
+            damping_ratio: convert.parameter(&parameter::SPOOL_DAMPING_RATIO, self.damping_ratio),
+            supply_overlap: convert.parameter(&parameter::SUPPLY_OVERLAP, self.supply_overlap),
+            exhaust_overlap: convert.parameter(&parameter::EXHAUST_OVERLAP, self.exhaust_overlap),
+        }
+    }
+
+    /// Number by number over another scalar.
+    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Spool<T> {
+        Spool {
+            angular_frequency: number(self.angular_frequency),
+            damping_ratio: number(self.damping_ratio),
+            supply_overlap: number(self.supply_overlap),
+            exhaust_overlap: number(self.exhaust_overlap),
+        }
+    }
+
+    /// The positions at which the edges to the supply and to the exhaust are.
+    pub(super) fn edges(&self) -> [S; 2] {
+        [self.supply_overlap, -self.exhaust_overlap]
+    }
+
     /// The opening λ of the edges to the supply and to the exhaust at a position.
     #[inline(always)]
     pub fn openings<T: Over<S>>(&self, position: T) -> [T; 2] {
@@ -112,6 +137,19 @@ impl<S: Scalar> Spool<S> {
         let [c, s] = responses(omega * (time - T::of(motion.time)), zeta);
         let (apart, speed) = (T::of(motion.position - motion.command), T::of(motion.velocity) / omega);
         [T::of(motion.command) + (c + zeta * s) * apart + s * speed, omega * ((c - zeta * s) * speed - s * apart)]
+    }
+}
+
+impl<S: Scalar> SpoolMotion<S> {
+    /// Number by number over another scalar.
+    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> SpoolMotion<T> {
+        let Self { time, position, velocity, command } = *self;
+        SpoolMotion {
+            time: number(time),
+            position: number(position),
+            velocity: number(velocity),
+            command: number(command),
+        }
     }
 }
 
@@ -145,33 +183,50 @@ impl<S: Real> Spool<S> {
     /// The instant in s at which the motion meets a stop, if it does; the spool then rests there until the command draws it
     /// back.
     pub fn meets_stop(&self, motion: &SpoolMotion<S>) -> Option<f64> {
-        let at = |time: f64| self.at(motion, S::constant(time)).map(S::value);
-        let (omega, zeta) = (self.angular_frequency.value(), self.damping_ratio.value());
-        let (mut from, command) = (motion.time.value(), motion.command.value());
-        let stiffness = S::constant((1.0 - zeta * zeta).abs()).sqrt().value();
-        // From rest a swing takes half a period; what creeps has turned, if ever, before its slow decay is over.
-        let half_period = if zeta < 1.0 { PI / stiffness } else { CREEPING * (zeta + stiffness) } / omega;
-        let [_, velocity] = at(from);
-        if zeta >= 1.0 && velocity == 0.0 {
-            return None;
-        }
-        let mut turn = from + half_period;
-        if velocity != 0.0 {
-            turn = bracketed(from, turn, 1e-15 * turn, |time| at(time)[1]);
-        }
-        for _ in 0..MOST_SWINGS {
-            let [position, _] = at(turn);
-            let side = if position < 0.0 { -1.0 } else { 1.0 };
-            let beyond = |time: f64| side * at(time)[0] - 1.0;
+        let at = |time: f64| self.at(motion, S::constant(time))[0].value();
+        let mut from = motion.time.value();
+        for turn in self.turns(motion) {
+            let side = if at(turn) < 0.0 { -1.0 } else { 1.0 };
+            let beyond = |time: f64| side * at(time) - 1.0;
             if beyond(turn) > 0.0 {
                 return Some(bracketed(from, turn, 1e-15 * turn, beyond));
             }
-            // Every swing is smaller than the one before.
-            if zeta >= 1.0 || (position - command).abs() + command.abs() <= 1.0 {
-                return None;
-            }
-            (from, turn) = (turn, turn + half_period);
+            from = turn;
         }
         None
     }
+
+    /// The instant in s after which nothing is left of a motion but rounding.
+    pub(super) fn rest(&self, motion: &SpoolMotion<S>) -> f64 {
+        let (omega, zeta) = (self.angular_frequency.value(), self.damping_ratio.value());
+        let slow = if zeta < 1.0 { zeta } else { 1.0 / (zeta + square_root(zeta * zeta - 1.0)) };
+        let still = motion.velocity.value() == 0.0 && motion.position.value() == motion.command.value();
+        motion.time.value() + if still { 0.0 } else { TIME_CONSTANTS / (slow * omega) }
+    }
+
+    /// The instants in s at which the spool turns round, in order, and last that after which it rests: in between it goes
+    /// one way.
+    pub(super) fn turns(&self, motion: &SpoolMotion<S>) -> impl Iterator<Item = f64> + use<S> {
+        let (omega, zeta) = (self.angular_frequency.value(), self.damping_ratio.value());
+        let speed = |time: f64| self.at(motion, S::constant(time))[1].value();
+        let (from, rest) = (motion.time.value(), self.rest(motion));
+        let swings = zeta < 1.0;
+        let half_period = if swings { PI / (omega * square_root(1.0 - zeta * zeta)) } else { rest - from };
+        let begins = motion.velocity.value();
+        let within = (from + half_period).min(rest);
+        let first = if begins == 0.0 {
+            within
+        } else if begins * speed(within) < 0.0 {
+            bracketed(from, within, 1e-15 * within, speed)
+        } else {
+            rest
+        };
+        let most = if swings { ((rest - first) / half_period) as u32 } else { 0 };
+        let turns = (0..=most).map(move |count| first + f64::from(count) * half_period);
+        turns.filter(move |turn| *turn < rest).chain([rest])
+    }
+}
+
+fn square_root(number: f64) -> f64 {
+    Scalar::sqrt(number)
 }

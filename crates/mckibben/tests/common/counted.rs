@@ -198,6 +198,7 @@ pub(crate) fn step(rig: &Rig, start: State, held: &Held<f64>, length: f64, metho
     let held = Held {
         supply: mask(held.supply),
         exhaust: mask(held.exhaust),
+        openings: mckibben::valve::Openings::Whole,
         sliding: Counted::varying(held.sliding),
         stuck: mask(held.stuck),
         slack: mask(held.slack),

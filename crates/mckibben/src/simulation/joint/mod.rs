@@ -113,13 +113,19 @@ impl JointRig {
     ///
     /// # Errors
     /// [`Error::Unsupported`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
-    /// do what the command asks, and for a pressure regulator; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
+    /// do what the command asks, for a valve without seats, and for seats that take their time; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
             check_drive(actuator, actuation.as_ref())?;
-            if actuation.as_ref().is_some_and(|drive| drive.solenoid.regulator().is_some()) {
+            if actuation.as_ref().is_some_and(|drive| !drive.solenoid.ramp().is_none()) {
                 return Err(Error::Unsupported {
-                    what: "the actuators of a joint take no pressure regulator yet",
+                    what: "the valves of a joint take no time from shut to open yet",
+                    remedy: "leave out valve.opening_time and valve.closing_time, or set them to zero",
+                });
+            }
+            if actuation.as_ref().is_some_and(|drive| !drive.solenoid.has_seats()) {
+                return Err(Error::Unsupported {
+                    what: "the actuators of a joint take neither a pressure regulator nor a proportional spool yet",
                     remedy: "choose a valve with seats such as valve.kind = \"three-way\"",
                 });
             }

@@ -21,7 +21,7 @@ use crate::simulation::member::{Member, Trace};
 use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use crate::simulation::system::{GuardForm, Guards, HybridSystem};
 use crate::simulation::timetable::Progress;
-use crate::simulation::zones::Places;
+use crate::simulation::zones::{Places, Through};
 
 pub(super) const ANGLE: usize = 0;
 pub(super) const VELOCITY: usize = 1;
@@ -235,7 +235,10 @@ impl<'a, R: Real> JointSystem<'a, R> {
     fn rates_of_member<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> [T; 2] {
         let [length, velocity, pressure] = self.ends(i, state);
         let velocity = if mode.turning == Turning::Stuck { T::zero() } else { velocity };
-        self.members[i].air_rates([length, velocity, pressure, state[PRESSURE[i] + 1]], &mode.actuators[i])
+        self.members[i].air_rates(
+            [length, velocity, pressure, state[PRESSURE[i] + 1]],
+            Through { mode: &mode.actuators[i], shares: None },
+        )
     }
 }
 

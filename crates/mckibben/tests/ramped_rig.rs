@@ -1,0 +1,309 @@
+//! A rig whose valve's seats take their time: a closed form, an independent integration, both engines, batches, audits.
+
+use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, slope};
+use mckibben::air::Process;
+#[cfg(feature = "batch")]
+use mckibben::batch::{Batch, Row};
+use mckibben::line::{Hose, HoseKind, Line};
+use mckibben::parameter::{self, Parameter};
+use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, Trajectory, simulate};
+use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
+use mckibben::{Dual, Error, Over, Scalar};
+
+const RISE: f64 = 6e-3;
+const FALL: f64 = 9e-3;
+
+fn ramped(paper: &Paper, times: [f64; 2]) -> Rig {
+    let solenoid = Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid");
+    let solenoid = solenoid.with_ramp(Ramp::new(times[0], times[1]).expect("a ramp"));
+    let command = paper.command.clone().expect("a command");
+    Rig::new(paper.actuator(), Some(Actuation { solenoid, command }), paper.load.clone()).expect("a rig")
+}
+
+fn run(paper: &Paper, times: [f64; 2], duration: f64, tolerance: f64) -> Trajectory {
+    simulate(&ramped(paper, times), paper.start(), duration, tolerance).expect("a run")
+}
+
+fn stepped(rig: &Rig, paper: &Paper, method: Method, until: f64, steps: u32) -> [f64; 4] {
+    let mut stepper = FixedStepper::new(rig, paper.start(), method);
+    for step in 1..=steps {
+        stepper.advance_to(until * f64::from(step) / f64::from(steps)).expect("a step");
+    }
+    let state = stepper.state();
+    [state.length, state.velocity, state.pressure.0, state.air_mass]
+}
+
+/// Sonic conductance in m³/(s·Pa).
+const CONDUCTANCE: f64 = 3e-9;
+
+/// A held actuator at 7 bar that begins to vent at the start.
+fn venting() -> Paper {
+    let paper = Paper::driven(Command::Constant(Request::Exhaust)).isometric(3.5 * INCH).process(Process::Isothermal);
+    paper.gauge(7e5).with(|rig| {
+        rig.kind = ValveKind::FillHoldExhaust;
+        rig.standard = FlowStandard::Iso6358 { sonic_conductance: CONDUCTANCE, critical_ratio: 0.4 };
+        rig.efficiency = 1.0;
+    })
+}
+
+/// While choked, `d ln P/dt = −λ C ρ₀ T₀ R/V`, and the integral of λ is a parabola, then a straight line.
+#[test]
+fn an_opening_seat_empties_by_the_exponential_of_a_parabola() {
+    let paper = venting();
+    let volume = paper.actuator().volume(3.5 * INCH);
+    let rate = CONDUCTANCE * 1.185 * ROOM * paper.gas_constant / volume;
+    let (opens, rise) = (paper.delays.0, 12e-3);
+    let expected = |time: f64| {
+        let since = (time - opens).clamp(0.0, rise);
+        let area = since * since / (2.0 * rise) + (time - opens - rise).max(0.0);
+        (ATMOSPHERE + 7e5) * (-rate * area).exp()
+    };
+    let rig = ramped(&paper, [rise, 0.0]);
+    let until = 30e-3;
+    assert!(expected(until) * 0.4 > ATMOSPHERE, "it is choked all the time");
+    let located = simulate(&rig, paper.start(), until, 1e-11).expect("a run");
+    for n in 0..=30 {
+        let time = 1e-3 * f64::from(n);
+        assert_close(located.at(time).pressure.0, expected(time), 1e-9);
+    }
+    let valve: Vec<f64> =
+        located.events().iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect();
+    assert_eq!(valve, [opens, opens + rise]);
+    for (method, tolerance) in [(Method::Rk4, 1e-9), (Method::Stable, 1e-6)] {
+        assert_close(stepped(&rig, &paper, method, until, 3000)[2], expected(until), tolerance);
+    }
+}
+
+/// Three-way: while the seat is under way air goes from the supply to the surroundings too. ISO 6358 written out, by the
+/// classical Runge–Kutta method in small steps between the corners of the opening.
+#[test]
+fn both_passages_of_a_three_way_valve_agree_with_an_independent_integration() {
+    let (conductance, ratio) = (2e-9, 0.3);
+    let command = Command::table(vec![0.0, 10e-3, 13e-3], vec![Request::Fill, Request::Exhaust, Request::Fill]);
+    let paper = Paper::driven(command.expect("a table")).isometric(3.5 * INCH).process(Process::Isothermal);
+    let paper = paper.gauge(1e5).with(|rig| {
+        rig.standard = FlowStandard::Iso6358 { sonic_conductance: conductance, critical_ratio: ratio };
+        rig.efficiency = 1.0;
+        rig.delays = (1e-3, 2e-3);
+    });
+    let (volume, supply) = (paper.actuator().volume(3.5 * INCH), paper.supply_gauge + ATMOSPHERE);
+    // Up from 1 ms for 6 ms; back from 12 ms for 9 ms, but sent up again at 14 ms where it has come down by 2/9.
+    let corners = [1e-3, 7e-3, 12e-3, 14e-3, 14e-3 + RISE * 2.0 / 9.0, 20e-3];
+    let opening = |piece: usize, time: f64| match piece {
+        0 => (time - 1e-3) / RISE,
+        1 | 4 => 1.0,
+        2 => 1.0 - (time - 12e-3) / FALL,
+        _ => 7.0 / 9.0 + (time - 14e-3) / RISE,
+    };
+    let flow = |upstream: f64, downstream: f64| {
+        let r = downstream / upstream;
+        let part = if r <= ratio { 1.0 } else { (1.0 - ((r - ratio) / (1.0 - ratio)).powi(2)).sqrt() };
+        conductance * 1.185 * upstream * part
+    };
+    let rate = |share: f64, pressure: f64| {
+        let net = share * flow(supply, pressure) - (1.0 - share) * flow(pressure, ATMOSPHERE);
+        net * paper.gas_constant * ROOM / volume
+    };
+    let run = run(&paper, [RISE, FALL], 20e-3, 1e-11);
+    let mut pressure = run.at(1e-3).pressure.0;
+    for piece in 0..corners.len() - 1 {
+        let (from, until) = (corners[piece], corners[piece + 1]);
+        let step = (until - from) / 2000.0;
+        for n in 0..2000 {
+            let time = from + step * f64::from(n);
+            let slope = |ahead: f64, by: f64| rate(opening(piece, time + ahead), pressure + by);
+            let k1 = slope(0.0, 0.0);
+            let k2 = slope(0.5 * step, 0.5 * step * k1);
+            let k3 = slope(0.5 * step, 0.5 * step * k2);
+            let k4 = slope(step, step * k3);
+            pressure += step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+        }
+        assert_close(run.at(until).pressure.0, pressure, 1e-8);
+    }
+    let instants: Vec<f64> =
+        run.events().iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect();
+    assert_eq!(instants.len(), 5, "{instants:?}");
+    for (instant, corner) in instants.iter().zip(corners) {
+        assert_close(*instant, corner, 1e-14);
+    }
+}
+
+#[test]
+fn without_times_nothing_changes_and_short_ones_change_little() {
+    let paper = Paper::pwm(20.0, 0.6);
+    let bits = |run: &Trajectory| -> Vec<u64> { run.samples(1e-3).map(|sample| sample.pressure.0.to_bits()).collect() };
+    let plain = paper.run(0.3, 1e-9);
+    assert_eq!(bits(&run(&paper, [0.0, 0.0], 0.3, 1e-9)), bits(&plain));
+    let end = |times| run(&paper, times, 0.3, 1e-11).at(0.3).pressure.0;
+    let (exact, apart) = (end([0.0, 0.0]), |by: f64| end([by, by]));
+    let (coarse, fine) = (apart(4e-6) - exact, apart(2e-6) - exact);
+    assert!(fine.abs() < 1e-4 * exact);
+    assert_within(coarse / fine, 2.0, 0.05);
+}
+
+/// A pulse shifted by half a ramp each way passes as much at a constant flow: choked filling of a large volume.
+#[test]
+fn a_pulse_passes_as_much_as_one_half_a_ramp_late() {
+    let pulse = |times: [f64; 2], delays: (f64, f64)| {
+        let command = Command::table(vec![0.0, 30e-3], vec![Request::Fill, Request::Hold]).expect("a table");
+        let paper = Paper::driven(command).isometric(3.5 * INCH).process(Process::Isothermal).with(|rig| {
+            rig.kind = ValveKind::TwoWay;
+            rig.delays = delays;
+            rig.standard = FlowStandard::Iso6358 { sonic_conductance: 1e-11, critical_ratio: 0.5 };
+        });
+        run(&paper, times, 0.06, 1e-11).at(0.06).air_mass
+    };
+    let late = pulse([0.0, 0.0], (4e-3 + RISE / 2.0, 1e-3 + FALL / 2.0));
+    assert_close(pulse([RISE, FALL], (4e-3, 1e-3)), late, 1e-12);
+}
+
+#[test]
+fn fixed_steps_come_to_the_event_located_run_at_their_order() {
+    for process in [Process::Isentropic, Process::Isothermal] {
+        // Both passages stay choked, so that the flow has no corner of its own.
+        let paper = slow(Paper::pwm(20.0, 0.6)).isometric(3.5 * INCH).process(process).gauge(2e5);
+        // All instants lie on the grid of the longest step, so that half the step halves every part.
+        let paper = paper.with(|rig| rig.delays = (5e-3, 5e-3));
+        let rig = ramped(&paper, [10e-3, 10e-3]);
+        let exact = simulate(&rig, paper.start(), 0.1, 1e-12).expect("a run").at(0.1).pressure.0;
+        for (method, order, counts) in [(Method::Rk4, 4.0, [20, 40]), (Method::Stable, 2.0, [80, 160])] {
+            let error = |steps| (stepped(&rig, &paper, method, 0.1, steps)[2] - exact).abs();
+            let fitted = (error(counts[0]) / error(counts[1])).log2();
+            assert!(fitted > order - 0.35, "{method:?} {process:?}: order {fitted}");
+            assert!(error(counts[1]) < 2e-4 * exact);
+        }
+    }
+}
+
+/// At steps far beyond the time in which the air settles, a seat that has just begun to move lets it overshoot by little.
+#[test]
+fn the_stable_method_stays_stable_while_a_port_opens() {
+    let paper = Paper::driven(Command::Constant(Request::Fill)).isometric(3.5 * INCH).with(|rig| {
+        rig.standard = FlowStandard::Orifice { flow_area: 2e-5 };
+    });
+    let supply = paper.supply_gauge + ATMOSPHERE;
+    for gauge in [0.0, 0.99 * paper.supply_gauge] {
+        let paper = paper.clone().gauge(gauge);
+        let rig = ramped(&paper, [20e-3, 0.0]);
+        for steps in [3, 10, 30] {
+            let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+            for step in 1..=steps {
+                stepper.advance_to(0.1 * f64::from(step) / f64::from(steps)).expect("a step");
+                assert!(stepper.state().pressure.0 <= 1.1 * supply, "{} Pa", stepper.state().pressure.0);
+            }
+            assert_close(stepper.state().pressure.0, supply, 2e-2);
+        }
+    }
+}
+
+#[cfg(feature = "batch")]
+#[test]
+fn a_row_of_a_batch_is_the_fixed_step_run() {
+    let papers: Vec<(Paper, [f64; 2])> = (0..11)
+        .map(|n| {
+            let times = [1e-3 * f64::from(n % 4), 1.5e-3 * f64::from(n % 3)];
+            (Paper::pwm(20.0 + f64::from(n), 0.6).mass(1.0 + 0.2 * f64::from(n)), times)
+        })
+        .collect();
+    for method in [Method::Rk4, Method::Stable] {
+        let row = |(paper, times): &(Paper, [f64; 2])| Row { rig: ramped(paper, *times), start: paper.start() };
+        let mut batch: Batch<f64> = Batch::new(papers.iter().map(row).collect(), method);
+        let mut single: Batch<f32> = Batch::new(papers.iter().map(row).collect(), method);
+        let rigs: Vec<Row> = papers.iter().map(row).collect();
+        let mut steppers: Vec<_> = rigs.iter().map(|row| FixedStepper::new(&row.rig, row.start, method)).collect();
+        for part in 1..=4 {
+            let until = 0.037 * f64::from(part);
+            batch.advance(until, 370);
+            single.advance(until, 370);
+            for (n, stepper) in steppers.iter_mut().enumerate() {
+                for step in 1..=370 {
+                    let from = 0.037 * f64::from(part - 1);
+                    let to = if step == 370 { until } else { from + (until - from) * (f64::from(step) / 370.0) };
+                    stepper.advance_to(to).expect("a step");
+                }
+                let (sample, of_batch) = (stepper.sample(), batch.samples()[n].clone().expect("a row"));
+                assert_eq!(of_batch, sample, "row {n}");
+                let rounded = single.samples()[n].clone().expect("a row").pressure.0;
+                assert_close(rounded, sample.pressure.0, 2e-3);
+            }
+        }
+    }
+}
+
+#[test]
+fn behind_a_hose_both_engines_agree() {
+    let gas = [1.82e-5, ROOM, 1.0];
+    let hose = Hose::new(HoseKind::Lumped, [2.0, 2.5e-3], gas, &Paper::sealed().air()).expect("a hose");
+    let line = Line { hose: Some(hose), ..Line::NONE };
+    let paper = Paper::pwm(20.0, 0.6);
+    let rig = ramped(&paper, [RISE, FALL]).with_line(line).expect("a line");
+    let exact = simulate(&rig, paper.start(), 0.2, 1e-10).expect("a run").at(0.2);
+    for (method, tolerance) in [(Method::Rk4, 1e-6), (Method::Stable, 1e-4)] {
+        assert_close(stepped(&rig, &paper, method, 0.2, 20_000)[2], exact.pressure.0, tolerance);
+    }
+}
+
+#[test]
+fn the_audits_close() {
+    let run = run(&Paper::pwm(20.0, 0.6), [RISE, FALL], 0.4, 1e-10);
+    let audit = run.circuit().expect("a circuit");
+    assert!(audit.residual().abs() < 1e-6 * audit.turnover(), "{audit:?}");
+    assert!(audit.work.air_residual().abs() < 1e-7 * audit.work.air_in);
+    // Samples show the flow that the audit counts.
+    let mut flowed = 0.0;
+    run.quadrature(|weight, sample, _| flowed += weight * sample.mass_flow);
+    assert_close(flowed, audit.work.air_gain, 1e-6);
+}
+
+/// The same with a tenth of the passage: the pressure is far from settled when the run ends.
+fn slow(paper: Paper) -> Paper {
+    paper.with(|rig| rig.standard = FlowStandard::Orifice { flow_area: 1.67e-7 })
+}
+
+#[test]
+fn derivatives_are_those_of_finite_differences() {
+    let paper = slow(Paper::pwm(20.0, 0.6));
+    let rig = ramped(&paper, [RISE, FALL]);
+    let end = |rig: &Rig| simulate(rig, paper.start(), 0.13, 1e-11).expect("a run").at(0.13).pressure.0;
+    let rows: [&'static Parameter; 3] = [&parameter::OPENING_TIME, &parameter::CLOSING_TIME, &parameter::OPENING_DELAY];
+    for row in rows {
+        let seeded: Rig<Dual<f64, 1>> = rig.map(|parameter: &'static Parameter, value: f64| {
+            let factor: Dual<f64, 1> =
+                if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
+            Dual::of(value) * factor
+        });
+        let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
+        let run = simulate(&seeded, start, Dual::of(0.13), 1e-11).expect("a run");
+        let differences = slope(1e-4, |relative| {
+            let scaled = |parameter: &'static Parameter, value: f64| {
+                if std::ptr::eq(parameter, row) { value * (1.0 + relative) } else { value }
+            };
+            end(&rig.map(scaled))
+        });
+        assert_close(run.at(Dual::of(0.13)).pressure.0.slope[0], differences, 1e-4);
+    }
+}
+
+/// Somebody else moves the ends; the seats take their time all the same.
+#[test]
+fn the_modular_actuator_takes_it() {
+    let paper = Paper::driven(Command::Constant(Request::Fill)).isometric(3.5 * INCH);
+    let rig = ramped(&paper, [RISE, FALL]);
+    let mut actuator = ModularActuator::new(&rig, paper.start(), 25.0).expect("an actuator");
+    actuator.drive(mckibben::control::Drive::Steady(Request::Fill)).expect("a request");
+    for step in 1..=20 {
+        actuator.move_to(1e-3 * f64::from(step), 3.5 * INCH).expect("a step");
+    }
+    let own = stepped(&rig, &paper, Method::Stable, 20e-3, 20);
+    assert_close(actuator.state().pressure.0, own[2], 1e-12);
+}
+
+#[test]
+fn what_does_not_take_it_says_so() {
+    let rig = ramped(&Paper::pwm(20.0, 0.6), [RISE, 0.0]);
+    let content = mckibben::linearize::Content::Temperature(ROOM);
+    match mckibben::linearize::average(&rig, mckibben::linearize::Aim::Duty(0.5), content) {
+        Err(error @ Error::Unsupported { .. }) => assert!(error.to_string().contains("valve.opening_time"), "{error}"),
+        other => panic!("{other:?}"),
+    }
+}
