@@ -5,7 +5,7 @@ use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
     self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
-    Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Valve,
+    MomentArm, Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
 };
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
@@ -163,9 +163,16 @@ fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
         stiffness: joint.stop_stiffness,
         damping: joint.stop_damping,
     };
-    let pulleys = [joint.pulley, joint.antagonist.pulley]
-        .map(|pulley| load::Pulley { radius: pulley.radius, rest_length: pulley.rest_length });
-    load::Joint::new(limb, pulleys, joint.torque, joint.damping, stops)
+    let tendons = [core_tendon(&joint.tendon)?, core_tendon(&joint.antagonist.tendon)?];
+    load::Joint::new(limb, tendons, joint.torque, joint.damping, stops)
+}
+
+fn core_tendon(tendon: &Tendon) -> Result<load::Tendon, Error> {
+    let arm = match &tendon.arm {
+        MomentArm::Pulley(radius) => load::MomentArm::pulley(*radius)?,
+        MomentArm::Table { angle, arm } => load::MomentArm::table(angle, arm)?,
+    };
+    Ok(load::Tendon { arm, rest_length: tendon.rest_length })
 }
 
 impl Scenario {

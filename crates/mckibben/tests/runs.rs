@@ -33,6 +33,7 @@ mod linearize;
 mod linearize_analysis;
 mod linearize_pwm;
 mod modular;
+mod moment_arm;
 mod properties;
 mod regulated_rig;
 mod simulation;

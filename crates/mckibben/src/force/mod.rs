@@ -29,6 +29,7 @@ pub use limits::LengthLimits;
 #[cfg(feature = "alloc")]
 pub use map::{ForceMap, MAX_MAP};
 pub use martens_boblan::MartensBoblan;
+pub(crate) use monotone::Knots;
 pub use sarosi::Sarosi;
 pub use tondu_lopez::{Coefficients, EndFactor, TonduLopez};
 pub use wall::Wall;
