@@ -24,6 +24,7 @@ mod issue_loose_tolerance;
 mod issue_taut_chatter;
 mod joint;
 mod joint_control;
+mod joint_stepper;
 mod laws;
 mod leg;
 mod line_rig;

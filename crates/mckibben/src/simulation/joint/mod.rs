@@ -13,14 +13,19 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
-//! The event-located engine alone goes through time here, with a controller too. Checked by `tests/joint.rs`.
+//! The event-located engine goes through time here, with a controller too, and [`JointStepper`] at fixed steps. Checked by
+//! `tests/joint.rs`.
 
 #[cfg(feature = "alloc")]
 mod controlled;
 mod crossing;
 #[cfg(feature = "alloc")]
 mod energy;
+#[cfg(feature = "alloc")]
+mod kernel;
 mod mode;
+#[cfg(feature = "alloc")]
+mod stepper;
 mod system;
 #[cfg(feature = "alloc")]
 mod trajectory;
@@ -31,6 +36,8 @@ pub use controlled::{ControlledJoint, JointDecision, simulate_joint_controlled, 
 #[cfg(feature = "alloc")]
 pub use energy::JointAudit;
 pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
+#[cfg(feature = "alloc")]
+pub use stepper::{JointCourse, JointStepper};
 pub use system::{JointPhase, JointSystem};
 #[cfg(feature = "alloc")]
 pub use trajectory::{JointEvent, JointSample, JointTrajectory, simulate_joint, simulate_joint_watched};
@@ -83,6 +90,12 @@ impl<S: Scalar> JointState<S> {
     fn to_array(self) -> [S; 6] {
         let Self { angle, angular_velocity, pressure, air_mass } = self;
         [angle, angular_velocity, pressure[0].0, air_mass[0], pressure[1].0, air_mass[1]]
+    }
+
+    #[cfg(feature = "alloc")]
+    fn from_array([angle, angular_velocity, first, mass, second, other_mass]: [S; 6]) -> Self {
+        let pressure = [AbsolutePressure(first), AbsolutePressure(second)];
+        Self { angle, angular_velocity, pressure, air_mass: [mass, other_mass] }
     }
 }
 
