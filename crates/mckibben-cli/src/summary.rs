@@ -8,7 +8,6 @@ use crate::observation::{Observation, Range, Ripple};
 use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
-use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
@@ -76,7 +75,8 @@ impl Summary<'_> {
         page.line("air", &describe::air(&self.scenario.air.process));
         page.line("engine", &describe::engine(run));
         if let Outcome::Stepped { step, chosen, .. } = self.outcome {
-            page.line("step", &step_of(*step, chosen.as_ref(), run));
+            let error = chosen.map(|error| [error.compared, error.greatest()]);
+            page.line("step", &step_of(*step, error, run));
         }
         let steps = match self.outcome {
             Outcome::Located(trajectory) => cost(trajectory.counts()),
@@ -200,19 +200,16 @@ pub(crate) fn residual(page: &mut Page, residual: f64, turnover: f64) {
     page.value("residual", &quantity(residual, "J"), &share);
 }
 
-/// The longest step, and on what ground it was taken.
-fn step_of(step: f64, chosen: Option<&StepError>, run: &Run) -> String {
-    let Some(error) = chosen else { return format!("at most {}, as given", given(step, "s")) };
-    let over = if error.compared < run.duration {
-        format!(" over the first {}", given(error.compared, "s"))
-    } else {
-        String::new()
-    };
+/// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
+pub(crate) fn step_of(step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
+    let Some([compared, greatest]) = chosen else { return format!("at most {}, as given", given(step, "s")) };
+    let over =
+        if compared < run.duration { format!(" over the first {}", given(compared, "s")) } else { String::new() };
     format!(
         "at most {}, chosen for an accuracy of {:e}: measured error {:.1e} of the range{over}",
         given(step, "s"),
         run.accuracy,
-        error.greatest()
+        greatest
     )
 }
 

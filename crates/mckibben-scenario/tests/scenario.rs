@@ -375,8 +375,6 @@ fn mistakes_in_a_joint_are_shown_where_they_are() {
     assert!(error.contains("`mass` is not a key of [antagonist.load]"), "{error}");
     let error = with("[antagonist.actuator]\nturns = -1");
     assert!(error.contains("turns") && error.contains("joint.toml:22"), "{error}");
-    let error = with("engine = \"fixed-step\"");
-    assert!(error.contains("does not take an antagonistic joint"), "{error}");
     let error = told(&JOINT.replace("[initial]", "[initial]\nlength = \"3 in\""));
     assert!(error.contains("give `initial.angle`"), "{error}");
     let error = told(&JOINT.replace("100 mm", "0 mm"));

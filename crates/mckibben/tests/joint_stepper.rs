@@ -8,7 +8,8 @@ use crate::common::{GRAVITY, PSI, Paper, assert_close, assert_within};
 use mckibben::control::Drive;
 use mckibben::load::{Limb, MomentArm, Stops, Tendon};
 use mckibben::simulation::{
-    EventKind, FixedStepper, InitialAngle, InitialLength, JointState, JointStepper, Method, simulate_joint,
+    EventKind, FixedStepper, InitialAngle, InitialLength, JointState, JointStepper, Method, SampleTimes,
+    joint_step_for_accuracy, simulate_joint,
 };
 use mckibben::valve::{Command, Request};
 use proptest::prelude::*;
@@ -309,6 +310,33 @@ fn random_joints_near_the_event_located_engine() {
         Ok(())
     });
     result.unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// The step that an accuracy needs has no larger error, measured anew, and a tighter accuracy no longer step.
+#[test]
+fn a_step_is_chosen_for_an_accuracy() {
+    let pair = smooth(1.1e-4);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let run = pair.run(0.2, 1e-11);
+    let mut before = f64::INFINITY;
+    for accuracy in [1e-2, 1e-3, 1e-4] {
+        let chosen = joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, accuracy).expect("a step");
+        assert!(chosen.step <= before && chosen.greatest <= accuracy, "{chosen:?}");
+        before = chosen.step;
+        let stepper = JointStepper::new(rig.clone(), Method::Stable);
+        let mut course = stepper.begin(start);
+        let angles: Vec<f64> = run.samples(5e-3).map(|sample| sample.angle).collect();
+        let range = angles.iter().copied().fold(f64::MIN, f64::max) - angles.iter().copied().fold(f64::MAX, f64::min);
+        for (time, recorded) in SampleTimes::new(0.2, 5e-3).steps(chosen.step) {
+            stepper.advance_to(&mut course, time).expect("a step");
+            let off = (course.state().angle - run.at(time).angle).abs();
+            assert!(!recorded || off <= 1.01 * accuracy * range, "{time}: {off:e}");
+        }
+    }
+    let error =
+        joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, 1e-12).expect_err("refused").to_string();
+    assert!(error.contains("run.accuracy"), "{error}");
 }
 
 #[test]

@@ -17,6 +17,8 @@
 //! `tests/joint.rs`.
 
 #[cfg(feature = "alloc")]
+mod accuracy;
+#[cfg(feature = "alloc")]
 mod controlled;
 mod crossing;
 #[cfg(feature = "alloc")]
@@ -31,6 +33,8 @@ mod system;
 mod trajectory;
 mod turning;
 
+#[cfg(feature = "alloc")]
+pub use accuracy::{JointStepError, joint_step_for_accuracy};
 #[cfg(feature = "alloc")]
 pub use controlled::{ControlledJoint, JointDecision, simulate_joint_controlled, simulate_joint_controlled_watched};
 #[cfg(feature = "alloc")]
