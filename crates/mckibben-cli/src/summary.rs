@@ -61,7 +61,8 @@ impl Summary<'_> {
             let of_circuit = trajectory.circuit();
             energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
             if let Some(audit) = of_circuit {
-                circuit(&mut page, &audit, trajectory.rig().actuator().air().process());
+                let sums = [audit.residual(), audit.turnover()];
+                circuit(&mut page, &audit, trajectory.rig().actuator().air().process(), sums);
             }
         }
         page.text + &assumptions(self.assumed)
@@ -262,8 +263,8 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
     residual(page, audit.residual(), turnover);
 }
 
-/// Where the exergy of the air from the supply went.
-fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
+/// Where the exergy of the air from the supply went; with what does not close and the turnover, in J.
+pub(crate) fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process, [open, turnover]: [f64; 2]) {
     page.heading("Exergy of the supply's air");
     let heat = match process {
         Process::Isentropic | Process::Polytropic { .. } => {
@@ -281,14 +282,13 @@ fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
         ("mixing", audit.mixed, "destroyed as air of two temperatures mixes"),
         ("heat", audit.heat, heat),
     ];
-    let turnover = audit.turnover();
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
     for (index, (name, value, where_to)) in named.into_iter().enumerate() {
         if index < 2 || value.abs() > 1e-12 * turnover {
             page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
         }
     }
-    residual(page, audit.residual(), turnover);
+    residual(page, open, turnover);
     if let (Some(whole), Some(compressor)) = (audit.efficiency(), audit.compressor_efficiency()) {
         let compressor_work = quantity(audit.compressor, "J");
         page.value("efficiency", &percent(whole), "work on the load over what was drawn");

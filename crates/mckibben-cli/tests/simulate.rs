@@ -426,4 +426,10 @@ fn the_exergy_of_the_supply_is_told_where_there_is_a_valve() {
         assert!(exergy.contains(&format!("\n  {name}")), "{name}: {exergy}");
     }
     assert!(!told("examples/paper/fig-08.toml").contains("Exergy"), "a sealed muscle draws nothing");
+    let (_, of_joint) = told("examples/antagonistic-joint.toml")
+        .split_once("Exergy of the supply's air")
+        .map_or_else(|| panic!("a joint has its circuit"), |(before, after)| (before.to_owned(), after.to_owned()));
+    for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
+        assert!(of_joint.contains(&format!("\n  {name}")), "{name}: {of_joint}");
+    }
 }

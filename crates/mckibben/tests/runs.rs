@@ -23,6 +23,7 @@ mod issue_false_descent;
 mod issue_loose_tolerance;
 mod issue_taut_chatter;
 mod joint;
+mod joint_circuit;
 mod joint_control;
 mod joint_stepper;
 mod laws;

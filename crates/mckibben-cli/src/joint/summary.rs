@@ -6,7 +6,7 @@ use super::{NAMES, events};
 use crate::describe;
 use crate::observation::{AirUse, Range};
 use crate::quantities::{count, digits, given, quantity};
-use crate::summary::{Page, assumptions, cost, effort, goals, residual, step_of};
+use crate::summary::{Page, assumptions, circuit, cost, effort, goals, residual, step_of};
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{JointAudit, JointSample, JointTrajectory};
 use mckibben_scenario::{Assumed, Scenario};
@@ -50,7 +50,12 @@ impl Summary<'_> {
             effort(&mut page, closed.samples, &requests, &quantity(air, "kg"));
         }
         air(&mut page, used);
-        energy(&mut page, &trajectory.audit());
+        let of_circuit = trajectory.circuit();
+        energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
+        if let Some(audit) = of_circuit {
+            let process = trajectory.rig().driven()[0].actuator.air().process();
+            circuit(&mut page, &audit.total(), process, [audit.residual(), audit.turnover()]);
+        }
         page.text + &assumptions(self.assumed)
     }
 

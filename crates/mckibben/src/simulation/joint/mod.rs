@@ -19,6 +19,8 @@
 #[cfg(feature = "alloc")]
 mod accuracy;
 #[cfg(feature = "alloc")]
+mod circuit;
+#[cfg(feature = "alloc")]
 mod controlled;
 mod crossing;
 #[cfg(feature = "alloc")]
@@ -35,6 +37,8 @@ mod turning;
 
 #[cfg(feature = "alloc")]
 pub use accuracy::{JointStepError, joint_step_for_accuracy};
+#[cfg(feature = "alloc")]
+pub use circuit::JointCircuitAudit;
 #[cfg(feature = "alloc")]
 pub use controlled::{ControlledJoint, JointDecision, simulate_joint_controlled, simulate_joint_controlled_watched};
 #[cfg(feature = "alloc")]
