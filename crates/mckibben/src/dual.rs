@@ -13,7 +13,7 @@
 //! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
-use crate::scalar::{Over, Real, Scalar};
+use crate::scalar::{Over, Real, Scalar, Work};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its derivatives in `K` directions.
@@ -98,6 +98,11 @@ impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
 
 impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     type Mask = S::Mask;
+
+    #[inline(always)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        S::apart(work)
+    }
 
     #[inline(always)]
     fn constant(value: f64) -> Self {

@@ -40,6 +40,14 @@ impl Mask for bool {
     }
 }
 
+/// Work too long to be copied to wherever it is done.
+pub trait Work {
+    /// What comes out of it.
+    type Output;
+    /// Does it.
+    fn done(self) -> Self::Output;
+}
+
 /// A number, or several side by side, with the operations that the laws need.
 pub trait Scalar:
     Copy
@@ -74,6 +82,13 @@ pub trait Scalar:
     fn le(self, other: Self) -> Self::Mask;
     /// `yes` where the mask holds, `no` elsewhere. What is not chosen may be anything, NaN included.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// Does work on such numbers in a function of its own: what only some actuators need is compiled once, not into every
+    /// stage of every engine. Lanes have it compiled for their instructions.
+    #[inline(never)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        work.done()
+    }
 
     /// `self · factor + addend`, each rounded: the same number on any machine and in any lane.
     #[inline(always)]

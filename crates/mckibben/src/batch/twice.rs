@@ -4,7 +4,7 @@
 //! works at one while the other waits.
 
 use super::wide::Wide;
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, Work};
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Two vectors of the same kind, the lanes of one after those of the other.
@@ -64,6 +64,10 @@ macro_rules! of_both {
 impl<V: Scalar> Scalar for Twice<V> {
     type Mask = Twice<V::Mask>;
 
+    #[inline(always)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        V::apart(work)
+    }
     #[inline(always)]
     fn constant(value: f64) -> Self {
         let both = V::constant(value);

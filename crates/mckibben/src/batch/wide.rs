@@ -4,7 +4,7 @@
 //! instruction, and rounds like the same operation on one number. A constant is made from nothing, so it asks the thread
 //! for the proof, which was left there by [`compiled`].
 
-use crate::scalar::{Mask, Real, Scalar};
+use crate::scalar::{Mask, Real, Scalar, Work};
 use core::cell::Cell;
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -67,6 +67,16 @@ impl<K: Compiled> WithSimd for Vectorized<K> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> K::Output {
         self.0.run(simd)
+    }
+}
+
+struct Apart<W>(W);
+
+impl<W: Work> WithSimd for Apart<W> {
+    type Output = W::Output;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> W::Output {
+        self.0.done()
     }
 }
 
@@ -198,6 +208,10 @@ macro_rules! wide {
         impl<S: Instructions> Scalar for $wide<S> {
             type Mask = $mask<S>;
 
+            #[inline(always)]
+            fn apart<W: Work>(work: W) -> W::Output {
+                S::present().vectorize(Apart(work))
+            }
             #[inline(always)]
             fn constant(value: f64) -> Self {
                 let simd = S::present();

@@ -32,7 +32,7 @@ use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Scalar, Work};
 
 /// A law of static force; rigs of one law are stepped together in a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,10 +229,37 @@ impl<S: Scalar> Characteristic<S> {
 impl<S: Scalar> StaticForce<S> for Characteristic<S> {
     #[inline(always)]
     fn force<T: Over<S>>(&self, length: T, gauge: GaugePressure<T>) -> T {
-        let Some(beyond) = &self.beyond else { return IdealBraid { braid: self.braid }.force(length, gauge) };
+        match &self.beyond {
+            None => IdealBraid { braid: self.braid }.force(length, gauge),
+            Some(beyond) => T::apart(Force { statics: self, beyond, length, gauge }),
+        }
+    }
+
+    #[inline(always)]
+    fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
+        match &self.beyond {
+            None => IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge),
+            Some(beyond) => T::apart(Secant { statics: self, beyond, length, from, gauge }),
+        }
+    }
+}
+
+/// The force of what is more than the ideal braid.
+struct Force<'a, S, T> {
+    statics: &'a Characteristic<S>,
+    beyond: &'a Beyond<S>,
+    length: T,
+    gauge: GaugePressure<T>,
+}
+
+impl<S: Scalar, T: Over<S>> Work for Force<'_, S, T> {
+    type Output = T;
+    #[inline(always)]
+    fn done(self) -> T {
+        let Self { statics, beyond, length, gauge } = self;
         let force = match &beyond.law {
-            Law::IdealBraid => self.gas_force(length, gauge),
-            Law::MartensBoblan(law) => self.gas_force(length, gauge) + law.membrane(length),
+            Law::IdealBraid => statics.gas_force(length, gauge),
+            Law::MartensBoblan(law) => statics.gas_force(length, gauge) + law.membrane(length),
             Law::TonduLopez(law) => law.force(length, gauge),
             Law::Sarosi(law) => law.force(length, gauge),
             Law::ExtensibleBraid(law) => law.force(length, gauge),
@@ -245,15 +272,25 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
             Some(bladder) => force + bladder.tension(length),
         }
     }
+}
 
+/// The secant of that force.
+struct Secant<'a, S, T> {
+    statics: &'a Characteristic<S>,
+    beyond: &'a Beyond<S>,
+    length: T,
+    from: T,
+    gauge: GaugePressure<T>,
+}
+
+impl<S: Scalar, T: Over<S>> Work for Secant<'_, S, T> {
+    type Output = T;
     #[inline(always)]
-    fn secant_stiffness<T: Over<S>>(&self, length: T, from: T, gauge: GaugePressure<T>) -> T {
-        let Some(beyond) = &self.beyond else {
-            return IdealBraid { braid: self.braid }.secant_stiffness(length, from, gauge);
-        };
+    fn done(self) -> T {
+        let Self { statics, beyond, length, from, gauge } = self;
         let stiffness = match &beyond.law {
-            Law::IdealBraid => self.gas_secant(length, from, gauge),
-            Law::MartensBoblan(law) => self.gas_secant(length, from, gauge) + law.membrane_secant(length, from),
+            Law::IdealBraid => statics.gas_secant(length, from, gauge),
+            Law::MartensBoblan(law) => statics.gas_secant(length, from, gauge) + law.membrane_secant(length, from),
             Law::TonduLopez(law) => law.secant_stiffness(length, from, gauge),
             Law::Sarosi(law) => law.secant_stiffness(length, from, gauge),
             Law::ExtensibleBraid(law) => law.secant_stiffness(length, from, gauge),
@@ -268,6 +305,22 @@ impl<S: Scalar> StaticForce<S> for Characteristic<S> {
     }
 }
 
+/// What the wall leaves of the braid's volume, and its slope.
+struct Bore<'a, S, T> {
+    braid: &'a Braid<S>,
+    wall: &'a Wall<S>,
+    length: T,
+}
+
+impl<S: Scalar, T: Over<S>> Work for Bore<'_, S, T> {
+    type Output = [T; 2];
+    #[inline(always)]
+    fn done(self) -> [T; 2] {
+        let Self { braid, wall, length } = self;
+        [wall.volume(braid, length), wall.volume_slope(braid, length)]
+    }
+}
+
 impl<S: Scalar> Statics<S> for Characteristic<S> {
     /// The braid is straight, or the wall has closed the bore.
     #[inline(always)]
@@ -279,7 +332,7 @@ impl<S: Scalar> Statics<S> for Characteristic<S> {
     fn volume_and_slope<T: Over<S>>(&self, length: T) -> [T; 2] {
         match self.wall() {
             None => IdealBraid { braid: self.braid }.volume_and_slope(length),
-            Some(wall) => [wall.volume(&self.braid, length), wall.volume_slope(&self.braid, length)],
+            Some(wall) => T::apart(Bore { braid: &self.braid, wall, length }),
         }
     }
 }

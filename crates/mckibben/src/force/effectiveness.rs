@@ -23,7 +23,7 @@ use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Scalar, Work};
 
 /// The largest number of polynomial coefficients.
 pub const MAX_COEFFICIENTS: usize = 8;
@@ -129,7 +129,7 @@ impl<S: Scalar> Effectiveness<S> {
                 .iter()
                 .rev()
                 .fold(T::zero(), |sum, &coefficient| sum.multiply_add(gauge.0, T::of(coefficient))),
-            Self::Table(table) => table.at(gauge.0),
+            Self::Table(table) => T::apart(Between { table, pressure: gauge.0 }),
         }
     }
 
@@ -191,17 +191,6 @@ impl<S: Scalar> Table<S> {
     }
 
     #[inline(always)]
-    fn at<T: Over<S>>(&self, pressure: T) -> T {
-        let mut value = T::of(self.value[0]);
-        for row in 0..self.rows - 1 {
-            let started = T::of(self.gauge_pressure[row]).lt(pressure);
-            value = T::select(started, self.cubic(row, pressure), value);
-        }
-        let last = T::of(self.gauge_pressure[self.rows - 1]);
-        T::select(last.lt(pressure), T::of(self.value[self.rows - 1]), value)
-    }
-
-    #[inline(always)]
     fn in_piece<T: Over<S>>(&self, piece: usize, pressure: T) -> T {
         if piece == 0 {
             T::of(self.value[0])
@@ -222,6 +211,27 @@ impl<S: Scalar> Table<S> {
         let (rise, two) = (end - start, T::constant(2.0));
         let square = T::constant(3.0) * rise - two * m0 - m1;
         start + u * (m0 + u * (square + u * (m0 + m1 - two * rise)))
+    }
+}
+
+/// The ratio of a table at a pressure, whatever the piece.
+struct Between<'a, S, T> {
+    table: &'a Table<S>,
+    pressure: T,
+}
+
+impl<S: Scalar, T: Over<S>> Work for Between<'_, S, T> {
+    type Output = T;
+    #[inline(always)]
+    fn done(self) -> T {
+        let Self { table, pressure } = self;
+        let mut value = T::of(table.value[0]);
+        for row in 0..table.rows - 1 {
+            let started = T::of(table.gauge_pressure[row]).lt(pressure);
+            value = T::select(started, table.cubic(row, pressure), value);
+        }
+        let last = T::of(table.gauge_pressure[table.rows - 1]);
+        T::select(last.lt(pressure), T::of(table.value[table.rows - 1]), value)
     }
 }
 
