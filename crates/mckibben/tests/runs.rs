@@ -33,6 +33,7 @@ mod line_study;
 mod line_supply;
 mod linearize;
 mod linearize_analysis;
+mod linearize_joint;
 mod linearize_pwm;
 mod modular;
 mod moment_arm;
