@@ -192,6 +192,6 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     let joint = "examples/antagonistic-joint.toml";
     refused(&folder, joint, &["--pressure", "60 psi"], "a joint has two actuators");
     refused(&folder, joint, &["--plot", "a.svg"], "a joint has two actuators");
-    refused(&folder, joint, &["--angle", "0 deg", "--stiffness", "1000 N*m/rad"], "stiffness");
+    refused(&folder, joint, &["--angle", "20 deg", "--stiffness", "0.01 N*m/rad"], "must not be less than");
     refused(&folder, pulsed, &["--angle", "0 deg", "--stiffness", "1 N*m/rad"], "no joint");
 }
