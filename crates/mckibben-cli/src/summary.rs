@@ -8,7 +8,6 @@ use crate::observation::{Observation, Range, Ripple};
 use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
-use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
@@ -62,7 +61,8 @@ impl Summary<'_> {
             let of_circuit = trajectory.circuit();
             energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
             if let Some(audit) = of_circuit {
-                circuit(&mut page, &audit, trajectory.rig().actuator().air().process());
+                let sums = [audit.residual(), audit.turnover()];
+                circuit(&mut page, &audit, trajectory.rig().actuator().air().process(), sums);
             }
         }
         page.text + &assumptions(self.assumed)
@@ -76,7 +76,8 @@ impl Summary<'_> {
         page.line("air", &describe::air(&self.scenario.air.process));
         page.line("engine", &describe::engine(run));
         if let Outcome::Stepped { step, chosen, .. } = self.outcome {
-            page.line("step", &step_of(*step, chosen.as_ref(), run));
+            let error = chosen.map(|error| [error.compared, error.greatest()]);
+            page.line("step", &step_of(*step, error, run));
         }
         let steps = match self.outcome {
             Outcome::Located(trajectory) => cost(trajectory.counts()),
@@ -200,19 +201,16 @@ pub(crate) fn residual(page: &mut Page, residual: f64, turnover: f64) {
     page.value("residual", &quantity(residual, "J"), &share);
 }
 
-/// The longest step, and on what ground it was taken.
-fn step_of(step: f64, chosen: Option<&StepError>, run: &Run) -> String {
-    let Some(error) = chosen else { return format!("at most {}, as given", given(step, "s")) };
-    let over = if error.compared < run.duration {
-        format!(" over the first {}", given(error.compared, "s"))
-    } else {
-        String::new()
-    };
+/// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
+pub(crate) fn step_of(step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
+    let Some([compared, greatest]) = chosen else { return format!("at most {}, as given", given(step, "s")) };
+    let over =
+        if compared < run.duration { format!(" over the first {}", given(compared, "s")) } else { String::new() };
     format!(
         "at most {}, chosen for an accuracy of {:e}: measured error {:.1e} of the range{over}",
         given(step, "s"),
         run.accuracy,
-        error.greatest()
+        greatest
     )
 }
 
@@ -265,8 +263,8 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
     residual(page, audit.residual(), turnover);
 }
 
-/// Where the exergy of the air from the supply went.
-fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
+/// Where the exergy of the air from the supply went; with what does not close and the turnover, in J.
+pub(crate) fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process, [open, turnover]: [f64; 2]) {
     page.heading("Exergy of the supply's air");
     let heat = match process {
         Process::Isentropic | Process::Polytropic { .. } => {
@@ -284,14 +282,13 @@ fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process) {
         ("mixing", audit.mixed, "destroyed as air of two temperatures mixes"),
         ("heat", audit.heat, heat),
     ];
-    let turnover = audit.turnover();
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
     for (index, (name, value, where_to)) in named.into_iter().enumerate() {
         if index < 2 || value.abs() > 1e-12 * turnover {
             page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
         }
     }
-    residual(page, audit.residual(), turnover);
+    residual(page, open, turnover);
     if let (Some(whole), Some(compressor)) = (audit.efficiency(), audit.compressor_efficiency()) {
         let compressor_work = quantity(audit.compressor, "J");
         page.value("efficiency", &percent(whole), "work on the load over what was drawn");

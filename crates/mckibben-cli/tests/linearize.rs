@@ -130,6 +130,33 @@ fn two_of_three_are_given_and_the_duty_may_follow() {
     assert!((number(&warm, "temperature_k") - 310.0).abs() < 1e-9);
 }
 
+/// The poles are roots of the characteristic polynomial of A, and both files hold the same numbers.
+#[test]
+fn a_joint_is_linearised_at_its_balance_or_at_a_stiffness() {
+    let folder = Folder::new("linearize-joint");
+    let file = "examples/moment-arm.toml";
+    let text = run(&folder, file, &["--output", "j.json"]);
+    assert!(text.contains("both valves held shut") && text.contains("swings"), "{text}");
+    let model = read(&folder, "j.json");
+    assert_eq!(model["model"], "joint-held-valves");
+    assert_eq!(model["states"].as_array().map(Vec::len), Some(4));
+    let pole = model["poles"].as_array().and_then(|poles| poles.iter().find(|of| of["imaginary_rad_s"] != 0.0));
+    let swing = pole.and_then(|pole| pole["natural_frequency_rad_s"].as_f64()).expect("it swings");
+    // Undamped, `ω² = −(A₂₁ + Σ A₂ₖ A_k2)` over the pressures: the sealed stiffness over the inertia.
+    let entry = |row: usize, column: usize| model["A"][row][column].as_f64().expect("a number");
+    let squared = -(entry(1, 0) + entry(1, 2) * entry(2, 1) + entry(1, 3) * entry(3, 1));
+    assert!((swing * swing / squared - 1.0).abs() < 1e-6, "{swing} {squared}");
+    run(&folder, file, &["--output", "j.m"]);
+    let script = std::fs::read_to_string(folder.path("j.m")).expect("a script");
+    assert!(script.contains(&format!("{:e}", entry(1, 0))) && script.contains("point.angle_rad"), "{script}");
+    run(&folder, file, &["--angle", "5 deg", "--stiffness", "1.2 N*m/rad", "--all-states", "--output", "s.json"]);
+    let asked = read(&folder, "s.json");
+    assert_eq!(asked["states"].as_array().map(Vec::len), Some(6));
+    let point = |name: &str| asked["operating_point"][name].as_f64().expect("a number");
+    assert!((point("angle_rad") - 5_f64.to_radians()).abs() < 1e-9, "{}", asked["operating_point"]);
+    assert!((point("stiffness_n_m_rad") - 1.2).abs() < 1e-9, "{}", asked["operating_point"]);
+}
+
 #[test]
 fn bode_plots_are_drawn() {
     let folder = Folder::new("linearize-bode");
@@ -162,5 +189,9 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, sealed, &["--amplitude", "0 mm"], "amplitude");
     refused(&folder, "examples/isometric-charge.toml", &["--load", "5 lb"], "held");
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");
-    refused(&folder, "examples/antagonistic-joint.toml", &[], "antagonistic joint is not supported");
+    let joint = "examples/antagonistic-joint.toml";
+    refused(&folder, joint, &["--pressure", "60 psi"], "a joint has two actuators");
+    refused(&folder, joint, &["--plot", "a.svg"], "a joint has two actuators");
+    refused(&folder, joint, &["--angle", "20 deg", "--stiffness", "0.01 N*m/rad"], "must not be less than");
+    refused(&folder, pulsed, &["--angle", "0 deg", "--stiffness", "1 N*m/rad"], "no joint");
 }

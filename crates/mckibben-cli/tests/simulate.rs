@@ -362,13 +362,48 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
     assert!(figure.contains("antagonist"));
 }
 
+/// The fixed-step engine writes the same columns, near the event-located engine's within the accuracy asked for.
+#[test]
+fn a_joint_runs_at_fixed_steps_to_the_accuracy_asked_for() {
+    let folder = Folder::new("joint-steps");
+    let file = of_repository("examples/moment-arm.toml");
+    let common = ["simulate", file.to_str().expect("UTF-8"), "--set", "run.duration=0.3 s"];
+    let with = |more: &[&str]| run(&folder, &[&common[..], more].concat());
+    with(&["-o", "located.csv"]);
+    let told = with(&["-o", "stepped.csv", "--plot", "run.svg", "--set", "run.engine=fixed-step"]);
+    assert!(told.contains("chosen for an accuracy of 1e-3") && told.contains("no log of events"), "{told}");
+    let rows = |name: &str| -> Vec<Vec<String>> {
+        let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
+        let header = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+        let rows = reader.records().map(|row| row.expect("a row").iter().map(str::to_owned).collect());
+        std::iter::once(header).chain(rows).collect()
+    };
+    let (located, stepped) = (rows("located.csv"), rows("stepped.csv"));
+    assert_eq!((located[0].clone(), located.len()), (stepped[0].clone(), stepped.len()));
+    let column = located[0].iter().position(|name| name == "angle_rad").expect("a column");
+    let angle = |row: &[String]| row[column].parse::<f64>().expect("a number");
+    let angles: Vec<f64> = located[1..].iter().map(|row| angle(row)).collect();
+    let range = angles.iter().copied().fold(f64::MIN, f64::max) - angles.iter().copied().fold(f64::MAX, f64::min);
+    for (exact, row) in angles.iter().zip(&stepped[1..]) {
+        assert!((exact - angle(row)).abs() <= 1.1e-3 * range, "{exact} {}", angle(row));
+    }
+    let log = ["--set", "run.engine=fixed-step", "--events-output", "e.csv"];
+    let output = folder.mckibben().args(common).args(log).output().expect("the program runs");
+    assert_eq!(output.status.code(), Some(2));
+}
+
 #[test]
 fn a_joint_is_refused_by_what_takes_one_actuator() {
     let folder = Folder::new("joint-refused");
     let file = of_repository("examples/antagonistic-joint.toml");
     let name = file.to_str().expect("UTF-8");
+    let controlled = of_repository("examples/control/joint-air-mass.toml");
+    let control = controlled.to_str().expect("UTF-8");
     for (arguments, word) in [
-        (vec!["simulate", name, "--set", "run.engine=fixed-step"], "the fixed-step engine does not take"),
+        (
+            vec!["simulate", control, "--set", "run.engine=fixed-step"],
+            "the fixed-step engine does not take the controller",
+        ),
         (vec!["curves", name], "an antagonistic joint is not supported here yet"),
     ] {
         let output = folder.mckibben().args(arguments).output().expect("the program runs");
@@ -391,4 +426,10 @@ fn the_exergy_of_the_supply_is_told_where_there_is_a_valve() {
         assert!(exergy.contains(&format!("\n  {name}")), "{name}: {exergy}");
     }
     assert!(!told("examples/paper/fig-08.toml").contains("Exergy"), "a sealed muscle draws nothing");
+    let (_, of_joint) = told("examples/antagonistic-joint.toml")
+        .split_once("Exergy of the supply's air")
+        .map_or_else(|| panic!("a joint has its circuit"), |(before, after)| (before.to_owned(), after.to_owned()));
+    for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
+        assert!(of_joint.contains(&format!("\n  {name}")), "{name}: {of_joint}");
+    }
 }

@@ -1,5 +1,6 @@
 //! From a controller of a joint in a file to the core's: the same numbers, in the core's types.
 
+use crate::choice::Engine;
 use crate::controlled::{core_regulator, core_sampling, ways};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
@@ -87,6 +88,12 @@ fn controlled(
     of: &Controller,
     experiment: JointExperiment,
 ) -> Result<ControlledJointExperiment, Error> {
+    if scenario.run.engine == Engine::FixedStep {
+        return Err(Error::Unsupported {
+            what: "the fixed-step engine does not take the controller of an antagonistic joint yet",
+            remedy: "set run.engine = \"event-located\", or leave it out",
+        });
+    }
     let own = ways(scenario)?;
     if let Some(second) = scenario.of_antagonist()
         && ways(&second)? != own

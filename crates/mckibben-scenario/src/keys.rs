@@ -227,7 +227,14 @@ pub const ANTAGONIST: &str = "antagonist";
 /// What that section may hold: whole sections, and single keys.
 const OF_ANTAGONIST: (&[&str], &[&str]) = (
     &["actuator", "supply", "valve", "command"],
-    &["load.pulley_radius", "load.rest_length", "initial.gauge_pressure", "initial.temperature"],
+    &[
+        "load.pulley_radius",
+        "load.moment_arm_angle",
+        "load.moment_arm",
+        "load.rest_length",
+        "initial.gauge_pressure",
+        "initial.temperature",
+    ],
 );
 
 /// Whether a key can be given to the second actuator of a joint, under [`ANTAGONIST`].
@@ -591,7 +598,9 @@ pub static KEYS: &[Key] = &[
     quantity(&p::MOTION_PHASE, "\"0 deg\"").when(LOAD, MOTION),
     list(&p::MOTION_TIME, "[\"0 s\", \"1 s\"]").when(LOAD, MOTION),
     list(&p::MOTION_TABLE_LENGTH, "[\"3.8 in\", \"3.5 in\"]").when(LOAD, MOTION),
-    quantity(&p::PULLEY_RADIUS, "\"15 mm\"").required().when(LOAD, JOINT),
+    quantity(&p::PULLEY_RADIUS, "\"15 mm\"").when(LOAD, JOINT),
+    list(&p::MOMENT_ARM_ANGLE, "[\"-40 deg\", \"40 deg\"]").when(LOAD, JOINT),
+    list(&p::MOMENT_ARM, "[\"14 mm\", \"18 mm\"]").when(LOAD, JOINT),
     quantity(&p::REST_LENGTH, "\"3.3 in\"").required().when(LOAD, JOINT),
     quantity(&p::LIMB_DISTANCE, "\"100 mm\"").required().when(LOAD, JOINT),
     quantity(&p::LIMB_INERTIA, "\"1e-3 kg*m^2\"").when(LOAD, JOINT),

@@ -5,12 +5,15 @@ use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
     self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
-    Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Valve,
+    MomentArm, Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
 };
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
-use mckibben::simulation::{self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, Rig, State};
+use mckibben::simulation::{
+    self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, JointStepError, Rig, State,
+    joint_step_for_accuracy,
+};
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
 
 /// A scenario ready to run.
@@ -27,10 +30,7 @@ pub struct Experiment {
 impl Experiment {
     /// The formula of the fixed-step engine, as the core names it.
     pub fn method(&self) -> simulation::Method {
-        match self.run.method {
-            Method::Stable => simulation::Method::Stable,
-            Method::Rk4 => simulation::Method::Rk4,
-        }
+        core_method(&self.run)
     }
 
     /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
@@ -71,6 +71,35 @@ pub struct JointExperiment {
     pub run: Run,
 }
 
+impl JointExperiment {
+    /// The formula of the fixed-step engine, as the core names it.
+    pub fn method(&self) -> simulation::Method {
+        core_method(&self.run)
+    }
+
+    /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
+    /// needs, with its error.
+    ///
+    /// # Errors
+    /// As [`joint_step_for_accuracy`], when no step is given.
+    pub fn step(&self) -> Result<(f64, Option<JointStepError>), Error> {
+        let run = &self.run;
+        if let Some(step) = run.step {
+            return Ok((step, None));
+        }
+        let times = (run.duration, run.sample_interval);
+        let chosen = joint_step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
+        Ok((chosen.step, Some(chosen)))
+    }
+}
+
+fn core_method(run: &Run) -> simulation::Method {
+    match run.method {
+        Method::Stable => simulation::Method::Stable,
+        Method::Rk4 => simulation::Method::Rk4,
+    }
+}
+
 impl Document {
     /// Reads the scenario and builds the joint that it describes, or `None` when its load is another.
     ///
@@ -90,13 +119,6 @@ impl Document {
             let (what, remedy) = (
                 "an antagonistic joint takes no air line yet",
                 "leave out [hose], actuator.leakage and the reservoir or regulator of [supply]",
-            );
-            return Err(failed(Error::Unsupported { what, remedy }));
-        }
-        if scenario.run.engine == Engine::FixedStep {
-            let (what, remedy) = (
-                "the fixed-step engine does not take an antagonistic joint yet",
-                "set run.engine = \"event-located\", or leave it out",
             );
             return Err(failed(Error::Unsupported { what, remedy }));
         }
@@ -172,9 +194,16 @@ fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
         stiffness: joint.stop_stiffness,
         damping: joint.stop_damping,
     };
-    let pulleys = [joint.pulley, joint.antagonist.pulley]
-        .map(|pulley| load::Pulley { radius: pulley.radius, rest_length: pulley.rest_length });
-    load::Joint::new(limb, pulleys, joint.torque, joint.damping, stops)
+    let tendons = [core_tendon(&joint.tendon)?, core_tendon(&joint.antagonist.tendon)?];
+    load::Joint::new(limb, tendons, joint.torque, joint.damping, stops)
+}
+
+fn core_tendon(tendon: &Tendon) -> Result<load::Tendon, Error> {
+    let arm = match &tendon.arm {
+        MomentArm::Pulley(radius) => load::MomentArm::pulley(*radius)?,
+        MomentArm::Table { angle, arm } => load::MomentArm::table(angle, arm)?,
+    };
+    Ok(load::Tendon { arm, rest_length: tendon.rest_length })
 }
 
 impl Scenario {

@@ -601,8 +601,8 @@ pub struct Joint {
     pub stop_stiffness: f64,
     /// Damping C_stop of the stops in N·m·s/rad.
     pub stop_damping: f64,
-    /// The agonist's pulley.
-    pub pulley: Pulley,
+    /// The agonist's tendon.
+    pub tendon: Tendon,
     /// Angle at the start.
     pub angle: InitialAngle,
     /// Angular velocity at the start in rad/s.
@@ -611,13 +611,27 @@ pub struct Joint {
     pub antagonist: Box<Antagonist>,
 }
 
-/// The pulley from which an actuator turns a joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pulley {
-    /// Radius r in m.
-    pub radius: f64,
+/// How an actuator is led over a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tendon {
+    /// Its moment arm.
+    pub arm: MomentArm,
     /// Distance in m between the attachments at angle zero.
     pub rest_length: f64,
+}
+
+/// The moment arm of an actuator about a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MomentArm {
+    /// A pulley of this radius in m.
+    Pulley(f64),
+    /// A monotone cubic through moment arms in m.
+    Table {
+        /// Rising joint angles in rad.
+        angle: Vec<f64>,
+        /// The arm at each, above zero.
+        arm: Vec<f64>,
+    },
 }
 
 /// Angle of a joint at the start.
@@ -640,8 +654,8 @@ pub struct Antagonist {
     pub valve: Option<Valve>,
     /// What the valve is told.
     pub command: Option<Command>,
-    /// The pulley.
-    pub pulley: Pulley,
+    /// The tendon.
+    pub tendon: Tendon,
     /// Gauge pressure at the start in Pa.
     pub gauge_pressure: f64,
     /// Temperature of the air at the start in K.

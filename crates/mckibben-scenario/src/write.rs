@@ -11,7 +11,7 @@ use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
     Actuator, Aim, Command, Controller, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load,
-    Motion, Passage, Process, Pulley, Regulator, Scenario, Supply,
+    MomentArm, Motion, Passage, Process, Regulator, Scenario, Supply, Tendon,
 };
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::parameter::{self as p, Parameter};
@@ -78,7 +78,7 @@ impl Scenario {
             w.prefix = "antagonist.";
             actuator(w, &second);
             drive(w, &second);
-            pulley(w, &joint.antagonist.pulley);
+            tendon(w, &joint.antagonist.tendon);
             w.number(&p::INITIAL_GAUGE_PRESSURE, second.initial.gauge_pressure);
             w.number(&p::INITIAL_TEMPERATURE, second.initial.temperature);
         }
@@ -281,9 +281,15 @@ fn hose(w: &mut Writer, scenario: &Scenario) {
     }
 }
 
-fn pulley(w: &mut Writer, pulley: &Pulley) {
-    w.number(&p::PULLEY_RADIUS, pulley.radius);
-    w.number(&p::REST_LENGTH, pulley.rest_length);
+fn tendon(w: &mut Writer, tendon: &Tendon) {
+    match &tendon.arm {
+        MomentArm::Pulley(radius) => w.number(&p::PULLEY_RADIUS, *radius),
+        MomentArm::Table { angle, arm } => {
+            w.list(&p::MOMENT_ARM_ANGLE, angle);
+            w.list(&p::MOMENT_ARM, arm);
+        }
+    }
+    w.number(&p::REST_LENGTH, tendon.rest_length);
 }
 
 fn valve(w: &mut Writer, scenario: &Scenario) {
@@ -494,7 +500,7 @@ fn load(w: &mut Writer, load: &Load) {
         Load::AntagonisticJoint(joint) => {
             w.number(&p::MASS, joint.mass);
             w.number(&p::GRAVITY, joint.gravity);
-            pulley(w, &joint.pulley);
+            tendon(w, &joint.tendon);
             w.number(&p::LIMB_DISTANCE, joint.distance);
             w.number(&p::LIMB_INERTIA, joint.inertia);
             w.number(&p::HANGING_ANGLE, joint.hanging_angle);

@@ -2,8 +2,8 @@
 //! and that what is written reads back to the same.
 
 use mckibben_scenario::{
-    Command, CommandState, Document, Effectiveness, Engine, InitialLength, Load, Method, Motion, Passage, Process,
-    Scenario, ValveKind, starter,
+    Command, CommandState, Document, Effectiveness, Engine, InitialLength, Load, Method, MomentArm, Motion, Passage,
+    Process, Scenario, ValveKind, starter,
 };
 use proptest::prelude::*;
 
@@ -305,7 +305,7 @@ fn an_antagonist_is_as_the_agonist_but_for_what_is_said_of_it() {
     let Load::AntagonisticJoint(joint) = &same.load else { panic!("{:?}", same.load) };
     let second = &joint.antagonist;
     assert_eq!((&second.actuator, &second.valve, &second.command), (&same.actuator, &same.valve, &same.command));
-    assert_eq!((second.pulley, second.gauge_pressure), (joint.pulley, 1e5));
+    assert_eq!((&second.tendon, second.gauge_pressure), (&joint.tendon, 1e5));
     assert_eq!((joint.min_angle, joint.max_angle), (None, Some(40_f64.to_radians())));
 
     let changed = format!(
@@ -316,13 +316,50 @@ fn an_antagonist_is_as_the_agonist_but_for_what_is_said_of_it() {
     let Load::AntagonisticJoint(joint) = &scenario.load else { panic!("{:?}", scenario.load) };
     let second = &joint.antagonist;
     assert_eq!((second.actuator.turns, scenario.actuator.turns), (3.0, 2.5));
-    assert_eq!((second.pulley.radius, joint.pulley.radius, second.pulley.rest_length), (0.02, 0.015, 0.08382));
+    assert_eq!((&second.tendon.arm, &joint.tendon.arm), (&MomentArm::Pulley(0.02), &MomentArm::Pulley(0.015)));
+    assert_eq!(second.tendon.rest_length, 0.08382);
     assert_eq!((second.gauge_pressure, second.supply.map(|supply| supply.gauge_pressure)), (2e5, Some(5e5)));
     assert_eq!(second.command, Some(Command::Table { time: vec![0.1], state: vec![CommandState::Fill] }));
     assert_eq!(second.valve, scenario.valve);
 
     let again = Scenario::from_str(&scenario.to_toml(), "again.toml").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(again, scenario);
+}
+
+#[test]
+fn a_moment_arm_is_a_radius_or_a_table_and_taken_whole_by_the_antagonist() {
+    let table =
+        "moment_arm_angle = [\"-30 deg\", \"0 deg\", \"30 deg\"]\nmoment_arm = [\"12 mm\", \"15 mm\", \"16 mm\"]";
+    let read = |text: &str| Scenario::from_str(text, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
+    let by_table = JOINT.replace("pulley_radius = \"15 mm\"", table);
+    let arms = |scenario: &Scenario| {
+        let Load::AntagonisticJoint(joint) = &scenario.load else { panic!("{:?}", scenario.load) };
+        [joint.tendon.arm.clone(), joint.antagonist.tendon.arm.clone()]
+    };
+    let right = 30_f64.to_radians();
+    let tabled = MomentArm::Table { angle: vec![-right, 0.0, right], arm: vec![0.012, 0.015, 0.016] };
+    let both = read(&by_table);
+    assert_eq!(arms(&both), [tabled.clone(), tabled.clone()]);
+    assert_eq!(read(&both.to_toml()), both);
+    let pulley = read(&format!("{by_table}[antagonist.load]\npulley_radius = \"15 mm\"\n"));
+    assert_eq!(arms(&pulley), [tabled.clone(), MomentArm::Pulley(0.015)]);
+    let other = read(&format!("{JOINT}[antagonist.load]\n{table}\n"));
+    assert_eq!(arms(&other), [MomentArm::Pulley(0.015), tabled]);
+
+    let told = |text: &str| match Document::parse(text, "joint.toml").expect("TOML").joint_experiment() {
+        Ok(_) => panic!("it is refused:\n{text}"),
+        Err(found) => found.to_string(),
+    };
+    let error = told(&JOINT.replace("pulley_radius = \"15 mm\"", ""));
+    assert!(error.contains("pulley_radius") && error.contains("`moment_arm`"), "{error}");
+    let error = told(&JOINT.replace("rest_length", &format!("{table}\nrest_length")));
+    assert!(error.contains("says the same thing in two ways"), "{error}");
+    let error = told(&by_table.replace("\"12 mm\", ", ""));
+    assert!(error.contains("equally long"), "{error}");
+    let error = told(&by_table.replace("12 mm", "0 mm"));
+    assert!(error.contains("load.moment_arm") && error.contains("greater than 0"), "{error}");
+    let error = told(&by_table.replace("-30 deg", "10 deg"));
+    assert!(error.contains("must increase"), "{error}");
 }
 
 #[test]
@@ -338,8 +375,6 @@ fn mistakes_in_a_joint_are_shown_where_they_are() {
     assert!(error.contains("`mass` is not a key of [antagonist.load]"), "{error}");
     let error = with("[antagonist.actuator]\nturns = -1");
     assert!(error.contains("turns") && error.contains("joint.toml:22"), "{error}");
-    let error = with("engine = \"fixed-step\"");
-    assert!(error.contains("does not take an antagonistic joint"), "{error}");
     let error = told(&JOINT.replace("[initial]", "[initial]\nlength = \"3 in\""));
     assert!(error.contains("give `initial.angle`"), "{error}");
     let error = told(&JOINT.replace("100 mm", "0 mm"));

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 #[test]
 fn every_parameter_has_its_key() {
-    let without_key = [&p::SET_TORQUE, &p::PULLEY_ARM];
+    let without_key = [&p::SET_TORQUE, &p::PULLEY_ARM, &p::ARM_SLOPE];
     let of_controllers = p::CONTROL.iter().filter(|row| without_key.iter().all(|other| other.key != row.key));
     for row in TABLE.iter().chain(of_controllers) {
         let key = key_at(row.key).unwrap_or_else(|| panic!("{} has no key", row.key));
@@ -101,6 +101,10 @@ fn surroundings_of(path: &str) -> &'static str {
         }
         "load.time" | "load.table_length" => {
             "[load]\nkind = \"prescribed-motion\"\ntime = [\"0 s\", \"1 s\"]\ntable_length = [\"9 cm\", \"8 cm\"]"
+        }
+        "load.moment_arm_angle" | "load.moment_arm" => {
+            "[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\nrest_length = \"8 cm\"\n\
+             moment_arm_angle = [\"-1 rad\", \"1 rad\"]\nmoment_arm = [\"1 cm\", \"2 cm\"]"
         }
         "load.pulley_radius"
         | "load.rest_length"

@@ -438,6 +438,12 @@ parameters! {
     PULLEY_RADIUS = "load.pulley_radius", "r", "m", Range::POSITIVE, None,
         "Radius of the pulley from which the actuator turns the joint.",
         "elementary mechanics", "give a radius such as 20 mm";
+    MOMENT_ARM_ANGLE = "load.moment_arm_angle", "theta_i", "rad", Range::FINITE, None,
+        "Joint angles of a table of moment arms, strictly rising.",
+        "choice of the measurement", "give 2 to 16 angles in rising order";
+    MOMENT_ARM = "load.moment_arm", "r_i", "m", Range::POSITIVE, None,
+        "Moment arms of the actuator about the joint at those angles, in place of a pulley.",
+        "virtual work", "give lengths above zero, one for each angle";
     REST_LENGTH = "load.rest_length", "L_0", "m", Range::POSITIVE, None,
         "Distance between the actuator's attachments at joint angle zero.",
         "choice of the experiment", "give a length between the shortest and the longest of the actuator";
@@ -587,6 +593,9 @@ parameters! {
     PULLEY_ARM = "controller.arm", "r", "m", Range::POSITIVE, None,
         "Radius of the pulley from which an actuator turns the joint.",
         "elementary mechanics", "give a radius such as 20 mm";
+    ARM_SLOPE = "controller.arm_slope", "r'", "m/rad", Range::FINITE, None,
+        "Slope of a moment arm over the joint's angle.",
+        "virtual work", "give a finite slope, zero for a pulley";
     CONTROL_TEMPERATURE = "controller.temperature", "T", "K", Range::POSITIVE, Some(293.15),
         "Temperature of the air that the controller reckons with.",
         "choice of the experiment", "give an absolute temperature above zero, such as 20 degC";

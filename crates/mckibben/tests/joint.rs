@@ -1,85 +1,19 @@
 //! The antagonistic joint: symmetry, a closed-form period, sticking torque and restitution, the energy balance, the reduction
 //! to the hanging mass, derivatives, and random joints.
 
+use crate::common::joint::Pair;
 use crate::common::laws;
 use crate::common::random;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
 use mckibben::friction::{Hysteresis, MaxwellSlip};
-use mckibben::load::{Joint, Limb, Pulley, Stops};
-use mckibben::simulation::{
-    Actuation, Driven, EventKind, InitialAngle, InitialLength, JointInitial, JointRig, JointTrajectory, Turning,
-    simulate_joint,
-};
-use mckibben::valve::{Command, Request, Solenoid};
+use mckibben::load::{Limb, MomentArm, Stops, Tendon};
+use mckibben::simulation::{EventKind, InitialAngle, InitialLength, JointInitial, Turning, simulate_joint};
+use mckibben::valve::{Command, Request};
 use mckibben::{Dual, Error, GaugePressure, Real};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use random::{Case, cases, runner};
 use std::f64::consts::PI;
-
-/// A joint in plain numbers.
-#[derive(Clone, Debug)]
-struct Pair {
-    papers: [Paper; 2],
-    limb: Limb,
-    pulleys: [Pulley; 2],
-    torque: f64,
-    damping: f64,
-    stops: Stops,
-    angle: InitialAngle,
-    angular_velocity: f64,
-}
-
-impl Pair {
-    /// Two equal actuators on equal pulleys, half contracted at angle zero, with a balanced limb and no stops.
-    fn of(paper: Paper) -> Self {
-        let pulley = Pulley { radius: 0.015, rest_length: 0.082 };
-        Self {
-            papers: [paper.clone(), paper],
-            limb: Limb { mass: 0.3, distance: 0.0, inertia: 1e-3, gravity: GRAVITY, hanging_angle: 0.0 },
-            pulleys: [pulley; 2],
-            torque: 0.0,
-            damping: 0.0,
-            stops: Stops { ends: [None; 2], stiffness: 500.0, damping: 1.0 },
-            angle: InitialAngle::At(0.0),
-            angular_velocity: 0.0,
-        }
-    }
-
-    fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
-        change(&mut self);
-        self
-    }
-
-    fn rig(&self) -> Result<JointRig, Error> {
-        let driven = self.papers.each_ref().map(|paper| Driven {
-            actuator: paper.actuator(),
-            actuation: paper.command.clone().map(|command| Actuation {
-                solenoid: Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid"),
-                command,
-            }),
-        });
-        JointRig::new(driven, Joint::new(self.limb, self.pulleys, self.torque, self.damping, self.stops)?)
-    }
-
-    fn initial(&self) -> JointInitial {
-        JointInitial {
-            gauge_pressure: self.papers.each_ref().map(|paper| GaugePressure(paper.gauge)),
-            temperature: self.papers.each_ref().map(|paper| paper.temperature),
-            angle: self.angle,
-            angular_velocity: self.angular_velocity,
-        }
-    }
-
-    fn try_run(&self, duration: f64, tolerance: f64) -> Result<JointTrajectory, Error> {
-        let rig = self.rig()?;
-        simulate_joint(&rig, rig.start(&self.initial())?, duration, tolerance)
-    }
-
-    fn run(&self, duration: f64, tolerance: f64) -> JointTrajectory {
-        self.try_run(duration, tolerance).expect("the run reaches its end")
-    }
-}
 
 fn pulses(frequency: f64, duty: f64) -> Command {
     Command::pwm(frequency, duty, Request::Fill, Request::Exhaust).expect("a command")
@@ -132,14 +66,14 @@ fn the_joint_sticks_within_the_torque_of_both_frictions() {
     let (b, n) = (paper.thread_length, paper.turns);
     let secant = |gauge: f64| 3.0 * gauge * (length + b / 3_f64.sqrt()) / (4.0 * PI * n * n);
     let force = |gauge: f64| gauge * (3.0 * length * length - b * b) / (4.0 * PI * n * n);
-    // Unequal pressures and pulleys, so that neither the balance nor the bound is symmetric.
+    // Unequal pressures and tendons, so that neither the balance nor the bound is symmetric.
     let (other, radii) = (35.0 * PSI, [0.015, 0.02]);
     let bound = radii[0] * width * secant(gauge) + radii[1] * width * secant(other);
     let balance = radii[1] * force(other) - radii[0] * force(gauge);
     let pair = Pair::of(paper).with(|pair| {
         pair.papers[1].gauge = other;
         for i in 0..2 {
-            pair.pulleys[i].radius = radii[i];
+            pair.tendons[i].arm = MomentArm::Pulley(radii[i]);
         }
     });
     for sign in [-1.0, 1.0] {
@@ -161,7 +95,7 @@ fn energy_and_air_balance_with_everything_at_work() {
         pair.limb.distance = 0.12;
         pair.damping = 2e-3;
         pair.stops = Stops { ends: [Some(-0.2), Some(0.25)], stiffness: 300.0, damping: 0.3 };
-        pair.pulleys[1].radius = 0.012;
+        pair.tendons[1].arm = MomentArm::Pulley(0.012);
     });
     let run = pair.run(1.0, 1e-9);
     let kinds: Vec<EventKind> = run.events().iter().map(|event| event.kind.kind).collect();
@@ -221,7 +155,10 @@ fn compare_with_the_hanging_mass(hysteresis: Option<Hysteresis>) {
     let pair = Pair::of(paper.clone()).with(|pair| {
         pair.papers[1] = Paper::sealed();
         pair.limb = Limb { mass, distance: 0.0, inertia: mass * radius * radius, gravity: GRAVITY, hanging_angle: 0.0 };
-        pair.pulleys = [Pulley { radius, rest_length: rest }, Pulley { radius: 1e-3, rest_length: 0.02 }];
+        pair.tendons = [
+            Tendon { arm: MomentArm::Pulley(radius), rest_length: rest },
+            Tendon { arm: MomentArm::Pulley(1e-3), rest_length: 0.02 },
+        ];
         pair.torque = -mass * GRAVITY * radius;
         pair.angle = InitialAngle::Equilibrium;
     });
@@ -267,7 +204,7 @@ fn a_stop_returns_the_limb_with_the_restitution_of_a_damped_spring() {
     let (inertia, stiffness, damping) = (2e-3, 400.0, 0.5);
     let pair = Pair::of(Paper::sealed()).with(|pair| {
         pair.limb.inertia = inertia;
-        pair.pulleys = [Pulley { radius: 1e-3, rest_length: 0.05 }; 2];
+        pair.tendons = [Tendon { arm: MomentArm::Pulley(1e-3), rest_length: 0.05 }; 2];
         pair.stops = Stops { ends: [Some(-0.1), Some(0.1)], stiffness, damping };
         pair.angular_velocity = 2.0;
     });
@@ -328,6 +265,13 @@ fn derivatives_by_a_parameter_are_those_of_finite_differences() {
     assert_close(angle.slope[0], (at(0.3 + step) - at(0.3 - step)) / (2.0 * step), 1e-4);
 }
 
+/// A pulley, or an arm that goes up and down about its radius.
+fn moment_arm(radius: f64, varies: bool) -> MomentArm {
+    let arms = [1.0, 1.3, 0.8, 1.2].map(|part| part * radius);
+    let table = || MomentArm::table(&[-0.5, -0.1, 0.2, 0.6], &arms).expect("a table");
+    if varies { table() } else { MomentArm::Pulley(radius) }
+}
+
 /// Joints that are tried when `MCKIBBEN_CASES` is not set.
 const CASES: u32 = 3000;
 
@@ -336,7 +280,7 @@ fn pairs() -> impl Strategy<Value = (Pair, f64, f64)> {
     let radius = || 0.02..0.6_f64;
     let start = prop_oneof![1 => Just(None), 2 => (-0.5..0.5_f64).prop_map(Some)];
     let limb = (0.01..5.0_f64, 0.0..0.5_f64, 1e-4..1e-1_f64, -3.0..3.0_f64);
-    let stops = (prop::option::of(-0.5..0.0_f64), prop::option::of(0.01..0.5_f64), 0.0..3.0_f64);
+    let stops = (prop::option::of(-0.5..0.0_f64), prop::option::of(0.01..0.5_f64), 0.0..3.0_f64, any::<bool>());
     ((cases(), cases()), (share(), share(), radius(), radius()), limb, stops, start, -3.0..3.0_f64).prop_map(
         |(
             (first, second),
@@ -347,15 +291,15 @@ fn pairs() -> impl Strategy<Value = (Pair, f64, f64)> {
             speed,
         )| {
             let Case { duration, tolerance, .. } = first;
-            let pulley = |paper: &Paper, share: f64, radius: f64| Pulley {
-                radius: radius * paper.thread_length,
+            let pulley = |paper: &Paper, share: f64, radius: f64| Tendon {
+                arm: moment_arm(radius * paper.thread_length, stops.3),
                 rest_length: share * paper.max_length,
             };
-            let pulleys = [pulley(&first.paper, rest, radius), pulley(&second.paper, other_rest, other)];
+            let tendons = [pulley(&first.paper, rest, radius), pulley(&second.paper, other_rest, other)];
             let pair = Pair {
                 papers: [first.paper, second.paper],
                 limb: Limb { mass, distance, inertia, gravity: GRAVITY, hanging_angle: hanging },
-                pulleys,
+                tendons,
                 torque: 0.0,
                 damping: 1e-3,
                 stops: Stops { ends: [stops.0, stops.1], stiffness: 500.0, damping: stops.2 },
@@ -407,11 +351,11 @@ fn what_cannot_be_is_refused_with_a_reason() {
         error.contains("load.min_angle = 0.1 rad contradicts the rule that it must be less than load.max_angle"),
         "{error}"
     );
-    let error = told(pair().with(|pair| pair.pulleys[0].rest_length = 0.2));
+    let error = told(pair().with(|pair| pair.tendons[0].rest_length = 0.2));
     assert!(error.contains("load.rest_length"), "{error}");
     let error = told(pair().with(|pair| pair.angle = InitialAngle::At(4.0)));
     assert!(error.contains("initial.angle = 4 rad contradicts"), "{error}");
-    let error = told(pair().with(|pair| pair.pulleys[0].radius = f64::NAN));
+    let error = told(pair().with(|pair| pair.tendons[0].arm = MomentArm::Pulley(f64::NAN)));
     assert!(error.contains("load.pulley_radius"), "{error}");
 }
 

@@ -6,7 +6,7 @@ use mckibben::control::{
     AirMass, Between, Controller, Drive, FeedForward, Held, JointAim, JointController, JointMeasurement, JointSensors,
     JointTracker, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensor, SetPoint,
 };
-use mckibben::load::{Joint, Limb, Pulley, Stops};
+use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
 use mckibben::simulation::{
     Actuation, ControlledJoint, Driven, EventKind, InitialAngle, JointEvent, JointInitial, JointRig, simulate_joint,
     simulate_joint_controlled,
@@ -32,7 +32,7 @@ fn paper() -> Paper {
 }
 
 fn joint() -> Joint {
-    let pulley = Pulley { radius: RADIUS, rest_length: REST };
+    let pulley = Tendon { arm: MomentArm::Pulley(RADIUS), rest_length: REST };
     let stops = Stops { ends: [None; 2], stiffness: 500.0, damping: 1.0 };
     Joint::new(LIMB, [pulley; 2], 0.0, 0.03, stops).expect("a joint")
 }

@@ -80,6 +80,7 @@ fn units_are_si() {
         "N*m",
         "N*m/rad",
         "N*m*s/rad",
+        "m/rad",
     ];
     for row in rows() {
         assert!(si.contains(&row.unit), "{}: {:?} is not an SI unit that is known here", row.key, row.unit);

@@ -1,11 +1,12 @@
 //! What the run of a joint came to, as text for people.
 
 use super::control::Closed;
+use super::outcome::Outcome;
 use super::{NAMES, events};
 use crate::describe;
 use crate::observation::{AirUse, Range};
 use crate::quantities::{count, digits, given, quantity};
-use crate::summary::{Page, assumptions, cost, effort, goals, residual};
+use crate::summary::{Page, assumptions, circuit, cost, effort, goals, residual, step_of};
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{JointAudit, JointSample, JointTrajectory};
 use mckibben_scenario::{Assumed, Scenario};
@@ -22,7 +23,7 @@ pub struct Summary<'a> {
     /// The scenario as it was understood, and as it stands for the antagonist.
     pub scenarios: [&'a Scenario; 2],
     /// The run.
-    pub trajectory: &'a JointTrajectory,
+    pub outcome: &'a Outcome,
     /// The controller's part in it, if there is one.
     pub control: Option<&'a Closed>,
     /// How long the computer took.
@@ -38,7 +39,10 @@ impl Summary<'_> {
         self.what_ran(&mut page);
         self.events(&mut page);
         self.states(&mut page);
-        let used = self.used();
+        let Some(trajectory) = self.outcome.located() else {
+            return page.text + &assumptions(self.assumed);
+        };
+        let used = used(trajectory);
         if let Some(closed) = self.control {
             goals(&mut page, &closed.goals);
             let requests = closed.requests().map(|requests| count(requests as u64)).join(" and ");
@@ -46,7 +50,12 @@ impl Summary<'_> {
             effort(&mut page, closed.samples, &requests, &quantity(air, "kg"));
         }
         air(&mut page, used);
-        energy(&mut page, &self.trajectory.audit());
+        let of_circuit = trajectory.circuit();
+        energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
+        if let Some(audit) = of_circuit {
+            let process = trajectory.rig().driven()[0].actuator.air().process();
+            circuit(&mut page, &audit.total(), process, [audit.residual(), audit.turnover()]);
+        }
         page.text + &assumptions(self.assumed)
     }
 
@@ -60,13 +69,23 @@ impl Summary<'_> {
         }
         page.line("air", &describe::air(&scenario.air.process));
         page.line("engine", &describe::engine(run));
-        let steps = cost(self.trajectory.counts());
+        let steps = match self.outcome {
+            Outcome::Located(trajectory) => cost(trajectory.counts()),
+            Outcome::Stepped(stepped) => {
+                let error = stepped.chosen.map(|error| [error.compared, error.greatest]);
+                page.line("step", &step_of(stepped.step, error, run));
+                format!("{} steps", count(stepped.steps))
+            }
+        };
         page.line("cost", &format!("{steps}, {}", quantity(self.elapsed.as_secs_f64(), "s")));
     }
 
     fn events(&self, page: &mut Page) {
         page.heading("Events");
-        let log = self.trajectory.events();
+        if self.outcome.located().is_none() {
+            return page.line("", "the fixed-step engine keeps no log of events");
+        }
+        let log = self.outcome.events();
         let kinds: Vec<String> = events::counts(log)
             .iter()
             .map(|(kind, number)| format!("{}\u{a0}{}", kind.name(), count(*number)))
@@ -78,14 +97,15 @@ impl Summary<'_> {
     }
 
     fn states(&self, page: &mut Page) {
-        let trajectory = self.trajectory;
-        let end = trajectory.duration();
-        let last = trajectory.at(end);
-        let interval = self.scenarios[0].run.sample_interval.min(end / LEAST_SAMPLES);
+        let run = &self.scenarios[0].run;
+        let interval = run.sample_interval.min(run.duration / LEAST_SAMPLES);
+        let Some(last) = self.outcome.samples(interval).last() else { return };
         let range = |value: &dyn Fn(&JointSample) -> f64| {
             let mut range = Range::NONE;
-            trajectory.quadrature(|_, sample, _| range.see(value(sample)));
-            trajectory.samples(interval).for_each(|sample| range.see(value(&sample)));
+            if let Some(trajectory) = self.outcome.located() {
+                trajectory.quadrature(|_, sample, _| range.see(value(sample)));
+            }
+            self.outcome.samples(interval).for_each(|sample| range.see(value(&sample)));
             range
         };
         page.heading("State");
@@ -97,7 +117,7 @@ impl Summary<'_> {
         tell("angular vel.", "rad/s", &|sample| sample.angular_velocity);
         tell("torque", "N*m", &|sample| sample.torque);
         for (index, name) in NAMES.into_iter().enumerate() {
-            let driven = &trajectory.rig().driven()[index];
+            let driven = &self.outcome.rig().driven()[index];
             let atmosphere = driven.actuator.air().atmosphere().0;
             page.line("", name);
             let mut tell = |name: &str, unit: &str, value: &dyn Fn(&JointSample) -> f64| {
@@ -108,17 +128,17 @@ impl Summary<'_> {
             tell("gauge pressure", "Pa", &|sample| sample.actuators[index].pressure.0 - atmosphere);
         }
     }
+}
 
-    fn used(&self) -> [AirUse; 2] {
-        let mut used = [AirUse::default(); 2];
-        self.trajectory.quadrature(|weight, sample, mode| {
-            for (index, air) in used.iter_mut().enumerate() {
-                let actuator = &self.trajectory.rig().driven()[index].actuator;
-                air.see_actuator(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
-            }
-        });
-        used
-    }
+fn used(trajectory: &JointTrajectory) -> [AirUse; 2] {
+    let mut used = [AirUse::default(); 2];
+    trajectory.quadrature(|weight, sample, mode| {
+        for (index, air) in used.iter_mut().enumerate() {
+            let actuator = &trajectory.rig().driven()[index].actuator;
+            air.see_actuator(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
+        }
+    });
+    used
 }
 
 fn air(page: &mut Page, used: [AirUse; 2]) {

@@ -7,8 +7,9 @@ mod parquet;
 use crate::closed_loop::Goal;
 use crate::engine::Outcome;
 use crate::failure::Failure;
+use crate::joint;
 use field::Field;
-use mckibben::simulation::{JointSample, JointTrajectory, Sample};
+use mckibben::simulation::{JointSample, Sample};
 use mckibben_scenario::{Document, Scenario};
 use std::io::Write;
 use std::path::Path;
@@ -124,14 +125,14 @@ pub fn write_controlled(
 /// # Errors
 /// [`Failure::output`], which names `path`, when writing fails.
 pub fn write_joint(
-    trajectory: &JointTrajectory,
+    outcome: &joint::outcome::Outcome,
     goals: &[Goal],
     interval: f64,
     provenance: &Provenance<'_>,
     (path, format): (&Path, Format),
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
-    let rows: Rows<'_, JointSample> = &mut |each| trajectory.samples(interval).try_for_each(|sample| each(&sample));
+    let rows: Rows<'_, JointSample> = &mut |each| outcome.samples(interval).try_for_each(|sample| each(&sample));
     write_fields(&field::of_joint(goals), rows, provenance, (path, format), out)
 }
 

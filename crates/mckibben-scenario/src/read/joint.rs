@@ -3,14 +3,14 @@
 //! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
 //! said of it is as of the first. What is said in several keys is taken whole: an effectiveness; a valve or command that
 //! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
-//! names its `law`, a bladder its `form`.
+//! names its `law`, a bladder its `form`; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
-use super::{body, drive, gauge_pressure, passage};
+use super::{alternative, body, columns, drive, gauge_pressure, passage};
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED};
 use crate::presets;
 use crate::reader::Reader;
-use crate::scenario::{Air, Antagonist, InitialAngle, Joint, Pulley};
+use crate::scenario::{Air, Antagonist, InitialAngle, Joint, MomentArm, Tendon};
 use mckibben::parameter as p;
 
 pub(super) fn joint(r: &mut Reader<'_>, air: &Air) -> Option<Joint> {
@@ -29,7 +29,7 @@ pub(super) fn joint(r: &mut Reader<'_>, air: &Air) -> Option<Joint> {
         max_angle: r.number(&p::MAX_ANGLE),
         stop_stiffness: r.value(&p::STOP_STIFFNESS, None),
         stop_damping: r.value(&p::STOP_DAMPING, None),
-        pulley: pulley(r),
+        tendon: tendon(r),
         angle: angle.map_or(InitialAngle::Equilibrium, InitialAngle::At),
         angular_velocity: r.value(&p::INITIAL_ANGULAR_VELOCITY, None),
         antagonist: Box::new(antagonist(r, air)?),
@@ -37,8 +37,24 @@ pub(super) fn joint(r: &mut Reader<'_>, air: &Air) -> Option<Joint> {
     Some(joint)
 }
 
-fn pulley(r: &mut Reader<'_>) -> Pulley {
-    Pulley { radius: r.value(&p::PULLEY_RADIUS, None), rest_length: r.value(&p::REST_LENGTH, None) }
+/// The keys of a moment arm: a radius, or a table.
+const ARM: [&str; 3] = [p::PULLEY_RADIUS.key, p::MOMENT_ARM_ANGLE.key, p::MOMENT_ARM.key];
+
+fn tendon(r: &mut Reader<'_>) -> Tendon {
+    Tendon { arm: arm(r), rest_length: r.value(&p::REST_LENGTH, None) }
+}
+
+fn arm(r: &mut Reader<'_>) -> MomentArm {
+    if alternative(r, &[&ARM[..1], &ARM[1..]]) == Some(1) {
+        let angle = r.list(&p::MOMENT_ARM_ANGLE);
+        let arm = r.list(&p::MOMENT_ARM);
+        let (angle, arm) = columns(r, &p::MOMENT_ARM_ANGLE, angle, p::MOMENT_ARM.key, arm);
+        return MomentArm::Table { angle, arm };
+    }
+    if !r.has(ARM[0]) {
+        r.missing(ARM[0], "; `moment_arm_angle` and `moment_arm` would do as well");
+    }
+    MomentArm::Pulley(r.noted(&p::PULLEY_RADIUS))
 }
 
 /// The second actuator; `None` when there is a mistake in what is said of it, which has been noted.
@@ -48,11 +64,11 @@ fn antagonist(r: &mut Reader<'_>, air: &Air) -> Option<Antagonist> {
     let of = &mut reader;
     let actuator = body::actuator(of);
     let (supply, valve, command) = drive::drive(of, air);
-    let pulley = pulley(of);
+    let tendon = tendon(of);
     let gauge_pressure = gauge_pressure(of, &p::INITIAL_GAUGE_PRESSURE, air);
     let temperature = of.value(&p::INITIAL_TEMPERATURE, None);
     match reader.finish() {
-        Ok(()) => Some(Antagonist { actuator, supply, valve, command, pulley, gauge_pressure, temperature }),
+        Ok(()) => Some(Antagonist { actuator, supply, valve, command, tendon, gauge_pressure, temperature }),
         Err(found) => {
             found.iter().for_each(|diagnostic| r.note(diagnostic.clone()));
             None
@@ -90,8 +106,13 @@ impl Document {
             "actuator.bladder" => table.get("form").is_some(),
             _ => false,
         };
+        let names_arm = ARM.iter().filter_map(|path| path.strip_prefix("load.")).any(|name| table.get(name).is_some());
         if whole {
             self.remove(section);
+        } else if section == "load" && names_arm {
+            for path in ARM {
+                self.remove(path);
+            }
         } else if section == "valve" && states_passage(table) {
             self.remove("valve.exhaust");
             for row in passage::SUPPLY.ways().iter().flatten() {

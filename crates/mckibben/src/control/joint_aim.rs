@@ -24,6 +24,7 @@ use super::{
     RegulatorMemory, SetPoint,
 };
 use crate::actuator::Actuator;
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::Joint;
 use crate::parameter;
@@ -64,8 +65,10 @@ impl JointAim {
 impl<R: Real> JointAim<R> {
     /// The two actuators at an angle in rad.
     fn pair(&self, angle: R) -> Result<AntagonisticPair<'_, R>, Error> {
-        let arms = self.joint.pulleys().each_ref().map(|pulley| pulley.radius);
-        AntagonisticPair::new(self.actuators.each_ref(), self.joint.lengths(angle), arms)
+        let leverage = self.joint.leverage(Dual::<R, 1>::variable(angle, 0));
+        let (lengths, arms) = (leverage.lengths.map(|length| length.value), leverage.arms.map(|arm| arm.value));
+        let pair = AntagonisticPair::new(self.actuators.each_ref(), lengths, arms)?;
+        pair.with_arm_slopes(leverage.arms.map(|arm| arm.slope[0]))
     }
 
     /// The gauge pressures of agonist and antagonist that the model asks for at a time in s.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! τ = r₁ F₁ − r₂ F₂                F = Eff(P_g) P_g A(L)                                  (3)(9)
-//! K = −dτ/dθ = r₁² k₁ + r₂² k₂     k = ∂F/∂L + (∂F/∂P_g)(dP/dL)                           (5)
+//! K = −dτ/dθ = r₁² k₁ − r₁′ F₁ + r₂² k₂ + r₂′ F₂    k = ∂F/∂L + (∂F/∂P_g)(dP/dL)         (5)
 //! dP/dL = 0                        open: each valve keeps the pressure                    (6)
 //! dP/dL = κ P A/V                  sealed: the valves are shut, the air masses are kept
 //! ```
@@ -10,7 +10,7 @@
 //! | symbol | name in code | unit |
 //! |---|---|---|
 //! | τ, K | `torque`, `stiffness`, of the two actuators on the joint | N·m, N·m/rad |
-//! | r, L | `arm`, above zero and constant; `length` | m |
+//! | r, r′, L | `arm`, above zero; `arm_slope`, its slope over θ, zero for a pulley; `length` | m, m/rad, m |
 //! | A, A′ | pull area `(3L² − b²)/(4πn²)`, its slope `6L/(4πn²)` | m², m |
 //! | P, V, κ | absolute pressure, volume with the hose, index of the process | Pa, m³, – |
 //!
@@ -31,6 +31,7 @@ use crate::actuator::Actuator;
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::force::Effectiveness;
+use crate::load::SIGN;
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
@@ -51,6 +52,7 @@ pub struct AntagonisticPair<'a, R = f64> {
     actuators: [&'a Actuator<R>; 2],
     length: [R; 2],
     arm: [R; 2],
+    arm_slope: [R; 2],
     /// The highest gauge pressures up to which `Eff(P) P` rises.
     top: [R; 2],
 }
@@ -95,7 +97,35 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
             }
         }
         let top = actuators.map(|actuator| top(&actuator.law().effectiveness));
-        Ok(Self { actuators, length, arm, top })
+        Ok(Self { actuators, length, arm, arm_slope: [R::zero(); 2], top })
+    }
+
+    /// The same with moment arms that change with the angle, by so many m/rad.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a slope that is not finite; [`Error::Unsupported`] where the arms change so fast that more
+    /// pressure in both makes the joint softer: no stiffness has its pressures then.
+    pub fn with_arm_slopes(self, arm_slope: [R; 2]) -> Result<Self, Error> {
+        for slope in arm_slope {
+            parameter::ARM_SLOPE.check(slope.value())?;
+        }
+        let pair = Self { arm_slope, ..self };
+        // What each newton metre adds to the stiffness, at kept pressures.
+        let of = |i: usize| pair.slope_per_pascal(i) / pair.lever(i);
+        if (of(0) + of(1)).value() > 0.0 {
+            return Ok(pair);
+        }
+        Err(Error::Unsupported {
+            what: "the moment arms change so fast with the angle that more pressure in both actuators makes the joint softer",
+            remedy: "choose another range of angles, or control the angle alone",
+        })
+    }
+
+    /// `r² A′ ∓ r′ A`: the stiffness in N·m/rad of a pascal of `Eff(P) P` at kept pressures.
+    fn slope_per_pascal(&self, i: usize) -> R {
+        let (actuator, length, arm) = (self.actuators[i], self.length[i], self.arm[i]);
+        let slope = R::constant(6.0) * length * actuator.law().law.braid.per_turns();
+        arm * arm * slope + R::constant(SIGN[i]) * self.arm_slope[i] * actuator.pull_area(length)
     }
 
     fn absolute(&self, i: usize, gauge: GaugePressure<R>) -> AbsolutePressure<R> {
@@ -116,7 +146,8 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
                 Held::Pressures => actuator.stiffness(self.length[i], pressure),
                 Held::AirMasses => actuator.sealed_stiffness(self.length[i], pressure),
             };
-            self.arm[i] * self.arm[i] * stiffness
+            let force = actuator.static_force(self.length[i], pressure.0);
+            self.arm[i] * self.arm[i] * stiffness + R::constant(SIGN[i]) * self.arm_slope[i] * force
         };
         of(0) + of(1)
     }
@@ -244,13 +275,16 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
     fn linear(&self, i: usize, ratio: R, held: Held) -> (R, R, R) {
         let (actuator, length, arm) = (self.actuators[i], self.length[i], self.arm[i]);
         let area = actuator.pull_area(length);
-        let slope = R::constant(6.0) * length * actuator.law().law.braid.per_turns();
         let spring = match held {
             Held::Pressures => R::zero(),
             Held::AirMasses => area * area * actuator.air().index() / actuator.volume(length),
         };
         let square = arm * arm * ratio;
-        (arm * ratio * area, square * (slope + spring), square * spring * actuator.air().atmosphere().0)
+        (
+            arm * ratio * area,
+            ratio * self.slope_per_pascal(i) + square * spring,
+            square * spring * actuator.air().atmosphere().0,
+        )
     }
 
     /// One Newton step of both equations from a pair that is near.
@@ -260,6 +294,7 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
             actuators: wide.each_ref(),
             length: self.length.map(Dual::of),
             arm: self.arm.map(Dual::of),
+            arm_slope: self.arm_slope.map(Dual::of),
             top: self.top.map(Dual::of),
         };
         let gauge = [0, 1].map(|i| GaugePressure(Dual::variable(near[i], i)));

@@ -31,6 +31,7 @@ pub use limits::LengthLimits;
 #[cfg(feature = "alloc")]
 pub use map::{ForceMap, MAX_MAP};
 pub use martens_boblan::MartensBoblan;
+pub(crate) use monotone::Knots;
 pub use polynomial::{MAX_POWERS, Polynomial};
 pub use sarosi::Sarosi;
 pub use taper::Taper;

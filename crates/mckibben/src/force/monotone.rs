@@ -11,15 +11,15 @@ use crate::scalar::Scalar;
 
 /// Measured values at rising places.
 #[derive(Clone, Copy)]
-pub(super) struct Knots<P, V> {
-    pub(super) count: usize,
-    pub(super) place: P,
-    pub(super) value: V,
+pub(crate) struct Knots<P, V> {
+    pub(crate) count: usize,
+    pub(crate) place: P,
+    pub(crate) value: V,
 }
 
 impl<P, V> Knots<P, V> {
     /// The slope at a knot; there are at least two.
-    pub(super) fn slope<S: Scalar>(&self, knot: usize) -> S
+    pub(crate) fn slope<S: Scalar>(&self, knot: usize) -> S
     where
         P: Fn(usize) -> S,
         V: Fn(usize) -> S,

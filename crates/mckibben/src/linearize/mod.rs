@@ -38,6 +38,7 @@
 #[cfg(feature = "analysis")]
 mod analysis;
 mod averaged;
+mod joint;
 mod point;
 mod rates;
 mod seats;
@@ -46,6 +47,7 @@ mod state_space;
 #[cfg(feature = "analysis")]
 pub use analysis::{Controllability, Phasor, Pole};
 pub use averaged::{Aim, Averaged, average};
+pub use joint::{JointBalance, JointLinearization, linearize_joint};
 pub use point::{Balance, Content, OperatingPoint};
 pub use seats::Interval;
 pub use state_space::{Signal, StateSpace};

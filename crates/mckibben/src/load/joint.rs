@@ -1,8 +1,8 @@
-//! A joint that two antagonistic actuators turn about a pulley each.
+//! A joint that two antagonistic actuators turn, each by its moment arm.
 //!
 //! ```text
-//! J dω/dt = r₁ F₁ − r₂ F₂ + W − M g d sin(θ − θ₀) − c ω − S        J = I + M d²
-//! L₁ = ℓ₁ − r₁ θ        L₂ = ℓ₂ + r₂ θ
+//! J dω/dt = r₁(θ) F₁ − r₂(θ) F₂ + W − M g d sin(θ − θ₀) − c ω − S        J = I + M d²
+//! L₁ = ℓ₁ − e₁(θ)        L₂ = ℓ₂ + e₂(θ)        e = ∫₀^θ r dθ        (see `moment_arm`)
 //! S = max(0, K_stop δ + C_stop u)  at a stop that is passed by δ and pressed at the rate u, against it
 //! ```
 //!
@@ -12,7 +12,7 @@
 //! | symbol | name in code | unit |
 //! |---|---|---|
 //! | θ, ω | `angle`, `angular_velocity` | rad, rad/s |
-//! | r, ℓ | `radius`, `rest_length`, the distance between the attachments at angle zero | m |
+//! | r, ℓ | `arm`, `rest_length`, the distance between the attachments at angle zero | m |
 //! | M, d | `mass`, `distance` of the centre of mass from the axis | kg, m |
 //! | I, J | `inertia` about the centre of mass, and about the axis | kg·m² |
 //! | g, θ₀ | `gravity`, `hanging_angle` at which the limb hangs straight down | m/s², rad |
@@ -22,10 +22,11 @@
 //!
 //! Source: elementary mechanics. Checked by `tests/joint.rs`.
 
+use super::moment_arm::MomentArm;
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Real, Scalar};
 
 /// The limb that a joint carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +43,11 @@ pub struct Limb<S = f64> {
     pub hanging_angle: S,
 }
 
-/// The pulley of one actuator.
+/// How one actuator is led over the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pulley<S = f64> {
-    /// Radius r in m.
-    pub radius: S,
+pub struct Tendon<S = f64> {
+    /// Its moment arm.
+    pub arm: MomentArm<S>,
     /// Distance ℓ in m between the attachments at angle zero.
     pub rest_length: S,
 }
@@ -62,32 +63,55 @@ pub struct Stops<S = f64> {
     pub damping: S,
 }
 
+/// Where agonist and antagonist pull at an angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leverage<S = f64> {
+    /// Distances in m between the attachments.
+    pub lengths: [S; 2],
+    /// Moment arms in m.
+    pub arms: [S; 2],
+}
+
+impl<S: Scalar> Leverage<S> {
+    /// `dL/dθ` of each actuator in m: `−r₁` and `r₂`.
+    #[inline(always)]
+    pub fn slopes(&self) -> [S; 2] {
+        [-self.arms[0], self.arms[1]]
+    }
+
+    /// Torque in N·m of two tensions in N.
+    #[inline(always)]
+    pub fn torque_of(&self, tensions: [S; 2]) -> S {
+        self.arms[0] * tensions[0] - self.arms[1] * tensions[1]
+    }
+}
+
 /// A joint that two antagonistic actuators turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint<S = f64> {
     limb: Limb<S>,
-    pulleys: [Pulley<S>; 2],
+    tendons: [Tendon<S>; 2],
     torque: S,
     damping: S,
     stops: Stops<S>,
 }
 
 impl Joint {
-    /// A joint of a limb and the pulleys of agonist and antagonist, with a constant `torque` (N·m), viscous `damping`
+    /// A joint of a limb and the tendons of agonist and antagonist, with a constant `torque` (N·m), viscous `damping`
     /// (N·m·s/rad) and stops.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] for a limb without inertia about the
     /// axis, or when the lower stop is not below the upper.
-    pub fn new(limb: Limb, pulleys: [Pulley; 2], torque: f64, damping: f64, stops: Stops) -> Result<Self, Error> {
+    pub fn new(limb: Limb, tendons: [Tendon; 2], torque: f64, damping: f64, stops: Stops) -> Result<Self, Error> {
         parameter::MASS.check(limb.mass)?;
         parameter::LIMB_DISTANCE.check(limb.distance)?;
         parameter::LIMB_INERTIA.check(limb.inertia)?;
         parameter::GRAVITY.check(limb.gravity)?;
         parameter::HANGING_ANGLE.check(limb.hanging_angle)?;
-        for pulley in pulleys {
-            parameter::PULLEY_RADIUS.check(pulley.radius)?;
-            parameter::REST_LENGTH.check(pulley.rest_length)?;
+        for tendon in tendons {
+            tendon.arm.check()?;
+            parameter::REST_LENGTH.check(tendon.rest_length)?;
         }
         parameter::JOINT_TORQUE.check(torque)?;
         parameter::JOINT_DAMPING.check(damping)?;
@@ -114,7 +138,7 @@ impl Joint {
                 remedy: "lower min_angle or raise max_angle",
             });
         }
-        let joint = Self { limb, pulleys, torque, damping, stops };
+        let joint = Self { limb, tendons, torque, damping, stops };
         if joint.inertia() > 0.0 {
             return Ok(joint);
         }
@@ -147,9 +171,9 @@ impl<S: Scalar> Joint<S> {
                 gravity: convert.parameter(&parameter::GRAVITY, limb.gravity),
                 hanging_angle: convert.parameter(&parameter::HANGING_ANGLE, limb.hanging_angle),
             },
-            pulleys: self.pulleys.map(|pulley| Pulley {
-                radius: convert.parameter(&parameter::PULLEY_RADIUS, pulley.radius),
-                rest_length: convert.parameter(&parameter::REST_LENGTH, pulley.rest_length),
+            tendons: self.tendons.map(|tendon| Tendon {
+                arm: tendon.arm.convert(convert),
+                rest_length: convert.parameter(&parameter::REST_LENGTH, tendon.rest_length),
             }),
             torque: convert.parameter(&parameter::JOINT_TORQUE, self.torque),
             damping: convert.parameter(&parameter::JOINT_DAMPING, self.damping),
@@ -169,9 +193,9 @@ impl<S: Scalar> Joint<S> {
         &self.limb
     }
 
-    /// The pulleys of agonist and antagonist.
-    pub fn pulleys(&self) -> &[Pulley<S>; 2] {
-        &self.pulleys
+    /// The tendons of agonist and antagonist.
+    pub fn tendons(&self) -> &[Tendon<S>; 2] {
+        &self.tendons
     }
 
     /// Constant torque W in N·m.
@@ -200,28 +224,30 @@ impl<S: Scalar> Joint<S> {
         self.limb.mass * self.limb.gravity * self.limb.distance
     }
 
-    /// Distance in m between the attachments of each actuator at an angle.
+    /// Where both actuators pull at an angle in rad.
+    #[inline(always)]
+    pub fn leverage<T: Over<S>>(&self, angle: T) -> Leverage<T> {
+        self.leverage_of([self.tendons[0].arm.at(angle), self.tendons[1].arm.at(angle)])
+    }
+
+    /// The same by the formulas of a piece of each moment arm.
+    #[inline(always)]
+    pub(crate) fn leverage_in<T: Over<S>>(&self, pieces: [usize; 2], angle: T) -> Leverage<T> {
+        let [agonist, antagonist] = &self.tendons;
+        let of = [agonist.arm.in_piece(pieces[0], angle), antagonist.arm.in_piece(pieces[1], angle)];
+        self.leverage_of(of)
+    }
+
+    #[inline(always)]
+    fn leverage_of<T: Over<S>>(&self, [[arm, excursion], [other_arm, other_excursion]]: [[T; 2]; 2]) -> Leverage<T> {
+        let [agonist, antagonist] = self.tendons.each_ref().map(|tendon| T::of(tendon.rest_length));
+        Leverage { lengths: [agonist - excursion, antagonist + other_excursion], arms: [arm, other_arm] }
+    }
+
+    /// Distance in m between the attachments of each actuator at an angle in rad.
     #[inline(always)]
     pub fn lengths<T: Over<S>>(&self, angle: T) -> [T; 2] {
-        let arms = self.slopes();
-        core::array::from_fn(|i| T::of(self.pulleys[i].rest_length) + T::of(arms[i]) * angle)
-    }
-
-    /// `dL/dθ` of each actuator in m: `−r₁` and `r₂`.
-    #[inline(always)]
-    pub fn slopes(&self) -> [S; 2] {
-        [-self.pulleys[0].radius, self.pulleys[1].radius]
-    }
-
-    /// The angle in rad at which an actuator, 0 or 1, has a length in m.
-    pub(crate) fn angle_at(&self, actuator: usize, length: S) -> S {
-        (length - self.pulleys[actuator].rest_length) / self.slopes()[actuator]
-    }
-
-    /// Torque in N·m of two tensions in N.
-    #[inline(always)]
-    pub fn torque_of<T: Over<S>>(&self, tensions: [T; 2]) -> T {
-        T::of(self.pulleys[0].radius) * tensions[0] - T::of(self.pulleys[1].radius) * tensions[1]
+        self.leverage(angle).lengths
     }
 
     /// What turns the joint besides actuators and stops, in N·m: `W − M g d sin(θ − θ₀) − c ω`.
@@ -250,5 +276,18 @@ impl<S: Scalar> Joint<S> {
         });
         let limb = half * self.inertia() * angular_velocity * angular_velocity - self.weight() * swing;
         stored.fold(limb - self.torque * angle, |sum, energy| sum + energy)
+    }
+}
+
+impl<S: Real> Joint<S> {
+    /// The pieces of both moment arms that hold at an angle in rad.
+    pub(crate) fn pieces(&self, angle: S) -> [usize; 2] {
+        self.tendons.each_ref().map(|tendon| tendon.arm.piece(angle))
+    }
+
+    /// The angle in rad at which an actuator, 0 or 1, has a length in m.
+    pub(crate) fn angle_at(&self, actuator: usize, length: S) -> S {
+        let Tendon { arm, rest_length } = &self.tendons[actuator];
+        arm.angle_of(S::constant(SIGN[actuator]) * (length - *rest_length))
     }
 }

@@ -20,11 +20,13 @@
 
 mod joint;
 pub mod leg;
+mod moment_arm;
 mod motion;
 
 pub(crate) use joint::SIGN;
-pub use joint::{Joint, Limb, Pulley, Stops};
+pub use joint::{Joint, Leverage, Limb, Stops, Tendon};
 pub use leg::{Belt, Leg, LegState, Segment, Strand};
+pub use moment_arm::{ArmTable, MAX_ARMS, MomentArm};
 pub use motion::{Line, Motion};
 
 use crate::convert::Convert;

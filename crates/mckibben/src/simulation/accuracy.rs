@@ -36,9 +36,9 @@ pub const PILOT: f64 = 10.0;
 /// The shortest step in s that is tried.
 pub const SHORTEST: f64 = 1e-6;
 /// Part of a state's usual size that its range counts for at least.
-const LEAST_RANGE: f64 = 1e-3;
+pub(super) const LEAST_RANGE: f64 = 1e-3;
 /// Relative tolerance of the reference as a part of the accuracy, and its bounds.
-const REFERENCE: (f64, f64, f64) = (1e-3, 1e-12, 1e-7);
+pub(super) const REFERENCE: (f64, f64, f64) = (1e-3, 1e-12, 1e-7);
 
 /// The error of the fixed-step engine: for each state the largest difference from the event-located engine, as a share of
 /// the range that the state covers.
@@ -158,7 +158,7 @@ impl Reference {
 }
 
 /// 1, 2, 5, 10, 20, 50, …
-fn parts() -> impl Iterator<Item = f64> {
+pub(super) fn parts() -> impl Iterator<Item = f64> {
     core::iter::successors(Some(1.0), |decade| Some(decade * 10.0))
         .flat_map(|decade: f64| [1.0, 2.0, 5.0].map(|mantissa| mantissa * decade))
 }

@@ -85,7 +85,7 @@ impl CircuitAudit {
 }
 
 /// The surroundings and the gas.
-struct Exergy {
+pub(super) struct Exergy {
     temperature: f64,
     pressure: f64,
     gas_constant: f64,
@@ -93,7 +93,7 @@ struct Exergy {
 }
 
 impl Exergy {
-    fn new<R: Real>(actuator: &Actuator<R>, valve: &Valve<R>) -> Self {
+    pub(super) fn new<R: Real>(actuator: &Actuator<R>, valve: &Valve<R>) -> Self {
         let air = actuator.air();
         let (gas_constant, ratio) = (air.gas_constant().value(), air.heat_capacity_ratio().value());
         Self {
@@ -117,7 +117,7 @@ impl Exergy {
     }
 
     /// Exergy of the contents in J.
-    fn contents<R: Real>(&self, sample: &Sample<R>) -> f64 {
+    pub(super) fn contents<R: Real>(&self, sample: &Sample<R>) -> f64 {
         let pressure = sample.pressure.0.value();
         let of_mass = sample.air_mass.value() * self.stream(sample.temperature.value(), pressure);
         of_mass - (pressure - self.pressure) * sample.volume.value()
@@ -125,8 +125,23 @@ impl Exergy {
 }
 
 impl CircuitAudit {
+    /// Both together, term by term, but for the work, which stays that of the first.
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self {
+            drawn: self.drawn + other.drawn,
+            compressor: self.compressor + other.compressor,
+            stored: self.stored + other.stored,
+            exhaust: self.exhaust + other.exhaust,
+            throttled: self.throttled + other.throttled,
+            mixed: self.mixed + other.mixed,
+            heat: self.heat + other.heat,
+            heat_gain: self.heat_gain + other.heat_gain,
+            work: self.work,
+        }
+    }
+
     /// Adds the air of an instant of `weight` s.
-    fn add<R: Real>(
+    pub(super) fn add<R: Real>(
         &mut self,
         exergy: &Exergy,
         (actuator, valve): (&Actuator<R>, &Valve<R>),

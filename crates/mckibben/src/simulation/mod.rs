@@ -5,7 +5,8 @@
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
 //!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
 //!
-//! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other. [`simulate_controlled`]
+//! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other, [`JointStepper`] the
+//! second. [`simulate_controlled`]
 //! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way,
 //! [`simulate_joint_controlled`] the first of these for a joint.
 //!
@@ -68,8 +69,9 @@ pub use joint::{
 };
 #[cfg(feature = "alloc")]
 pub use joint::{
-    ControlledJoint, JointAudit, JointDecision, JointEvent, JointSample, JointTrajectory, simulate_joint,
-    simulate_joint_controlled, simulate_joint_controlled_watched, simulate_joint_watched,
+    ControlledJoint, JointAudit, JointCircuitAudit, JointCourse, JointDecision, JointEvent, JointSample,
+    JointStepError, JointStepper, JointTrajectory, joint_step_for_accuracy, simulate_joint, simulate_joint_controlled,
+    simulate_joint_controlled_watched, simulate_joint_watched,
 };
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]

@@ -120,6 +120,8 @@ pub enum EventKind {
     Regulator,
     /// A set point of a pressure regulator took effect.
     SetPoint,
+    /// The angle of a joint passed a row of a table of moment arms.
+    MomentArm,
     /// A joint came to a stop, or pressed it again.
     StopReached,
     /// A stop ceased to press while the joint came back.
@@ -153,6 +155,7 @@ impl EventKind {
             Self::Compressor => "compressor",
             Self::Regulator => "regulator",
             Self::SetPoint => "set-point",
+            Self::MomentArm => "moment-arm",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",
             Self::StopLeft => "stop-left",

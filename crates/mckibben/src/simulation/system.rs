@@ -15,7 +15,7 @@ use crate::scalar::{Over, Real};
 use core::fmt::Debug;
 
 /// The largest number of guards that a mode may have.
-pub const MAX_GUARDS: usize = 32;
+pub const MAX_GUARDS: usize = 40;
 
 /// How a guard is computed from the state.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Shared by the tests: the paper's rig with every number open to change, and a comparison that says what it compared.
 #![allow(dead_code)]
 
+pub(crate) mod joint;
 pub(crate) mod laws;
 pub(crate) mod random;
 

@@ -6,7 +6,6 @@ use crate::plot::Theme;
 use crate::portrait::{self, Over};
 use crate::{closed_loop, engine, joint};
 use mckibben::load::Load;
-use mckibben::simulation::simulate_joint;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
 
@@ -50,14 +49,14 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     if let Some(controlled) = document.controlled_joint_experiment()? {
         let closed = joint::control::close(&controlled, |_| ()).map_err(|error| Failure::of_core(&error, &document))?;
         let interval = controlled.experiment.run.sample_interval;
-        let figure = joint::portrait::figure(&closed.trajectory, &closed.goals, interval, "");
+        let outcome = joint::outcome::Outcome::Located(Box::new(closed.trajectory));
+        let figure = joint::portrait::figure(&outcome, &closed.goals, interval, "");
         return picture(figure.to_svg(Theme::Auto), "simulate", "");
     }
     if let Some(experiment) = document.joint_experiment()? {
         let run = &experiment.run;
-        let trajectory = simulate_joint(&experiment.rig, experiment.start, run.duration, run.relative_tolerance)
-            .map_err(|error| Failure::of_core(&error, &document))?;
-        let figure = joint::portrait::figure(&trajectory, &[], run.sample_interval, "");
+        let outcome = joint::outcome::run(&experiment).map_err(|error| Failure::of_core(&error, &document))?;
+        let figure = joint::portrait::figure(&outcome, &[], run.sample_interval, "");
         return picture(figure.to_svg(Theme::Auto), "simulate", "");
     }
     let failed = |error| Failure::of_core(&error, &document);

@@ -1,8 +1,10 @@
 //! The model as files: JSON for programs, a script for MATLAB and Octave.
 
 use super::Model;
-use mckibben::linearize::{Averaged, Controllability, Pole, Signal};
+use super::joint::JointModel;
+use mckibben::linearize::{Averaged, Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
+use mckibben_scenario::Assumed;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -40,9 +42,6 @@ fn kind(model: &Model<'_>) -> &'static str {
 /// The model as JSON. A number without a bound is `null`.
 pub(super) fn json(model: &Model<'_>) -> String {
     let system = &model.system;
-    let signals = |signals: &[Signal]| -> Vec<Value> {
-        signals.iter().map(|s| json!({ "name": s.name, "symbol": s.symbol, "unit": s.unit })).collect()
-    };
     let point: Map<String, Value> = point(model).into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
     let poles: Vec<Value> = model.poles.iter().map(pole).collect();
     let inputs = system.inputs.iter().zip(&model.reach);
@@ -53,8 +52,6 @@ pub(super) fn json(model: &Model<'_>) -> String {
             "amplitude_m": amplitude, "angular_frequency_rad_s": frequency, "damping_n_s_m": damping,
         })
     });
-    let assumed: Vec<Value> =
-        model.assumed.iter().map(|value| json!({ "key": value.parameter.key, "value": value.text })).collect();
     let document = json!({
         "format": "mckibben-linear-model",
         "version": VERSION,
@@ -71,7 +68,7 @@ pub(super) fn json(model: &Model<'_>) -> String {
         "controllability": reach,
         "coulomb_friction_as_damping": equivalent,
         "pwm": model.linear.averaged.as_ref().map(|averaged| pwm(averaged, model)),
-        "assumed": assumed,
+        "assumed": assumptions(&model.assumed),
     });
     format!("{document:#}\n")
 }
@@ -125,25 +122,64 @@ pub(super) fn over_fastest(averaged: &Averaged, poles: &[Pole]) -> Option<f64> {
     (fastest > 0.0).then(|| TAU * averaged.frequency / fastest)
 }
 
+/// The model of a joint as JSON.
+pub(super) fn joint_json(model: &JointModel<'_>) -> String {
+    let system = &model.system;
+    let point: Map<String, Value> =
+        model.point().into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
+    let document = json!({
+        "format": "mckibben-linear-model",
+        "version": VERSION,
+        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
+        "scenario": model.name,
+        "model": "joint-held-valves",
+        "operating_point": point,
+        "states": signals(&system.states),
+        "inputs": signals(&system.inputs),
+        "outputs": signals(&system.outputs),
+        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
+        "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
+        "assumed": assumptions(&model.assumed),
+    });
+    format!("{document:#}\n")
+}
+
+fn signals(signals: &[Signal]) -> Vec<Value> {
+    signals.iter().map(|s| json!({ "name": s.name, "symbol": s.symbol, "unit": s.unit })).collect()
+}
+
+fn assumptions(assumed: &[Assumed]) -> Vec<Value> {
+    assumed.iter().map(|value| json!({ "key": value.parameter.key, "value": value.text })).collect()
+}
+
 /// The model as a script that MATLAB and Octave run, and that can be read without either.
 pub(super) fn matlab(model: &Model<'_>) -> String {
-    let system = &model.system;
+    let kind = if model.linear.averaged.is_some() { "valve under PWM on average" } else { "valve held shut" };
+    let mut values = point(model);
+    values.extend(model.linear.averaged.as_ref().map(|averaged| ("frequency_hz", averaged.frequency)));
+    script(model.name, kind, &values, &model.system, &model.poles)
+}
+
+/// A model, the values at its point and its poles as a script.
+pub(super) fn script(
+    name: &str,
+    kind: &str,
+    point: &[(&'static str, f64)],
+    system: &StateSpace,
+    poles: &[Pole],
+) -> String {
     let mut text = String::new();
     let mut line = |words: &str| {
         text.push_str(words);
         text.push('\n');
     };
-    let kind = if model.linear.averaged.is_some() { "valve under PWM on average" } else { "valve held shut" };
     line("% Linear model of a braided pneumatic actuator: dx/dt = A x + B u, y = C x + D u.");
     line("% x, u and y are differences from the operating point, in SI units.");
-    line(&format!("% Scenario: {}; {kind}.", model.name.replace(['\n', '\r'], " ")));
+    line(&format!("% Scenario: {}; {kind}.", name.replace(['\n', '\r'], " ")));
     line(&format!("% Written by mckibben {}.", env!("CARGO_PKG_VERSION")));
     line("");
-    for (name, value) in point(model) {
+    for (name, value) in point {
         line(&format!("point.{name} = {value:e};"));
-    }
-    if let Some(averaged) = &model.linear.averaged {
-        line(&format!("point.frequency_hz = {:e};", averaged.frequency));
     }
     line("");
     for (name, signals) in [("states", &system.states), ("inputs", &system.inputs), ("outputs", &system.outputs)] {
@@ -157,7 +193,7 @@ pub(super) fn matlab(model: &Model<'_>) -> String {
     for (name, rows) in [("A", &system.a), ("B", &system.b), ("C", &system.c), ("D", &system.d)] {
         line(&matrix(name, rows));
     }
-    let poles: Vec<Vec<f64>> = model.poles.iter().map(|pole| vec![pole.real, pole.imaginary]).collect();
+    let poles: Vec<Vec<f64>> = poles.iter().map(|pole| vec![pole.real, pole.imaginary]).collect();
     line(&matrix("poles", &poles).replace("poles = [", "poles = [ % real and imaginary part in 1/s"));
     line("poles = complex(poles(:, 1), poles(:, 2));");
     line("");

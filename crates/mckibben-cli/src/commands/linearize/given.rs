@@ -36,6 +36,14 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     measured(text, "length", "m", "85 mm")
 }
 
+pub(super) fn angle(text: &str) -> Result<f64, String> {
+    measured(text, "angle", "rad", "20 deg")
+}
+
+pub(super) fn stiffness(text: &str) -> Result<f64, String> {
+    measured(text, "stiffness of a joint", "N*m/rad", "2 N*m/rad")
+}
+
 pub(super) fn temperature(text: &str) -> Result<f64, String> {
     measured(text, "temperature", "K", "293 K")
 }

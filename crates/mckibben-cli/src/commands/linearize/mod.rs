@@ -6,12 +6,14 @@
 //! | `told` | the model as text for people |
 //! | `export` | the model as JSON and as a MATLAB or Octave script |
 //! | `bode` | the figure |
+//! | `joint` | all of this but the figure for an antagonistic joint |
 //!
 //! Everything is computed by [`mckibben::linearize`]. Checked by `tests/linearize.rs`.
 
 mod bode;
 mod export;
 mod given;
+mod joint;
 mod told;
 
 use crate::failure::Failure;
@@ -19,7 +21,7 @@ use crate::output::{self, Pending};
 use crate::plot::{Figure, PRINT_SCALE, PlotError, Theme};
 use crate::settings::Setting;
 use crate::terminal;
-use given::{Measure, length, load, pressure, temperature};
+use given::{Measure, angle, length, load, pressure, stiffness, temperature};
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::{Assumed, Document};
 use std::path::{Path, PathBuf};
@@ -66,6 +68,12 @@ pub struct LinearizeArguments {
     /// Temperature of the air at the point; else the scenario's air, brought there by its process.
     #[arg(long, value_name = "QUANTITY", value_parser = temperature)]
     pub temperature: Option<f64>,
+    /// Angle of a joint at the point, such as `20 deg`.
+    #[arg(long, value_name = "QUANTITY", value_parser = angle, allow_hyphen_values = true, requires = "stiffness")]
+    pub angle: Option<f64>,
+    /// Stiffness that the two actuators give a joint at that angle, such as `2 N*m/rad`; the pressures follow.
+    #[arg(long, value_name = "QUANTITY", value_parser = stiffness, requires = "angle")]
+    pub stiffness: Option<f64>,
     /// Replace Coulomb friction by the viscous damping that takes as much from an oscillation of this amplitude.
     #[arg(long, value_name = "QUANTITY", value_parser = length)]
     pub amplitude: Option<f64>,
@@ -112,14 +120,23 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
     for setting in &arguments.set {
         setting.apply(&mut document)?;
     }
-    let experiment = document.experiment()?;
     let name = arguments.file.display().to_string();
+    if let Some(experiment) = document.joint_experiment()? {
+        let model = joint::JointModel::new(&name, &experiment, arguments, document.assumed())?;
+        let output = arguments.output.as_deref();
+        let text = |path: &Path| if ending(path) == "json" { model.json() } else { model.matlab() };
+        return finish(output.map(|path| (path, text(path).into_bytes())).into_iter().collect(), model.text());
+    }
+    if arguments.angle.is_some() {
+        return Err(Failure::input("--angle: the scenario's load is no joint", "leave out --angle and --stiffness"));
+    }
+    let experiment = document.experiment()?;
     let linear = given::linearization(arguments, &experiment)?;
     let model = Model::new(&name, linear, arguments, document.assumed())?;
     let mut pending = Vec::new();
     if let Some(path) = &arguments.output {
         let text = if ending(path) == "json" { export::json(&model) } else { export::matlab(&model) };
-        pending.push((path, text.into_bytes()));
+        pending.push((path.as_path(), text.into_bytes()));
     }
     if let Some(path) = &arguments.plot {
         let figure = bode::figure(&model, arguments.input.as_deref())?;
@@ -128,15 +145,19 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
             "png" => figure.to_png(Theme::Light, PRINT_SCALE).map_err(failed)?,
             _ => figure.to_svg(Theme::Light).map_err(failed)?.into_bytes(),
         };
-        pending.push((path, bytes));
+        pending.push((path.as_path(), bytes));
     }
+    finish(pending, told::text(&model))
+}
+
+/// Writes the files, each taking its name when all are complete, and tells the text.
+fn finish(pending: Vec<(&Path, Vec<u8>)>, mut text: String) -> Result<(), Failure> {
     let files = pending.iter().map(|(path, bytes)| {
         let mut file = Pending::create(path)?;
         file.writer().write_all(bytes).map_err(|error| Failure::output(path, error))?;
         Ok(file)
     });
     files.collect::<Result<Vec<Pending>, Failure>>()?.into_iter().try_for_each(Pending::commit)?;
-    let mut text = told::text(&model);
     for (path, _) in &pending {
         text.push_str(&format!("{} {}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
     }

@@ -6,7 +6,7 @@ use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::terminal::{HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
-use mckibben::linearize::{Averaged, Pole, Signal};
+use mckibben::linearize::{Averaged, Pole, Signal, StateSpace};
 use mckibben::load::Load;
 use std::f64::consts::TAU;
 
@@ -22,7 +22,7 @@ pub(super) fn text(model: &Model<'_>) -> String {
         text.push_str(&format!("\n{}\n{}", styled(HEADING, "Mean flow"), lines(&pwm(averaged, model))));
     }
     for (heading, table) in
-        [("Model", matrices(model)), ("Poles", poles(&model.poles)), ("Controllability", reach(model))]
+        [("Model", matrices(&model.system)), ("Poles", poles(&model.poles)), ("Controllability", reach(model))]
     {
         text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
     }
@@ -33,7 +33,7 @@ pub(super) fn text(model: &Model<'_>) -> String {
 }
 
 /// Names in a column, and what they are.
-fn lines(lines: &[(&str, String)]) -> String {
+pub(super) fn lines(lines: &[(&str, String)]) -> String {
     let told = |(name, value): &(&str, String)| {
         let indent = " ".repeat(20);
         let value = wrap(value, &indent, width());
@@ -125,8 +125,7 @@ fn pwm(averaged: &Averaged, model: &Model<'_>) -> Vec<(&'static str, String)> {
     lines
 }
 
-fn matrices(model: &Model<'_>) -> Table {
-    let system = &model.system;
+pub(super) fn matrices(system: &StateSpace) -> Table {
     let named = |signal: &Signal| match signal.unit {
         "" => signal.symbol.to_owned(),
         unit => format!("{} {unit}", signal.symbol),
@@ -152,7 +151,7 @@ fn matrices(model: &Model<'_>) -> Table {
     Table { caption: "rates and tension by states and inputs, as differences from the point".to_owned(), head, rows }
 }
 
-fn poles(poles: &[Pole]) -> Table {
+pub(super) fn poles(poles: &[Pole]) -> Table {
     let row = |pole: &Pole| {
         let value = match pole.imaginary {
             0.0 => digits(pole.real),

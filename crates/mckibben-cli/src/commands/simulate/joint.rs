@@ -3,13 +3,13 @@
 use super::{Files, SimulateArguments};
 use crate::engine;
 use crate::failure::Failure;
+use crate::joint::outcome::{self, Outcome};
 use crate::joint::summary::Summary;
 use crate::joint::{control, events, portrait};
 use crate::progress::Progress;
 use crate::record;
 use crate::terminal;
-use mckibben::simulation::simulate_joint_watched;
-use mckibben_scenario::{ControlledJointExperiment, Document, JointExperiment, Scenario};
+use mckibben_scenario::{ControlledJointExperiment, Document, Engine, JointExperiment, Scenario};
 use std::time::Instant;
 
 /// A joint with its own commands, or with a controller.
@@ -29,31 +29,37 @@ pub(super) fn run(
     joint: &Joint,
 ) -> Result<(), Failure> {
     const PARTS: f64 = 1000.0;
-    files.probe()?;
     let run = match joint {
         Joint::Open(experiment) => &experiment.run,
         Joint::Controlled(of) => &of.experiment.run,
     };
+    if arguments.events_output.is_some() && run.engine == Engine::FixedStep {
+        return Err(Failure::input(
+            "--events-output: the fixed-step engine keeps no log of events",
+            "set run.engine = \"event-located\", or leave --events-output out",
+        ));
+    }
+    files.probe()?;
     let started = Instant::now();
-    let (trajectory, closed) = {
-        let progress = Progress::begin("simulating", Some(PARTS as u64));
-        let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
-        match joint {
-            Joint::Open(of) => simulate_joint_watched(&of.rig, of.start, run.duration, run.relative_tolerance, watch)
-                .map(|trajectory| (trajectory, None)),
-            Joint::Controlled(of) => control::close(of, watch).map(|closed| (closed.trajectory.clone(), Some(closed))),
+    let (outcome, closed) = match joint {
+        Joint::Open(of) => outcome::run(of).map(|outcome| (outcome, None)),
+        Joint::Controlled(of) => {
+            let progress = Progress::begin("simulating", Some(PARTS as u64));
+            let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
+            let located = |closed: &control::Closed| Outcome::Located(Box::new(closed.trajectory.clone()));
+            control::close(of, watch).map(|closed| (located(&closed), Some(closed)))
         }
-        .map_err(|error| Failure::of_core(&error, document))?
-    };
+    }
+    .map_err(|error| Failure::of_core(&error, document))?;
     let goals = closed.as_ref().map_or(&[][..], |closed| &closed.goals);
     let elapsed = started.elapsed();
     let interval = run.sample_interval;
     files.write_with(
         arguments,
         (document, scenario),
-        |provenance, target, out| record::write_joint(&trajectory, goals, interval, provenance, target, out),
-        |title, target| portrait::draw(&trajectory, goals, interval, title, target),
-        |path, out| events::write(trajectory.events(), path, out),
+        |provenance, target, out| record::write_joint(&outcome, goals, interval, provenance, target, out),
+        |title, target| portrait::draw(&outcome, goals, interval, title, target),
+        |path, out| events::write(outcome.events(), path, out),
     )?;
     let mut text = String::new();
     if !arguments.quiet {
@@ -61,7 +67,7 @@ pub(super) fn run(
         let summary = Summary {
             name: &arguments.file.display().to_string(),
             scenarios: [scenario, antagonist.as_ref().unwrap_or(scenario)],
-            trajectory: &trajectory,
+            outcome: &outcome,
             control: closed.as_ref(),
             elapsed,
             assumed: &document.assumed(),
@@ -71,7 +77,10 @@ pub(super) fn run(
     }
     if arguments.events {
         text.push_str(if text.is_empty() { "" } else { "\n" });
-        text.push_str(&events::table(trajectory.events()));
+        text.push_str(&match outcome.located() {
+            Some(trajectory) => events::table(trajectory.events()),
+            None => "the fixed-step engine keeps no log of events\n".to_owned(),
+        });
     }
     if text.is_empty() { Ok(()) } else { terminal::print(&text) }
 }

@@ -22,6 +22,13 @@ impl<R: Real> JointSystem<'_, R> {
         let stop = |end: End| self.joint().stops().ends[end.index()];
         match guard {
             JointGuard::Of(i, guard) => self.cross_member(i, guard, time, state, phase),
+            JointGuard::ArmDown(i) | JointGuard::ArmUp(i) => {
+                let (up, piece) = (guard == JointGuard::ArmUp(i), mode.arm_pieces[i]);
+                let (first, last) = self.joint().tendons()[i].arm.piece_bounds(piece);
+                state[ANGLE] = if up { last } else { first }.unwrap_or(state[ANGLE]);
+                mode.arm_pieces[i] = if up { piece + 1 } else { piece.saturating_sub(1) };
+                Ok(JointEventKind { actuator: Some(i), kind: EventKind::MomentArm })
+            }
             JointGuard::Reach(end) => {
                 state[ANGLE] = stop(end).unwrap_or(state[ANGLE]);
                 mode.contact = Contact::Pressed(end);
@@ -62,6 +69,7 @@ impl<R: Real> JointSystem<'_, R> {
         phase: &mut JointPhase<R>,
     ) -> Result<JointEventKind, Error> {
         let JointPhase { mode, traces, .. } = phase;
+        let pieces = mode.arm_pieces;
         let of_member = |kind| Ok(JointEventKind { actuator: Some(i), kind });
         if let Some((limit, _)) = self.limit_angle(i, guard)
             && guard != Guard::ThreadLength
@@ -86,13 +94,13 @@ impl<R: Real> JointSystem<'_, R> {
             Guard::Slack | Guard::Tight => {
                 let slack = guard == Guard::Slack;
                 mode.actuators[i].extent = if slack { Extent::Slack } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i], &traces[i]);
+                self.members[i].enter_clamp(self.ends(i, state, pieces), &mut mode.actuators[i], &traces[i]);
                 of_member(if slack { EventKind::Slack } else { EventKind::Tight })
             }
             Guard::Taut | Guard::Untaut => {
                 let taut = guard == Guard::Taut;
                 mode.actuators[i].extent = if taut { Extent::Taut } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state), &mut mode.actuators[i], &traces[i]);
+                self.members[i].enter_clamp(self.ends(i, state, pieces), &mut mode.actuators[i], &traces[i]);
                 of_member(if taut { EventKind::Taut } else { EventKind::Untaut })
             }
             Guard::Slip => of_member(EventKind::Slip),

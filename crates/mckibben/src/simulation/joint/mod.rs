@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! dθ/dt = ω
-//! dω/dt = (r₁ F₁ − r₂ F₂ + W − M g d sin(θ − θ₀) − c ω − S)/J        (see `load::Joint`)
+//! dω/dt = (r₁(θ) F₁ − r₂(θ) F₂ + W − M g d sin(θ − θ₀) − c ω − S)/J        (see `load::Joint`)
 //! dP/dt, dm/dt of each actuator by its process (19) and its valve (21)
 //! ```
 //!
@@ -13,24 +13,39 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
-//! The event-located engine alone goes through time here, with a controller too. Checked by `tests/joint.rs`.
+//! The event-located engine goes through time here, with a controller too, and [`JointStepper`] at fixed steps. Checked by
+//! `tests/joint.rs`.
 
+#[cfg(feature = "alloc")]
+mod accuracy;
+#[cfg(feature = "alloc")]
+mod circuit;
 #[cfg(feature = "alloc")]
 mod controlled;
 mod crossing;
 #[cfg(feature = "alloc")]
 mod energy;
+#[cfg(feature = "alloc")]
+mod kernel;
 mod mode;
+#[cfg(feature = "alloc")]
+mod stepper;
 mod system;
 #[cfg(feature = "alloc")]
 mod trajectory;
 mod turning;
 
 #[cfg(feature = "alloc")]
+pub use accuracy::{JointStepError, joint_step_for_accuracy};
+#[cfg(feature = "alloc")]
+pub use circuit::JointCircuitAudit;
+#[cfg(feature = "alloc")]
 pub use controlled::{ControlledJoint, JointDecision, simulate_joint_controlled, simulate_joint_controlled_watched};
 #[cfg(feature = "alloc")]
 pub use energy::JointAudit;
 pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
+#[cfg(feature = "alloc")]
+pub use stepper::{JointCourse, JointStepper};
 pub use system::{JointPhase, JointSystem};
 #[cfg(feature = "alloc")]
 pub use trajectory::{JointEvent, JointSample, JointTrajectory, simulate_joint, simulate_joint_watched};
@@ -80,9 +95,15 @@ pub struct JointState<S = f64> {
 
 impl<S: Scalar> JointState<S> {
     #[cfg(feature = "alloc")]
-    fn to_array(self) -> [S; 6] {
+    pub(crate) fn to_array(self) -> [S; 6] {
         let Self { angle, angular_velocity, pressure, air_mass } = self;
         [angle, angular_velocity, pressure[0].0, air_mass[0], pressure[1].0, air_mass[1]]
+    }
+
+    #[cfg(feature = "alloc")]
+    fn from_array([angle, angular_velocity, first, mass, second, other_mass]: [S; 6]) -> Self {
+        let pressure = [AbsolutePressure(first), AbsolutePressure(second)];
+        Self { angle, angular_velocity, pressure, air_mass: [mass, other_mass] }
     }
 }
 
@@ -135,7 +156,7 @@ impl JointRig {
         if low < high {
             return Ok(rig);
         }
-        let [first, second] = rig.joint.pulleys();
+        let [first, second] = rig.joint.tendons();
         Err(Error::Inconsistent {
             parameter: &parameter::REST_LENGTH,
             value: second.rest_length,
@@ -211,26 +232,30 @@ impl<S: Scalar> JointRig<S> {
     fn actuators(&self) -> [&Actuator<S>; 2] {
         self.driven.each_ref().map(|driven| &driven.actuator)
     }
+}
 
+impl<S: Real> JointRig<S> {
     /// The angles in rad at which the agonist's and the antagonist's braid would be straight: the open range of the angle.
     fn straight(&self) -> [S; 2] {
         core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.end_length()))
     }
-}
 
-impl<S: Real> JointRig<S> {
     /// Stiffness in N·m/rad that the two actuators give the joint at an angle in rad and absolute pressures, at rest without
-    /// friction; a slack tendon gives none, and what a taut braid adds is left out. The weight of the limb adds its own.
+    /// friction, `r₁² k₁ − r₁′ F₁ + r₂² k₂ + r₂′ F₂` with the arms' slopes r′; a slack tendon gives none, and what a taut
+    /// braid adds is left out. The weight of the limb adds its own.
     pub fn stiffness(&self, angle: S, pressure: [AbsolutePressure<S>; 2], held: Held) -> S {
-        let lengths = self.joint.lengths(angle);
+        let leverage = self.joint.leverage(Dual::<S, 1>::variable(angle, 0));
         let of = |i: usize| {
-            let (actuator, arm) = (&self.driven[i].actuator, self.joint.pulleys()[i].radius);
+            let (actuator, arm, length) = (&self.driven[i].actuator, leverage.arms[i], leverage.lengths[i].value);
+            if actuator.limits().is_slack(length) {
+                return S::zero();
+            }
             let stiffness = match held {
-                _ if actuator.limits().is_slack(lengths[i]) => S::zero(),
-                Held::Pressures => actuator.stiffness(lengths[i], pressure[i]),
-                Held::AirMasses => actuator.sealed_stiffness(lengths[i], pressure[i]),
+                Held::Pressures => actuator.stiffness(length, pressure[i]),
+                Held::AirMasses => actuator.sealed_stiffness(length, pressure[i]),
             };
-            arm * arm * stiffness
+            let force = actuator.static_force(length, pressure[i].0).larger(S::zero());
+            arm.value * arm.value * stiffness + S::constant(SIGN[i]) * arm.slope[0] * force
         };
         of(0) + of(1)
     }
@@ -259,9 +284,9 @@ impl<S: Real> JointRig<S> {
 
     /// Torque in N·m at rest without friction, of actuators, load and stops; a tendon on its shortest length is slack.
     fn static_torque<T: Over<S>>(&self, angle: T, pressure: [S; 2]) -> T {
-        let (lengths, actuators) = (self.joint.lengths(angle), self.actuators());
+        let (leverage, actuators) = (self.joint.leverage(angle), self.actuators());
         let tensions = core::array::from_fn(|i| {
-            let (actuator, length) = (actuators[i], lengths[i]);
+            let (actuator, length) = (actuators[i], leverage.lengths[i]);
             let force = actuator.static_force(length, T::of(pressure[i])) + actuator.limits().force(length, T::zero());
             let slack = length.le(T::of(actuator.limits().min_length()));
             T::select(slack, T::zero(), force.larger(T::zero()))
@@ -269,7 +294,7 @@ impl<S: Real> JointRig<S> {
         let stops = (0..2).fold(T::zero(), |sum, end| {
             sum - T::constant(SIGN[end]) * self.joint.stop_torque(end, angle, T::zero()).larger(T::zero())
         });
-        self.joint.torque_of(tensions) + self.joint.other_torque(angle, T::zero()) + stops
+        leverage.torque_of(tensions) + self.joint.other_torque(angle, T::zero()) + stops
     }
 
     /// The angle in rad at which the torques balance at two pressures, without friction; where an actuator has come to its
@@ -287,7 +312,8 @@ impl<S: Real> JointRig<S> {
             let angle = self.joint.angle_at(i, shortest);
             let within = low.value() < angle.value() && angle.value() < high.value();
             // Slack, the actuator lets the joint come back; at its shortest length it may pull with all its force.
-            let pull = actuator.static_force(shortest, pressure[i]).larger(S::zero()) * self.joint.pulleys()[i].radius;
+            let pull =
+                actuator.static_force(shortest, pressure[i]).larger(S::zero()) * self.joint.leverage(angle).arms[i];
             let back = S::constant(SIGN[i]) * torque(angle);
             if within && back.value() >= 0.0 && back.value() <= pull.value() {
                 return Ok(angle);

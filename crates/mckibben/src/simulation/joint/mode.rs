@@ -74,6 +74,8 @@ pub struct JointMode {
     pub turning: Turning,
     /// What the limb touches.
     pub contact: Contact,
+    /// The pieces of the tables of both moment arms; 0 for a pulley.
+    pub arm_pieces: [usize; 2],
 }
 
 /// What happened at an event of a joint.
@@ -90,6 +92,10 @@ pub struct JointEventKind {
 pub enum JointGuard {
     /// A guard of an actuator, 0 or 1.
     Of(usize, Guard),
+    /// The angle comes to the first row of a piece of a moment arm's table, 0 or 1.
+    ArmDown(usize),
+    /// The angle comes to the last row of a piece.
+    ArmUp(usize),
     /// The angle reaches a stop.
     Reach(End),
     /// A pressed stop ceases to press.

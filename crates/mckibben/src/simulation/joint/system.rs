@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | turning | forward, backward, stuck, frictionless | the angular velocity comes to zero; the joint breaks away |
 //! | contact | none, pressed, rebound at either stop | the angle passes a stop; the stop's torque passes zero |
+//! | piece of each moment arm | 0, 1, … | the angle passes a row of its table |
 //!
 //! Sliding is decided once for the joint, in [`turning`](super::turning).
 
@@ -15,7 +16,7 @@ use super::mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
 use super::trajectory::JointSample;
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::load::{Joint, SIGN};
+use crate::load::{Joint, Leverage, SIGN};
 use crate::scalar::{Over, Real};
 use crate::simulation::member::{Member, Trace};
 use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
@@ -58,7 +59,8 @@ pub struct JointSystem<'a, R: Real = f64> {
     pub(super) members: [Member<'a, R>; 2],
     /// Angles at which each actuator is at its shortest and at its longest, and its braid straight.
     pub(super) limits: [[R; 3]; 2],
-    slopes: [R; 2],
+    /// Usual moment arms in m.
+    arms: [f64; 2],
     /// `1/J`.
     pub(super) per_inertia: R,
     /// Width as a torque in N·m of a border between agreeing formulas.
@@ -72,8 +74,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
     pub fn new(rig: &'a JointRig<R>, relative_tolerance: f64) -> Self {
         let joint = rig.joint();
         let load = joint.weight().value().abs() + joint.torque().value().abs();
-        let slopes = joint.slopes();
-        let arms = slopes.map(|slope| slope.value().abs());
+        let arms = joint.leverage(R::zero()).arms.map(R::value);
         let actuators = rig.actuators();
         let member = |i: usize| Member::new(actuators[i], relative_tolerance, load / arms[i]);
         let members = [member(0), member(1)];
@@ -89,7 +90,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
             rig,
             members,
             limits,
-            slopes,
+            arms,
             per_inertia: R::one() / joint.inertia(),
             torque_band,
             angle_scales: [angle, depth.min(angle)],
@@ -109,7 +110,8 @@ impl<'a, R: Real> JointSystem<'a, R> {
     pub fn begin(&self, state: &[R; 6]) -> JointPhase<R> {
         let mut progress = [Progress::none(); 2];
         let ports = [0, 1].map(|i| self.rig.timetable(i).pass(&mut progress[i], R::zero()));
-        let lengths = self.joint().lengths(state[ANGLE]);
+        let arm_pieces = self.joint().pieces(state[ANGLE]);
+        let lengths = self.leverage(state[ANGLE], arm_pieces).lengths;
         let actuators = [0, 1].map(|i| {
             let pressure = state[PRESSURE[i]];
             let mut mode = Mode {
@@ -128,10 +130,11 @@ impl<'a, R: Real> JointSystem<'a, R> {
         });
         let isothermal = [0, 1]
             .map(|i| self.members[i].isothermal_content(lengths[i], [state[PRESSURE[i]], state[PRESSURE[i] + 1]]));
-        let mut mode = JointMode { actuators, turning: Turning::Frictionless, contact: self.contact_at(state) };
+        let mut mode =
+            JointMode { actuators, turning: Turning::Frictionless, contact: self.contact_at(state), arm_pieces };
         for i in 0..2 {
             let above = [0, 1].map(|limit| SIGN[i] * (state[ANGLE].value() - self.limits[i][limit].value()));
-            let [length, velocity, _] = self.ends(i, state);
+            let [length, velocity, _] = self.ends(i, state, arm_pieces);
             mode.actuators[i].extent = self.members[i].extent_at([length, velocity], above, false);
         }
         let traces =
@@ -145,27 +148,41 @@ impl<'a, R: Real> JointSystem<'a, R> {
     /// Takes the memories of the hysteresis on to a state, and to the branches that follow; `slips` says which actuator's
     /// is at the end of its branch.
     fn follow(&self, state: &[R; 6], phase: &mut JointPhase<R>, slips: Option<usize>) {
-        for (i, length) in self.joint().lengths(state[ANGLE]).into_iter().enumerate() {
+        let lengths = self.leverage(state[ANGLE], phase.mode.arm_pieces).lengths;
+        for (i, length) in lengths.into_iter().enumerate() {
             let member = &self.members[i];
             let length = member.actuator.limits().actuator_length(length);
             member.follow(&mut phase.traces[i], length, phase.mode.actuators[i].sliding, slips == Some(i));
         }
     }
 
+    /// Where both actuators pull at an angle in rad, by pieces of their moment arms.
+    #[inline(always)]
+    pub(super) fn leverage<T: Over<R>>(&self, angle: T, pieces: [usize; 2]) -> Leverage<T> {
+        self.joint().leverage_in(pieces, angle)
+    }
+
     /// Length, velocity and pressure of an actuator.
     #[inline(always)]
-    pub(super) fn ends<T: Over<R>>(&self, i: usize, state: &[T; 6]) -> [T; 3] {
-        let length = self.joint().lengths(state[ANGLE])[i];
-        [length, T::of(self.slopes[i]) * state[VELOCITY], state[PRESSURE[i]]]
+    pub(super) fn ends<T: Over<R>>(&self, i: usize, state: &[T; 6], pieces: [usize; 2]) -> [T; 3] {
+        let leverage = self.leverage(state[ANGLE], pieces);
+        [leverage.lengths[i], leverage.slopes()[i] * state[VELOCITY], state[PRESSURE[i]]]
     }
 
     /// Tensions in N of both actuators in a mode.
     pub fn tensions(&self, state: &[R; 6], phase: &JointPhase<R>) -> [R; 2] {
         let JointPhase { mode, traces, .. } = phase;
         if mode.turning != Turning::Stuck {
-            return [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &traces[i]));
+            return self.sliding_tensions(state, mode, traces);
         }
         self.shared_tensions(state, mode, traces)
+    }
+
+    #[inline(always)]
+    fn sliding_tensions<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> [T; 2] {
+        let of =
+            |i: usize| self.members[i].tension(self.ends(i, state, mode.arm_pieces), &mode.actuators[i], &traces[i]);
+        [of(0), of(1)]
     }
 
     /// The sample of a state in a mode.
@@ -173,11 +190,11 @@ impl<'a, R: Real> JointSystem<'a, R> {
     pub(super) fn sample(&self, time: R, state: &[R; 6], phase: &JointPhase<R>) -> JointSample<R> {
         let (mode, tensions) = (&phase.mode, self.tensions(state, phase));
         let actuators = [0, 1].map(|i| {
-            let [length, velocity, pressure] = self.ends(i, state);
+            let [length, velocity, pressure] = self.ends(i, state, mode.arm_pieces);
             let of_member = [length, velocity, pressure, state[PRESSURE[i] + 1]];
             self.members[i].sample(time, &of_member, tensions[i], &mode.actuators[i])
         });
-        let torque = self.joint().torque_of(actuators.map(|actuator| actuator.tension));
+        let torque = self.leverage(state[ANGLE], mode.arm_pieces).torque_of(actuators.map(|actuator| actuator.tension));
         JointSample { time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
     }
 
@@ -233,7 +250,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
     }
 
     fn rates_of_member<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> [T; 2] {
-        let [length, velocity, pressure] = self.ends(i, state);
+        let [length, velocity, pressure] = self.ends(i, state, mode.arm_pieces);
         let velocity = if mode.turning == Turning::Stuck { T::zero() } else { velocity };
         self.members[i].air_rates(
             [length, velocity, pressure, state[PRESSURE[i] + 1]],
@@ -253,10 +270,10 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         let [velocity, acceleration] = if mode.turning == Turning::Stuck {
             [T::zero(); 2]
         } else {
-            let traces = &phase.traces;
-            let tensions = [0, 1].map(|i| self.members[i].tension(self.ends(i, state), &mode.actuators[i], &traces[i]));
+            let tensions = self.sliding_tensions(state, mode, &phase.traces);
+            let leverage = self.leverage(state[ANGLE], mode.arm_pieces);
             let load = self.load_torque(state[ANGLE], state[VELOCITY], mode.contact);
-            [state[VELOCITY], (self.joint().torque_of(tensions) + load) * T::of(self.per_inertia)]
+            [state[VELOCITY], (leverage.torque_of(tensions) + load) * T::of(self.per_inertia)]
         };
         [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
     }
@@ -270,8 +287,8 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             if matches!(mode.contact, Contact::Pressed(_)) {
                 damping += joint.stops().damping.value();
             }
-            for i in 0..2 {
-                let arm = self.slopes[i].value();
+            let arms = self.leverage(state[ANGLE], mode.arm_pieces).arms.map(R::value);
+            for (i, arm) in arms.into_iter().enumerate() {
                 damping += arm * arm * self.members[i].damping(&mode.actuators[i]);
             }
         }
@@ -293,7 +310,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             if mode.contact == Contact::None { angle.max(self.angle_scales[0]) } else { self.angle_scales[1] };
         for (i, member) in self.members.iter().enumerate() {
             if matches!(mode.actuators[i].extent, Extent::Taut | Extent::Rebound) {
-                scale = scale.min(member.taut_scale / self.slopes[i].value().abs());
+                scale = scale.min(member.taut_scale / self.arms[i]);
             }
         }
         let [first, second] = &self.members;
@@ -343,6 +360,15 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             }
         }
         if moves {
+            for (i, piece) in mode.arm_pieces.into_iter().enumerate() {
+                let (first, last) = self.joint().tendons()[i].arm.piece_bounds(piece);
+                if let Some(row) = first {
+                    guards.add(JointGuard::ArmDown(i), linear(ANGLE, row, true));
+                }
+                if let Some(row) = last {
+                    guards.add(JointGuard::ArmUp(i), linear(ANGLE, row, false));
+                }
+            }
             match mode.contact {
                 Contact::None => {
                     for end in End::BOTH {
@@ -394,8 +420,19 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             JointGuard::Of(i, guard) => match self.limit_angle(i, guard) {
                 Some((limit, true)) => angle - T::of(limit),
                 Some((limit, false)) => T::of(limit) - angle,
-                None => self.members[i].guard(guard, self.ends(i, state), &mode.actuators[i], &phase.traces[i]),
+                None => self.members[i].guard(
+                    guard,
+                    self.ends(i, state, mode.arm_pieces),
+                    &mode.actuators[i],
+                    &phase.traces[i],
+                ),
             },
+            JointGuard::ArmDown(i) | JointGuard::ArmUp(i) => {
+                let (first, last) = joint.tendons()[i].arm.piece_bounds(mode.arm_pieces[i]);
+                let up = guard == JointGuard::ArmUp(i);
+                let row = if up { last } else { first }.map_or(angle, T::of);
+                if up { row - angle } else { angle - row }
+            }
             JointGuard::Reach(end) => -beyond(end),
             JointGuard::Leave(end) => beyond(end),
             JointGuard::Rebound(end) => press(end) + band,
@@ -420,7 +457,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
     }
 
     fn project(&self, _time: R, state: &mut [R; 6], phase: &JointPhase<R>) {
-        let lengths = self.joint().lengths(state[ANGLE]);
+        let lengths = self.leverage(state[ANGLE], phase.mode.arm_pieces).lengths;
         for i in 0..2 {
             if let Some(content) = phase.isothermal[i] {
                 let volume = self.members[i].actuator.volume(lengths[i]);

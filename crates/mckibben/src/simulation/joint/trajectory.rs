@@ -39,6 +39,15 @@ pub struct JointSample<R = f64> {
     pub actuators: [Sample<R>; 2],
 }
 
+impl<R: Real> JointSample<R> {
+    /// The six states.
+    pub fn state(&self) -> JointState<R> {
+        let Self { angle, angular_velocity, actuators, .. } = *self;
+        let (pressure, air_mass) = (actuators.map(|of| of.pressure), actuators.map(|of| of.air_mass));
+        JointState { angle, angular_velocity, pressure, air_mass }
+    }
+}
+
 /// A simulated stretch of time.
 #[derive(Clone, Debug)]
 pub struct JointTrajectory<R: Real = f64> {

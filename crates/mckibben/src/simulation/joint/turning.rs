@@ -28,7 +28,7 @@ impl<R: Real> JointSystem<'_, R> {
         if mode.actuators[i].extent == Extent::Slack {
             return (T::zero(), T::zero());
         }
-        let [length, _, pressure] = self.ends(i, state);
+        let [length, _, pressure] = self.ends(i, state, mode.arm_pieces);
         let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
         let rubbing = self.members[i].rubbing(length, &mode.actuators[i], &traces[i]);
         self.members[i].actuator.holdable(length, pressure, above.le(T::zero()), rubbing)
@@ -38,8 +38,8 @@ impl<R: Real> JointSystem<'_, R> {
     pub(super) fn torques_at_rest<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> (T, T) {
         let [(least, most), (other_least, other_most)] = [0, 1].map(|i| self.holdable(i, state, mode, traces));
         let load = self.load_torque(state[ANGLE], T::zero(), mode.contact);
-        let joint = self.joint();
-        (joint.torque_of([least, other_most]) + load, joint.torque_of([most, other_least]) + load)
+        let leverage = self.leverage(state[ANGLE], mode.arm_pieces);
+        (leverage.torque_of([least, other_most]) + load, leverage.torque_of([most, other_least]) + load)
     }
 
     fn has_coulomb(&self, i: usize) -> bool {
@@ -58,10 +58,11 @@ impl<R: Real> JointSystem<'_, R> {
     /// Sets how the joint turns, and with it how both actuators slide.
     pub(super) fn turn(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>, turning: Turning) {
         mode.turning = turning;
+        let pieces = mode.arm_pieces;
         for i in 0..2 {
             let member = &mut mode.actuators[i];
             member.sliding = turning.sliding(self.has_direction(i), SIGN[i]);
-            self.members[i].enter_clamp(self.ends(i, state), member, &traces[i]);
+            self.members[i].enter_clamp(self.ends(i, state, pieces), member, &traces[i]);
         }
     }
 

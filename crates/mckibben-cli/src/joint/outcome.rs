@@ -1,0 +1,96 @@
+//! A joint's run by the engine that its scenario names.
+//!
+//! The event-located engine keeps the trajectory; of the fixed-step engine the recorded samples are kept, and no events.
+
+use crate::progress::Progress;
+use mckibben::Error;
+use mckibben::simulation::{
+    JointEvent, JointRig, JointSample, JointStepError, JointStepper, JointTrajectory, SampleTimes,
+    simulate_joint_watched,
+};
+use mckibben_scenario::{Engine, JointExperiment};
+
+/// A joint's finished run.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// By the event-located engine.
+    Located(Box<JointTrajectory>),
+    /// By the fixed-step engine.
+    Stepped(Box<Stepped>),
+}
+
+/// What is kept of a run at fixed steps.
+#[derive(Clone, Debug)]
+pub struct Stepped {
+    /// What was run.
+    pub rig: JointRig,
+    /// The samples at the recording interval.
+    pub samples: Vec<JointSample>,
+    /// The longest step in s.
+    pub step: f64,
+    /// The error of that step, when it was chosen for the accuracy.
+    pub chosen: Option<JointStepError>,
+    /// How many steps were taken.
+    pub steps: u64,
+}
+
+/// Runs a joint without a controller.
+///
+/// # Errors
+/// What the core finds.
+pub fn run(of: &JointExperiment) -> Result<Outcome, Error> {
+    const PARTS: f64 = 1000.0;
+    let run = &of.run;
+    let progress = |what| Progress::begin(what, Some(PARTS as u64));
+    if run.engine == Engine::EventLocated {
+        let progress = progress("simulating");
+        let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
+        let trajectory = simulate_joint_watched(&of.rig, of.start, run.duration, run.relative_tolerance, watch)?;
+        return Ok(Outcome::Located(Box::new(trajectory)));
+    }
+    let (step, chosen) = of.step()?;
+    let progress = progress("simulating");
+    let stepper = JointStepper::new(of.rig.clone(), of.method());
+    let mut course = stepper.begin(of.start);
+    let (mut samples, mut steps) = (vec![stepper.sample(&course)], 0);
+    for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
+        stepper.advance_to(&mut course, time)?;
+        steps += 1;
+        if recorded {
+            samples.push(stepper.sample(&course));
+            progress.at((PARTS * time / run.duration) as u64);
+        }
+    }
+    Ok(Outcome::Stepped(Box::new(Stepped { rig: of.rig.clone(), samples, step, chosen, steps })))
+}
+
+impl Outcome {
+    /// The joint that was run.
+    pub fn rig(&self) -> &JointRig {
+        match self {
+            Self::Located(trajectory) => trajectory.rig(),
+            Self::Stepped(stepped) => &stepped.rig,
+        }
+    }
+
+    /// The trajectory, where there is one.
+    pub fn located(&self) -> Option<&JointTrajectory> {
+        match self {
+            Self::Located(trajectory) => Some(trajectory),
+            Self::Stepped(_) => None,
+        }
+    }
+
+    /// The events in order of time; the fixed-step engine keeps none.
+    pub fn events(&self) -> &[JointEvent] {
+        self.located().map_or(&[], JointTrajectory::events)
+    }
+
+    /// Samples at `interval` s and at the end; of fixed steps those that were recorded.
+    pub fn samples(&self, interval: f64) -> Box<dyn Iterator<Item = JointSample> + '_> {
+        match self {
+            Self::Located(trajectory) => Box::new(trajectory.samples(interval)),
+            Self::Stepped(stepped) => Box::new(stepped.samples.iter().copied()),
+        }
+    }
+}

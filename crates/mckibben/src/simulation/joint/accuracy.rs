@@ -1,0 +1,94 @@
+//! The step that a joint needs for an accuracy: as for a rig ([`crate::simulation::accuracy`]), over six states.
+//!
+//! The usual sizes are those by which the event-located engine scales its own errors.
+//!
+//! Checked by `tests/joint_stepper.rs`.
+
+use super::stepper::JointStepper;
+use super::system::JointSystem;
+use super::{JointRig, JointState};
+use crate::error::{Error, Requirement};
+use crate::parameter;
+use crate::simulation::accuracy::{LEAST_RANGE, PILOT, REFERENCE, SHORTEST, parts};
+use crate::simulation::kernel::Method;
+use crate::simulation::sample::SampleTimes;
+use crate::simulation::system::HybridSystem;
+use alloc::vec::Vec;
+
+/// The step of a joint, and its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointStepError {
+    /// The step in s: no step was longer.
+    pub step: f64,
+    /// The time in s from the start over which the engines were compared.
+    pub compared: f64,
+    /// The largest difference of a state from the event-located engine's, as a share of the range that the state covers.
+    pub greatest: f64,
+}
+
+/// The longest step with which a joint that is recorded every `interval` s has an error of at most `accuracy` over its first
+/// [`PILOT`] seconds, with the error that was measured. The steps divide the interval.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for an accuracy or interval outside its range; as [`super::simulate_joint`];
+/// [`Error::Inconsistent`] when even the shortest step is not accurate enough.
+pub fn joint_step_for_accuracy(
+    rig: &JointRig,
+    start: JointState,
+    (duration, interval): (f64, f64),
+    method: Method,
+    accuracy: f64,
+) -> Result<JointStepError, Error> {
+    parameter::ACCURACY.check(accuracy)?;
+    parameter::SAMPLE_INTERVAL.check(interval)?;
+    let (part, tightest, loosest) = REFERENCE;
+    let (compared, tolerance) = (duration.min(PILOT), (part * accuracy).clamp(tightest, loosest));
+    let reference = super::simulate_joint(rig, start, compared, tolerance)?;
+    let times = SampleTimes::new(compared, interval);
+    let expected: Vec<[f64; 6]> = reference.samples(interval).map(|sample| sample.state().to_array()).collect();
+    let system = JointSystem::new(rig, tolerance);
+    let usual = system.scales(&start.to_array(), &system.begin(&start.to_array()));
+    let scales: [f64; 6] = core::array::from_fn(|n| {
+        let values = expected.iter().map(|state| state[n]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (high - low).max(LEAST_RANGE * usual[n])
+    });
+    let stepper = JointStepper::new(rig.clone(), method);
+    let error_of = |step: f64, allowed: f64| {
+        let (mut course, mut rows, mut worst) = (stepper.begin(start), expected.iter().skip(1), 0.0_f64);
+        for (time, recorded) in times.steps(step) {
+            stepper.advance_to(&mut course, time)?;
+            let Some(expected) = recorded.then(|| rows.next()).flatten() else { continue };
+            let ours = course.state().to_array();
+            worst = (0..6).fold(worst, |worst, n| worst.max((ours[n] - expected[n]).abs() / scales[n]));
+            if worst > allowed {
+                break;
+            }
+        }
+        Ok(worst)
+    };
+    let mut shortest = interval;
+    for step in parts().map(|parts| interval / parts) {
+        // A quotient of two decimal numbers may lie a rounding below the whole one.
+        if step < SHORTEST * (1.0 - 1e-12) {
+            break;
+        }
+        shortest = step;
+        match error_of(step, accuracy) {
+            Ok(greatest) if greatest <= accuracy => return Ok(JointStepError { step, compared, greatest }),
+            Ok(_) | Err(Error::Stopped { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(Error::Inconsistent {
+        parameter: &parameter::ACCURACY,
+        value: accuracy,
+        requirement: Requirement {
+            relation: "must be at least",
+            other: "the error of the shortest step that is tried",
+            value: error_of(shortest, f64::INFINITY)?,
+            unit: "",
+        },
+        remedy: "loosen run.accuracy, set run.engine = \"event-located\", or give run.step for a step on your own account",
+    })
+}

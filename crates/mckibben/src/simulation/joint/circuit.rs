@@ -1,0 +1,100 @@
+//! The energy audit of a joint's whole circuit: what the air from both supplies could have done, and where that went.
+//!
+//! Each actuator with a valve has the account of [`CircuitAudit`]; the work of the two on their ends,
+//!
+//! ```text
+//! −∫ F dL of both = gain of limb and pressed stops + damping of the joint + losses in the stops
+//! ```
+//!
+//! closes it. The work on the joint is the sum of the two: what the one does on the other, which it lengthens, is taken off.
+//!
+//! Checked by `tests/joint_circuit.rs`.
+
+use super::energy::JointAudit;
+use super::trajectory::JointTrajectory;
+use crate::scalar::Real;
+use crate::simulation::circuit::{CircuitAudit, Exergy};
+use crate::simulation::energy::EnergyAudit;
+
+/// Where the exergy of the air from both supplies went, in J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointCircuitAudit {
+    /// Agonist and antagonist; none for one without a valve, which draws nothing.
+    pub actuators: [Option<CircuitAudit>; 2],
+    /// Where the work of both gases went.
+    pub work: JointAudit,
+}
+
+impl JointCircuitAudit {
+    /// The accounts of those that draw.
+    fn drawing(&self) -> impl Iterator<Item = &CircuitAudit> {
+        self.actuators.iter().flatten()
+    }
+
+    /// Those that draw together, term by term; as load it has the work on the joint.
+    pub fn total(&self) -> CircuitAudit {
+        let work = self.drawing().fold(EnergyAudit::default(), |sum, of| sum.and(&of.work));
+        let work = EnergyAudit { load: self.load(), ..work };
+        self.drawing().fold(CircuitAudit { work, ..CircuitAudit::default() }, |sum, of| sum.and(of))
+    }
+
+    /// Work on the joint in J: that of both actuators on their ends.
+    pub fn load(&self) -> f64 {
+        self.work.actuators.iter().map(|of| of.load).sum()
+    }
+
+    /// What does not close in J, the audit of the work included.
+    pub fn residual(&self) -> f64 {
+        let air: f64 = self.drawing().map(|of| of.residual() - of.work.residual()).sum();
+        air + self.work.residual()
+    }
+
+    /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
+    pub fn turnover(&self) -> f64 {
+        let air: f64 = self.drawing().map(|of| of.turnover() - of.work.turnover()).sum();
+        air + self.work.turnover()
+    }
+
+    /// Net work on the joint over the exergy drawn; none where nothing was drawn. Of a cycle it is the efficiency; of a run
+    /// that ends in another state than it began, what is stored belongs to the balance too.
+    pub fn efficiency(&self) -> Option<f64> {
+        self.total().efficiency()
+    }
+
+    /// Net work on the joint over the least work of a compressor; none where nothing was drawn.
+    pub fn compressor_efficiency(&self) -> Option<f64> {
+        self.total().compressor_efficiency()
+    }
+}
+
+impl<R: Real> JointTrajectory<R> {
+    /// The exergy of the whole circuit; none where neither actuator has a valve.
+    pub fn circuit(&self) -> Option<JointCircuitAudit> {
+        let work = self.audit();
+        let begin = |i: usize| {
+            let actuator = &self.rig().driven()[i].actuator;
+            let valve = actuator.valve()?;
+            let audit = CircuitAudit { work: work.actuators[i], ..CircuitAudit::default() };
+            Some((actuator, valve, Exergy::new(actuator, valve), audit))
+        };
+        let mut accounts = [begin(0), begin(1)];
+        if accounts.iter().all(Option::is_none) {
+            return None;
+        }
+        self.visit(|weight, sample, phase| {
+            for (i, account) in accounts.iter_mut().enumerate() {
+                if let Some((actuator, valve, exergy, audit)) = account {
+                    let flows = (&phase.mode.actuators[i], None);
+                    audit.add(exergy, (actuator, valve), weight.value(), &sample.actuators[i], flows);
+                }
+            }
+        });
+        let (start, end) = (self.at(R::zero()), self.at(self.duration()));
+        for (i, account) in accounts.iter_mut().enumerate() {
+            if let Some((_, _, exergy, audit)) = account {
+                audit.stored = exergy.contents(&end.actuators[i]) - exergy.contents(&start.actuators[i]);
+            }
+        }
+        Some(JointCircuitAudit { actuators: accounts.map(|account| account.map(|(.., audit)| audit)), work })
+    }
+}

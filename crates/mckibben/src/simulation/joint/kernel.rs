@@ -1,0 +1,215 @@
+//! One step of a joint at fixed steps while nothing switches.
+//!
+//! The methods are those of a rig ([`Method`]), over six states. The matrix of the stable one holds the exact derivatives
+//! of the angular acceleration by angle and angular velocity, and for each actuator's pressure the steeper of tangent and
+//! secant to the open port's; what couples these blocks is left out, which the order 2 of Verwer's scheme allows.
+
+use super::system::{ANGLE, PRESSURE, VELOCITY};
+use super::{JointRig, JointState};
+use crate::actuator::Actuator;
+use crate::air::Flow;
+use crate::dual::Dual;
+use crate::friction::{Memory, Rubbing};
+use crate::load::SIGN;
+use crate::scalar::{Over, Real};
+use crate::simulation::kernel::{Matrix, Method, Slopes, ahead, gathered, reaches};
+use crate::valve::{Port, Ports};
+
+/// What stays the same during a part of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held<R> {
+    pub(super) ports: [Ports; 2],
+    /// How the joint turns: −1, 0 or +1.
+    pub(super) turning: R,
+    /// Whether friction, or an actuator at its shortest, holds it at rest.
+    pub(super) stuck: bool,
+    pub(super) slack: [bool; 2],
+    /// Whether the taut braid pulls.
+    pub(super) taut: [bool; 2],
+    /// Whether each stop is pressed.
+    pub(super) pressed: [bool; 2],
+    /// What each hysteresis remembers.
+    pub(super) memory: [Memory<R>; 2],
+}
+
+impl<R: Real> JointRig<R> {
+    /// How the threads of an actuator rub.
+    #[inline(always)]
+    pub(super) fn rubbing<T: Over<R>>(&self, i: usize, length: T, held: &Held<R>) -> Rubbing<T> {
+        let direction = R::constant(SIGN[i]) * held.turning;
+        Rubbing { width: self.driven[i].actuator.width(&held.memory[i], length), ..T::of(direction).into() }
+    }
+
+    /// Tension in N of an actuator whose ends move.
+    #[inline(always)]
+    pub(super) fn sliding_tension<T: Over<R>>(&self, i: usize, ends: [T; 3], held: &Held<R>) -> T {
+        let actuator = &self.driven[i].actuator;
+        let factors = actuator.factors(ends[0], ends[2]);
+        let force = actuator.signed_force(ends, self.rubbing(i, ends[0], held), held.taut[i], factors);
+        T::select(held.slack[i], T::zero(), force.larger(T::zero()))
+    }
+
+    /// Angular velocity and acceleration.
+    #[inline(always)]
+    fn motion<T: Over<R>>(&self, pieces: [usize; 2], state: &[T; 6], held: &Held<R>) -> [T; 2] {
+        if held.stuck {
+            return [T::zero(); 2];
+        }
+        let (angle, velocity) = (state[ANGLE], state[VELOCITY]);
+        let leverage = self.joint.leverage_in(pieces, angle);
+        let slopes = leverage.slopes();
+        let pull = |i: usize| {
+            let ends = [leverage.lengths[i], slopes[i] * velocity, state[PRESSURE[i]]];
+            self.sliding_tension(i, ends, held)
+        };
+        let mut torque = leverage.torque_of([pull(0), pull(1)]) + self.joint.other_torque(angle, velocity);
+        for end in 0..2 {
+            if held.pressed[end] {
+                torque = torque - T::constant(SIGN[end]) * self.joint.stop_torque(end, angle, velocity);
+            }
+        }
+        [velocity, torque / T::of(self.joint.inertia())]
+    }
+
+    /// `dP/dt` in Pa/s and `dm/dt` in kg/s of an actuator.
+    #[inline(always)]
+    fn air_rates<T: Over<R>>(&self, i: usize, contents: [T; 4], held: &Held<R>) -> [T; 2] {
+        let actuator = &self.driven[i].actuator;
+        let [length, velocity, pressure, mass] = contents;
+        let chamber = actuator.chamber(length, velocity, pressure, mass, held.slack[i]);
+        let flow = actuator.flow(&chamber, held.ports[i].supply, held.ports[i].exhaust);
+        [actuator.pressure_rate(&chamber, &flow), flow.net()]
+    }
+
+    /// Length, velocity, pressure and air mass of both actuators.
+    #[inline(always)]
+    fn contents(&self, pieces: [usize; 2], state: &[R; 6], held: &Held<R>) -> [[R; 4]; 2] {
+        let leverage = self.joint.leverage_in(pieces, state[ANGLE]);
+        let (slopes, velocity) = (leverage.slopes(), if held.stuck { R::zero() } else { state[VELOCITY] });
+        [0, 1].map(|i| {
+            let at = PRESSURE[i];
+            [leverage.lengths[i], slopes[i] * velocity, state[at], state[at + 1]]
+        })
+    }
+
+    /// Time derivatives of the six states.
+    fn stepped_rates(&self, state: &[R; 6], held: &Held<R>) -> [R; 6] {
+        let pieces = self.joint.pieces(state[ANGLE]);
+        let [velocity, acceleration] = self.motion(pieces, state, held);
+        let contents = self.contents(pieces, state, held);
+        let [agonist, antagonist] = [0, 1].map(|i| self.air_rates(i, contents[i], held));
+        [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
+    }
+
+    /// The rates near a point at rest with both valves shut and without Coulomb friction, under mass flows into each actuator
+    /// (kg/s) and a torque (N·m) beside the joint's own; and the torque in N·m of both actuators.
+    pub(crate) fn rates_near<T: Over<R>>(
+        &self,
+        at: &JointState<R>,
+        state: &[T; 6],
+        mass_flow: [T; 2],
+        torque: T,
+    ) -> ([T; 6], T) {
+        let pieces = self.joint.pieces(at.angle);
+        let lengths = self.joint.lengths(at.angle);
+        let limits = self.actuators().map(Actuator::limits);
+        let beyond = |end: usize| {
+            let stop = self.joint.stops().ends[end];
+            stop.is_some_and(|stop| R::zero().lt(R::constant(SIGN[end]) * (at.angle - stop)))
+        };
+        let held = Held {
+            ports: [Ports::CLOSED; 2],
+            turning: R::zero(),
+            stuck: false,
+            slack: [false; 2],
+            taut: [0, 1].map(|i| limits[i].max_length().lt(lengths[i])),
+            pressed: [beyond(0), beyond(1)],
+            memory: [0, 1].map(|i| Memory::relaxed(limits[i].actuator_length(lengths[i]))),
+        };
+        let [velocity, acceleration] = self.motion(pieces, state, &held);
+        let leverage = self.joint.leverage_in(pieces, state[ANGLE]);
+        let slopes = leverage.slopes();
+        let [of, other] = [0, 1].map(|i| {
+            let (actuator, at) = (&self.driven[i].actuator, PRESSURE[i]);
+            let ends = [leverage.lengths[i], slopes[i] * state[VELOCITY], state[at]];
+            let chamber = actuator.chamber(ends[0], ends[1], state[at], state[at + 1], false);
+            let flow = Flow { inward: mass_flow[i], outward: T::zero() };
+            (self.sliding_tension(i, ends, &held), actuator.pressure_rate(&chamber, &flow), flow.net())
+        });
+        let acceleration = acceleration + torque / T::of(self.joint.inertia());
+        ([velocity, acceleration, of.1, of.2, other.1, other.2], leverage.torque_of([of.0, other.0]))
+    }
+
+    /// One part of a step.
+    pub(super) fn take(&self, method: Method, state: &[R; 6], step: R, held: &Held<R>) -> [R; 6] {
+        match method {
+            Method::Rk4 => {
+                let mut slopes = [[R::zero(); 6]; 4];
+                for (stage, reach) in reaches(step).into_iter().enumerate() {
+                    let at = ahead(state, reach, &slopes[stage.saturating_sub(1)]);
+                    slopes[stage] = self.stepped_rates(&at, held);
+                }
+                gathered(state, step, &slopes)
+            }
+            Method::Stable => {
+                let (first, matrices) = self.rates_with_matrices(state, step, held);
+                let k1 = solve(&matrices, first);
+                let second = self.stepped_rates(&ahead(state, step, &k1), held);
+                let k2 = solve(&matrices, ahead(&second, R::constant(-2.0), &k1));
+                ahead(state, step * R::constant(0.5), &ahead(&k2, R::constant(3.0), &k1))
+            }
+        }
+    }
+
+    /// The rates, and the matrices of the stable method: of the motion with the agonist's air, and of the antagonist's.
+    fn rates_with_matrices(&self, state: &[R; 6], step: R, held: &Held<R>) -> ([R; 6], [Matrix<R>; 2]) {
+        let pieces = self.joint.pieces(state[ANGLE]);
+        let mut wide = state.map(Dual::<R, 2>::of);
+        wide[ANGLE] = Dual::variable(state[ANGLE], 0);
+        wide[VELOCITY] = Dual::variable(state[VELOCITY], 1);
+        let [velocity, acceleration] = self.motion(pieces, &wide, held);
+        let mut rates = [velocity.value, acceleration.value, R::zero(), R::zero(), R::zero(), R::zero()];
+        let contents = self.contents(pieces, state, held);
+        let matrices = [0, 1].map(|i| {
+            let [length, velocity, pressure, mass] = contents[i];
+            let air = [Dual::of(length), Dual::of(velocity), Dual::<R, 1>::variable(pressure, 0), Dual::of(mass)];
+            let [of_pressure, of_mass] = self.air_rates(i, air, held);
+            let of_air = [of_pressure.value, of_mass.value];
+            rates[PRESSURE[i]..=PRESSURE[i] + 1].copy_from_slice(&of_air);
+            let slopes = Slopes {
+                acceleration: if i == 0 { acceleration.slope } else { [R::zero(); 2] },
+                pressure_rate: of_pressure.slope[0],
+                mass_rate: of_mass.slope[0],
+            };
+            let settling = settling(&self.driven[i].actuator, held.ports[i], contents[i], held.slack[i], of_air);
+            Matrix::new(&slopes, settling, step)
+        });
+        (rates, matrices)
+    }
+}
+
+/// Both actuators on their own blocks of the matrix.
+fn solve<R: Real>([first, second]: &[Matrix<R>; 2], right: [R; 6]) -> [R; 6] {
+    let [angle, velocity, pressure, mass, other_pressure, other_mass] = right;
+    let [angle, velocity, pressure, mass] = first.solve([angle, velocity, pressure, mass]);
+    let [_, _, other_pressure, other_mass] = second.solve([R::zero(), R::zero(), other_pressure, other_mass]);
+    [angle, velocity, pressure, mass, other_pressure, other_mass]
+}
+
+/// The secant from an actuator's pressure to that of its open port, by the flow alone: of the pressure's rate in 1/s, and of
+/// the air mass's in kg/(s·Pa).
+fn settling<R: Real>(actuator: &Actuator<R>, ports: Ports, contents: [R; 4], slack: bool, rates: [R; 2]) -> [R; 2] {
+    let nothing = [R::zero(); 2];
+    let Some(valve) = actuator.valve() else { return nothing };
+    if ports.supply == ports.exhaust {
+        return nothing;
+    }
+    let port = valve.port_pressure(if ports.supply { Port::Supply } else { Port::Exhaust });
+    let [length, velocity, pressure, mass] = contents;
+    let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
+    let by_flow = rates[0] - actuator.pressure_rate(&chamber, &Flow::none());
+    let gap = port - pressure;
+    let settling = by_flow / gap;
+    // Where the pressures are equal there is no secant, and the tangent has the slope of the straight line.
+    if gap.value() != 0.0 && settling.value() > 0.0 { [settling, rates[1] / gap] } else { nothing }
+}

@@ -1,0 +1,371 @@
+//! The joint at fixed steps: its orders against the event-located engine with edges, reversals, stops, slack and taut inside
+//! the steps; true sticking against the closed form; the rig on a line as a limiting case; the driven course against the
+//! tabled command; courses as values; and what leaves the physics.
+
+use crate::common::joint::Pair;
+use crate::common::random::runner;
+use crate::common::{GRAVITY, PSI, Paper, assert_close, assert_within};
+use mckibben::control::Drive;
+use mckibben::load::{Limb, MomentArm, Stops, Tendon};
+use mckibben::simulation::{
+    EventKind, FixedStepper, InitialAngle, InitialLength, JointState, JointStepper, Method, SampleTimes,
+    joint_step_for_accuracy, simulate_joint,
+};
+use mckibben::valve::{Command, Request};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+fn pulses(frequency: f64, duty: f64) -> Command {
+    Command::pwm(frequency, duty, Request::Fill, Request::Exhaust).expect("a command")
+}
+
+/// A pair whose flows are choked throughout, so that the rates are smooth between edges.
+fn smooth(coulomb_width: f64) -> Pair {
+    let paper = Paper::driven(pulses(20.0, 0.5)).gauge(45.0 * PSI).friction(3.5, coulomb_width).with(|rig| {
+        rig.external_volume = 1e-3;
+        rig.supply_gauge = 250.0 * PSI;
+        rig.delays = (4.3e-3, 1.1e-3);
+    });
+    Pair::of(paper).with(|pair| {
+        pair.papers[1].command = Some(pulses(13.0, 0.4));
+        pair.limb.distance = 0.1;
+        pair.angle = InitialAngle::At(0.2);
+        pair.damping = 2e-3;
+    })
+}
+
+fn end_of(pair: &Pair, method: Method, step: f64, duration: f64) -> JointState {
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let stepper = JointStepper::new(rig, method);
+    let mut course = stepper.begin(start);
+    let steps = (duration / step).round() as u32;
+    for index in 1..=steps {
+        stepper.advance_to(&mut course, duration * f64::from(index) / f64::from(steps)).expect("a step");
+    }
+    course.state()
+}
+
+/// Largest difference of two states, each in units of its usual size.
+fn difference(a: JointState, b: JointState) -> f64 {
+    let pressure = |i: usize| (a.pressure[i].0 - b.pressure[i].0) / 1e5;
+    let mass = |i: usize| (a.air_mass[i] - b.air_mass[i]) / 1e-4;
+    let parts = [
+        a.angle - b.angle,
+        0.1 * (a.angular_velocity - b.angular_velocity),
+        pressure(0),
+        pressure(1),
+        mass(0),
+        mass(1),
+    ];
+    parts.into_iter().fold(0.0, |most: f64, part| most.max(part.abs()))
+}
+
+fn located(pair: &Pair, duration: f64) -> JointState {
+    let last = pair.run(duration, 1e-13).at(duration);
+    JointState {
+        angle: last.angle,
+        angular_velocity: last.angular_velocity,
+        pressure: last.actuators.map(|of| of.pressure),
+        air_mass: last.actuators.map(|of| of.air_mass),
+    }
+}
+
+/// The order fitted to errors at halved steps: the slope of a straight line in the logarithms.
+fn order(pair: &Pair, method: Method, step: f64, duration: f64) -> f64 {
+    let exact = located(pair, duration);
+    let steps = [step, step / 2.0, step / 4.0, step / 8.0];
+    let errors = steps.map(|step| difference(end_of(pair, method, step, duration), exact));
+    assert!(errors.iter().all(|error| *error > 1e-13), "errors have reached rounding: {errors:?}");
+    let logarithms = errors.map(f64::log2);
+    (3.0 * (logarithms[0] - logarithms[3]) + logarithms[1] - logarithms[2]) / 10.0
+}
+
+#[test]
+fn both_methods_have_their_order_with_edges_of_both_valves_inside_the_steps() {
+    let of = order(&smooth(0.0), Method::Rk4, 4e-3, 0.3);
+    assert!((of - 4.0).abs() < 0.15, "Rk4: fitted order {of}");
+    let of = order(&smooth(0.0), Method::Stable, 1e-3, 0.3);
+    assert!((of - 2.0).abs() < 0.1, "stable: fitted order {of}");
+}
+
+#[test]
+fn both_methods_keep_their_order_through_reversals_with_coulomb_friction() {
+    let pair = smooth(1.1e-4).with(|pair| pair.limb.distance = 0.0);
+    let turns = pair.run(0.3, 1e-9).events().iter().filter(|event| event.kind.kind == EventKind::Reversal).count();
+    assert!(turns > 1, "{turns} reversals");
+    let of = order(&pair, Method::Rk4, 2e-3, 0.3);
+    assert!((of - 4.0).abs() < 0.2, "Rk4: fitted order {of}");
+    let of = order(&pair, Method::Stable, 1e-3, 0.3);
+    assert!((of - 2.0).abs() < 0.1, "stable: fitted order {of}");
+}
+
+/// Errors of steps and half steps over the whole of a run.
+fn halves(pair: &Pair, step: f64, duration: f64) -> [f64; 2] {
+    let exact = located(pair, duration);
+    [step, 0.5 * step].map(|step| difference(end_of(pair, Method::Stable, step, duration), exact))
+}
+
+#[test]
+fn the_stable_method_keeps_its_order_with_stops_slack_taut_and_rows_of_arms() {
+    let swing = |change: fn(&mut Pair)| smooth(0.0).with(change);
+    let stops = swing(|pair| pair.stops = Stops { ends: [Some(-0.05), Some(0.1)], stiffness: 300.0, damping: 0.3 });
+    let slack = swing(|pair| {
+        pair.papers[0].min_length = Some(0.0805);
+        (pair.angle, pair.angular_velocity) = (InitialAngle::At(0.0), 2.0);
+    });
+    let taut = swing(|pair| {
+        pair.papers[1].max_length = 0.0855;
+        pair.papers[1].limit_stiffness = 5e4;
+        (pair.papers[1].command, pair.papers[1].gauge, pair.angular_velocity) = (None, 5.0 * PSI, 3.0);
+    });
+    let arms = swing(|pair| {
+        let arm = |arms: [f64; 4]| MomentArm::table(&[-0.3, -0.05, 0.15, 0.4], &arms).expect("a table");
+        pair.tendons = [[0.012, 0.014, 0.016, 0.015], [0.016, 0.016, 0.014, 0.012]]
+            .map(|arms| Tendon { arm: arm(arms), rest_length: 0.082 });
+    });
+    for (name, pair, kind) in [
+        ("stops", stops, EventKind::StopReached),
+        ("slack", slack, EventKind::Slack),
+        ("taut", taut, EventKind::Taut),
+        ("rows of arms", arms, EventKind::MomentArm),
+    ] {
+        let run = pair.run(0.25, 1e-9);
+        assert!(run.events().iter().any(|event| event.kind.kind == kind), "{name} does not happen");
+        let [coarse, fine] = halves(&pair, 4e-5, 0.25);
+        let of = (coarse / fine).log2();
+        assert!(of > 1.8 && fine < 1e-4, "{name}: order {of}, {coarse:e} and {fine:e}");
+    }
+}
+
+/// The bound of both frictions in closed form, as for the event-located engine.
+#[test]
+fn it_sticks_within_the_torque_of_both_frictions_and_does_not_creep() {
+    let (gauge, other, length, width) = (50.0 * PSI, 35.0 * PSI, 0.082, 1.1e-4);
+    let paper = Paper::sealed().friction(1.0, width).gauge(gauge);
+    let (b, n) = (paper.thread_length, paper.turns);
+    let secant = |gauge: f64| 3.0 * gauge * (length + b / 3_f64.sqrt()) / (4.0 * PI * n * n);
+    let force = |gauge: f64| gauge * (3.0 * length * length - b * b) / (4.0 * PI * n * n);
+    let radii = [0.015, 0.02];
+    let bound = radii[0] * width * secant(gauge) + radii[1] * width * secant(other);
+    let balance = radii[1] * force(other) - radii[0] * force(gauge);
+    let pair = Pair::of(paper).with(|pair| {
+        pair.papers[1].gauge = other;
+        for i in 0..2 {
+            pair.tendons[i].arm = MomentArm::Pulley(radii[i]);
+        }
+    });
+    for method in [Method::Stable, Method::Rk4] {
+        for sign in [-1.0, 1.0] {
+            let at = |share: f64| pair.clone().with(|pair| pair.torque = balance + sign * share * bound);
+            assert_eq!(end_of(&at(0.9999), method, 1e-3, 10.0).angle, 0.0);
+            assert!(sign * end_of(&at(1.0001), method, 1e-3, 0.1).angle > 1e-7);
+            let rig = at(0.9999).rig().expect("a rig");
+            let start = rig.start(&pair.initial()).expect("a start");
+            let stepper = JointStepper::new(rig, method);
+            let course = stepper.begin(start);
+            assert!(course.is_stuck());
+            assert_close(stepper.sample(&course).torque, -(balance + sign * 0.9999 * bound), 1e-12);
+        }
+    }
+}
+
+/// With a slack antagonist, a limb of inertia M r² and the constant torque −M g r it is the rig of the paper, step by step.
+#[test]
+fn with_a_slack_antagonist_its_steps_are_those_of_the_hanging_mass() {
+    let (mass, radius, rest) = (2.0, 0.02, 0.09);
+    let paper = Paper::pwm(10.0, 0.5).mass(mass).with(|rig| rig.length = InitialLength::Equilibrium);
+    let pair = Pair::of(paper.clone()).with(|pair| {
+        pair.papers[1] = Paper::sealed();
+        pair.limb = Limb { mass, distance: 0.0, inertia: mass * radius * radius, gravity: GRAVITY, hanging_angle: 0.0 };
+        let slack = Tendon { arm: MomentArm::Pulley(1e-3), rest_length: 0.02 };
+        pair.tendons = [Tendon { arm: MomentArm::Pulley(radius), rest_length: rest }, slack];
+        pair.torque = -mass * GRAVITY * radius;
+        pair.angle = InitialAngle::Equilibrium;
+    });
+    let (line, rig) = (paper.rig(), pair.rig().expect("a rig"));
+    for method in [Method::Stable, Method::Rk4] {
+        let mut on_line = FixedStepper::new(&line, paper.start(), method);
+        let stepper = JointStepper::new(rig.clone(), method);
+        let mut course = stepper.begin(rig.start(&pair.initial()).expect("a start"));
+        for step in 1..=400 {
+            let time = f64::from(step) * 1e-3;
+            on_line.advance_to(time).expect("a step");
+            stepper.advance_to(&mut course, time).expect("a step");
+            let (a, b) = (on_line.state(), stepper.sample(&course));
+            assert_within(b.actuators[0].length, a.length, 1e-8);
+            assert_within(b.actuators[0].velocity, a.velocity, 1e-5);
+            assert_close(b.actuators[0].pressure.0, a.pressure.0, 1e-6);
+            assert_close(b.actuators[0].air_mass, a.air_mass, 1e-6);
+            assert_eq!(b.actuators[0].ports, on_line.ports());
+        }
+    }
+}
+
+/// What is asked on the way is what a table of the same requests would have asked; a course set aside and taken up again
+/// goes on to the same bits.
+#[test]
+fn what_is_asked_is_the_tabled_command_and_courses_are_values() {
+    let pair = smooth(1.1e-4);
+    let times = vec![0.0, 0.0307, 0.0811];
+    let [fill, exhaust] = [Request::Fill, Request::Exhaust];
+    let requests = [[fill, exhaust, fill], [exhaust, fill, exhaust]];
+    let tabled = pair.clone().with(|pair| {
+        for i in 0..2 {
+            pair.papers[i].command = Some(Command::table(times.clone(), requests[i].to_vec()).expect("a table"));
+        }
+    });
+    let (rig, initial) = (tabled.rig().expect("a rig"), tabled.initial());
+    let start = rig.start(&initial).expect("a start");
+    let follows = JointStepper::new(rig, Method::Stable);
+    let asked = JointStepper::driven(pair.rig().expect("a rig"), Method::Stable, 25.0).expect("a stepper");
+    let (mut a, mut b) = (follows.begin(start), asked.begin(start));
+    for step in 0..1500 {
+        let time = f64::from(step) * 1e-4;
+        if let Some(row) = times.iter().position(|at| (at - time).abs() < 1e-9) {
+            let drives = [0, 1].map(|i| Drive::Steady(requests[i][row]));
+            asked.drive(&mut b, drives).expect("a request");
+        }
+        let until = time + 1e-4;
+        follows.advance_to(&mut a, until).expect("a step");
+        asked.advance_to(&mut b, until).expect("a step");
+        assert!(difference(a.state(), b.state()) < 1e-10, "{time}: {:?} {:?}", a.state(), b.state());
+        assert_eq!(a.ports(), b.ports());
+    }
+    let aside = b;
+    let on = |mut course| {
+        for step in 1500..1700 {
+            asked.advance_to(&mut course, f64::from(step + 1) * 1e-4).expect("a step");
+        }
+        course.state()
+    };
+    let first = on(b);
+    assert_eq!(first, on(aside));
+}
+
+/// Pulses by `drive` are those of the command of the same frequency and duty cycle.
+#[test]
+fn pulses_are_those_of_the_command() {
+    let pair = smooth(0.0).with(|pair| {
+        pair.papers[0].command = Some(pulses(25.0, 0.6));
+        pair.papers[1].command = Some(pulses(25.0, 0.3));
+    });
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let follows = JointStepper::new(rig.clone(), Method::Stable);
+    let asked = JointStepper::driven(rig, Method::Stable, 25.0).expect("a stepper");
+    let (mut a, mut b) = (follows.begin(start), asked.begin(start));
+    let duty = |duty| Drive::Pulses { duty, pulse: Request::Fill, rest: Request::Exhaust };
+    asked.drive(&mut b, [duty(0.6), duty(0.3)]).expect("pulses");
+    for step in 1..=300 {
+        let until = f64::from(step) * 1e-3;
+        follows.advance_to(&mut a, until).expect("a step");
+        asked.advance_to(&mut b, until).expect("a step");
+        // The driven one divides its steps at the edges too.
+        assert!(difference(a.state(), b.state()) < 2e-4, "{until}: {:?} {:?}", a.state(), b.state());
+    }
+}
+
+/// At rest on an actuator's shortest length, and at steps far too long for the stops, every number stays one.
+#[test]
+fn it_rests_where_an_actuator_is_at_its_shortest() {
+    for width in [0.0, 1e-4] {
+        let paper = Paper::sealed().friction(5.0, width).gauge(60.0 * PSI).with(|rig| rig.min_length = Some(0.078));
+        let pair = Pair::of(paper).with(|pair| {
+            pair.papers[1].gauge = 0.0;
+            pair.torque = -0.1;
+            pair.damping = 2e-3;
+            pair.angle = InitialAngle::At((0.082 - 0.078) / 0.015 + 0.02);
+        });
+        let end = end_of(&pair, Method::Stable, 1e-3, 20.0);
+        assert_within(end.angle, (0.082 - 0.078) / 0.015, 1e-5);
+        assert_eq!(end.angular_velocity, 0.0);
+    }
+}
+
+#[test]
+fn random_joints_near_the_event_located_engine() {
+    let cases = (5.0..35.0_f64, 0.1..0.9_f64, 5.0..35.0_f64, 0.1..0.9_f64, 0.0..2e-4_f64, -0.3..0.3_f64, 0.0..0.12_f64);
+    let result = runner(60).run(&cases, |(first, duty, second, other, width, angle, distance)| {
+        let pair = Pair::of(Paper::driven(pulses(first, duty)).friction(3.0, width)).with(|pair| {
+            pair.papers[1].command = Some(pulses(second, other));
+            pair.limb.distance = distance;
+            pair.damping = 2e-2;
+            pair.angle = InitialAngle::At(angle);
+            pair.stops = Stops { ends: [Some(-0.5), Some(0.5)], stiffness: 100.0, damping: 0.3 };
+        });
+        let rig = pair.rig().expect("a rig");
+        let start = rig.start(&pair.initial()).expect("a start");
+        let exact = simulate_joint(&rig, start, 0.5, 1e-10).expect("a run");
+        let stepper = JointStepper::new(rig, Method::Stable);
+        let worst = |step: f64| {
+            let mut course = stepper.begin(start);
+            (1..=(0.5 / step).round() as u32).fold(0.0, |worst: f64, count| {
+                stepper.advance_to(&mut course, f64::from(count) * step).expect("a step");
+                worst.max((course.state().angle - exact.at(f64::from(count) * step).angle).abs())
+            })
+        };
+        let (coarse, fine) = (worst(2e-4), worst(2.5e-5));
+        prop_assert!(fine < 1e-3 && (fine < 1e-5 || coarse > 8.0 * fine), "{coarse:e} {fine:e}");
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// The step that an accuracy needs has no larger error, measured anew, and a tighter accuracy no longer step.
+#[test]
+fn a_step_is_chosen_for_an_accuracy() {
+    let pair = smooth(1.1e-4);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let run = pair.run(0.2, 1e-11);
+    let mut before = f64::INFINITY;
+    for accuracy in [1e-2, 1e-3, 1e-4] {
+        let chosen = joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, accuracy).expect("a step");
+        assert!(chosen.step <= before && chosen.greatest <= accuracy, "{chosen:?}");
+        before = chosen.step;
+        let stepper = JointStepper::new(rig.clone(), Method::Stable);
+        let mut course = stepper.begin(start);
+        let angles: Vec<f64> = run.samples(5e-3).map(|sample| sample.angle).collect();
+        let range = angles.iter().copied().fold(f64::MIN, f64::max) - angles.iter().copied().fold(f64::MAX, f64::min);
+        for (time, recorded) in SampleTimes::new(0.2, 5e-3).steps(chosen.step) {
+            stepper.advance_to(&mut course, time).expect("a step");
+            let off = (course.state().angle - run.at(time).angle).abs();
+            assert!(!recorded || off <= 1.01 * accuracy * range, "{time}: {off:e}");
+        }
+    }
+    let error =
+        joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, 1e-12).expect_err("refused").to_string();
+    assert!(error.contains("run.accuracy"), "{error}");
+}
+
+#[test]
+fn what_cannot_be_stepped_is_refused_and_changes_nothing() {
+    let pair = smooth(0.0);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let error = JointStepper::driven(rig.clone(), Method::Stable, 0.0).expect_err("refused").to_string();
+    assert!(error.contains("command.frequency"), "{error}");
+    let stepper = JointStepper::driven(rig, Method::Stable, 25.0).expect("a stepper");
+    let mut course = stepper.begin(start);
+    let duty = Drive::Pulses { duty: 1.5, pulse: Request::Fill, rest: Request::Exhaust };
+    let error = stepper.drive(&mut course, [Drive::Steady(Request::Fill), duty]).expect_err("refused").to_string();
+    assert!(error.contains("command.duty"), "{error}");
+    // The paper's three-way valve holds nothing.
+    let hold = [Drive::Steady(Request::Hold); 2];
+    assert!(stepper.drive(&mut course, hold).is_err());
+    stepper.advance_to(&mut course, 0.01).expect("a step");
+    assert_eq!(course.ports().map(|ports| ports.supply), [false; 2]);
+
+    let sealed = Pair::of(Paper::sealed()).with(|pair| pair.torque = -50.0);
+    let rig = sealed.rig().expect("a rig");
+    let start = rig.start(&sealed.initial()).expect("a start");
+    let stepper = JointStepper::new(rig, Method::Rk4);
+    let mut course = stepper.begin(start);
+    let error = stepper.advance_to(&mut course, 0.5).expect_err("refused").to_string();
+    assert!(
+        error.contains("fixed-step engine left the physics") || error.contains("pulled a braid straight"),
+        "{error}"
+    );
+    assert_eq!((course.time(), course.state()), (0.0, start));
+}
