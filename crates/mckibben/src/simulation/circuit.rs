@@ -27,10 +27,10 @@
 //! a stream, exergy balance of a control volume). Checked by `tests/circuit.rs`: filling in closed form, and the sum.
 
 use super::energy::EnergyAudit;
-use super::hybrid::Phase;
 use super::mode::Extent;
 use super::sample::Sample;
 use super::trajectory::Trajectory;
+use super::zones::Through;
 use crate::actuator::Actuator;
 use crate::air::Flow;
 use crate::scalar::{Real, Scalar};
@@ -147,9 +147,9 @@ impl CircuitAudit {
         (actuator, valve): (&Actuator<R>, &Valve<R>),
         weight: f64,
         sample: &Sample<R>,
-        (phase, regulated): (&Phase<R>, Option<&Flow<R>>),
+        (through, regulated): (Through<'_, R>, Option<&Flow<R>>),
     ) {
-        let mode = &phase.mode;
+        let mode = through.mode;
         let slack = mode.extent == Extent::Slack;
         let chamber = actuator.chamber(sample.length, sample.velocity, sample.pressure.0, sample.air_mass, slack);
         let [supply, surroundings] = match regulated {
@@ -161,7 +161,7 @@ impl CircuitAudit {
                     actuator.flow(&chamber, mode.ports.supply, false),
                     actuator.flow(&chamber, false, mode.ports.exhaust),
                 ];
-                match phase.through(sample.time).shares {
+                match through.shares {
                     None => flows,
                     Some([supply, exhaust]) => [flows[0].through(supply), flows[1].through(exhaust)],
                 }
@@ -208,7 +208,7 @@ impl<R: Real> Trajectory<R> {
         let exergy = Exergy::new(actuator, valve);
         let mut audit = CircuitAudit { work: self.audit(), ..CircuitAudit::default() };
         self.visit(|weight, sample, phase, flow, _| {
-            let flows = (phase, regulated.then_some(flow));
+            let flows = (phase.through(sample.time), regulated.then_some(flow));
             audit.add(&exergy, (actuator, valve), weight.value(), sample, flows);
         });
         let [start, end] = [R::zero(), self.duration()].map(|time| exergy.contents(&self.at(time)));

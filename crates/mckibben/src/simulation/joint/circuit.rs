@@ -15,6 +15,7 @@ use super::trajectory::JointTrajectory;
 use crate::scalar::Real;
 use crate::simulation::circuit::{CircuitAudit, Exergy};
 use crate::simulation::energy::EnergyAudit;
+use crate::simulation::zones::Through;
 
 /// Where the exergy of the air from both supplies went, in J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,7 +85,8 @@ impl<R: Real> JointTrajectory<R> {
         self.visit(|weight, sample, phase| {
             for (i, account) in accounts.iter_mut().enumerate() {
                 if let Some((actuator, valve, exergy, audit)) = account {
-                    let flows = (&phase.mode.actuators[i], None);
+                    // The valves of a joint are whole or shut.
+                    let flows = (Through { mode: &phase.mode.actuators[i], shares: None }, None);
                     audit.add(exergy, (actuator, valve), weight.value(), &sample.actuators[i], flows);
                 }
             }

@@ -33,11 +33,11 @@ pub(super) struct Held<R> {
 }
 
 impl<R: Real> JointRig<R> {
-    /// How the threads of an actuator rub.
+    /// How the threads of an actuator rub while its ends are at `length` (m) and move apart at `velocity` (m/s).
     #[inline(always)]
-    pub(super) fn rubbing<T: Over<R>>(&self, i: usize, length: T, held: &Held<R>) -> Rubbing<T> {
+    pub(super) fn rubbing<T: Over<R>>(&self, i: usize, length: T, velocity: T, held: &Held<R>) -> Rubbing<T> {
         let direction = R::constant(SIGN[i]) * held.turning;
-        Rubbing { width: self.driven[i].actuator.width(&held.memory[i], length), ..T::of(direction).into() }
+        Rubbing { width: self.driven[i].actuator.width(&held.memory[i], length, velocity), ..T::of(direction).into() }
     }
 
     /// Tension in N of an actuator whose ends move.
@@ -45,7 +45,7 @@ impl<R: Real> JointRig<R> {
     pub(super) fn sliding_tension<T: Over<R>>(&self, i: usize, ends: [T; 3], held: &Held<R>) -> T {
         let actuator = &self.driven[i].actuator;
         let factors = actuator.factors(ends[0], ends[2]);
-        let force = actuator.signed_force(ends, self.rubbing(i, ends[0], held), held.taut[i], factors);
+        let force = actuator.signed_force(ends, self.rubbing(i, ends[0], ends[1], held), held.taut[i], factors);
         T::select(held.slack[i], T::zero(), force.larger(T::zero()))
     }
 

@@ -266,9 +266,12 @@ impl<R: Real<Time = R>> JointStepper<R> {
     fn arrive(&self, course: &mut JointCourse<R>, end: [R; 6], time: R) {
         course.state = end;
         course.time = course.time.larger(time);
-        let lengths = self.rig.joint.lengths(end[ANGLE]);
+        let joint = &self.rig.joint;
+        let lengths = joint.lengths(end[ANGLE]);
+        let slopes = joint.leverage_in(joint.pieces(end[ANGLE]), end[ANGLE]).slopes();
         for i in 0..2 {
-            self.rig.driven[i].actuator.remember(&mut course.held.memory[i], lengths[i]);
+            let velocity = slopes[i] * end[VELOCITY];
+            self.rig.driven[i].actuator.remember(&mut course.held.memory[i], lengths[i], velocity);
         }
     }
 
@@ -434,7 +437,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             actuator.limits().actuator_length(length),
             state[PRESSURE[i]],
             resting,
-            self.rig.rubbing(i, length, held),
+            self.rig.rubbing(i, length, R::zero(), held),
         )
     }
 
