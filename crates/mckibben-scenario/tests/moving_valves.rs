@@ -5,7 +5,8 @@ use mckibben_scenario::{Command, Document, Scenario, Spool, ValveKind};
 const AROUND: &str = "[supply]\ngauge_pressure = \"6 bar\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
                       [run]\nduration = \"1 s\"\n";
 const FILL: &str = "[command]\nkind = \"fill\"\n";
-const SEATS: &str = "[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\nopening_time = \"3 ms\"\nclosing_time = \"5 ms\"\n";
+const SEATS: &str =
+    "[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\nopening_time = \"3 ms\"\nclosing_time = \"5 ms\"\n";
 const SPOOL: &str = "[valve]\nkind = \"proportional-spool\"\nflow_area = \"1 mm^2\"\nspool.natural_frequency = \"80 Hz\"\n\
                      spool.damping_ratio = 0.6\nspool.supply_overlap = 0.05\n";
 const POSITIONS: &str = "[command]\nkind = \"positions\"\ntime = [\"0 s\", \"0.5 s\"]\nposition = [0.4, -1]\n";

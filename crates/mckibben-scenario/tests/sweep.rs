@@ -196,7 +196,8 @@ fn surroundings(path: &str) -> String {
         base = base.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", points);
     }
     if path.starts_with("valve.spool.") {
-        let spool = "kind = \"proportional-spool\"\ncv = 0.3\nspool.natural_frequency = \"80 Hz\"\nspool.damping_ratio = 0.6";
+        let spool =
+            "kind = \"proportional-spool\"\ncv = 0.3\nspool.natural_frequency = \"80 Hz\"\nspool.damping_ratio = 0.6";
         let positions = "kind = \"positions\"\ntime = [\"0 s\"]\nposition = [0.5]";
         base = base.replace("preset = \"matrix-eight-channel\"", spool);
         base = base.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", positions);
