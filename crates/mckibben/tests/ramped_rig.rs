@@ -182,8 +182,8 @@ fn the_stable_method_stays_stable_while_a_port_opens() {
         rig.standard = FlowStandard::Orifice { flow_area: 2e-5 };
     });
     let supply = paper.supply_gauge + ATMOSPHERE;
-    for gauge in [0.0, 0.99 * paper.supply_gauge] {
-        let paper = paper.clone().gauge(gauge);
+    for (kind, share) in [(ValveKind::ThreeWay, 0.0), (ValveKind::TwoWay, 0.0), (ValveKind::TwoWay, 0.99)] {
+        let paper = paper.clone().gauge(share * paper.supply_gauge).with(|rig| rig.kind = kind);
         let rig = ramped(&paper, [20e-3, 0.0]);
         for steps in [3, 10, 30] {
             let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
