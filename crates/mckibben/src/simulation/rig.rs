@@ -297,7 +297,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_ref()?.solenoid.regulator()
     }
 
-    /// Whether there is an air line or a pressure regulator: states beyond the four, of the air.
+    /// Whether there is an air line or a pressure regulator: most of them have states beyond the four.
     pub(crate) fn has_plumbing(&self) -> bool {
         !self.line.is_none() || self.regulator().is_some()
     }

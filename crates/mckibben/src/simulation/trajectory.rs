@@ -101,9 +101,9 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = match system.states() {
-            4 => Run::Rig(begin(&system, start)),
-            _ => Run::Line(Box::new(begin(&system, start))),
+        let run = match rig.has_plumbing() || rig.actuator().friction().lugre().is_some() {
+            false => Run::Rig(begin(&system, start)),
+            true => Run::Line(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
