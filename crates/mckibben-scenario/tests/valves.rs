@@ -133,9 +133,10 @@ fn each_kind_takes_the_commands_that_it_can_follow() {
     };
     let kinds = ValveKind::CHOICES.iter().map(|choice| choice.name);
     let asked = ["fill", "hold", "exhaust"].map(|request| format!("kind = \"{request}\""));
-    // It follows set points, and no requests.
-    assert!(asked.iter().all(|request| with("pressure-regulator", request).is_err()));
-    for kind in kinds.filter(|kind| *kind != "pressure-regulator") {
+    // They follow set points or positions, and no requests.
+    let without_seats = ["pressure-regulator", "proportional-spool"];
+    assert!(without_seats.iter().all(|kind| asked.iter().all(|request| with(kind, request).is_err())));
+    for kind in kinds.filter(|kind| !without_seats.contains(kind)) {
         let holds = kind == "two-way" || kind == "fill-hold-exhaust" || kind.starts_with("five-way-");
         assert!(with(kind, "kind = \"fill\"").is_ok(), "{kind}");
         assert_eq!(with(kind, "kind = \"hold\"").is_ok(), holds, "{kind}");
