@@ -25,6 +25,7 @@ impl Operations {
         let held = Held {
             supply: true,
             exhaust: false,
+            openings: mckibben::valve::Openings::Whole,
             sliding: -1.0,
             stuck: false,
             slack: false,

@@ -42,6 +42,7 @@ mod moment_arm;
 mod properties;
 mod ramped_rig;
 mod regulated_rig;
+mod series_tendon;
 mod simulation;
 mod solenoid;
 mod spool_rig;

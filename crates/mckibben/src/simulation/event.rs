@@ -46,13 +46,20 @@ pub(crate) struct Crossing<G, R> {
     pub(crate) theta: R,
 }
 
+/// A guard has no value somewhere in a step: the step has left the physics, and a shorter one may not.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NoValue;
+
 /// The first guard that fires on `arc`, if any.
 pub(crate) fn first_crossing<R: Real, const N: usize, S: HybridSystem<R, N>>(
     system: &S,
     mode: &S::Mode,
     guards: &Guards<S::Guard>,
     arc: &Arc<R, N>,
-) -> Option<Crossing<S::Guard, R>> {
+) -> Result<Option<Crossing<S::Guard, R>>, NoValue> {
+    if !arc.is_finite() {
+        return Err(NoValue);
+    }
     let mut first: Option<(S::Guard, f64)> = None;
     for (guard, form) in guards.iter() {
         let value_at = |theta: f64| value::<R, R, N, S>(system, mode, guard, arc, R::constant(theta)).value();
@@ -60,7 +67,7 @@ pub(crate) fn first_crossing<R: Real, const N: usize, S: HybridSystem<R, N>>(
             GuardForm::Above { index, bound } => arc.linear(index, bound, 1.0).first_descent(),
             GuardForm::Below { index, bound } => arc.linear(index, bound, -1.0).first_descent(),
             GuardForm::Function if is_far_from_zero(system, mode, guard, arc) => None,
-            GuardForm::Function => descent_between(0.0, 1.0, MAX_HALVINGS, &value_at),
+            GuardForm::Function => descent_between(0.0, 1.0, MAX_HALVINGS, &value_at)?,
         };
         let Some((low, high)) = descent else { continue };
         let theta = root::bracketed(low, high, 1e-15, value_at).clamp(0.0, 1.0);
@@ -68,8 +75,8 @@ pub(crate) fn first_crossing<R: Real, const N: usize, S: HybridSystem<R, N>>(
             first = Some((guard, theta));
         }
     }
-    let (guard, theta) = first?;
-    Some(Crossing { guard, theta: differentiable(system, mode, guard, arc, theta) })
+    let differentiable = |(guard, theta)| Crossing { guard, theta: differentiable(system, mode, guard, arc, theta) };
+    Ok(first.map(differentiable))
 }
 
 /// The place of a crossing with its derivatives, by the implicit function theorem; its value stays as it was found.
@@ -125,17 +132,27 @@ const MAX_HALVINGS: u32 = 12;
 ///
 /// The guard is looked at as the polynomial through eight of its values. Where that shows a descent and the guard itself
 /// is not below zero after it, the polynomial errs, and each half is looked at by itself.
-fn descent_between(low: f64, high: f64, halvings: u32, value_at: &impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+fn descent_between(
+    low: f64,
+    high: f64,
+    halvings: u32,
+    value_at: &impl Fn(f64) -> f64,
+) -> Result<Option<(f64, f64)>, NoValue> {
     let at = |part: f64| low + (high - low) * part;
-    let values = core::array::from_fn(|i| value_at(at(i as f64 / (POINTS - 1) as f64)));
-    let (first, last) = Bernstein::through(values).first_descent()?;
+    let values: [f64; POINTS] = core::array::from_fn(|i| value_at(at(i as f64 / (POINTS - 1) as f64)));
+    if !values.iter().all(|value| value.is_finite()) {
+        return Err(NoValue);
+    }
+    let Some((first, last)) = Bernstein::through(values).first_descent() else { return Ok(None) };
     if value_at(at(last)) < 0.0 {
-        return Some((at(first), at(last)));
+        return Ok(Some((at(first), at(last))));
     }
     if halvings == 0 {
-        return (values[POINTS - 1] < 0.0).then_some((low, high));
+        return Ok((values[POINTS - 1] < 0.0).then_some((low, high)));
     }
     let middle = at(0.5);
-    let left = descent_between(low, middle, halvings - 1, value_at);
-    left.or_else(|| descent_between(middle, high, halvings - 1, value_at))
+    match descent_between(low, middle, halvings - 1, value_at)? {
+        None => descent_between(middle, high, halvings - 1, value_at),
+        found => Ok(found),
+    }
 }

@@ -182,10 +182,13 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
             };
             let tried =
                 if self.implicit { self.try_implicit(&slope, length) } else { self.try_explicit(&slope, length) };
-            match tried {
-                Some((arc, end)) => return self.accept(arc, end, end_time).map(Some),
-                None => self.counts.rejected_steps += 1,
+            if let Some((arc, end)) = tried {
+                match event::first_crossing(self.system, &self.mode, &self.guards, &arc) {
+                    Ok(crossing) => return self.accept(arc, end, end_time, crossing).map(Some),
+                    Err(event::NoValue) => (self.step, self.slope) = (0.25 * length.value(), Some(slope)),
+                }
             }
+            self.counts.rejected_steps += 1;
         }
     }
 
@@ -303,9 +306,15 @@ impl<'a, R: Real, const N: usize, S: HybridSystem<R, N>> Integrator<'a, R, N, S>
         kept
     }
 
-    fn accept(&mut self, arc: Arc<R, N>, end: [R; N], end_time: R) -> Result<PieceOf<R, S, N>, Error> {
+    fn accept(
+        &mut self,
+        arc: Arc<R, N>,
+        end: [R; N],
+        end_time: R,
+        crossing: Option<Crossing<S::Guard, R>>,
+    ) -> Result<PieceOf<R, S, N>, Error> {
         let mode = self.mode;
-        if let Some(Crossing { guard, theta }) = event::first_crossing(self.system, &mode, &self.guards, &arc) {
+        if let Some(Crossing { guard, theta }) = crossing {
             let before = self.time.value();
             self.time = self.time + theta * arc.step;
             self.state = arc.at(theta);

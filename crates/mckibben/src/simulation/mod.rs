@@ -44,6 +44,8 @@ pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
+mod series_tendon;
+#[cfg(feature = "alloc")]
 mod stored;
 pub mod system;
 pub(crate) mod timetable;
@@ -81,5 +83,7 @@ pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use modular::ModularActuator;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
+#[cfg(feature = "alloc")]
+pub use series_tendon::{SeriesTendon, TendonActuator};
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

@@ -166,6 +166,16 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         went
     }
 
+    /// All that a step changes.
+    pub(super) fn going(&self) -> (Walk<R>, Modulator<R>) {
+        (self.walk, self.modulator)
+    }
+
+    /// Back to before a step that was only tried.
+    pub(super) fn back_to(&mut self, (walk, modulator): (Walk<R>, Modulator<R>)) {
+        (self.walk, self.modulator) = (walk, modulator);
+    }
+
     /// The tension, its derivatives and the rates of the state, while the ends move apart at `velocity` in m/s.
     pub fn respond(&self, velocity: R) -> Response<R> {
         let Course { state, held, .. } = &self.walk.course;
