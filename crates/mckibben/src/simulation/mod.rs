@@ -44,7 +44,7 @@ pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
-mod series_tendon;
+pub mod series_tendon;
 #[cfg(feature = "alloc")]
 mod stored;
 pub mod system;
