@@ -43,7 +43,7 @@ use crate::line::{Regulator, Reservoir, SupplyLine};
 use crate::parameter;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
-use crate::valve::Supply;
+use crate::valve::{Supply, is_due};
 
 /// One supply for several actuators.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,7 +201,8 @@ fn runs<R: Real>(reservoir: &Reservoir<R>, state: &ManifoldState<R>) -> bool {
 
 /// That actuators are at a time in s.
 fn check_in_step<R: Real<Time = R>>(time: R, actuators: &[ModularActuator<R>]) -> Result<(), Error> {
-    if actuators.iter().all(|actuator| actuator.time().value() == time.value()) {
+    let there = |actuator: &ModularActuator<R>| is_due(actuator.time(), time) && is_due(time, actuator.time());
+    if actuators.iter().all(there) {
         return Ok(());
     }
     Err(Error::Unsupported {
