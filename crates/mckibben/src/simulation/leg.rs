@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Order 2 between the motions of seats. The step has to resolve what is stiff in the leg, the belt and the stops, not the
-//! air. On a [`Manifold`] the supply's pressure is held over a step, and what depends on it has order 1. Dry friction of the actuators has its middle at rest ([`ModularActuator`]); hysteresis holds.
+//! air. Dry friction of the actuators has its middle at rest ([`ModularActuator`]); hysteresis holds. A [`Manifold`] holds
+//! its pressure over a step, and what depends on it has order 1.
 //!
 //! Checked by `tests/leg.rs` and `tests/manifold.rs`.
 
