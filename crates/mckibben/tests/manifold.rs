@@ -103,7 +103,7 @@ fn no_air_is_lost_between_reservoir_actuators_and_surroundings() {
         .zip([0.3, 0.5, 0.7])
         .map(|((rig, paper), duty)| driven(rig, paper, pulses(duty)))
         .collect();
-    let tank = filled(2e-4, 5e5, Some(compressor(4e-4, 4e5, 5.5e5)));
+    let tank = filled(2e-4, 5e5, Some(compressor(5e-3, 4e5, 5.5e5)));
     let mut manifold = manifold(Some(tank), None);
     let here = |manifold: &Manifold, actuators: &[ModularActuator]| {
         manifold.content().expect("a tank") + actuators.iter().map(ModularActuator::content).sum::<f64>()
@@ -127,21 +127,27 @@ fn what_it_draws_and_exhausts_is_what_flows_in_the_event_located_run() {
     let paper = held(1.0, 3e-6).with(|rig| {
         rig.command = Some(Command::pwm(FREQUENCY, 0.5, Request::Fill, Request::Exhaust).expect("a command"));
     });
-    for rig in [paper.rig(), ramped(&paper), plumbed(&paper)] {
+    let leakage = Some(Leakage::new(1e-12).expect("a leak"));
+    let leaky = paper.rig().with_line(Line { leakage, ..Line::NONE }).expect("a line");
+    for rig in [paper.rig(), leaky, ramped(&paper), plumbed(&paper)] {
         let audit = simulate(&rig, paper.start(), 0.2, 1e-10).expect("a run").audit();
-        let errors = [200, 400, 800].map(|steps| {
+        let errors = [800, 3200, 12_800].map(|steps| {
             let [mut drawn, mut exhausted] = [0.0; 2];
             let mut actuators = [driven(&rig, &paper, pulses(0.5))];
             run(&mut manifold(None, None), &mut actuators, (0.2, steps), |_, actuators| {
                 drawn += actuators[0].drawn();
                 exhausted += actuators[0].exhausted();
             });
-            (drawn / audit.air_in - 1.0).abs().max((exhausted / audit.air_out - 1.0).abs())
+            let off = [drawn / audit.air_in - 1.0, exhausted / audit.air_out - 1.0].map(f64::abs);
+            // Requests reach a modular actuator without the hose's delay: the last exhaust begins before that of the run.
+            if rig.line().hose.is_some() { off[0] } else { off[0].max(off[1]) }
         });
-        assert!(errors[0] < 0.02 && errors[2] < 1e-3 && errors[2] < 0.5 * errors[0], "{errors:?}");
+        assert!(errors[2] < 1e-4 && errors.windows(2).all(|pair| pair[0] > 5.0 * pair[1]), "{errors:?}");
+        // Four times the steps: sixteen times less, but for what is left of the transient at the seats.
     }
 }
 
+/// At longer steps the error of the actuators' own steps, of order 2, is the larger.
 #[test]
 fn two_alike_approach_the_event_located_run_with_order_one() {
     let duration = 0.1;
@@ -150,14 +156,14 @@ fn two_alike_approach_the_event_located_run_with_order_one() {
     });
     let regulator = Regulator::new(1e7, 0.0, 10e-3).expect("a regulator");
     for regulator in [None, Some(regulator)] {
-        let supply = SupplyLine::new(Some(bottle(1e-4)), regulator, 2.0).expect("a supply");
+        let supply = SupplyLine::new(Some(bottle(5e-5)), regulator, 2.0).expect("a supply");
         let rig = paper.rig().with_line(Line { supply: Some(supply), ..Line::NONE }).expect("a line");
         let exact = simulate(&rig, paper.start(), duration, 1e-10).expect("a run");
-        let errors = [500, 1000, 2000].map(|steps| {
+        let errors = [16_000, 32_000, 64_000].map(|steps| {
             let mut off = [0.0_f64; 2];
             let mut actuators = [modular(&paper, pulses(0.5)), modular(&paper, pulses(0.5))];
             run(
-                &mut manifold(Some(bottle(1e-4)), regulator),
+                &mut manifold(Some(bottle(5e-5)), regulator),
                 &mut actuators,
                 (duration, steps),
                 |manifold, actuators| {
@@ -176,7 +182,7 @@ fn two_alike_approach_the_event_located_run_with_order_one() {
                 assert!((1.8..2.2).contains(&ratio), "{ratio} of {errors:?}");
             }
         }
-        assert!(errors[0][0] < 5e-3 && errors[0][1] < 5e-3, "{errors:?}");
+        assert!(errors[2][0] < 1e-5 && errors[2][1] < 1e-4, "{errors:?}");
         let sags = exact.at(duration).supply_pressure.expect("it changes").0;
         assert!(sags < 0.9 * (SUPPLY + ATMOSPHERE), "{sags} Pa");
     }
@@ -206,22 +212,26 @@ fn a_reservoir_without_end_is_a_supply_of_constant_pressure() {
 fn unlike_actuators_come_to_the_pressure_of_all_air_in_all_volumes() {
     let volume = 2e-4;
     let papers = [held(1.0, 3e-6), held(4.0, 5e-5), held(0.2, 1e-5)].map(|paper| paper.process(Process::Isothermal));
-    let mut actuators = papers.each_ref().map(|paper| modular(paper, FILL));
-    let volumes = actuators.each_ref().map(|actuator| actuator.sample().volume);
+    let alone = papers.each_ref().map(|paper| modular(paper, FILL));
+    let volumes = alone.each_ref().map(|actuator| actuator.sample().volume);
     let all: f64 = volumes.iter().sum();
     let expected = ((SUPPLY + ATMOSPHERE) * volume + ATMOSPHERE * all) / (volume + all);
-    let mut manifold = manifold(Some(bottle(volume)), None);
-    run(&mut manifold, &mut actuators, (3.0, 3000), |_, _| {});
-    assert_close(manifold.pressure().0, expected, 1e-10);
-    for actuator in &actuators {
-        assert_close(actuator.state().pressure.0, expected, 1e-10);
-    }
+    let errors = [1500, 3000, 6000].map(|steps| {
+        let (mut manifold, mut actuators) = (manifold(Some(bottle(volume)), None), alone.clone());
+        run(&mut manifold, &mut actuators, (3.0, steps), |_, _| {});
+        for actuator in &actuators {
+            assert_close(actuator.state().pressure.0, manifold.pressure().0, 1e-12);
+        }
+        (manifold.pressure().0 / expected - 1.0).abs()
+    });
+    // The pressure follows the mass with the order of the step, which is 2.
+    assert!(errors[2] < 1e-6 && errors.windows(2).all(|pair| pair[0] > 3.0 * pair[1]), "{errors:?}");
     assert!(expected < 0.8 * (SUPPLY + ATMOSPHERE));
 }
 
 #[test]
 fn a_large_neighbour_slows_the_filling_of_a_small_actuator() {
-    let small = held(1.0, 3e-6);
+    let small = held(0.2, 1e-5);
     let large = held(6.0, 5e-5);
     let half = ATMOSPHERE + 0.5 * SUPPLY;
     let reaches = |reservoir: Option<Reservoir>, neighbours: usize| {
@@ -236,7 +246,7 @@ fn a_large_neighbour_slows_the_filling_of_a_small_actuator() {
         reached.expect("half the supply's pressure")
     };
     let times = [0, 1, 2].map(|neighbours| reaches(Some(bottle(1.5e-4)), neighbours));
-    assert!(times[1] > 1.05 * times[0] && times[2] > 1.05 * times[1], "{times:?}");
+    assert!(times[1] > 1.1 * times[0] && times[2] > 1.1 * times[1], "{times:?}");
     // On a supply of constant pressure they do not feel each other.
     assert_eq!(reaches(None, 0), reaches(None, 2));
 }
