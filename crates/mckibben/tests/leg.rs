@@ -8,7 +8,7 @@ use mckibben::simulation::LegStepper;
 use mckibben::valve::Request;
 use mckibben::{Dual, GaugePressure, Over};
 
-fn free() -> Leg {
+pub(crate) fn free() -> Leg {
     let thigh = Segment { length: 0.3, mass: 0.9, distance: 0.13, inertia: 0.008 };
     let shank = Segment { length: 0.28, mass: 0.5, distance: 0.12, inertia: 0.004 };
     let range = |low, high| Range { ends: [low, high], damping: 0.0, stop_stiffness: 100.0, stop_damping: 0.5 };

@@ -37,6 +37,7 @@ mod linearize_analysis;
 mod linearize_joint;
 mod linearize_pwm;
 mod lugre;
+mod manifold;
 mod modular;
 mod moment_arm;
 mod properties;

@@ -15,7 +15,8 @@
 //! | [`Regulator`] | droop, dead band and lag: one state | the event-located engine |
 //!
 //! [`Tube`] is the friction law of a hose and [`linear`] the closed form that a distributed hose approaches.
-//! `docs/air-line.md` says when to choose what.
+//! `docs/air-line.md` says when to choose what. In a loop of one's own a
+//! [`Manifold`](crate::simulation::Manifold) of reservoir, compressor and regulator feeds several actuators that differ.
 
 mod friction;
 mod hose;

@@ -10,7 +10,8 @@
 //! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way,
 //! [`simulate_joint_controlled`] the first of these for a joint.
 //!
-//! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop.
+//! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop,
+//! and a [`Manifold`] feeds several that are unlike from one supply.
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
@@ -34,6 +35,8 @@ mod joint;
 pub(crate) mod kernel;
 #[cfg(feature = "alloc")]
 mod leg;
+#[cfg(feature = "alloc")]
+mod manifold;
 mod member;
 mod mode;
 #[cfg(feature = "alloc")]
@@ -78,6 +81,8 @@ pub use joint::{
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
 pub use leg::LegStepper;
+#[cfg(feature = "alloc")]
+pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
 pub use modular::ModularActuator;

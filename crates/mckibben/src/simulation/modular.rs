@@ -5,6 +5,9 @@
 //! move_to   the ends go in a straight line to where they are at the end of the step; air, seats and memory follow,
 //!           with every motion of a seat and every edge of a pulse at its instant within the step
 //! respond   the tension and its derivatives there
+//!
+//! feed      the pressure that comes to the valve from now on
+//! drawn     the air that the last step took from the supply
 //! ```
 //!
 //! A robot's simulator knows how long each actuator is and wants to know how hard it pulls; everything else is kept here.
@@ -32,21 +35,34 @@
 //! At rest the dry friction of (12) is set-valued and the response has its middle, zero: a load that it would hold creeps,
 //! until whoever owns the load treats it as stuck. A Maxwell-slip hysteresis holds by itself.
 //!
-//! Checked by `tests/modular.rs`.
+//! Several on one supply are fed by a [`Manifold`](super::Manifold). For that a step keeps account of the air, from instant
+//! to instant, with the air A of actuator and hose:
+//!
+//! | open in the part | drawn from the supply |
+//! |---|---|
+//! | the passage to the supply alone | `ΔA` + what leaked, by the trapezoid of its ends |
+//! | both passages | the trapezoid of the flow through that passage |
+//! | neither, or that to the surroundings alone | nothing |
+//!
+//! Whatever of it is not in `ΔA` is exhausted, so that no air is lost.
+//!
+//! Checked by `tests/modular.rs` and `tests/manifold.rs`.
 
 use super::course::Course;
 use super::fixed_step::{Walk, check_plumbing, stepped};
-use super::hosed::of_rig;
-use super::kernel::Method;
+use super::hosed::{Stepped, of_rig};
+use super::kernel::{Held, Method};
 use super::rig::{Rig, State};
 use super::sample::Sample;
 use crate::actuator::{ActuatorState, Response};
+use crate::air::Chamber;
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
 use crate::load::Line;
-use crate::pressure::AbsolutePressure;
+use crate::parameter;
+use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Real;
-use crate::valve::{Ports, Request, is_due};
+use crate::valve::{Port, Ports, Request, below_vacuum, is_due};
 
 /// One actuator with its air, its valve and its air line, whose ends somebody else moves.
 #[derive(Clone, Debug)]
@@ -55,7 +71,18 @@ pub struct ModularActuator<R: Real<Time = R> = f64> {
     walk: Walk<R>,
     modulator: Modulator<R>,
     pulse_frequency: R,
+    exchange: Exchange<R>,
 }
+
+/// Air in kg that a step took from the supply and gave to the surroundings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exchange<R> {
+    drawn: R,
+    exhausted: R,
+}
+
+/// Where an actuator is, to go back to.
+pub(super) type Place<R> = (Walk<R>, Modulator<R>, Exchange<R>);
 
 impl<R: Real<Time = R>> ModularActuator<R> {
     /// The actuator of a rig at t = 0 in a state, with its coils released; pulses come at `pulse_frequency` in Hz. The
@@ -65,7 +92,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Unsupported`] for a line that fixed
     /// steps cannot take, and for a valve without seats.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
-        crate::parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
+        parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
         check_plumbing(rig)?;
         if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
             return Err(Error::Unsupported {
@@ -77,7 +104,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         let mut walk = Walk::new(&rig, stepped(start));
         walk.course.held.line = Line::resting(start.length);
         walk.pass(&rig, &rig.seats());
-        Ok(Self { rig, walk, modulator: Modulator::idle(), pulse_frequency })
+        Ok(Self { rig, walk, modulator: Modulator::idle(), pulse_frequency, exchange: Exchange::none() })
     }
 
     /// The time in s that has been reached.
@@ -100,6 +127,44 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         self.walk.sample(&self.rig)
     }
 
+    /// Air in kg that the last step took from the supply; below zero where more flowed back.
+    pub fn drawn(&self) -> R {
+        self.exchange.drawn
+    }
+
+    /// Air in kg that the last step gave to the surroundings, through valve and leak; below zero where more came in.
+    pub fn exhausted(&self) -> R {
+        self.exchange.exhausted
+    }
+
+    /// Air in kg that actuator and hose hold.
+    pub fn content(&self) -> R {
+        self.content_in(&self.walk.course.state)
+    }
+
+    /// Air comes to the valve's passage to the supply at an absolute pressure from now on, in place of the supply's. Its
+    /// temperature stays the supply's.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when there is no valve; [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that
+    /// no supply may have. Then nothing has changed.
+    pub fn feed(&mut self, pressure: AbsolutePressure<R>) -> Result<(), Error> {
+        let air = self.rig.actuator().air();
+        let gauge = GaugePressure((pressure.0 - air.atmosphere().0).value());
+        parameter::SUPPLY_GAUGE_PRESSURE.check(gauge.0)?;
+        if pressure.0.le(R::zero()) {
+            return Err(below_vacuum(&parameter::SUPPLY_GAUGE_PRESSURE, gauge, air));
+        }
+        let Some(valve) = self.rig.valve_mut() else {
+            return Err(Error::Unsupported {
+                what: "an actuator is fed, but it has no valve",
+                remedy: "give the actuator a valve, or leave it sealed and off the manifold",
+            });
+        };
+        valve.feed(pressure.0);
+        Ok(())
+    }
+
     /// What is asked of the valve from now on. Pulses begin with the next period.
     ///
     /// # Errors
@@ -115,7 +180,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         match drive {
             Drive::Steady(request) => actuation.solenoid.check_request(request)?,
             Drive::Pulses { duty, pulse, rest } => {
-                crate::parameter::DUTY.check(duty.value())?;
+                parameter::DUTY.check(duty.value())?;
                 actuation.solenoid.check_request(pulse)?;
                 actuation.solenoid.check_request(rest)?;
             }
@@ -133,13 +198,14 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// [`Error::Unsupported`] for a time that is not later; [`Error::Stopped`] when that leaves the physics. The actuator is
     /// then where it was last.
     pub fn move_to(&mut self, until: R, length: R) -> Result<(), Error> {
-        let (from, before) = (self.time(), (self.walk, self.modulator));
+        let (from, before) = (self.time(), self.going());
         if !from.lt(until) {
             return Err(Error::Unsupported {
                 what: "the ends of an actuator cannot be moved back in time or in no time",
                 remedy: "give move_to a time later than the last",
             });
         }
+        self.exchange = Exchange::none();
         let course = &mut self.walk.course;
         let slope = (length - course.state[0]) / (until - from);
         course.held.line = Line { time: from, length: course.state[0], slope };
@@ -148,32 +214,79 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         while let Some(edge) = self.modulator.next(self.pulse_frequency).filter(|edge| is_due(*edge, until)) {
             // The air does not feel an edge, only the seats that move up to it.
             while let Some(instant) = self.rig.seats().next(&self.walk.progress, edge.smaller(until)) {
-                self.advance_to(instant.smaller(until), &before)?;
+                self.go_to(instant.smaller(until), &before)?;
             }
             // A period that begins with the step may lie a rounding before it.
             let asked = self.modulator.pass(edge, self.pulse_frequency);
             self.ask(edge.larger(from), asked);
         }
-        self.advance_to(until, &before)
+        while let Some(instant) = self.rig.seats().next(&self.walk.progress, until) {
+            self.go_to(instant.smaller(until), &before)?;
+        }
+        self.go_to(until, &before)
     }
 
-    /// Goes on to `until` with what is asked; where that leaves the physics, back to where everything was `before`.
-    fn advance_to(&mut self, until: R, before: &(Walk<R>, Modulator<R>)) -> Result<(), Error> {
+    /// Goes on to `until`, before which no seat moves, and keeps account of the air; where that leaves the physics, back to
+    /// where everything was `before`.
+    fn go_to(&mut self, until: R, before: &Place<R>) -> Result<(), Error> {
+        let began = self.walk.course;
         let went = self.walk.advance_to(&self.rig, &self.rig.seats(), Method::Stable, until, None);
-        if went.is_err() {
-            (self.walk, self.modulator) = *before;
+        match went {
+            Ok(()) => self.account(&began),
+            Err(_) => self.back_to(*before),
         }
         went
     }
 
     /// All that a step changes.
-    pub(super) fn going(&self) -> (Walk<R>, Modulator<R>) {
-        (self.walk, self.modulator)
+    pub(super) fn going(&self) -> Place<R> {
+        (self.walk, self.modulator, self.exchange)
     }
 
     /// Back to before a step that was only tried.
-    pub(super) fn back_to(&mut self, (walk, modulator): (Walk<R>, Modulator<R>)) {
-        (self.walk, self.modulator) = (walk, modulator);
+    pub(super) fn back_to(&mut self, before: Place<R>) {
+        (self.walk, self.modulator, self.exchange) = before;
+    }
+
+    /// Keeps account of the air over a part that ends here, during which the passages were open as where it began.
+    fn account(&mut self, began: &Course<R>) {
+        let (ended, held) = (&self.walk.course, &began.held);
+        let half = R::constant(0.5) * (ended.time - began.time);
+        let over = |flow: fn(&Self, R, &Stepped<R>, &Held<R>) -> R| {
+            half * (flow(self, began.time, &began.state, held) + flow(self, ended.time, &ended.state, held))
+        };
+        let gain = self.content_in(&ended.state) - self.content_in(&began.state);
+        let drawn = match (held.supply, held.exhaust) {
+            (false, _) => R::zero(),
+            (true, false) => gain + over(Self::leak),
+            (true, true) => over(Self::inflow),
+        };
+        let Exchange { drawn: so_far, exhausted } = self.exchange;
+        self.exchange = Exchange { drawn: so_far + drawn, exhausted: exhausted + (drawn - gain) };
+    }
+
+    fn content_in(&self, state: &Stepped<R>) -> R {
+        let in_hose = self.rig.line().hose.as_ref().map_or(R::zero(), |hose| hose.content(state[4]));
+        state[3] + in_hose
+    }
+
+    fn chamber(&self, [length, velocity, pressure, air_mass, _]: &Stepped<R>) -> Chamber<R> {
+        let actuator = self.rig.actuator();
+        actuator.chamber(*length, *velocity, *pressure, *air_mass, actuator.limits().is_slack(*length))
+    }
+
+    /// Flow in kg/s out through the leak.
+    fn leak(&self, _: R, state: &Stepped<R>, _: &Held<R>) -> R {
+        self.rig.leak(&self.chamber(state)).map_or(R::zero(), |leak| -leak.net())
+    }
+
+    /// Flow in kg/s from the supply through its passage as far as that is open.
+    fn inflow(&self, time: R, state: &Stepped<R>, held: &Held<R>) -> R {
+        let Some(valve) = self.rig.actuator().valve() else { return R::zero() };
+        let hose = self.rig.line().hose.as_ref();
+        let behind = hose.map_or_else(|| self.chamber(state), |hose| hose.chamber(state[4]));
+        let flow = valve.flow(Port::Supply, &behind);
+        held.openings.at(time).map_or(flow, |[share, _]: [R; 2]| flow.through(share)).net()
     }
 
     /// The tension, its derivatives and the rates of the state, while the ends move apart at `velocity` in m/s.
@@ -185,8 +298,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         let alone = actuator.respond(&of_air, length, velocity, self.ports());
         // The flow may come through a hose, and a leak takes some.
         let flow = self.rig.observe(self.time(), state, held).flow;
-        let slack = actuator.limits().is_slack(length);
-        let chamber = actuator.chamber(length, velocity, pressure, air_mass, slack);
+        let chamber = self.chamber(&[length, velocity, pressure, air_mass, pressure]);
         Response { pressure_rate: actuator.pressure_rate(&chamber, &flow), mass_flow: flow.net(), ..alone }
     }
 
@@ -194,5 +306,11 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         if let (Some(request), Some(actuation)) = (request, self.rig.actuation()) {
             self.walk.progress.ask(time, &actuation.solenoid, request);
         }
+    }
+}
+
+impl<R: Real> Exchange<R> {
+    fn none() -> Self {
+        Self { drawn: R::zero(), exhausted: R::zero() }
     }
 }

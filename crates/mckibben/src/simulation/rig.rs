@@ -319,6 +319,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_mut()
     }
 
+    /// The valve, to be fed at another pressure.
+    #[cfg(feature = "alloc")]
+    pub(super) fn valve_mut(&mut self) -> Option<&mut Valve<S>> {
+        self.actuator.valve_mut()
+    }
+
     /// The same rig with nothing asked of its valve, for whoever moves its ends and asks for himself.
     #[cfg(feature = "alloc")]
     pub(super) fn guided(mut self) -> Self {

@@ -43,7 +43,7 @@ use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
-use crate::scalar::{Mask, Over, Scalar};
+use crate::scalar::{Mask, Over, Real, Scalar};
 
 /// The air that feeds the valve. Its temperature is also that of the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,14 +74,14 @@ impl Supply {
 }
 
 /// The error of a gauge pressure that would leave less than nothing.
-pub(crate) fn below_vacuum(parameter: &'static Parameter, gauge: GaugePressure, air: &Air) -> Error {
+pub(crate) fn below_vacuum<S: Real>(parameter: &'static Parameter, gauge: GaugePressure, air: &Air<S>) -> Error {
     Error::Inconsistent {
         parameter,
         value: gauge.0,
         requirement: Requirement {
             relation: "must be greater than minus",
             other: parameter::ATMOSPHERIC_PRESSURE.key,
-            value: air.atmosphere().0,
+            value: air.atmosphere().0.value(),
             unit: parameter::ATMOSPHERIC_PRESSURE.unit,
         },
         remedy: "a vacuum cannot be deeper than the surroundings' own pressure",
@@ -214,6 +214,12 @@ impl<S: Scalar> Valve<S> {
             },
             None => Valve::assemble(law, exhaust_law, supply, exhaust_temperature, atmospheric_pressure),
         }
+    }
+
+    /// Air comes to the passage to the supply at an absolute pressure in Pa from now on, with the supply's temperature.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn feed(&mut self, pressure: S) {
+        self.beyond_supply = Beyond::new(pressure, &self.supply);
     }
 
     /// Flow through the open passage to a port.
