@@ -142,8 +142,8 @@ fn what_it_draws_and_exhausts_is_what_flows_in_the_event_located_run() {
             // Requests reach a modular actuator without the hose's delay: the last exhaust begins before that of the run.
             if rig.line().hose.is_some() { off[0] } else { off[0].max(off[1]) }
         });
+        // Four times the steps: on the way to sixteen times less.
         assert!(errors[2] < 1e-4 && errors.windows(2).all(|pair| pair[0] > 5.0 * pair[1]), "{errors:?}");
-        // Four times the steps: sixteen times less, but for what is left of the transient at the seats.
     }
 }
 

@@ -33,7 +33,8 @@
 //! ```
 //!
 //! At rest the dry friction of (12) is set-valued and the response has its middle, zero: a load that it would hold creeps,
-//! until whoever owns the load treats it as stuck. A Maxwell-slip hysteresis holds by itself.
+//! until whoever owns the load treats it as stuck. A Maxwell-slip hysteresis holds by itself. Requests take effect without the
+//! delay of a hose.
 //!
 //! Several on one supply are fed by a [`Manifold`](super::Manifold). For that a step keeps account of the air, from instant
 //! to instant, with the air A of actuator and hose:
