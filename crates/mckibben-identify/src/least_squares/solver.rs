@@ -7,8 +7,10 @@ use basin::{
 };
 use std::convert::Infallible;
 
-/// Change of an unknown, over its size, and of the sum, below which a search has come to its end.
+/// Change of an unknown, over its size, below which a search has come to its end.
 const RESOLVED: f64 = 1e-13;
+/// The same of the sum: as far as it can be told.
+const SUM_RESOLVED: f64 = 1e-16;
 /// The cosine between residuals and the derivative by an unknown above which the place is no minimum.
 const STATIONARY: f64 = 1e-5;
 
@@ -21,7 +23,7 @@ pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search)
     }
     let method = TrustRegionReflective::new()
         .with_absolute_scaled_gradient_tolerance(0.0)
-        .with_relative_cost_change_tolerance(RESOLVED)
+        .with_relative_cost_change_tolerance(SUM_RESOLVED)
         .with_relative_step_tolerance(RESOLVED);
     macro_rules! run {
         ($problem:expr) => {

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Singular values below this part of the largest mean that the data do not tell.
-pub const LEAST_TOLD: f64 = 1e-9;
+pub(super) const LEAST_TOLD: f64 = 1e-9;
 /// Share of an unknown in a direction from which on it is named.
 const NAMED: f64 = 0.1;
 
