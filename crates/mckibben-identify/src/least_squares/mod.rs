@@ -1,0 +1,185 @@
+//! The values that fit best, how sure they are, and what the data cannot tell apart.
+//!
+//! ```text
+//! minimise  ½ Σ ρ(rᵢ²)  over the unknowns within their bounds        rᵢ = (modelᵢ − measuredᵢ)/scaleᵢ
+//! ```
+//!
+//! with the loss ρ of [`Loss`]. A prior is one more residual. The steps are a trust-region reflective method's (the crate
+//! `basin`), in unknowns divided by their own size, from several starts if asked; what is made of the minimum is
+//! [`Fit`]'s.
+//!
+//! Checked by `tests/least_squares.rs`: certified values and deviations of the NIST's reference data sets, and how often an
+//! interval holds the truth.
+
+mod solver;
+mod statistics;
+
+pub use statistics::{Direction, Estimate, Fit};
+
+use thiserror::Error;
+
+/// A model of measurements: how far it is from each of them.
+pub trait Model {
+    /// How many residuals there are.
+    fn residuals(&self) -> usize;
+
+    /// The residuals at values of the unknowns, and their derivatives, row by row: of the residual `i` by the unknown `j`
+    /// at `i · unknowns + j`. A place where the model has no value may hold anything that is not finite; the step there is
+    /// shortened.
+    fn evaluate(&self, values: &[f64]) -> Evaluation;
+}
+
+/// Residuals of a model and their derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// One for each measurement.
+    pub residuals: Vec<f64>,
+    /// Derivatives, row by row.
+    pub slopes: Vec<f64>,
+}
+
+/// A number that is to be found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// What it is called in results.
+    pub name: String,
+    /// The unit of its values.
+    pub unit: &'static str,
+    /// Where the search begins, within the bounds.
+    pub start: f64,
+    /// The least and the largest value; infinite where there is none.
+    pub bounds: [f64; 2],
+    /// What is known of it beforehand: a mean and a standard deviation.
+    pub prior: Option<[f64; 2]>,
+}
+
+impl Unknown {
+    /// One without bounds or prior.
+    pub fn new(name: impl Into<String>, unit: &'static str, start: f64) -> Self {
+        Self { name: name.into(), unit, start, bounds: [f64::NEG_INFINITY, f64::INFINITY], prior: None }
+    }
+
+    /// The same between two values.
+    pub fn between(self, least: f64, largest: f64) -> Self {
+        Self { bounds: [least, largest], ..self }
+    }
+
+    /// What its value is divided by in the search.
+    fn size(&self) -> f64 {
+        let widest =
+            self.bounds.iter().filter(|bound| bound.is_finite()).fold(0.0_f64, |size, bound| size.max(bound.abs()));
+        match (self.start.abs(), widest) {
+            (start, _) if start > 0.0 => start,
+            (_, widest) if widest > 0.0 => widest,
+            _ => 1.0,
+        }
+    }
+
+    /// Whether a value rests on a bound, as near as a search comes to one.
+    fn rests(&self, value: f64) -> bool {
+        let near = |bound: &f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * bound.abs().max(self.size());
+        self.bounds.iter().any(near)
+    }
+}
+
+/// How much a large residual counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Loss {
+    /// By its square.
+    #[default]
+    Squares,
+    /// By its square up to this many scales and linearly beyond (Huber).
+    Huber(f64),
+    /// By the logarithm of its square beyond so many scales (Cauchy): an outlier hardly counts.
+    Cauchy(f64),
+}
+
+impl Loss {
+    /// Weight of a residual: the slope of ρ by its square.
+    fn weight(self, residual: f64) -> f64 {
+        match self {
+            Self::Squares => 1.0,
+            Self::Huber(scale) => (scale / residual.abs()).min(1.0),
+            Self::Cauchy(scale) => 1.0 / (1.0 + (residual / scale) * (residual / scale)),
+        }
+    }
+}
+
+/// How the minimum is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// How much a large residual counts.
+    pub loss: Loss,
+    /// Whether the scales of the residuals are their standard deviations. If not, the scatter about the model says how
+    /// large they are.
+    pub known_scales: bool,
+    /// Steps after which a search gives up.
+    pub most_steps: u64,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self { loss: Loss::Squares, known_scales: false, most_steps: 200 }
+    }
+}
+
+/// Why there is no fit.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FitError {
+    /// Fewer measurements than unknowns.
+    #[error("{measurements} measurements cannot tell {unknowns} unknowns; measure more, or fix some of them")]
+    TooFew {
+        /// How many measurements there are.
+        measurements: usize,
+        /// How many unknowns.
+        unknowns: usize,
+    },
+    /// A start that is not between its bounds.
+    #[error("{name} starts at {start}, which is not between {} and {}; start within the bounds", bounds[0], bounds[1])]
+    OutsideBounds {
+        /// The unknown.
+        name: String,
+        /// Its start.
+        start: f64,
+        /// Its bounds.
+        bounds: [f64; 2],
+    },
+    /// The model has no value at the start.
+    #[error("the model has no finite value at the start; start elsewhere")]
+    NoStart,
+    /// The search did not end at a minimum.
+    #[error("the search found no minimum: {why}; start nearer to it, give bounds, or fix what the data cannot tell")]
+    NoMinimum {
+        /// What ended it.
+        why: String,
+    },
+}
+
+/// Finds the values that fit best from one start.
+///
+/// # Errors
+/// [`FitError`], when there is nothing to find or it is not found.
+pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+    let measurements = model.residuals() + unknowns.iter().filter(|unknown| unknown.prior.is_some()).count();
+    if measurements <= unknowns.len() {
+        return Err(FitError::TooFew { measurements, unknowns: unknowns.len() });
+    }
+    for Unknown { name, start, bounds, .. } in unknowns {
+        if !(start.is_finite() && bounds[0] <= *start && *start <= bounds[1]) {
+            return Err(FitError::OutsideBounds { name: name.clone(), start: *start, bounds: *bounds });
+        }
+    }
+    let values = solver::minimum(model, unknowns, search)?;
+    Ok(Fit::new(model, unknowns, search, values))
+}
+
+/// The residuals of a model with those of the priors behind them.
+fn with_priors(model: &impl Model, unknowns: &[Unknown], values: &[f64]) -> Evaluation {
+    let mut evaluation = model.evaluate(values);
+    for (place, unknown) in unknowns.iter().enumerate() {
+        let Some([mean, deviation]) = unknown.prior else { continue };
+        evaluation.residuals.push((values[place] - mean) / deviation);
+        evaluation.slopes.extend((0..values.len()).map(|of| if of == place { 1.0 / deviation } else { 0.0 }));
+    }
+    evaluation
+}

@@ -1,0 +1,140 @@
+//! The minimum, by the crate `basin`: its problem is ours with every unknown divided by its size.
+
+use super::{Evaluation, FitError, Loss, Model, Search, Unknown};
+use basin::{
+    BoxBounds, CauchyLoss, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, HuberLoss,
+    Jacobian, Residual, RobustLeastSquares, TrustRegionReflective,
+};
+use std::convert::Infallible;
+
+/// Change of an unknown, over its size, below which a search has come to its end.
+const RESOLVED: f64 = 1e-13;
+/// The same of the sum: as far as it can be told.
+const SUM_RESOLVED: f64 = 1e-16;
+/// The cosine between residuals and the derivative by an unknown above which the place is no minimum.
+const STATIONARY: f64 = 1e-5;
+
+/// The values at the minimum.
+pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
+    let problem = Scaled::new(model, unknowns);
+    let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
+    if !problem.residuals_at(&start).iter().all(|residual| residual.is_finite()) {
+        return Err(FitError::NoStart);
+    }
+    let method = TrustRegionReflective::new()
+        .with_absolute_scaled_gradient_tolerance(0.0)
+        .with_relative_cost_change_tolerance(SUM_RESOLVED)
+        .with_relative_step_tolerance(RESOLVED);
+    macro_rules! run {
+        ($problem:expr) => {
+            match Executor::from_start($problem, method, start).max_iter(search.most_steps).run() {
+                Ok(result) => (result.param().clone(), format!("{:?}", result.report.termination)),
+                Err(error) => return Err(FitError::NoMinimum { why: format!("{error:?}") }),
+            }
+        };
+    }
+    let (end, why) = match search.loss {
+        Loss::Squares => run!(problem.clone()),
+        Loss::Huber(scale) => run!(RobustLeastSquares::new(problem.clone(), HuberLoss).with_scale(scale)),
+        Loss::Cauchy(scale) => run!(RobustLeastSquares::new(problem.clone(), CauchyLoss).with_scale(scale)),
+    };
+    match problem.is_stationary(&end, search.loss) {
+        true => Ok(problem.values(&end)),
+        false => Err(FitError::NoMinimum { why }),
+    }
+}
+
+/// A model with its priors, in unknowns divided by their sizes.
+#[derive(Debug)]
+struct Scaled<'a, M> {
+    model: &'a M,
+    unknowns: &'a [Unknown],
+    sizes: Vec<f64>,
+    least: Vec<f64>,
+    largest: Vec<f64>,
+}
+
+impl<M> Clone for Scaled<'_, M> {
+    fn clone(&self) -> Self {
+        let Self { sizes, least, largest, .. } = self;
+        Self { sizes: sizes.clone(), least: least.clone(), largest: largest.clone(), ..*self }
+    }
+}
+
+impl<'a, M: Model> Scaled<'a, M> {
+    fn new(model: &'a M, unknowns: &'a [Unknown]) -> Self {
+        let sizes: Vec<f64> = unknowns.iter().map(Unknown::size).collect();
+        let bound =
+            |side: usize| unknowns.iter().zip(&sizes).map(|(unknown, size)| unknown.bounds[side] / size).collect();
+        Self { model, unknowns, least: bound(0), largest: bound(1), sizes }
+    }
+
+    fn values(&self, at: &[f64]) -> Vec<f64> {
+        at.iter().zip(&self.sizes).map(|(part, size)| part * size).collect()
+    }
+
+    fn residuals_at(&self, at: &[f64]) -> Vec<f64> {
+        super::with_priors(self.model, self.unknowns, &self.values(at)).residuals
+    }
+
+    fn evaluate(&self, at: &[f64]) -> Evaluation {
+        let mut evaluation = super::with_priors(self.model, self.unknowns, &self.values(at));
+        for row in evaluation.slopes.chunks_mut(self.sizes.len().max(1)) {
+            row.iter_mut().zip(&self.sizes).for_each(|(slope, size)| *slope *= size);
+        }
+        evaluation
+    }
+
+    /// Whether no free unknown would make the sum smaller: residuals and derivatives are at right angles.
+    fn is_stationary(&self, at: &[f64], loss: Loss) -> bool {
+        let Evaluation { residuals, slopes } = self.evaluate(at);
+        if !residuals.iter().chain(&slopes).all(|number| number.is_finite()) {
+            return false;
+        }
+        let weights: Vec<f64> = residuals.iter().map(|residual| loss.weight(*residual)).collect();
+        let length = norm(residuals.iter().zip(&weights).map(|(residual, weight)| residual * weight.sqrt()));
+        (0..at.len()).all(|unknown| {
+            let column = || slopes.iter().skip(unknown).step_by(at.len()).zip(&weights);
+            let along: f64 =
+                column().zip(&residuals).map(|((slope, weight), residual)| slope * weight * residual).sum();
+            let size = norm(column().map(|(slope, weight)| slope * weight.sqrt()));
+            let outwards = (near(at[unknown], self.least[unknown]) && along > 0.0)
+                || (near(at[unknown], self.largest[unknown]) && along < 0.0);
+            // A perfect fit has no direction left to be at right angles to.
+            outwards || along.abs() <= STATIONARY * size * length || length <= f64::EPSILON * size
+        })
+    }
+}
+
+fn norm(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.map(|number| number * number).sum::<f64>().sqrt()
+}
+
+/// Whether a value lies on a bound, as near as the search comes to one.
+fn near(value: f64, bound: f64) -> bool {
+    bound.is_finite() && (value - bound).abs() <= 1e-6 * bound.abs().max(1.0)
+}
+
+impl<M: Model> Constraints for Scaled<'_, M> {
+    type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
+    fn constraints(&self) -> <Self::Set as ConstraintDescription>::Borrowed<'_> {
+        ConstraintSet::new().with_bounds(BoxBounds::new(Some(&self.least), Some(&self.largest)))
+    }
+}
+
+impl<M: Model> Residual for Scaled<'_, M> {
+    type Param = Vec<f64>;
+    type Output = Vec<f64>;
+    type Error = Infallible;
+    fn residual(&self, at: &Vec<f64>) -> Result<Vec<f64>, Infallible> {
+        Ok(self.residuals_at(at))
+    }
+}
+
+impl<M: Model> Jacobian for Scaled<'_, M> {
+    type Jacobian = DenseMatrix;
+    fn jacobian(&self, at: &Vec<f64>) -> Result<DenseMatrix, Infallible> {
+        let Evaluation { residuals, slopes } = self.evaluate(at);
+        Ok(DenseMatrix::from_row_slice(residuals.len(), at.len(), &slopes))
+    }
+}

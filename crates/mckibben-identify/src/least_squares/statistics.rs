@@ -1,0 +1,190 @@
+//! How sure a fit is: deviations, intervals, correlations, and what the data cannot tell apart.
+//!
+//! ```text
+//! C  = s² (JᵀWJ)⁻¹          J: derivatives of the residuals by the free unknowns at the minimum, W: weights of the loss
+//! s² = Σ w r²/(m − n)       of m residuals and n free unknowns; 1 where the scales are known
+//! interval = value ± t(0.975, m − n) √C_jj
+//! ```
+//!
+//! It is exact for a model that is linear in its unknowns and normal errors, and good where the model is nearly linear over
+//! the interval. The singular values of J, its columns times the size of each unknown, tell which combinations of unknowns
+//! the data hardly change: a part of [`LEAST_TOLD`] of the largest is nothing. An unknown with a share in such a combination
+//! has no interval; one that rests on a bound has none either and takes no part.
+
+use super::{Model, Search, Unknown};
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Singular values below this part of the largest mean that the data do not tell.
+pub(super) const LEAST_TOLD: f64 = 1e-9;
+/// Share of an unknown in a direction from which on it is named.
+const NAMED: f64 = 0.1;
+
+/// One unknown after the fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// What it is called.
+    pub name: String,
+    /// The unit of its values.
+    pub unit: &'static str,
+    /// The value at the minimum.
+    pub value: f64,
+    /// Its standard deviation; `None` where the data do not tell the unknown or it rests on a bound.
+    pub deviation: Option<f64>,
+    /// The 95 % interval, likewise.
+    pub interval: Option<[f64; 2]>,
+    /// Whether it rests on one of its bounds.
+    pub on_bound: bool,
+}
+
+/// A combination of unknowns and how well the data tell it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// Its singular value over the largest.
+    pub told: f64,
+    /// The unknowns in it with their shares, each of its own size; those above a tenth.
+    pub shares: Vec<(String, f64)>,
+}
+
+/// Values that fit best, and how sure they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The unknowns in their order.
+    pub estimates: Vec<Estimate>,
+    /// Residuals at the minimum in their scales, without those of priors.
+    pub residuals: Vec<f64>,
+    /// Half the sum that was made least, by squares.
+    pub cost: f64,
+    /// Residuals, priors included, less free unknowns.
+    pub degrees_of_freedom: usize,
+    /// Standard deviation of a residual: 1 would be its scale.
+    pub scatter: f64,
+    /// Correlations of the unknowns, row by row; NaN never: zero where there is none to tell.
+    pub correlations: Vec<Vec<f64>>,
+    /// Largest over least singular value of the derivatives, each by the size of its unknown; infinite when one is zero.
+    pub condition: f64,
+    /// What the data do not tell.
+    pub untold: Vec<Direction>,
+}
+
+impl Fit {
+    /// The values in the order of the unknowns.
+    pub fn values(&self) -> Vec<f64> {
+        self.estimates.iter().map(|estimate| estimate.value).collect()
+    }
+
+    pub(super) fn new(model: &impl Model, unknowns: &[Unknown], search: &Search, values: Vec<f64>) -> Self {
+        let evaluation = super::with_priors(model, unknowns, &values);
+        let (rows, columns) = (evaluation.residuals.len(), unknowns.len());
+        let on_bound: Vec<bool> = unknowns.iter().zip(&values).map(|(unknown, value)| unknown.rests(*value)).collect();
+        let free: Vec<usize> = (0..columns).filter(|unknown| !on_bound[*unknown]).collect();
+        let sizes: Vec<f64> = unknowns.iter().zip(&values).map(|(unknown, value)| magnitude(*value, unknown)).collect();
+        let weights: Vec<f64> = evaluation.residuals.iter().map(|residual| search.loss.weight(*residual)).collect();
+        let slopes = DMatrix::from_fn(rows, free.len(), |row, place| {
+            weights[row].sqrt() * evaluation.slopes[row * columns + free[place]] * sizes[free[place]]
+        });
+        let degrees_of_freedom = rows.saturating_sub(free.len());
+        let squares: f64 =
+            evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
+        let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();
+        let told = Told::new(slopes);
+        let spread = if search.known_scales { 1.0 } else { scatter };
+        let quantile =
+            StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
+        let estimate = |unknown: usize| {
+            let value = values[unknown];
+            let deviation = free.iter().position(|place| *place == unknown).and_then(|place| told.deviation(place));
+            let deviation = deviation.map(|of_size| of_size * spread * sizes[unknown]);
+            Estimate {
+                name: unknowns[unknown].name.clone(),
+                unit: unknowns[unknown].unit,
+                value,
+                deviation,
+                interval: deviation.map(|deviation| [value - quantile * deviation, value + quantile * deviation]),
+                on_bound: on_bound[unknown],
+            }
+        };
+        let mut correlations = vec![vec![0.0; columns]; columns];
+        for (i, of) in free.iter().enumerate() {
+            for (j, with) in free.iter().enumerate() {
+                correlations[*of][*with] = told.correlation(i, j);
+            }
+        }
+        let names: Vec<&str> = free.iter().map(|unknown| unknowns[*unknown].name.as_str()).collect();
+        Self {
+            estimates: (0..columns).map(estimate).collect(),
+            residuals: evaluation.residuals[..model.residuals()].to_vec(),
+            cost: 0.5 * evaluation.residuals.iter().map(|residual| residual * residual).sum::<f64>(),
+            degrees_of_freedom,
+            scatter,
+            correlations,
+            condition: told.condition(),
+            untold: told.untold(&names),
+        }
+    }
+}
+
+/// The size of an unknown at a value: its own, or the one of the search where it is zero.
+fn magnitude(value: f64, unknown: &Unknown) -> f64 {
+    if value == 0.0 { unknown.size() } else { value.abs() }
+}
+
+/// The singular values of the derivatives, largest first, with the direction of each.
+struct Told {
+    values: DVector<f64>,
+    directions: DMatrix<f64>,
+}
+
+impl Told {
+    fn new(slopes: DMatrix<f64>) -> Self {
+        let columns = slopes.ncols();
+        match slopes.try_svd(false, true, f64::EPSILON, 0) {
+            Some(svd) => Self {
+                directions: svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns)),
+                values: svd.singular_values,
+            },
+            None => Self { values: DVector::zeros(columns), directions: DMatrix::identity(columns, columns) },
+        }
+    }
+
+    fn largest(&self) -> f64 {
+        self.values.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn is_told(&self, direction: usize) -> bool {
+        self.values[direction] > LEAST_TOLD * self.largest()
+    }
+
+    /// Covariance of two unknowns, in their sizes, by the directions that are told.
+    fn covariance(&self, i: usize, j: usize) -> f64 {
+        let part = |k: usize| self.directions[(k, i)] * self.directions[(k, j)] / (self.values[k] * self.values[k]);
+        (0..self.values.len()).filter(|k| self.is_told(*k)).map(part).sum()
+    }
+
+    fn deviation(&self, place: usize) -> Option<f64> {
+        let untold = |k: usize| !self.is_told(k) && self.directions[(k, place)].abs() > LEAST_TOLD.sqrt();
+        (!(0..self.values.len()).any(untold)).then(|| self.covariance(place, place).sqrt())
+    }
+
+    fn correlation(&self, i: usize, j: usize) -> f64 {
+        match (self.deviation(i), self.deviation(j)) {
+            (Some(of), Some(with)) if of > 0.0 && with > 0.0 => self.covariance(i, j) / (of * with),
+            _ => f64::from(u8::from(i == j)),
+        }
+    }
+
+    fn condition(&self) -> f64 {
+        let least = self.values.iter().copied().fold(f64::INFINITY, f64::min);
+        if self.values.is_empty() { 1.0 } else { self.largest() / least }
+    }
+
+    fn untold(&self, names: &[&str]) -> Vec<Direction> {
+        let direction = |k: usize| {
+            let share = |(place, name): (usize, &&str)| ((*name).to_owned(), self.directions[(k, place)]);
+            let shares = names.iter().enumerate().map(share).filter(|(_, share)| share.abs() > NAMED).collect();
+            let largest = self.largest();
+            Direction { told: if largest > 0.0 { self.values[k] / largest } else { 0.0 }, shares }
+        };
+        (0..self.values.len()).filter(|k| !self.is_told(*k)).map(direction).collect()
+    }
+}
