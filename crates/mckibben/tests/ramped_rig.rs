@@ -1,6 +1,6 @@
 //! A rig whose valve's seats take their time: a closed form, an independent integration, both engines, batches, audits.
 
-use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
 #[cfg(feature = "batch")]
 use mckibben::batch::{Batch, Row};
@@ -8,7 +8,7 @@ use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
 use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, Trajectory, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
-use mckibben::{Dual, Error, Over, Scalar};
+use mckibben::{Dual, Error, Over};
 
 const RISE: f64 = 6e-3;
 const FALL: f64 = 9e-3;
@@ -267,19 +267,10 @@ fn derivatives_are_those_of_finite_differences() {
     let end = |rig: &Rig| simulate(rig, paper.start(), 0.13, 1e-11).expect("a run").at(0.13).pressure.0;
     let rows: [&'static Parameter; 3] = [&parameter::OPENING_TIME, &parameter::CLOSING_TIME, &parameter::OPENING_DELAY];
     for row in rows {
-        let seeded: Rig<Dual<f64, 1>> = rig.map(|parameter: &'static Parameter, value: f64| {
-            let factor: Dual<f64, 1> =
-                if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
-            Dual::of(value) * factor
-        });
+        let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
         let run = simulate(&seeded, start, Dual::of(0.13), 1e-11).expect("a run");
-        let differences = slope(1e-4, |relative| {
-            let scaled = |parameter: &'static Parameter, value: f64| {
-                if std::ptr::eq(parameter, row) { value * (1.0 + relative) } else { value }
-            };
-            end(&rig.map(scaled))
-        });
+        let differences = slope(1e-4, |relative| end(&scaled(&rig, row, relative)));
         assert_close(run.at(Dual::of(0.13)).pressure.0.slope[0], differences, 1e-4);
     }
 }

@@ -1,11 +1,11 @@
 //! A rig on a proportional pressure regulator: its pressure against the closed form, rest, dead time, rate, passage, audit.
 
-use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
 use mckibben::parameter::{self, Parameter};
 use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, Rig, Trajectory, simulate};
 use mckibben::valve::{Command, FlowStandard, Regulated, Regulator, Request, Solenoid, ValveKind};
-use mckibben::{AbsolutePressure, Dual, Error, GaugePressure, Over, Scalar};
+use mckibben::{AbsolutePressure, Dual, Error, GaugePressure, Over};
 
 const TAU: f64 = 0.03;
 const DEAD: f64 = 5e-3;
@@ -150,21 +150,12 @@ fn derivatives_are_those_of_finite_differences() {
         &parameter::COMMAND_GAUGE_PRESSURE,
     ];
     for row in rows {
-        let seeded: Rig<Dual<f64, 1>> = rig.map(|parameter: &'static Parameter, value: f64| {
-            let factor: Dual<f64, 1> =
-                if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
-            Dual::of(value) * factor
-        });
+        let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
         let run = simulate(&seeded, start, Dual::of(0.35), 1e-11).expect("a run");
         let exact = [run.at(Dual::of(0.35)).length.slope[0], run.at(Dual::of(0.35)).pressure.0.slope[0]];
         for (n, exact) in exact.into_iter().enumerate() {
-            let differences = slope(1e-4, |relative| {
-                let scaled = |parameter: &'static Parameter, value: f64| {
-                    if std::ptr::eq(parameter, row) { value * (1.0 + relative) } else { value }
-                };
-                end(&rig.map(scaled))[n]
-            });
+            let differences = slope(1e-4, |relative| end(&scaled(&rig, row, relative))[n]);
             assert_close(exact, differences, 2e-4);
         }
     }

@@ -1,6 +1,6 @@
 //! A rig on a proportional spool: an independent integration, a closed form, edges to the instant, both engines, audits.
 
-use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
+use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
 #[cfg(feature = "batch")]
 use mckibben::batch::{Batch, Row};
@@ -10,7 +10,7 @@ use mckibben::simulation::{
     Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, Trajectory, simulate,
 };
 use mckibben::valve::{Command, FlowStandard, Request, Solenoid, Spool, ValveKind};
-use mckibben::{Dual, Error, Over, Scalar};
+use mckibben::{Dual, Error, Over};
 use std::f64::consts::TAU;
 
 fn spool(frequency: f64, zeta: f64, overlap: f64) -> Spool {
@@ -230,19 +230,10 @@ fn derivatives_are_those_of_finite_differences() {
         &parameter::COMMAND_TIME,
     ];
     for row in rows {
-        let seeded: Rig<Dual<f64, 1>> = rig.map(|parameter: &'static Parameter, value: f64| {
-            let factor: Dual<f64, 1> =
-                if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
-            Dual::of(value) * factor
-        });
+        let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
         let run = simulate(&seeded, start, Dual::of(0.06), 1e-11).expect("a run");
-        let differences = slope(1e-4, |relative| {
-            let scaled = |parameter: &'static Parameter, value: f64| {
-                if std::ptr::eq(parameter, row) { value * (1.0 + relative) } else { value }
-            };
-            end(&rig.map(scaled))
-        });
+        let differences = slope(1e-4, |relative| end(&scaled(&rig, row, relative)));
         assert_close(run.at(Dual::of(0.06)).pressure.0.slope[0], differences, 1e-4);
     }
 }

@@ -75,10 +75,9 @@ impl Unknown {
         }
     }
 
-    /// Whether a value rests on a bound, as near as a search comes to one.
-    fn rests(&self, value: f64) -> bool {
-        let near = |bound: &f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * bound.abs().max(self.size());
-        self.bounds.iter().any(near)
+    /// Whether a value rests on the least or the largest, as near as a search comes to a bound.
+    fn rests(&self, value: f64) -> [bool; 2] {
+        self.bounds.map(|bound| bound.is_finite() && (value - bound).abs() <= 1e-6 * bound.abs().max(self.size()))
     }
 }
 

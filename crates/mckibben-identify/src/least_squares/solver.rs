@@ -16,7 +16,8 @@ const STATIONARY: f64 = 1e-5;
 
 /// The values at the minimum.
 pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
-    let problem = Scaled::new(model, unknowns);
+    let scaled = || Scaled::new(model, unknowns);
+    let problem = scaled();
     let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
     if !problem.residuals_at(&start).iter().all(|residual| residual.is_finite()) {
         return Err(FitError::NoStart);
@@ -34,9 +35,9 @@ pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search)
         };
     }
     let (end, why) = match search.loss {
-        Loss::Squares => run!(problem.clone()),
-        Loss::Huber(scale) => run!(RobustLeastSquares::new(problem.clone(), HuberLoss).with_scale(scale)),
-        Loss::Cauchy(scale) => run!(RobustLeastSquares::new(problem.clone(), CauchyLoss).with_scale(scale)),
+        Loss::Squares => run!(scaled()),
+        Loss::Huber(scale) => run!(RobustLeastSquares::new(scaled(), HuberLoss).with_scale(scale)),
+        Loss::Cauchy(scale) => run!(RobustLeastSquares::new(scaled(), CauchyLoss).with_scale(scale)),
     };
     match problem.is_stationary(&end, search.loss) {
         true => Ok(problem.values(&end)),
@@ -52,13 +53,6 @@ struct Scaled<'a, M> {
     sizes: Vec<f64>,
     least: Vec<f64>,
     largest: Vec<f64>,
-}
-
-impl<M> Clone for Scaled<'_, M> {
-    fn clone(&self) -> Self {
-        let Self { sizes, least, largest, .. } = self;
-        Self { sizes: sizes.clone(), least: least.clone(), largest: largest.clone(), ..*self }
-    }
 }
 
 impl<'a, M: Model> Scaled<'a, M> {
@@ -93,13 +87,14 @@ impl<'a, M: Model> Scaled<'a, M> {
         }
         let weights: Vec<f64> = residuals.iter().map(|residual| loss.weight(*residual)).collect();
         let length = norm(residuals.iter().zip(&weights).map(|(residual, weight)| residual * weight.sqrt()));
+        let values = self.values(at);
         (0..at.len()).all(|unknown| {
             let column = || slopes.iter().skip(unknown).step_by(at.len()).zip(&weights);
             let along: f64 =
                 column().zip(&residuals).map(|((slope, weight), residual)| slope * weight * residual).sum();
             let size = norm(column().map(|(slope, weight)| slope * weight.sqrt()));
-            let outwards = (near(at[unknown], self.least[unknown]) && along > 0.0)
-                || (near(at[unknown], self.largest[unknown]) && along < 0.0);
+            let [on_least, on_largest] = self.unknowns[unknown].rests(values[unknown]);
+            let outwards = (on_least && along > 0.0) || (on_largest && along < 0.0);
             // A perfect fit has no direction left to be at right angles to.
             outwards || along.abs() <= STATIONARY * size * length || length <= f64::EPSILON * size
         })
@@ -108,11 +103,6 @@ impl<'a, M: Model> Scaled<'a, M> {
 
 fn norm(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.map(|number| number * number).sum::<f64>().sqrt()
-}
-
-/// Whether a value lies on a bound, as near as the search comes to one.
-fn near(value: f64, bound: f64) -> bool {
-    bound.is_finite() && (value - bound).abs() <= 1e-6 * bound.abs().max(1.0)
 }
 
 impl<M: Model> Constraints for Scaled<'_, M> {

@@ -76,7 +76,8 @@ impl Fit {
     pub(super) fn new(model: &impl Model, unknowns: &[Unknown], search: &Search, values: Vec<f64>) -> Self {
         let evaluation = super::with_priors(model, unknowns, &values);
         let (rows, columns) = (evaluation.residuals.len(), unknowns.len());
-        let on_bound: Vec<bool> = unknowns.iter().zip(&values).map(|(unknown, value)| unknown.rests(*value)).collect();
+        let on_bound: Vec<bool> =
+            unknowns.iter().zip(&values).map(|(unknown, value)| unknown.rests(*value).contains(&true)).collect();
         let free: Vec<usize> = (0..columns).filter(|unknown| !on_bound[*unknown]).collect();
         let sizes: Vec<f64> = unknowns.iter().zip(&values).map(|(unknown, value)| magnitude(*value, unknown)).collect();
         let weights: Vec<f64> = evaluation.residuals.iter().map(|residual| search.loss.weight(*residual)).collect();

@@ -107,33 +107,9 @@ impl Reference {
     /// [`Error::OutOfRange`] for an accuracy or interval outside its range; [`Error::Inconsistent`], which says what can
     /// be reached, or [`Error::Stopped`] when even the shortest step is not accurate enough or leaves the physics.
     pub fn step_for(&self, method: Method, accuracy: f64, interval: f64) -> Result<StepError, Error> {
-        parameter::ACCURACY.check(accuracy)?;
-        parameter::SAMPLE_INTERVAL.check(interval)?;
         let times = SampleTimes::new(self.trajectory.duration(), interval);
-        let mut shortest = interval;
-        for step in parts().map(|parts| interval / parts) {
-            // A quotient of two decimal numbers may lie a rounding below the whole one.
-            if step < SHORTEST * (1.0 - 1e-12) {
-                break;
-            }
-            shortest = step;
-            match self.measure(&times, method, step, accuracy) {
-                Ok(error) if error.greatest() <= accuracy => return Ok(error),
-                Ok(_) | Err(Error::Stopped { .. }) => {}
-                Err(error) => return Err(error),
-            }
-        }
-        let reached = self.measure(&times, method, shortest, f64::INFINITY)?;
-        Err(Error::Inconsistent {
-            parameter: &parameter::ACCURACY,
-            value: accuracy,
-            requirement: Requirement {
-                relation: "must be at least",
-                other: "the error of the shortest step that is tried",
-                value: reached.greatest(),
-                unit: "",
-            },
-            remedy: "loosen run.accuracy, set run.engine = \"event-located\", or give run.step for a step on your own account",
+        longest_step(accuracy, interval, StepError::greatest, |step, allowed| {
+            self.measure(&times, method, step, allowed)
         })
     }
 
@@ -157,8 +133,48 @@ impl Reference {
     }
 }
 
+/// The error of the longest step that is at most `accuracy`, of those that divide `interval` s into 1, 2, 5, 10, 20, … parts
+/// and are not below [`SHORTEST`]. `measure` gives the error of a step, up to where it exceeds what is allowed.
+///
+/// # Errors
+/// As [`Reference::step_for`].
+pub(super) fn longest_step<E>(
+    accuracy: f64,
+    interval: f64,
+    greatest: impl Fn(&E) -> f64,
+    measure: impl Fn(f64, f64) -> Result<E, Error>,
+) -> Result<E, Error> {
+    parameter::ACCURACY.check(accuracy)?;
+    parameter::SAMPLE_INTERVAL.check(interval)?;
+    let mut shortest = interval;
+    for step in parts().map(|parts| interval / parts) {
+        // A quotient of two decimal numbers may lie a rounding below the whole one.
+        if step < SHORTEST * (1.0 - 1e-12) {
+            break;
+        }
+        shortest = step;
+        match measure(step, accuracy) {
+            Ok(error) if greatest(&error) <= accuracy => return Ok(error),
+            Ok(_) | Err(Error::Stopped { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let reached = measure(shortest, f64::INFINITY)?;
+    Err(Error::Inconsistent {
+        parameter: &parameter::ACCURACY,
+        value: accuracy,
+        requirement: Requirement {
+            relation: "must be at least",
+            other: "the error of the shortest step that is tried",
+            value: greatest(&reached),
+            unit: "",
+        },
+        remedy: "loosen run.accuracy, set run.engine = \"event-located\", or give run.step for a step on your own account",
+    })
+}
+
 /// 1, 2, 5, 10, 20, 50, …
-pub(super) fn parts() -> impl Iterator<Item = f64> {
+fn parts() -> impl Iterator<Item = f64> {
     core::iter::successors(Some(1.0), |decade| Some(decade * 10.0))
         .flat_map(|decade: f64| [1.0, 2.0, 5.0].map(|mantissa| mantissa * decade))
 }

@@ -9,11 +9,12 @@ use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
 use mckibben::friction::{Coulomb, Friction, Hysteresis};
 use mckibben::load::Load;
+use mckibben::parameter::Parameter;
 use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, Trajectory, simulate};
 use mckibben::valve::{
     Command, ExhaustTemperature, FlowLaw, FlowStandard, Port, Request, Solenoid, Supply, Valve, ValveKind,
 };
-use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure};
+use mckibben::{AbsolutePressure, Actuator, Braid, Dual, GaugePressure, Over, Scalar};
 
 /// One inch in m.
 pub(crate) const INCH: f64 = 0.0254;
@@ -236,6 +237,19 @@ pub(crate) fn assert_within(actual: f64, expected: f64, absolute: f64) {
 pub(crate) fn slope(step: f64, function: impl Fn(f64) -> f64) -> f64 {
     let pair = |h: f64| function(h) - function(-h);
     (8.0 * pair(step) - pair(2.0 * step)) / (12.0 * step)
+}
+
+/// A rig with one direction of change: that of all numbers which a row describes, each by its own size.
+pub(crate) fn seeded(rig: &Rig, row: &'static Parameter) -> Rig<Dual<f64, 1>> {
+    rig.map(|parameter, value| {
+        let factor = if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
+        Dual::of(value) * factor
+    })
+}
+
+/// The rig moved a `relative` part of those numbers in that direction.
+pub(crate) fn scaled(rig: &Rig, row: &'static Parameter, relative: f64) -> Rig {
+    rig.map(|parameter, value| if std::ptr::eq(parameter, row) { value * (1.0 + relative) } else { value })
 }
 
 /// Root of a function that changes sign between two places, by bisection to the last bit.

@@ -7,9 +7,9 @@
 use super::stepper::JointStepper;
 use super::system::JointSystem;
 use super::{JointRig, JointState};
-use crate::error::{Error, Requirement};
+use crate::error::Error;
 use crate::parameter;
-use crate::simulation::accuracy::{LEAST_RANGE, PILOT, REFERENCE, SHORTEST, parts};
+use crate::simulation::accuracy::{LEAST_RANGE, PILOT, REFERENCE, longest_step};
 use crate::simulation::kernel::Method;
 use crate::simulation::sample::SampleTimes;
 use crate::simulation::system::HybridSystem;
@@ -65,30 +65,7 @@ pub fn joint_step_for_accuracy(
                 break;
             }
         }
-        Ok(worst)
+        Ok(JointStepError { step, compared, greatest: worst })
     };
-    let mut shortest = interval;
-    for step in parts().map(|parts| interval / parts) {
-        // A quotient of two decimal numbers may lie a rounding below the whole one.
-        if step < SHORTEST * (1.0 - 1e-12) {
-            break;
-        }
-        shortest = step;
-        match error_of(step, accuracy) {
-            Ok(greatest) if greatest <= accuracy => return Ok(JointStepError { step, compared, greatest }),
-            Ok(_) | Err(Error::Stopped { .. }) => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Err(Error::Inconsistent {
-        parameter: &parameter::ACCURACY,
-        value: accuracy,
-        requirement: Requirement {
-            relation: "must be at least",
-            other: "the error of the shortest step that is tried",
-            value: error_of(shortest, f64::INFINITY)?,
-            unit: "",
-        },
-        remedy: "loosen run.accuracy, set run.engine = \"event-located\", or give run.step for a step on your own account",
-    })
+    longest_step(accuracy, interval, |error: &JointStepError| error.greatest, error_of)
 }
