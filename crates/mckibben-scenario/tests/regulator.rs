@@ -76,9 +76,14 @@ fn mistakes_are_told() {
     for (said, word) in cases {
         assert!(said.contains(word), "{word}:\n{said}");
     }
+}
+
+#[test]
+fn fixed_steps_and_sweeps_take_it() {
     let stepped = LOAD.to_owned() + "engine = \"fixed-step\"\nstep = \"1 ms\"\n";
-    let text = [SUPPLY, VALVE, COMMAND, &stepped].concat();
-    let said =
-        Document::parse(&text, "test.toml").expect("it is TOML").experiment().expect_err("a mistake").to_string();
-    assert!(said.contains("event-located"), "{said}");
+    let vary =
+        "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"valve.rate_limit\" = [\"1 bar/s\", \"2 bar/s\"]\n";
+    let text = [SUPPLY, VALVE, COMMAND, &stepped, vary].concat();
+    let document = Document::parse(&text, "test.toml").expect("it is TOML");
+    assert!(document.experiment().unwrap_or_else(|error| panic!("{error}")).rig.check_fixed_steps().is_ok());
 }

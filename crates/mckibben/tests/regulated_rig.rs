@@ -1,11 +1,17 @@
-//! A rig on a proportional pressure regulator: its pressure against the closed form, rest, dead time, rate, passage, audit.
+//! A rig on a proportional pressure regulator: its pressure against the closed form, rest, dead time, rate, passage, audit,
+//! the orders of fixed steps, a batch.
 
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
+use mckibben::air::Process;
+#[cfg(feature = "batch")]
+use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
 use mckibben::parameter::{self, Parameter};
-use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, Rig, Trajectory, simulate};
+use mckibben::simulation::{
+    Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, Trajectory, simulate,
+};
 use mckibben::valve::{Command, FlowStandard, Regulated, Regulator, Request, Solenoid, ValveKind};
-use mckibben::{AbsolutePressure, Dual, Error, GaugePressure, Over};
+use mckibben::{AbsolutePressure, Dual, Error, GaugePressure, Over, Real};
 
 const TAU: f64 = 0.03;
 const DEAD: f64 = 5e-3;
@@ -53,17 +59,26 @@ fn instants(run: &Trajectory, kind: EventKind) -> Vec<f64> {
 }
 
 /// A large step up, a small one that comes while the first is still under way, a large one down.
-#[test]
-fn the_pressure_follows_the_closed_form() {
-    let (times, gauges) = ([0.02, 0.15, 0.6], [4e5, 4.6e5, 1e5]);
-    let paper = wide();
-    let run = run(&paper, regulator(LIMIT), points(&times, &gauges), 1.2);
-    let valve = paper.with(|rig| rig.command = Some(Command::Constant(Request::Fill))).valve();
+const STAIRS: ([f64; 3], [f64; 3]) = ([0.02, 0.15, 0.6], [4e5, 4.6e5, 1e5]);
+
+/// What the closed form makes of these, each with its end, up to 1.2 s.
+fn courses() -> Vec<(Regulated, f64)> {
+    let (times, gauges) = STAIRS;
+    let valve = wide().with(|rig| rig.command = Some(Command::Constant(Request::Fill))).valve();
     let at_rest = AbsolutePressure(ATMOSPHERE);
     let mut course = Regulated { time: 0.0, pressure: at_rest, setpoint: at_rest };
-    for step in 0..times.len() {
+    let set = |step: usize| {
         course = regulator(LIMIT).set(&course, times[step], AbsolutePressure(gauges[step] + ATMOSPHERE), &valve);
-        let until = times.get(step + 1).map_or(1.2, |time| time + DEAD);
+        (course, times.get(step + 1).map_or(1.2, |time| time + DEAD))
+    };
+    (0..times.len()).map(set).collect()
+}
+
+#[test]
+fn the_pressure_follows_the_closed_form() {
+    let (times, gauges) = STAIRS;
+    let run = run(&wide(), regulator(LIMIT), points(&times, &gauges), 1.2);
+    for (course, until) in courses() {
         for n in 0..=50 {
             let time = course.time + (until - course.time) * f64::from(n) / 50.0;
             let expected = regulator(LIMIT).pressure(&course, time);
@@ -183,8 +198,152 @@ fn behind_a_lumped_hose_it_is_seen_late_and_comes_to_rest_at_the_set_point() {
     let rig = rig(&held(), regulator(LIMIT), points(&[0.1], &[2e5])).with_line(line).expect("a line");
     let run = simulate(&rig, rig.start(&held().initial()).expect("a start"), 3.0, 1e-9).expect("a run");
     assert_eq!(instants(&run, EventKind::SetPoint), [0.1 + (DEAD + hose.transport_delay())]);
+    let end = stepped(&rig, start(&rig, &held()), Method::Stable, 0.16, 16_000);
+    assert_close(end.pressure.0, run.at(0.16).pressure.0, 1e-4);
     assert_close(run.at(3.0).pressure.0, 2e5 + ATMOSPHERE, 1e-6);
     assert!(run.circuit().is_none());
+}
+
+fn start(rig: &Rig, paper: &Paper) -> State {
+    rig.start(&paper.initial()).expect("a start")
+}
+
+/// In so many equal steps.
+fn stepped<R: Real<Time = R>>(rig: &Rig<R>, start: State<R>, method: Method, until: f64, steps: u32) -> State<R> {
+    let mut stepper = FixedStepper::new(rig, start, method);
+    for step in 1..=steps {
+        stepper.advance_to(R::constant(until * (f64::from(step) / f64::from(steps)))).expect("a step");
+    }
+    stepper.state()
+}
+
+/// At any step, however long: the regulated pressure is not integrated.
+#[test]
+fn fixed_steps_have_the_pressure_by_its_closed_form() {
+    let (times, gauges) = STAIRS;
+    let paper = held();
+    let rig = rig(&paper, regulator(LIMIT), points(&times, &gauges));
+    for (method, steps) in [(Method::Rk4, 24_000), (Method::Stable, 1200), (Method::Stable, 37)] {
+        let mut stepper = FixedStepper::new(&rig, start(&rig, &paper), method);
+        let mut courses = courses().into_iter().peekable();
+        let mut now = None;
+        for step in 1..=steps {
+            let time = 1.2 * f64::from(step) / f64::from(steps);
+            stepper.advance_to(time).expect("a step");
+            while let Some((course, _)) = courses.next_if(|(course, _)| course.time <= time) {
+                now = Some(course);
+            }
+            let expected = now.map_or(ATMOSPHERE, |course| regulator(LIMIT).pressure(&course, time));
+            assert_close(stepper.sample().supply_pressure.expect("it is regulated").0, expected, 1e-13);
+        }
+        assert!(courses.peek().is_none());
+    }
+}
+
+/// In the bounds of one piece of the flow law, so that the flow has no corner of its own: from a vacuum to below the
+/// regulated pressure, along the straight line and the exponential.
+#[test]
+fn fixed_steps_come_to_the_event_located_run_at_their_order() {
+    let paper = Paper::sealed().isometric(3.5 * INCH).process(Process::Isothermal).gauge(-4.5e4).with(|rig| {
+        rig.standard = FlowStandard::Iso6358 { sonic_conductance: 4e-9, critical_ratio: 0.3 };
+    });
+    let swift = Regulator::new(8e-3, 4e-3, 5e6).expect("a regulator");
+    let rig = rig(&paper, swift, points(&[0.0], &[1.2e5]));
+    let run = simulate(&rig, start(&rig, &paper), 0.032, 1e-12).expect("a run");
+    assert_eq!([EventKind::Regulator, EventKind::Flow].map(|kind| instants(&run, kind).len()), [1, 0]);
+    let exact = run.at(0.032);
+    for (method, order, counts) in [(Method::Rk4, 4.0, [32, 64]), (Method::Stable, 2.0, [128, 256])] {
+        let errors = counts.map(|steps| {
+            let State { pressure, air_mass, .. } = stepped(&rig, start(&rig, &paper), method, 0.032, steps);
+            [pressure.0 - exact.pressure.0, air_mass - exact.air_mass].map(f64::abs)
+        });
+        for n in 0..2 {
+            let fitted = (errors[0][n] / errors[1][n]).log2();
+            assert!((fitted - order).abs() < 0.3, "{method:?}: order {fitted}, {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn fixed_steps_agree_where_a_mass_bounces() {
+    let paper = Paper::sealed();
+    let rig = rig(&paper, regulator(LIMIT), points(&[0.0, 0.1, 0.2], &[4e5, 1e5, 3e5]));
+    let exact = simulate(&rig, start(&rig, &paper), 0.3, 1e-11).expect("a run").at(0.3);
+    for (method, within) in [(Method::Rk4, 1e-6), (Method::Stable, 1e-4)] {
+        let end = stepped(&rig, start(&rig, &paper), method, 0.3, 30_000);
+        assert_close(end.pressure.0, exact.pressure.0, within);
+        assert_close(end.length, exact.length, within);
+    }
+}
+
+/// With steps far beyond what the passage needs, from both sides.
+#[test]
+fn long_stable_steps_never_overshoot() {
+    for gauge in [0.0, 5e5] {
+        let paper = held().gauge(gauge);
+        let rig = rig(&paper, regulator(LIMIT), points(&[0.0], &[2e5]));
+        let (most, least) = (gauge.max(2e5) + ATMOSPHERE, gauge.min(2e5) + ATMOSPHERE);
+        for step in [0.02, 0.005, 0.001] {
+            let mut stepper = FixedStepper::new(&rig, start(&rig, &paper), Method::Stable);
+            for n in 1..=(2.0 / step) as u32 {
+                stepper.advance_to(step * f64::from(n)).expect("a step");
+                let pressure = stepper.state().pressure.0;
+                assert!(pressure <= most * (1.0 + 1e-9) && pressure >= least * (1.0 - 1e-9), "{step}: {pressure}");
+            }
+            assert_close(stepper.state().pressure.0, 2e5 + ATMOSPHERE, 1e-6);
+        }
+    }
+}
+
+#[cfg(feature = "batch")]
+#[test]
+fn a_row_of_a_batch_is_the_fixed_step_run() {
+    let paper = Paper::sealed();
+    let command = points(&[0.0, 0.03, 0.06], &[4e5, 1e5, 1.2e5]);
+    let each = |n: u32| Regulator::new(0.01 + 2e-3 * f64::from(n), 1e-3 * f64::from(n), 2e6).expect("a regulator");
+    let rigs: Vec<Rig> = (0..10).map(|n| rig(&paper, each(n), command.clone())).collect();
+    for method in [Method::Rk4, Method::Stable] {
+        let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
+        let mut batch: Batch<f64> = Batch::new(rows, method);
+        batch.advance(0.1, 1000);
+        for (rig, sample) in rigs.iter().zip(batch.samples()) {
+            let mut stepper = FixedStepper::new(rig, start(rig, &paper), method);
+            for step in 1..=1000 {
+                stepper.advance_to(if step == 1000 { 0.1 } else { 0.1 * (f64::from(step) / 1000.0) }).expect("a step");
+            }
+            let sample = sample.expect("a row");
+            assert_eq!(sample, stepper.sample());
+            assert!(sample.supply_pressure.is_some());
+        }
+        // In the lesser numbers the same within theirs.
+        let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
+        let mut lesser: Batch<f32> = Batch::new(rows, method);
+        lesser.advance(0.1, 1000);
+        for (lesser, sample) in lesser.samples().into_iter().zip(batch.samples()) {
+            let pressures = [lesser, sample].map(|sample| sample.expect("a row").pressure.0);
+            assert_close(pressures[0], pressures[1], 1e-3);
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_fixed_steps_are_those_of_finite_differences() {
+    let paper = held();
+    let rig = rig(&paper, regulator(LIMIT), points(&[0.0, 0.2], &[3e5, 1e5]));
+    let end = |rig: &Rig| stepped(rig, start(rig, &paper), Method::Stable, 0.3, 3000).pressure.0;
+    let rows: [&'static Parameter; 5] = [
+        &parameter::REGULATOR_TIME_CONSTANT,
+        &parameter::REGULATOR_DEAD_TIME,
+        &parameter::REGULATOR_RATE_LIMIT,
+        &parameter::COMMAND_GAUGE_PRESSURE,
+        &parameter::COMMAND_TIME,
+    ];
+    for row in rows {
+        let seeded = seeded(&rig, row);
+        let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
+        let exact = stepped(&seeded, start, Method::Stable, 0.3, 3000).pressure.0.slope[0];
+        assert_close(exact, slope(1e-4, |relative| end(&scaled(&rig, row, relative))), 1e-3);
+    }
 }
 
 #[test]
@@ -201,8 +360,8 @@ fn what_has_no_meaning_is_refused() {
 
     let rig = rig(&paper, regulator(LIMIT), good());
     let start = rig.start(&paper.initial()).expect("a start");
-    let stepped = FixedStepper::new(&rig, start, Method::Stable).advance_to(1e-3).expect_err("refused");
-    wrong(stepped, "event-located");
+    let modular = ModularActuator::new(&rig, start, 25.0).expect_err("refused");
+    wrong(modular, "three-way");
     let bottle = Reservoir::new([1e-3, 1.0, 293.15], GaugePressure(5e5), None, &paper.air()).expect("a bottle");
     let supply = Some(SupplyLine::new(Some(bottle), None, 1.0).expect("a supply"));
     wrong(rig.with_line(Line { supply, ..Line::NONE }).expect_err("refused"), "supply must be constant");

@@ -2,7 +2,8 @@
 //!
 //! The numbers of the rows lie lane by lane in one rig over lanes. A step of all rows is one step of the method. Rows to
 //! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
-//! themselves as the fixed-step engine does, from where they were, and so do rows whose seats are under way; an instant that all rows share divides the step of the
+//! themselves as the fixed-step engine does, from where they were, and so do rows whose passages are under way or lead to a
+//! regulated pressure; an instant that all rows share divides the step of the
 //! block. So every row goes the fixed-step engine's way, bit for bit.
 
 use super::Row;
@@ -12,6 +13,7 @@ use crate::error::Error;
 use crate::force::{IdealBraid, Statics};
 use crate::friction::{Hysteresis, Memory};
 use crate::load::{Line, Load};
+use crate::pressure::AbsolutePressure;
 use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::course::Course;
 use crate::simulation::fixed_step::{Walk, check_plumbing, stepped};
@@ -129,7 +131,7 @@ impl<W: Wide> Block<W> {
             rig: narrow(&row.rig),
             actuation: row.rig.actuation().cloned(),
             load: row.rig.load().clone(),
-            progress: Progress::none(),
+            progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
             fault: check_plumbing(&row.rig).err(),
@@ -327,11 +329,13 @@ impl<W: Wide> Block<W> {
         }
     }
 
-    /// Net flow in kg/s into the actuator of a row whose passages are not whole.
+    /// The sample of a row whose passages are not whole, by the net flow into its actuator and what lies beyond.
     #[inline(never)]
-    fn flow_of(&self, index: usize) -> f64 {
+    fn under_way(&self, index: usize, sample: Sample) -> Sample {
         let Course { time, state, held } = self.walk(index).course;
-        self.lanes[index].rig.observe(W::Lane::of_time(time), &state, &held).flow.net().value()
+        let mass_flow = self.lanes[index].rig.observe(W::Lane::of_time(time), &state, &held).flow.net().value();
+        let supply_pressure = self.lanes[index].openings().pressure(time).map(AbsolutePressure);
+        Sample { mass_flow, supply_pressure, ..sample }
     }
 
     /// What each row shows now, or why it has stopped.
@@ -349,7 +353,7 @@ impl<W: Wide> Block<W> {
                 let sample = Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air));
                 Ok(match W::holds(self.under_way, index) {
                     false => sample,
-                    true => Sample { mass_flow: self.flow_of(index), ..sample },
+                    true => self.under_way(index, sample),
                 })
             }
         };

@@ -20,6 +20,7 @@ use crate::force::Statics;
 use crate::friction::Memory;
 use crate::line::HoseKind;
 use crate::load::Line;
+use crate::pressure::AbsolutePressure;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Ports;
 
@@ -68,7 +69,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
-    /// [`Error::Unsupported`] for a distributed hose, a supply that changes or a pressure regulator.
+    /// [`Error::Unsupported`] for a distributed hose or a supply that changes.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         check_plumbing(self.rig)?;
         self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None)
@@ -89,18 +90,20 @@ impl<R: Real<Time = R>> Walk<R> {
         let Course { time, state, held } = &self.course;
         let sample = Sample::new(*time, &of_rig(state), &rig.observe(*time, state, held), self.ports);
         let hose = rig.line().hose.as_ref();
-        hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None))
+        let sample = hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None));
+        Sample { supply_pressure: held.openings.pressure(*time).map(AbsolutePressure), ..sample }
+    }
+
+    /// At t = 0, before what is due then has been passed.
+    pub(super) fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
+        let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
+        let course = Course { time: R::zero(), state, held: Held { memory, ..Held::nothing() } };
+        let progress = Progress::none().regulated(rig.regulator_clock(state[2]));
+        Self { course, progress, ports: Ports::CLOSED }
     }
 }
 
 impl<R: Real> Walk<R> {
-    /// At t = 0, before what is due then has been passed.
-    pub(super) fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
-        let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
-        let course = Course { time: R::Time::zero(), state, held: Held { memory, ..Held::nothing() } };
-        Self { course, progress: Progress::none(), ports: Ports::CLOSED }
-    }
-
     /// Goes on to `until`, through every instant up to then; where that leaves the physics, stays at the last good state.
     /// The end of one whole step without an instant is given where it is known already.
     pub(crate) fn advance_to(
@@ -153,15 +156,9 @@ pub(crate) fn stepped<S: Scalar>(start: State<S>) -> Stepped<S> {
     [length, velocity, pressure, mass, pressure]
 }
 
-/// That fixed steps can take a rig's air line and what drives its valve.
+/// That fixed steps can take a rig's air line.
 pub(crate) fn check_plumbing<S: Scalar>(rig: &Rig<S>) -> Result<(), Error> {
     let line = rig.line();
-    if rig.regulator().is_some() {
-        return Err(Error::Unsupported {
-            what: "the fixed-step engine and batches take no pressure regulator: the pressure beyond its port changes",
-            remedy: "set run.engine = \"event-located\", or choose a valve with seats such as valve.kind = \"three-way\"",
-        });
-    }
     let distributed = line.hose.as_ref().is_some_and(|hose| matches!(hose.kind, HoseKind::Distributed { .. }));
     if distributed || line.supply.is_some() {
         return Err(Error::Unsupported {

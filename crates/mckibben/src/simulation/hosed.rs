@@ -41,6 +41,8 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// One part of a step, with a prescribed motion where it ends exactly.
     #[inline(always)]
     pub(crate) fn take(&self, method: Method, time: S, state: &Stepped<S>, step: S, held: &Held<S>) -> Stepped<S> {
+        let midway = held.midway(method, time, step);
+        let held = midway.as_ref().unwrap_or(held);
         let mut end = if L::MAY_HAVE_LINE
             && let Some(hose) = &self.line().hose
         {
@@ -174,7 +176,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             return tangent.larger(each[0] + each[1]);
         }
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
-        let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
+        let port = S::select(held.supply, held.supply_pressure(valve, time), valve.port_pressure(Port::Exhaust));
         let secant = secant(port - pressure, flow.value, tangent);
         S::select(one_open, tangent.larger(secant), tangent)
     }

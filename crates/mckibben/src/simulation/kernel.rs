@@ -47,7 +47,7 @@ pub struct Held<S: Scalar> {
     pub supply: S::Mask,
     /// Where the passage to the surroundings is open.
     pub exhaust: S::Mask,
-    /// How far the passages are open where they are not whole; with several lanes they are.
+    /// How far the passages are open where they are not whole, or what lies beyond; with several lanes neither.
     pub openings: Openings<S>,
     /// Direction of sliding: −1, 0 or +1.
     pub sliding: S,
@@ -78,6 +78,24 @@ impl<S: Scalar> Held<S> {
             line: Line::resting(S::zero()),
             memory: Memory::relaxed(S::zero()),
         }
+    }
+
+    /// The same for a stable step of `step` s from a time in s, where the pressure beyond the passage changes: with that
+    /// of the middle of the step. So the order stays 2, and no flow overshoots the port.
+    #[inline(always)]
+    pub(super) fn midway(&self, method: Method, time: S, step: S) -> Option<Self> {
+        if !S::IS_ONE || method != Method::Stable {
+            return None;
+        }
+        let pressure = self.openings.pressure(step.multiply_add(S::constant(0.5), time))?;
+        Some(Self { openings: Openings::At(pressure), ..*self })
+    }
+
+    /// The absolute pressure in Pa beyond the passage to the supply at a time in s.
+    #[inline(always)]
+    pub(super) fn supply_pressure(&self, valve: &Valve<S>, time: S) -> S {
+        let own = valve.port_pressure(Port::Supply);
+        if S::IS_ONE { self.openings.pressure(time).unwrap_or(own) } else { own }
     }
 
     /// The same with the passages as they are at a time in s, where they are under way.
@@ -139,6 +157,11 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub(super) fn through_valve<T: Over<S>>(&self, time: T, chamber: &Chamber<T>, held: &Held<S>) -> Flow<T> {
         let actuator = self.actuator();
+        if S::IS_ONE
+            && let (Some(pressure), Some(valve)) = (held.openings.pressure(time), actuator.valve())
+        {
+            return valve.flow_at(pressure, chamber);
+        }
         if S::IS_ONE
             && let (Some([supply, exhaust]), Some(valve)) = (held.openings.at(time), actuator.valve())
         {
@@ -236,7 +259,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             return self.settling_rate_of_shares(valve, state, rates[0], held, shares);
         }
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
-        let port = S::select(held.supply, valve.port_pressure(Port::Supply), valve.port_pressure(Port::Exhaust));
+        let port = S::select(held.supply, held.supply_pressure(valve, time), valve.port_pressure(Port::Exhaust));
         let [length, _, pressure, mass] = *state;
         let chamber = actuator.chamber(length, rates[0], pressure, mass, held.slack);
         let (beside, by_mass) = match self.leak(&chamber) {

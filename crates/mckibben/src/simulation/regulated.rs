@@ -1,4 +1,4 @@
-//! The port of a proportional pressure regulator: what lies beyond the open passage is a state.
+//! The port of a proportional pressure regulator in the event-located engine: what lies beyond the open passage is a state.
 //!
 //! The set point in force and the branch of the regulator's rate are components of the mode. A set point takes effect at a
 //! known instant, its time and the dead time (and the delay of a lumped hose, behind which everything is seen late); a rate
@@ -9,8 +9,9 @@
 
 use super::rig::{Actuation, Rig};
 use super::system::GuardForm;
+use crate::pressure::AbsolutePressure;
 use crate::scalar::{Over, Real};
-use crate::valve::{Approach, Command, Port, Regulator, Valve, is_due};
+use crate::valve::{Approach, Command, Port, Regulator, RegulatorClock, Valve, is_due};
 
 /// A regulator's port and the place of its pressure among the states.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,15 @@ impl PortMode {
     /// The rate falls below its limit.
     pub(super) fn settle(&mut self) {
         self.approach = Some(Approach::Settles);
+    }
+}
+
+impl<R: Real> Rig<R> {
+    /// What a pressure regulator does over time by its closed form, with a pressure in Pa in the actuator at the start.
+    pub(crate) fn regulator_clock(&self, pressure: R) -> Option<RegulatorClock<R>> {
+        let valve = self.regulator().and(self.actuator().valve())?;
+        let at_rest = AbsolutePressure(RegulatedPort::start(valve, pressure));
+        Some(RegulatorClock::resting(at_rest, AbsolutePressure(valve.port_pressure(Port::Exhaust))))
     }
 }
 

@@ -202,8 +202,7 @@ impl Rig {
         Ok(Self { line, ..self }.with_transport())
     }
 
-    /// That the fixed-step engine and batches can take the rig: neither a distributed hose, nor a supply that changes, nor a
-    /// pressure regulator.
+    /// That the fixed-step engine and batches can take the rig: neither a distributed hose nor a supply that changes.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when they cannot.

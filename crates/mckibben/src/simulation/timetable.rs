@@ -1,10 +1,10 @@
-//! The instants that are known beforehand: a seat moves or arrives, or a prescribed motion turns a corner. Both engines and the
-//! batches ask here.
+//! The instants that are known beforehand: a seat moves or arrives, a regulated pressure takes another
+//! course, or a prescribed motion turns a corner. Both engines and the batches ask here.
 
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
 use crate::scalar::Real;
-use crate::valve::{Openings, Ports, SeatClock, SpoolClock, is_due};
+use crate::valve::{Openings, Ports, RegulatorClock, SeatClock, SpoolClock, is_due};
 #[cfg(feature = "alloc")]
 use crate::valve::{Request, Solenoid};
 
@@ -22,6 +22,8 @@ pub(crate) struct Progress<S> {
     spool: SpoolClock<S>,
     /// How many instants of the spool have been passed.
     spool_passed: u64,
+    /// Of a pressure regulator whose pressure is a known function of time and no state.
+    regulator: Option<RegulatorClock<S>>,
     pub(crate) corners_passed: usize,
 }
 
@@ -29,7 +31,12 @@ impl<S: Real> Progress<S> {
     /// Before the first instant.
     pub(crate) fn none() -> Self {
         let (clock, spool) = (SeatClock::released(), SpoolClock::resting());
-        Self { clock, spool, spool_passed: 0, corners_passed: 0 }
+        Self { clock, spool, spool_passed: 0, regulator: None, corners_passed: 0 }
+    }
+
+    /// The same with the clock of a pressure regulator.
+    pub(crate) fn regulated(self, regulator: Option<RegulatorClock<S>>) -> Self {
+        Self { regulator, ..self }
     }
 
     /// A number that differs once the openings are another function of time.
@@ -45,12 +52,15 @@ impl<S: Real> Progress<S> {
 }
 
 impl<S: Real> Timetable<'_, S> {
-    /// The next instant in s, up to and with `until`, at which a seat moves or arrives, or a prescribed motion turns a
-    /// corner.
+    /// The next instant in s, up to and with `until`, at which a seat moves or arrives, a regulated pressure takes another
+    /// course, or a prescribed motion turns a corner.
     pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
-        let seat = self.actuation.and_then(|Actuation { solenoid, command }| match solenoid.spool() {
-            None => progress.clock.next_motion(solenoid, command, until),
-            Some(_) => progress.spool.next(solenoid, command, until),
+        let seat = self.actuation.and_then(|Actuation { solenoid, command }| {
+            match (solenoid.spool(), solenoid.regulator(), &progress.regulator) {
+                (None, Some(regulator), Some(clock)) => clock.next(regulator, solenoid, command, until),
+                (None, ..) => progress.clock.next_motion(solenoid, command, until),
+                (Some(_), ..) => progress.spool.next(solenoid, command, until),
+            }
         });
         let corner = self.corner(progress.corners_passed).filter(|corner| is_due(*corner, until));
         [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
@@ -72,16 +82,21 @@ impl<S: Real> Timetable<'_, S> {
             progress.spool_passed += progress.spool.advance(time, spool, solenoid, command);
             return progress.spool.ports(spool);
         }
+        if let (Some(regulator), Some(clock)) = (solenoid.regulator(), &mut progress.regulator) {
+            clock.advance(time, regulator, solenoid, command);
+        }
         progress.clock.advance(time, solenoid, command);
         progress.clock.ports(solenoid)
     }
 
-    /// How far the passages are open, until the next instant.
+    /// How far the passages are open and to what, until the next instant.
     pub(crate) fn openings(&self, progress: &Progress<S>) -> Openings<S> {
-        self.actuation.map_or(Openings::Whole, |Actuation { solenoid, .. }| match solenoid.spool() {
-            None => progress.clock.openings(solenoid),
-            Some(spool) => progress.spool.openings(spool),
-        })
+        let Some(Actuation { solenoid, .. }) = self.actuation else { return Openings::Whole };
+        match (solenoid.spool(), solenoid.regulator(), &progress.regulator) {
+            (None, Some(regulator), Some(clock)) => clock.openings(regulator),
+            (None, ..) => progress.clock.openings(solenoid),
+            (Some(spool), ..) => progress.spool.openings(spool),
+        }
     }
 
     /// The straight line that a prescribed motion is on.

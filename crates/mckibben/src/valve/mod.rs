@@ -20,6 +20,7 @@ mod opening;
 mod passage;
 mod ramp;
 mod regulator;
+mod regulator_clock;
 mod solenoid;
 mod spool;
 mod spool_clock;
@@ -33,6 +34,7 @@ pub use opening::Openings;
 pub use passage::{FlowStandard, REFERENCE_DENSITY};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulated, Regulator};
+pub use regulator_clock::RegulatorClock;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
@@ -251,13 +253,7 @@ impl<S: Scalar> Valve<S> {
     /// Flow through one open port in the zone that `zone` says, smoothly continued beyond the zone's bounds.
     #[inline(always)]
     pub fn flow_in_zone<T: Over<S>>(&self, port: Port, zone: FlowZone, chamber: &Chamber<T>) -> Flow<T> {
-        let Beyond { pressure, per_pressure, squared_drive } = self.beyond(port);
-        let beyond = Beyond {
-            pressure: T::of(pressure),
-            per_pressure: T::of(per_pressure),
-            squared_drive: T::of(squared_drive),
-        };
-        self.flow_in_zone_from(port, &beyond, zone, chamber)
+        self.flow_in_zone_from(port, &self.beyond(port).over(), zone, chamber)
     }
 
     /// The same from what lies beyond a port, which may change.
@@ -294,7 +290,7 @@ impl<S: Scalar> Valve<S> {
     /// Flow through one open port, whatever the zone.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, port: Port, chamber: &Chamber<T>) -> Flow<T> {
-        self.flow_by(self.law_of(port), self.beyond(port), chamber)
+        self.flow_by(self.law_of(port), &self.beyond(port).over(), chamber)
     }
 
     /// Flow through the passages whose masks are set, whatever the zone.
@@ -306,29 +302,31 @@ impl<S: Scalar> Valve<S> {
         }
         // One evaluation serves whichever passage is open; a second one only while two seats overlap.
         let one = Beyond::select(supply, self.beyond_supply, self.beyond_exhaust);
-        let flow = self.flow_by(&self.law, one, chamber).where_open(supply | exhaust);
+        let flow = self.flow_by(&self.law, &one.over(), chamber).where_open(supply | exhaust);
         let both = supply & exhaust;
         if both.any() { flow.and(self.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
     }
 
     /// Flow to or from air at an absolute pressure in Pa behind the passage to the supply, with the supply's temperature.
     #[inline(always)]
-    pub fn flow_at<T: Over<S>>(&self, pressure: S, chamber: &Chamber<T>) -> Flow<T> {
-        self.flow_by(&self.law, Beyond::new(pressure, &self.supply), chamber)
+    pub fn flow_at<T: Over<S>>(&self, pressure: T, chamber: &Chamber<T>) -> Flow<T> {
+        let squared_drive = pressure * pressure * T::of(self.supply.per_temperature);
+        let beyond = Beyond { pressure, per_pressure: T::one() / pressure, squared_drive };
+        self.flow_by(&self.law, &beyond, chamber)
     }
 
     /// Flow by a law to what lies beyond a passage, whatever the zone: selects instead of branches.
     #[inline(always)]
-    fn flow_by<T: Over<S>>(&self, law: &FlowLaw<S>, beyond: Beyond<S>, chamber: &Chamber<T>) -> Flow<T> {
+    fn flow_by<T: Over<S>>(&self, law: &FlowLaw<S>, beyond: &Beyond<T>, chamber: &Chamber<T>) -> Flow<T> {
         let pressure = chamber.pressure;
-        let inwards = pressure.lt(T::of(beyond.pressure));
+        let inwards = pressure.lt(beyond.pressure);
         let outward_drive = match self.exhaust_temperature {
             ExhaustTemperature::Ambient => pressure * pressure * T::of(self.supply.per_temperature),
             ExhaustTemperature::Actuator => T::of(self.law.gas_constant()) * pressure * chamber.density(),
         };
-        let squared_drive = T::select(inwards, T::of(beyond.squared_drive), outward_drive);
-        let per_upstream = T::select(inwards, T::of(beyond.per_pressure), chamber.per_pressure);
-        let size = law.mass_flow(squared_drive, (pressure - T::of(beyond.pressure)).magnitude() * per_upstream);
+        let squared_drive = T::select(inwards, beyond.squared_drive, outward_drive);
+        let per_upstream = T::select(inwards, beyond.per_pressure, chamber.per_pressure);
+        let size = law.mass_flow(squared_drive, (pressure - beyond.pressure).magnitude() * per_upstream);
         Flow { inward: T::select(inwards, size, T::zero()), outward: T::select(inwards, T::zero(), size) }
     }
 }
@@ -343,6 +341,13 @@ impl<S: Scalar> Beyond<S> {
     fn new(pressure: S, supply: &Supply<S>) -> Self {
         let squared_drive = pressure * pressure * supply.per_temperature;
         Self { pressure, per_pressure: S::one() / pressure, squared_drive }
+    }
+
+    /// The same as constants of a wider scalar.
+    #[inline(always)]
+    fn over<T: Over<S>>(&self) -> Beyond<T> {
+        let Self { pressure, per_pressure, squared_drive } = *self;
+        Beyond { pressure: T::of(pressure), per_pressure: T::of(per_pressure), squared_drive: T::of(squared_drive) }
     }
 
     fn map<T>(&self, mut number: impl FnMut(S) -> T) -> Beyond<T> {

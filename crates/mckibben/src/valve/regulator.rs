@@ -15,7 +15,9 @@
 //! While the setpoint stays the same the pressure is known in closed form: with `e = p − u`, a straight line for
 //! `t₁ = max(0, |e₀|/q − τ)`, then `e = ±qτ exp(−(t − t₁)/τ)`, or `e₀ exp(−t/τ)` where the limit is never reached.
 //!
-//! In the engines the rate limit's two ends and what lies between are three [`Approach`]es, each a formula by itself.
+//! Fixed steps take the closed form as it is, between the instants of a [`RegulatorClock`](super::RegulatorClock). In the
+//! event-located engine the pressure is a state: the rate limit's two ends and what lies between are three [`Approach`]es,
+//! each a formula by itself.
 //!
 //! The passage is that of a [`Valve`]: a large actuator fills as slowly as C and b let it, and its pressure comes to rest at
 //! p from both sides. The setpoint is kept between the surroundings and the supply, beyond which no regulator can go; the
@@ -83,11 +85,12 @@ impl<S: Scalar> Regulator<S> {
         let time = time + self.dead_time;
         let [supply, ambient] = [super::Port::Supply, super::Port::Exhaust].map(|port| valve.port_pressure(port));
         let (low, high) = (supply.smaller(ambient), supply.larger(ambient));
-        Regulated {
-            time,
-            pressure: AbsolutePressure(self.pressure(before, time)),
-            setpoint: AbsolutePressure(setpoint.0.larger(low).smaller(high)),
-        }
+        self.turn(before, time, AbsolutePressure(setpoint.0.larger(low).smaller(high)))
+    }
+
+    /// What follows a setpoint that takes effect at `time` (s), when `before` held.
+    pub(super) fn turn(&self, before: &Regulated<S>, time: S, setpoint: AbsolutePressure<S>) -> Regulated<S> {
+        Regulated { time, pressure: AbsolutePressure(self.pressure(before, time)), setpoint }
     }
 
     /// The same over another scalar.
@@ -97,6 +100,12 @@ impl<S: Scalar> Regulator<S> {
             dead_time: convert.parameter(&parameter::REGULATOR_DEAD_TIME, self.dead_time),
             rate_limit: convert.parameter(&parameter::REGULATOR_RATE_LIMIT, self.rate_limit),
         }
+    }
+
+    /// The same with numbers of another kind.
+    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulator<T> {
+        let Self { time_constant, dead_time, rate_limit } = *self;
+        Regulator { time_constant: number(time_constant), dead_time: number(dead_time), rate_limit: number(rate_limit) }
     }
 
     /// Time in s from a setpoint to the first answer.
@@ -146,13 +155,19 @@ impl<S: Scalar> Regulator<S> {
         ((setpoint - pressure) / T::of(self.time_constant)).smaller(limit).larger(-limit)
     }
 
+    /// Time in s from the start of a course for which the rate is at its limit, t₁.
+    #[inline(always)]
+    pub(super) fn straight(&self, course: &Regulated<S>) -> S {
+        let apart = course.pressure.0 - course.setpoint.0;
+        (apart.magnitude() / self.rate_limit - self.time_constant).larger(S::zero())
+    }
+
     /// The regulated absolute pressure in Pa at a time in s, not before it begins.
     #[inline(always)]
     pub fn pressure<T: Over<S>>(&self, course: &Regulated<S>, time: T) -> T {
         let elapsed = time - T::of(course.time);
         let apart = course.pressure.0 - course.setpoint.0;
-        let straight = (apart.magnitude() / self.rate_limit - self.time_constant).larger(S::zero());
-        let line = elapsed.smaller(T::of(straight));
+        let line = elapsed.smaller(T::of(self.straight(course)));
         let left = T::of(apart.magnitude()) - T::of(self.rate_limit) * line;
         let settled = (-((elapsed - line) / T::of(self.time_constant))).exp();
         T::of(course.setpoint.0) + T::of(apart.sign()) * left * settled
@@ -161,6 +176,15 @@ impl<S: Scalar> Regulator<S> {
     /// Flow between the regulator, at `pressure` (Pa, absolute), and the actuator, through the passage of `valve`.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, valve: &Valve<S>, pressure: S, chamber: &Chamber<T>) -> Flow<T> {
-        valve.flow_at(pressure, chamber)
+        valve.flow_at(T::of(pressure), chamber)
+    }
+}
+
+impl<S: Scalar> Regulated<S> {
+    /// The same with numbers of another kind.
+    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulated<T> {
+        let Self { time, pressure, setpoint } = *self;
+        let [pressure, setpoint] = [pressure, setpoint].map(|at| AbsolutePressure(number(at.0)));
+        Regulated { time: number(time), pressure, setpoint }
     }
 }
