@@ -113,6 +113,8 @@ struct Curves {
     pressure: Vec<f64>,
     tension: Vec<f64>,
     air_mass: Vec<f64>,
+    /// Distance of the load.
+    load: Vec<f64>,
     /// Gauge pressure that a regulator makes, where there is one.
     regulated: Vec<f64>,
     supply: Bands,
@@ -158,19 +160,23 @@ fn courses(experiment: &Experiment, outcome: &Outcome<'_>, goals: &[Goal], title
         length = length.marks(marks);
     }
     let mut panels = vec![
-        (length, curves.length, 1e3, Quantity::Length),
-        (Panel::new(Axis::new("gauge pressure", unit)), curves.pressure, per_pascal, Quantity::Pressure),
-        (Panel::new(Axis::new("tension", "N")), curves.tension, 1.0, Quantity::Force),
+        (length, curves.length, 1e3, Some(Quantity::Length)),
+        (Panel::new(Axis::new("gauge pressure", unit)), curves.pressure, per_pascal, Some(Quantity::Pressure)),
+        (Panel::new(Axis::new("tension", "N")), curves.tension, 1.0, Some(Quantity::Force)),
     ];
     if goals.iter().any(|goal| goal.quantity == Quantity::AirMass) {
-        panels.push((Panel::new(Axis::new("mass of air", "mg")), curves.air_mass, 1e6, Quantity::AirMass));
+        panels.push((Panel::new(Axis::new("mass of air", "mg")), curves.air_mass, 1e6, Some(Quantity::AirMass)));
+    }
+    if let Some(tendon) = experiment.rig.tendon() {
+        let (panel, rest) = (Panel::new(Axis::new("load, less tendon", "mm")), tendon.rest_length());
+        panels.push((panel, curves.load.iter().map(|distance| distance - rest).collect(), 1e3, None));
     }
     let mut figure = Figure::new(Axis::new("time", "s").starting_at(0.0).ending_at(duration)).title(title);
     for (index, (panel, values, factor, shown)) in panels.into_iter().enumerate() {
         let values = values.into_iter().map(|value| value * factor).collect();
         // One entry in a legend names the bands of all panels.
         let name = if index == 0 { "supply open" } else { "" };
-        let beside = shown == Quantity::Pressure && !curves.regulated.is_empty();
+        let beside = shown == Some(Quantity::Pressure) && !curves.regulated.is_empty();
         let own = if beside { "actuator" } else { "" };
         let mut panel = panel.series(Series::line(own, curves.time.clone(), values));
         if !curves.supply.intervals.is_empty() {
@@ -182,7 +188,7 @@ fn courses(experiment: &Experiment, outcome: &Outcome<'_>, goals: &[Goal], title
             panel =
                 panel.series(regulated.colour(Colour::Category(1)).dash(Dash::Solid)).series(asked(experiment, factor));
         }
-        if let Some(goal) = goals.iter().find(|goal| goal.quantity == shown) {
+        if let Some(goal) = goals.iter().find(|goal| Some(goal.quantity) == shown) {
             panel = panel.series(wanted(goal, factor));
         }
         figure = figure.panel(panel);
@@ -232,6 +238,7 @@ fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Erro
         curves.pressure.push(sample.pressure.0 - atmosphere);
         curves.tension.push(sample.tension);
         curves.air_mass.push(sample.air_mass);
+        curves.load.push(sample.load_distance);
         if let Some(regulated) = sample.supply_pressure.filter(|_| regulates) {
             curves.regulated.push(regulated.0 - atmosphere);
         }
@@ -255,7 +262,7 @@ fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Erro
                     draw(&mut curves, sample);
                 }
                 // Without a log the bands are as sharp as the samples.
-                curves.supply.see(sample.time, sample.ports.supply);
+                curves.supply.see(sample.time, !regulates && sample.ports.supply);
                 row += 1;
                 Ok(())
             })?;

@@ -72,6 +72,9 @@ impl Summary<'_> {
         let run = &self.experiment.run;
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
         page.line("load", &describe::load(&self.scenario.load));
+        if let Some(tendon) = &self.scenario.tendon {
+            page.line("tendon", &format!("{} in series", given(tendon.stiffness, "N/m")));
+        }
         page.line("drive", &describe::drive(self.scenario));
         page.line("air", &describe::air(&self.scenario.air.process));
         page.line("engine", &describe::engine(run));
@@ -102,6 +105,11 @@ impl Summary<'_> {
         page.columns("contraction", percents);
         page.range("velocity", last.velocity, extremes.velocity, "m/s");
         page.range("tension", last.tension, extremes.tension, "N");
+        if let Some(tendon) = self.experiment.rig.tendon() {
+            let stretch = quantity(last.tension / tendon.stiffness(), "m");
+            let distance = quantity(last.load_distance, "m");
+            page.line("tendon", &format!("stretched by {stretch} at the end, the load at {distance}"));
+        }
         page.range("gauge pressure", last.pressure.0 - atmosphere, gauge(extremes.pressure), "Pa");
         let kelvin = |kelvin: f64| format!("{kelvin:.1} K");
         let temperature = &extremes.temperature;

@@ -57,7 +57,7 @@ impl Document {
 
     /// Whether a key applies and is not given, and nothing that the file gives says the same in another way.
     fn is_left_out(&self, key: &Key) -> bool {
-        let optional = ["supply", "valve", "hose", "command"];
+        let optional = ["supply", "valve", "hose", "command", "tendon"];
         let section = key.section().split('.').next().unwrap_or_default();
         if self.contains(key.path) || (optional.contains(&section) && !self.contains(section)) {
             return false;

@@ -282,6 +282,7 @@ pub static SECTIONS: &[Section] = &[
     section("hose", "The hose from the valve to the actuator; none when absent.", false),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section(CONTROLLER, "The controller; given exactly when `command.kind` is `controllers`.", false),
+    section("tendon", "An elastic tendon between actuator and load; none when absent.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
     section(
@@ -588,6 +589,8 @@ pub static KEYS: &[Key] = &[
     quantity(&p::BIAS, "0.0").when(CONTROL, PIDS),
     quantity(&p::HIGHEST_GAUGE_PRESSURE, "\"5 bar\"").required().when(CONTROL, BY_MODEL),
     quantity(&p::CONTROL_TEMPERATURE, "\"20 degC\"").when(CONTROL, &[ControllerKind::AirMass.name()]),
+    quantity(&p::TENDON_STIFFNESS, "\"10 kN/m\"").required(),
+    quantity(&p::TENDON_REST_LENGTH, "\"50 mm\""),
     choice(LOAD, LoadKind::CHOICES, "What the actuator pulls on.", "\"hanging-mass\"").required(),
     quantity(&p::MASS, "\"5 lb\"").required().when(LOAD, WITH_MASS),
     quantity(&p::GRAVITY, "\"9.80665 m/s^2\"").when(LOAD, WITH_GRAVITY),

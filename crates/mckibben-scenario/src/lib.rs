@@ -73,8 +73,8 @@ pub use model::{Experiment, JointExperiment};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
     Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage,
-    PressureRegulator, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, Spool, Supply, Taper,
-    Tendon, TonduLopezCoefficients, Valve,
+    PressureRegulator, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon, Spool,
+    Supply, Taper, Tendon, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

@@ -37,11 +37,17 @@ impl Experiment {
     /// needs, with its error.
     ///
     /// # Errors
-    /// As [`step_for_accuracy`], when no step is given.
+    /// As [`step_for_accuracy`], when no step is given; [`Error::Unsupported`] then for a tendon in series.
     pub fn step(&self) -> Result<(f64, Option<StepError>), Error> {
         let run = &self.run;
         if let Some(step) = run.step {
             return Ok((step, None));
+        }
+        if self.rig.tendon().is_some() {
+            return Err(Error::Unsupported {
+                what: "a step for an accuracy is found beside the event-located engine, which takes no tendon in series",
+                remedy: "give run.step, such as \"0.1 ms\"",
+            });
         }
         let times = (run.duration, run.sample_interval);
         let chosen = step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
@@ -115,6 +121,13 @@ impl Document {
             return Ok(None);
         };
         let failed = |error: Error| Diagnostics::from(self.diagnose(&error));
+        if scenario.tendon.is_some() {
+            let (what, remedy) = (
+                "the tendons of an antagonistic joint do not stretch yet",
+                "leave out [tendon], or choose another load.kind",
+            );
+            return Err(failed(Error::Unsupported { what, remedy }));
+        }
         if scenario.has_line() || second.has_line() {
             let (what, remedy) = (
                 "an antagonistic joint takes no air line yet",
@@ -235,7 +248,14 @@ impl Scenario {
         if self.run.engine == Engine::FixedStep {
             rig.check_fixed_steps()?;
         }
-        Ok(rig)
+        let Some(tendon) = self.tendon else { return Ok(rig) };
+        if self.run.engine == Engine::EventLocated {
+            return Err(Error::Unsupported {
+                what: "the event-located engine takes no tendon in series yet",
+                remedy: "set run.engine = \"fixed-step\" and give run.step, or leave out [tendon]",
+            });
+        }
+        rig.with_tendon(load::SeriesTendon::new(tendon.stiffness, tendon.rest_length)?)
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.

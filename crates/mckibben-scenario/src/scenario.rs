@@ -26,6 +26,8 @@ pub struct Scenario {
     pub hose: Option<Hose>,
     /// What the valve is told; there exactly when `valve` is.
     pub command: Option<Command>,
+    /// The elastic tendon between actuator and load, if there is one.
+    pub tendon: Option<SeriesTendon>,
     /// What the actuator pulls on.
     pub load: Load,
     /// The state at the start.
@@ -334,6 +336,15 @@ pub struct Hose {
     pub viscosity: f64,
     /// Polytropic exponent κ of its air.
     pub polytropic_index: f64,
+}
+
+/// An elastic tendon between actuator and load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeriesTendon {
+    /// Stiffness k in N/m.
+    pub stiffness: f64,
+    /// Length ℓ without tension in m.
+    pub rest_length: f64,
 }
 
 /// The valve.

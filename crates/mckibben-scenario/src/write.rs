@@ -72,6 +72,7 @@ impl Scenario {
         actuator(w, self);
         air(w, self);
         drive(w, self);
+        series_tendon(w, self);
         load(w, &self.load);
         initial_and_run(w, self);
         if let (Load::AntagonisticJoint(joint), Some(second)) = (&self.load, self.of_antagonist()) {
@@ -279,6 +280,12 @@ fn hose(w: &mut Writer, scenario: &Scenario) {
     if hose.kind == HoseKind::Distributed {
         w.line(p::HOSE_CELLS.key, &hose.cells.to_string());
     }
+}
+
+fn series_tendon(w: &mut Writer, scenario: &Scenario) {
+    let Some(tendon) = &scenario.tendon else { return };
+    w.number(&p::TENDON_STIFFNESS, tendon.stiffness);
+    w.number(&p::TENDON_REST_LENGTH, tendon.rest_length);
 }
 
 fn tendon(w: &mut Writer, tendon: &Tendon) {

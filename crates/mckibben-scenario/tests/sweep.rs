@@ -219,6 +219,9 @@ fn surroundings(path: &str) -> String {
         let wave = "kind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"";
         base = base.replace(mass, wave);
     }
+    if path.starts_with("tendon.") {
+        base.push_str("[tendon]\nstiffness = \"10 kN/m\"\n");
+    }
     if path.starts_with("hose.") {
         base.push_str("[hose]\nlength = \"2 m\"\ndiameter = \"3 mm\"\n");
     }

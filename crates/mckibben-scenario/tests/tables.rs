@@ -214,6 +214,7 @@ fn surroundings_of(path: &str) -> &'static str {
         "supply.lag" | "supply.droop" | "supply.dead_band" | "supply.actuators" => {
             "[supply]\ngauge_pressure = \"1 bar\"\nlag = \"10 ms\""
         }
+        _ if path.starts_with("tendon") => "[tendon]\nstiffness = \"10 kN/m\"",
         _ if path.starts_with("hose") => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
              [hose]\nkind = \"distributed\"\nlength = \"1 m\"\ndiameter = \"2 mm\"\n[command]\nkind = \"fill\""

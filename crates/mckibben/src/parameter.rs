@@ -426,6 +426,12 @@ parameters! {
     COMMAND_POSITION = "command.position", "u", "", Range { low: -1.0, low_included: true, high: 1.0, high_included: true }, None,
         "Positions of a proportional spool from each of those times on, as shares of its stroke: 1 opens the supply, -1 the exhaust.",
         "choice of the experiment", "give positions from -1 to 1";
+    TENDON_STIFFNESS = "tendon.stiffness", "k", "N/m", Range::POSITIVE, None,
+        "Stiffness of an elastic tendon in series with the actuator.",
+        "Hooke", "give a stiffness above zero, or leave [tendon] out";
+    TENDON_REST_LENGTH = "tendon.rest_length", "l", "m", Range::NON_NEGATIVE, Some(0.0),
+        "Length of that tendon without tension, which only says where its load is.",
+        "choice of the experiment", "give a length of zero or more";
     MASS = "load.mass", "M", "kg", Range::POSITIVE, None,
         "Mass that the actuator moves.",
         "paper, (15)", "give a mass above zero";

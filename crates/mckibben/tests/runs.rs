@@ -49,4 +49,5 @@ mod solenoid;
 mod spool_rig;
 mod stiff;
 mod stops;
+mod tendon_rig;
 mod work;

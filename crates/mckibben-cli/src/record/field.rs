@@ -22,8 +22,8 @@ pub(super) enum Value<S> {
 /// Two times that differ by less than this part of themselves are one.
 const ROUNDING: f64 = 1e-14;
 
-/// The columns of one actuator in their order: those that every run has, then those of its rig's air line and pressure
-/// regulator.
+/// The columns of one actuator in their order: those that every run has, then those of its rig's air line, pressure
+/// regulator and tendon in series.
 pub(super) fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
     let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
@@ -45,6 +45,10 @@ pub(super) fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
             move |sample: &Sample| command.set_point_at(sample.time).unwrap_or_else(|| regulated(sample) - atmosphere);
         fields.push(number("regulated_pressure_pa", "Pa", regulated));
         fields.push(number("set_point_pa", "Pa", asked));
+    }
+    if rig.tendon().is_some() {
+        fields.push(number("load_distance_m", "m", |sample: &Sample| sample.load_distance));
+        fields.push(number("load_velocity_m_s", "m/s", |sample: &Sample| sample.load_velocity));
     }
     fields
 }

@@ -26,7 +26,7 @@ pub struct Column {
 }
 
 /// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`], and the columns of an air
-/// line or a pressure regulator if there is one.
+/// line, a pressure regulator or a tendon in series if there is one.
 pub const COLUMNS: [Column; 9] = [
     column("time_s", "s", |sample| sample.time),
     column("length_m", "m", |sample| sample.length),

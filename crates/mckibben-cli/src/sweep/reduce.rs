@@ -232,6 +232,8 @@ mod tests {
                 hose_pressure: AbsolutePressure(1e5),
                 hose_air_mass: 0.0,
                 supply_pressure: None,
+                load_distance: length(time),
+                load_velocity: 0.0,
             });
         }
         reducer.finish(&reductions)

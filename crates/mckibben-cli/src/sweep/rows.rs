@@ -1,14 +1,14 @@
 //! The runs of a unit of work.
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
-//! block, which stays on the unit's thread; rows of the event-located engine run one by one. Either way a row is, bit for
+//! block, which stays on the unit's thread; rows of the event-located engine, and those with a tendon in series, run one by one. Either way a row is, bit for
 //! bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::reduce::Reducer;
 use super::step::{self, Choice};
 use crate::observation::AirUse;
 use mckibben::batch::{Batch, Row, Width};
-use mckibben::simulation::{Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
+use mckibben::simulation::{FixedStepper, Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
 use mckibben_scenario::sweep::Quantity;
 use mckibben_scenario::{AxisValue, Engine, Experiment, Record, Reduction, Sweep};
 use std::ops::Range;
@@ -45,6 +45,7 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
             }
             Ok(experiment) => match step::of_row(&experiment, choice) {
                 Err(error) => outcome = Outcome::Failed(error.to_string()),
+                Ok(step) if experiment.rig.tendon().is_some() => outcome = walk(&experiment, sweep.record(), step),
                 Ok(step) => {
                     let kin = Kin::of(sweep, row, &experiment, step);
                     let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
@@ -189,6 +190,26 @@ fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, ou
     for (index, recorder) in recorders {
         outcomes[index] = recorder.finish();
     }
+}
+
+/// Runs a row that no batch takes by the fixed-step engine.
+fn walk(experiment: &Experiment, record: &Record, longest: f64) -> Outcome {
+    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
+    let mut recorder = Recorder::new(record, experiment);
+    let run = &experiment.run;
+    for until in Stops::of(record, run.duration, run.sample_interval).times() {
+        let from = stepper.time();
+        let steps = if until > from { steps_between(from, until, longest) } else { 0 };
+        for step in 1..=steps {
+            let share = step as f64 / steps as f64;
+            let end = if step == steps { until } else { from + (until - from) * share };
+            if let Err(error) = stepper.advance_to(end) {
+                return Outcome::Failed(error.to_string());
+            }
+        }
+        recorder.see(&stepper.sample());
+    }
+    recorder.finish()
 }
 
 /// Runs a row by the event-located engine.

@@ -9,8 +9,15 @@ use crate::diagnostic::{Class, Diagnostic};
 use crate::keys::EQUILIBRIUM;
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
-use crate::scenario::{Air, Initial, InitialLength, Load, Motion, Run};
+use crate::scenario::{Air, Initial, InitialLength, Load, Motion, Run, SeriesTendon};
 use mckibben::parameter as p;
+
+/// The tendon in series, if the file has one.
+pub(super) fn tendon(r: &mut Reader<'_>) -> Option<SeriesTendon> {
+    r.key_place("tendon")?;
+    let [stiffness, rest_length] = [&p::TENDON_STIFFNESS, &p::TENDON_REST_LENGTH].map(|row| r.value(row, None));
+    Some(SeriesTendon { stiffness, rest_length })
+}
 
 pub(super) fn load(r: &mut Reader<'_>, air: &Air) -> Option<Load> {
     let kind: Option<LoadKind> = r.word("load.kind");

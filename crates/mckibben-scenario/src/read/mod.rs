@@ -49,6 +49,7 @@ impl Document {
         let air = body::air(r);
         let driven = drive::drive(r, &air);
         let hose = line::hose(r);
+        let tendon = course::tendon(r);
         let load = if self.contains("load") { course::load(r, &air) } else { None };
         let initial = course::initial(r, load.as_ref(), &air);
         let run = if self.contains("run") { Some(course::run(r)) } else { None };
@@ -56,7 +57,7 @@ impl Document {
         match (load, run) {
             (Some(load), Some(run)) => {
                 let (supply, valve, command) = driven;
-                Ok(Scenario { actuator, air, supply, valve, hose, command, load, initial, run })
+                Ok(Scenario { actuator, air, supply, valve, hose, command, tendon, load, initial, run })
             }
             // Not reached: a part that could not be read has been noted. Said rather than assumed.
             _ => Err(Diagnostic::whole(Class::Missing, self.source().name(), "the scenario is incomplete").into()),

@@ -151,6 +151,8 @@ static FIELDS: &[(&Parameter, Field)] = &[
         Some(Command::Pwm { duty, .. }) => Some(duty),
         _ => None,
     }),
+    (&p::TENDON_STIFFNESS, |s| Some(&mut s.tendon.as_mut()?.stiffness)),
+    (&p::TENDON_REST_LENGTH, |s| Some(&mut s.tendon.as_mut()?.rest_length)),
     (&p::MASS, |s| match &mut s.load {
         Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } => Some(mass),
         _ => None,

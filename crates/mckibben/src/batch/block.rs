@@ -29,6 +29,12 @@ use alloc::vec::Vec;
 use core::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
+/// That a batch can take a row.
+fn check_row(rig: &Rig) -> Result<(), Error> {
+    check_plumbing(rig)?;
+    rig.check_no_tendon()
+}
+
 /// How far beyond the time that is asked for instants are looked up, in spans of the same length.
 const SPANS_AHEAD: f64 = 64.0;
 
@@ -134,7 +140,7 @@ impl<W: Wide> Block<W> {
             progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: check_plumbing(&row.rig).err(),
+            fault: check_row(&row.rig).err(),
         };
         let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
         // Lanes without a row hold no number.
@@ -152,7 +158,7 @@ impl<W: Wide> Block<W> {
             state,
             held: Held { memory, ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_plumbing(&row.rig).is_ok())),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_row(&row.rig).is_ok())),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,

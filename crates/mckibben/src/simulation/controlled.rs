@@ -91,6 +91,7 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
         let closed_loop = ClosedLoop { controller, sensors };
         let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
         check_plumbing(&rig)?;
+        rig.check_no_tendon()?;
         let mut walk = Walk::new(&rig, stepped(start));
         walk.pass(&rig, &rig.timetable());
         let mut stepper = Self { rig, method, walk, closed_loop, clockwork, decisions: Vec::new() };

@@ -14,6 +14,7 @@ use super::hosed::{Stepped, of_rig};
 use super::kernel::{Held, Method};
 use super::rig::{Rig, State};
 use super::sample::Sample;
+use super::tendon_step::FarEnd;
 use super::timetable::{Progress, Timetable};
 use crate::error::Error;
 use crate::force::Statics;
@@ -30,14 +31,19 @@ pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
     rig: &'a Rig<R>,
     method: Method,
     walk: Walk<R>,
+    far_end: Option<FarEnd<R>>,
 }
 
 impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
         let mut walk = Walk::new(rig, stepped(start));
-        walk.pass(rig, &rig.timetable());
-        Self { rig, method, walk }
+        let far_end = FarEnd::begin(rig, &mut walk);
+        match &far_end {
+            None => walk.pass(rig, &rig.timetable()),
+            Some(far_end) => walk.pass(far_end.guided(), &far_end.timetable()),
+        }
+        Self { rig, method, walk, far_end }
     }
 
     /// The time in s that has been reached.
@@ -45,7 +51,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
         self.walk.course.time
     }
 
-    /// The state at that time.
+    /// The state at that time: the actuator's own where a tendon is in series.
     pub fn state(&self) -> State<R> {
         State::from_array(of_rig(&self.walk.course.state))
     }
@@ -62,7 +68,10 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
 
     /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        self.walk.sample(self.rig)
+        match &self.far_end {
+            None => self.walk.sample(self.rig),
+            Some(far_end) => far_end.seen(self.walk.sample(far_end.guided())),
+        }
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -72,7 +81,10 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// [`Error::Unsupported`] for a distributed hose or a supply that changes.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         check_plumbing(self.rig)?;
-        self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None)
+        match &mut self.far_end {
+            None => self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None),
+            Some(far_end) => far_end.advance_to(&mut self.walk, self.method, until),
+        }
     }
 }
 

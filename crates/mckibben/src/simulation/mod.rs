@@ -47,15 +47,17 @@ pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
-pub mod series_tendon;
+mod series_tendon;
 #[cfg(feature = "alloc")]
 mod stored;
 pub mod system;
+mod tendon_step;
 pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
 mod trajectory;
 mod zones;
 
+pub use crate::load::SeriesTendon;
 pub use arc::Arc;
 #[cfg(feature = "alloc")]
 pub use circuit::CircuitAudit;
@@ -89,6 +91,6 @@ pub use modular::ModularActuator;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]
-pub use series_tendon::{SeriesTendon, TendonActuator};
+pub use series_tendon::TendonActuator;
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

@@ -22,7 +22,7 @@ use crate::error::{Error, Requirement};
 use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::friction::Rubbing;
 use crate::line::Line;
-use crate::load::{Load, Motion};
+use crate::load::{Load, Motion, SeriesTendon};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
@@ -45,6 +45,7 @@ pub struct Rig<S = f64, L = Characteristic<S>> {
     actuation: Option<Actuation<S>>,
     load: Load<S>,
     line: Line<S>,
+    tendon: Option<SeriesTendon<S>>,
 }
 
 /// The four states.
@@ -178,7 +179,7 @@ impl Rig {
                 remedy: "make a `ModularActuator` of a rig with any other load",
             });
         }
-        Ok(Self { actuator, actuation, load, line: Line::NONE })
+        Ok(Self { actuator, actuation, load, line: Line::NONE, tendon: None })
     }
 
     /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
@@ -200,6 +201,20 @@ impl Rig {
             });
         }
         Ok(Self { line, ..self }.with_transport())
+    }
+
+    /// The same rig with an elastic tendon between actuator and load: the fixed-step engine takes it.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a prescribed motion.
+    pub fn with_tendon(self, tendon: SeriesTendon) -> Result<Self, Error> {
+        if self.load.motion().is_some() {
+            return Err(Error::Unsupported {
+                what: "a tendon in series has a load or held ends, and no prescribed motion yet",
+                remedy: "set load.kind = \"hanging-mass\", \"constant-force\" or \"isometric\", or leave out [tendon]",
+            });
+        }
+        Ok(Self { tendon: Some(tendon), ..self })
     }
 
     /// That the fixed-step engine and batches can take the rig: neither a distributed hose nor a supply that changes.
@@ -264,6 +279,7 @@ impl<S: Scalar> Rig<S> {
             actuation: None,
             load: self.load.convert(convert),
             line: self.line.convert(convert),
+            tendon: self.tendon.as_ref().map(|tendon| tendon.convert(convert)),
         }
     }
 
@@ -280,7 +296,13 @@ impl<S: Scalar> Rig<S> {
     /// regulator.
     pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
         let actuator = self.actuator.ideal().filter(|_| !self.has_plumbing())?;
-        Some(Rig { actuator, actuation: self.actuation.clone(), load: self.load.clone(), line: self.line })
+        Some(Rig {
+            actuator,
+            actuation: self.actuation.clone(),
+            load: self.load.clone(),
+            line: self.line,
+            tendon: self.tendon,
+        })
     }
 }
 
@@ -289,6 +311,30 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub fn line(&self) -> &Line<S> {
         &self.line
+    }
+
+    /// The elastic tendon between actuator and load, if there is one.
+    pub fn tendon(&self) -> Option<&SeriesTendon<S>> {
+        self.tendon.as_ref()
+    }
+
+    /// That the load hangs on the actuator itself.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a tendon in series.
+    pub(crate) fn check_no_tendon(&self) -> Result<(), Error> {
+        match self.tendon {
+            None => Ok(()),
+            Some(_) => Err(Error::Unsupported {
+                what: "of a rig with a tendon in series only the fixed-step engine knows, without a controller",
+                remedy: "set run.engine = \"fixed-step\" and give run.step, or leave out [tendon]",
+            }),
+        }
+    }
+
+    /// The same rig with another load.
+    pub(super) fn with_load_of(self, load: Load<S>) -> Self {
+        Self { load, ..self }
     }
 
     /// The pressure regulator in the valve's place, if there is one.

@@ -37,6 +37,10 @@ pub struct Sample<R = f64> {
     /// Absolute pressure behind the valve's port to the supply where it changes: of the reservoir, of the supply's regulator,
     /// or what a pressure regulator in the valve's place makes.
     pub supply_pressure: Option<AbsolutePressure<R>>,
+    /// Distance in m of what actuator and tendon in series pull together; the length without such a tendon.
+    pub load_distance: R,
+    /// Its rate in m/s.
+    pub load_velocity: R,
 }
 
 impl<R: Scalar> Sample<R> {
@@ -66,6 +70,8 @@ impl<R: Scalar> Sample<R> {
             hose_pressure,
             hose_air_mass: R::zero(),
             supply_pressure,
+            load_distance: length,
+            load_velocity: velocity,
         }
     }
 

@@ -17,8 +17,8 @@
 //! and stable at any, however stiff the tendon. Dry friction holds as it should: while the tendon's change is less than it,
 //! the actuator stays. A tendon that is let go hangs loose and pulls nothing.
 //!
-//! The balance is found by search, so the numbers are `f64` and carry no derivatives. In a scenario file there is no such
-//! tendon.
+//! The balance is found by search, so the numbers are `f64` and carry no derivatives. A rig with such a tendon and a load of
+//! its own is stepped by [`tendon_step`](super::tendon_step).
 //!
 //! Checked by `tests/series_tendon.rs`: two springs in series, a rigid tendon, sticking, a relaxation in closed form.
 
@@ -26,44 +26,13 @@ use super::modular::ModularActuator;
 use super::rig::{Rig, State};
 use crate::control::Drive;
 use crate::error::Error;
-use crate::parameter::{Parameter, Range, parameters};
+use crate::load::SeriesTendon;
 use crate::root;
-
-parameters! {
-    /// Every row.
-    TABLE:
-    STIFFNESS = "tendon.stiffness", "k", "N/m", Range::POSITIVE, None,
-        "Stiffness of a tendon in series with an actuator.", "Hooke", "give a stiffness above zero";
-    REST_LENGTH = "tendon.rest_length", "l", "m", Range::NON_NEGATIVE, None,
-        "Length of that tendon without tension.", "elementary mechanics", "give a length of zero or more";
-}
 
 /// Part of the longest length of the actuator to which the balance is found.
 const RESOLVED: f64 = 1e-13;
 /// Doublings of a step away from the last length within which the balance must lie.
 const MOST_DOUBLINGS: u32 = 60;
-
-/// An elastic tendon.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeriesTendon {
-    stiffness: f64,
-    rest_length: f64,
-}
-
-impl SeriesTendon {
-    /// A tendon of a `stiffness` in N/m and a length without tension in m.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] unless the stiffness is above zero and the length zero or more.
-    pub fn new(stiffness: f64, rest_length: f64) -> Result<Self, Error> {
-        Ok(Self { stiffness: STIFFNESS.check(stiffness)?, rest_length: REST_LENGTH.check(rest_length)? })
-    }
-
-    /// Tension in N while its ends are at a distance in m; none when it hangs loose.
-    pub fn tension(&self, distance: f64) -> f64 {
-        self.stiffness * (distance - self.rest_length).max(0.0)
-    }
-}
 
 /// A modular actuator with a tendon in series.
 #[derive(Clone, Debug)]
@@ -81,8 +50,8 @@ impl TendonActuator {
     /// As [`ModularActuator::new`].
     pub fn new(rig: &Rig, start: State, pulse_frequency: f64, tendon: SeriesTendon) -> Result<Self, Error> {
         let actuator = ModularActuator::new(rig, start, pulse_frequency)?;
-        let stretch = actuator.respond(0.0).tension / tendon.stiffness;
-        let distance = actuator.state().length + tendon.rest_length + stretch;
+        let stretch = actuator.respond(0.0).tension / tendon.stiffness();
+        let distance = actuator.state().length + tendon.rest_length() + stretch;
         Ok(Self { actuator, tendon, distance })
     }
 
@@ -134,7 +103,7 @@ impl TendonActuator {
         }
         let away = if at_start > 0.0 { -1.0 } else { 1.0 };
         let (mut near, mut far) = (start, start);
-        let mut reach = (at_start.abs() / self.tendon.stiffness).max(RESOLVED * start);
+        let mut reach = (at_start.abs() / self.tendon.stiffness()).max(RESOLVED * start);
         for _ in 0..MOST_DOUBLINGS {
             far = start + away * reach;
             match self.excess(until, distance, far) {
@@ -147,7 +116,7 @@ impl TendonActuator {
             reach *= 2.0;
         }
         let (low, high) = if near < far { (near, far) } else { (far, near) };
-        let beyond = self.tendon.stiffness * (high - low);
+        let beyond = self.tendon.stiffness() * (high - low);
         let excess = |length: f64| self.excess(until, distance, length).unwrap_or(beyond);
         Ok(root::bracketed(low, high, RESOLVED * start, excess))
     }

@@ -100,6 +100,7 @@ impl<R: Real> Trajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+        rig.check_no_tendon()?;
         let system = RigSystem::new(&rig, relative_tolerance);
         let run = match rig.has_plumbing() || rig.actuator().friction().lugre().is_some() {
             false => Run::Rig(begin(&system, start)),

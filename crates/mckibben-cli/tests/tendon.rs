@@ -1,0 +1,45 @@
+//! `mckibben simulate` and `mckibben sweep` with a tendon in series: columns, what is told, the figure, a sweep's rows.
+
+mod common;
+
+use common::{Folder, of_repository};
+
+const STIFFNESS: f64 = 16e3;
+
+fn run(folder: &Folder, arguments: &[&str]) -> String {
+    let output = folder.mckibben().args(arguments).output().expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn a_load_on_a_tendon_is_simulated_drawn_and_swept() {
+    let folder = Folder::new("tendon");
+    let file = of_repository("examples/tendon.toml").display().to_string();
+    let told = run(&folder, &["simulate", &file, "-o", "run.csv", "-p", "run.svg"]);
+    for words in ["16 kN/m in series", "stretched by"] {
+        assert!(told.contains(words), "{words}:\n{told}");
+    }
+    let svg = std::fs::read_to_string(folder.path("run.svg")).expect("written");
+    assert!(svg.contains("load, less tendon"));
+
+    let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
+    let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
+    assert!(header.ends_with("valve,load_distance_m,load_velocity_m_s"), "{header}");
+    let mut last = String::new();
+    for record in reader.records() {
+        let record = record.expect("a row");
+        let number = |column: usize| record[column].parse::<f64>().expect("a number");
+        let stretch = number(10) - 0.06 - number(1);
+        assert!((number(7) - STIFFNESS * stretch.max(0.0)).abs() < 1e-6, "at {} s", number(0));
+        last = record[1].to_owned();
+    }
+
+    let text = std::fs::read_to_string(&file).expect("the example");
+    let vary =
+        "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"tendon.stiffness\" = [\"16 kN/m\", \"40 kN/m\"]\n";
+    let swept = folder.file("swept.toml", &(text + vary)).display().to_string();
+    run(&folder, &["sweep", &swept, "-o", "swept.csv"]);
+    let lines = std::fs::read_to_string(folder.path("swept.csv")).expect("written");
+    assert!(lines.contains(&last), "{last}:\n{lines}");
+}

@@ -1,0 +1,52 @@
+//! A tendon in series in a scenario: what is read, written and built, and mistakes.
+
+use mckibben_scenario::{Document, Scenario, SeriesTendon};
+
+const TENDON: &str = "[tendon]\nstiffness = \"12 N/mm\"\n";
+const LOAD: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n";
+const RUN: &str = "[run]\nduration = \"1 s\"\nengine = \"fixed-step\"\nstep = \"0.1 ms\"\n";
+
+fn document(parts: &[&str]) -> Document {
+    Document::parse(&parts.concat(), "test.toml").expect("it is TOML")
+}
+
+fn mistakes(parts: &[&str]) -> String {
+    document(parts).experiment().expect_err("a mistake").to_string()
+}
+
+#[test]
+fn it_is_read_built_and_written() {
+    let read = |text: &str| -> Scenario { document(&[text]).scenario().unwrap_or_else(|error| panic!("{error}")) };
+    let long = TENDON.to_owned() + "rest_length = \"60 mm\"\n";
+    for (tendon, rest_length) in [(TENDON, 0.0), (long.as_str(), 0.06)] {
+        let scenario = read(&[tendon, LOAD, RUN].concat());
+        assert_eq!(scenario.tendon, Some(SeriesTendon { stiffness: 12e3, rest_length }));
+        let rig = scenario.rig().expect("a rig");
+        let of_rig = rig.tendon().map(|tendon| [tendon.stiffness(), tendon.rest_length()]);
+        assert_eq!(of_rig, Some([12e3, rest_length]));
+        assert_eq!(read(&scenario.to_toml()), scenario);
+    }
+    assert_eq!(read(&[LOAD, RUN].concat()).tendon, None);
+}
+
+#[test]
+fn mistakes_are_told() {
+    let located = RUN.replace("fixed-step", "event-located");
+    let moved = "[load]\nkind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"\n";
+    let joint = "[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\npulley_radius = \"15 mm\"\n\
+                 rest_length = \"8 cm\"\n[antagonist]\n";
+    let cases = [
+        (mistakes(&["[tendon]\n", LOAD, RUN]), "tendon.stiffness"),
+        (mistakes(&[&TENDON.replace("12", "0"), LOAD, RUN]), "tendon.stiffness"),
+        (mistakes(&[TENDON, "rest_length = \"-1 mm\"\n", LOAD, RUN]), "tendon.rest_length"),
+        (mistakes(&[TENDON, LOAD, &located]), "fixed-step"),
+        (mistakes(&[TENDON, moved, RUN]), "isometric"),
+        (document(&[TENDON, joint, RUN]).joint_experiment().expect_err("a mistake").to_string(), "leave out [tendon]"),
+    ];
+    for (said, word) in cases {
+        assert!(said.contains(word), "{word}:\n{said}");
+    }
+    let without = RUN.replace("step = \"0.1 ms\"\n", "");
+    let told = document(&[TENDON, LOAD, &without]).experiment().expect("an experiment").step().expect_err("no step");
+    assert!(told.to_string().contains("run.step"), "{told}");
+}

@@ -1,0 +1,66 @@
+//! An elastic tendon between the actuator and what it pulls.
+//!
+//! ```text
+//! T = k max(0, x − ℓ − L)
+//! ```
+//!
+//! | symbol | name in code | unit |
+//! |---|---|---|
+//! | k | `stiffness` | N/m |
+//! | ℓ | `rest_length`, of the tendon without tension | m |
+//! | x | distance of what actuator and tendon pull together | m |
+//! | L | length of the actuator | m |
+//!
+//! It has no mass and no loss, and it only pulls: let go, it hangs loose.
+//!
+//! Source: Hooke. Checked by `tests/series_tendon.rs` and `tests/tendon_rig.rs`.
+
+use crate::convert::Convert;
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::Scalar;
+
+/// An elastic tendon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeriesTendon<S = f64> {
+    stiffness: S,
+    rest_length: S,
+}
+
+impl SeriesTendon {
+    /// A tendon of a `stiffness` in N/m and a length without tension in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless the stiffness is above zero and the length zero or more.
+    pub fn new(stiffness: f64, rest_length: f64) -> Result<Self, Error> {
+        Ok(Self {
+            stiffness: parameter::TENDON_STIFFNESS.check(stiffness)?,
+            rest_length: parameter::TENDON_REST_LENGTH.check(rest_length)?,
+        })
+    }
+}
+
+impl<S: Scalar> SeriesTendon<S> {
+    /// Stiffness k in N/m.
+    pub fn stiffness(&self) -> S {
+        self.stiffness
+    }
+
+    /// Length ℓ without tension in m.
+    pub fn rest_length(&self) -> S {
+        self.rest_length
+    }
+
+    /// Tension in N while its ends are at a distance in m; none when it hangs loose.
+    pub fn tension(&self, distance: S) -> S {
+        self.stiffness * (distance - self.rest_length).larger(S::zero())
+    }
+
+    /// The same over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> SeriesTendon<T> {
+        SeriesTendon {
+            stiffness: convert.parameter(&parameter::TENDON_STIFFNESS, self.stiffness),
+            rest_length: convert.parameter(&parameter::TENDON_REST_LENGTH, self.rest_length),
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! A load on an elastic tendon at fixed steps: two springs in series, an independent integration, energy, sticking, flight.
+
+use crate::common::{ATMOSPHERE, GRAVITY, INCH, LB, Paper, assert_close, assert_within, bisect, scaled, seeded, slope};
+#[cfg(feature = "batch")]
+use mckibben::batch::{Batch, Row};
+use mckibben::load::{Load, Motion};
+use mckibben::parameter::{self, Parameter};
+use mckibben::simulation::{FixedStepper, Method, ModularActuator, Rig, Sample, SeriesTendon, State, simulate};
+use mckibben::{Dual, Over, Real};
+use std::f64::consts::{PI, TAU};
+
+const STIFFNESS: f64 = 8e3;
+const REST: f64 = 0.05;
+const MASS: f64 = 5.0 * LB;
+
+fn on_tendon(paper: &Paper, stiffness: f64) -> Rig {
+    paper.rig().with_tendon(SeriesTendon::new(stiffness, REST).expect("a tendon")).expect("a rig")
+}
+
+fn rig(paper: &Paper) -> Rig {
+    on_tendon(paper, STIFFNESS)
+}
+
+/// Every sample of so many equal steps.
+fn stepped<R: Real<Time = R>>(rig: &Rig<R>, start: State<R>, method: Method, until: f64, steps: u32) -> Vec<Sample<R>> {
+    let mut stepper = FixedStepper::new(rig, start, method);
+    let mut samples = vec![stepper.sample()];
+    for step in 1..=steps {
+        stepper.advance_to(R::constant(until * (f64::from(step) / f64::from(steps)))).expect("a step");
+        samples.push(stepper.sample());
+    }
+    samples
+}
+
+fn run(paper: &Paper, until: f64, steps: u32) -> Vec<Sample> {
+    stepped(&rig(paper), paper.start(), Method::Stable, until, steps)
+}
+
+/// Sealed at 3 bar, without friction.
+fn smooth() -> Paper {
+    Paper::sealed().friction(0.0, 0.0).gauge(3e5)
+}
+
+/// The paper's braid and its sealed air, written out: (3), and `P V^γ`.
+struct Muscle {
+    thread: f64,
+    content: f64,
+}
+
+impl Muscle {
+    fn of(paper: &Paper) -> Self {
+        let mut muscle = Self { thread: paper.thread_length, content: 0.0 };
+        let start = paper.start();
+        muscle.content = start.pressure.0 * muscle.volume(start.length).powf(1.4);
+        muscle
+    }
+
+    const SHARE: f64 = 4.0 * PI * 2.5 * 2.5;
+
+    fn volume(&self, length: f64) -> f64 {
+        length * (self.thread * self.thread - length * length) / Self::SHARE + 3e-6
+    }
+
+    fn pressure(&self, length: f64) -> f64 {
+        self.content / self.volume(length).powf(1.4)
+    }
+
+    fn force(&self, length: f64) -> f64 {
+        (self.pressure(length) - ATMOSPHERE) * (3.0 * length * length - self.thread * self.thread) / Self::SHARE
+    }
+
+    /// Energy in J that the gas has given off to the braid and the atmosphere, but for a constant.
+    fn stored(&self, length: f64) -> f64 {
+        let volume = self.volume(length);
+        self.pressure(length) * volume / 0.4 + ATMOSPHERE * volume
+    }
+}
+
+#[test]
+fn two_springs_in_series_swing_at_their_frequency() {
+    let velocity = 1e-3;
+    let paper = smooth();
+    let start = State { velocity, ..paper.start() };
+    let own = paper.actuator().sealed_stiffness(start.length, start.pressure);
+    let omega = (STIFFNESS * own / (STIFFNESS + own) / MASS).sqrt();
+    let until = 3.0 * TAU / omega;
+    let samples = stepped(&rig(&paper), start, Method::Stable, until, 4000);
+    let at_rest = start.length + REST + MASS * GRAVITY / STIFFNESS;
+    assert_close(samples[0].load_distance, at_rest, 1e-12);
+    for sample in samples {
+        let (swing, part) = (velocity / omega * (omega * sample.time).sin(), STIFFNESS / (STIFFNESS + own));
+        // A swing of some 20 µm is not quite small beside the curvature of the muscle's force.
+        assert_within(sample.load_distance - at_rest, swing, 2e-3 * velocity / omega);
+        assert_within(sample.length - start.length, part * swing, 2e-3 * velocity / omega);
+    }
+}
+
+/// By the classical Runge–Kutta method: with viscous friction the actuator's length is a third state, and without it is where
+/// both tensions are equal.
+fn independent(paper: &Paper, viscous: f64, until: f64) -> [f64; 2] {
+    let muscle = Muscle::of(paper);
+    let start = paper.start();
+    let pull = |x: f64, length: f64| STIFFNESS * (x - REST - length).max(0.0);
+    let settled = |x: f64| bisect(0.07, 0.1, |length| muscle.force(length) - pull(x, length));
+    let steps = 4000;
+    let step = until / f64::from(steps);
+    let length = |x: f64, length: f64| if viscous > 0.0 { length } else { settled(x) };
+    let rates = |[x, v, l]: [f64; 3]| {
+        let l = length(x, l);
+        let sliding = if viscous > 0.0 { (pull(x, l) - muscle.force(l)) / viscous } else { 0.0 };
+        [v, GRAVITY - pull(x, l) / MASS, sliding]
+    };
+    let mut state = [start.length + REST + muscle.force(start.length) / STIFFNESS, paper.velocity, start.length];
+    for _ in 0..steps {
+        let ahead = |k: [f64; 3], h: f64| [0, 1, 2].map(|i| state[i] + h * k[i]);
+        let k1 = rates(state);
+        let k2 = rates(ahead(k1, 0.5 * step));
+        let k3 = rates(ahead(k2, 0.5 * step));
+        let k4 = rates(ahead(k3, step));
+        state = [0, 1, 2].map(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    }
+    [state[0], length(state[0], state[2])]
+}
+
+#[test]
+fn it_comes_to_an_independent_integration_at_its_order() {
+    let until = 0.2;
+    for (viscous, order, counts) in [(0.0, 2.0, [200, 400]), (60.0, 1.0, [400, 800])] {
+        let at_rest = smooth().friction(viscous, 0.0);
+        let balanced = at_rest.start().length;
+        let paper = at_rest.from(balanced, 0.15);
+        let exact = independent(&paper, viscous, until);
+        for method in [Method::Rk4, Method::Stable] {
+            let errors = counts.map(|steps| {
+                let samples = stepped(&rig(&paper), paper.start(), method, until, steps);
+                let last = samples.last().expect("a sample");
+                [last.load_distance - exact[0], last.length - exact[1]].map(f64::abs)
+            });
+            for n in 0..2 {
+                assert!(errors[1][n] < 2e-5, "{errors:?}");
+                let fitted = (errors[0][n] / errors[1][n]).log2();
+                assert!((fitted - order).abs() < 0.25, "{viscous} N·s/m, {method:?}: order {fitted}, {errors:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_friction_the_energy_stays() {
+    let balanced = smooth().start().length;
+    let paper = smooth().from(balanced, 0.15);
+    let muscle = Muscle::of(&paper);
+    let energy = |sample: &Sample| {
+        let stretch = sample.tension / STIFFNESS;
+        let moving = 0.5 * MASS * sample.load_velocity * sample.load_velocity;
+        moving - MASS * GRAVITY * sample.load_distance
+            + 0.5 * STIFFNESS * stretch * stretch
+            + muscle.stored(sample.length)
+    };
+    let samples = run(&paper, 2.0, 20_000);
+    let (first, turnover) = (energy(&samples[0]), 0.5 * MASS * 0.15 * 0.15);
+    for sample in &samples {
+        assert_within(energy(sample), first, 2e-4 * turnover);
+        assert_close(sample.tension, STIFFNESS * (sample.load_distance - REST - sample.length), 1e-9);
+    }
+}
+
+/// Mass and tendon swing by themselves, and the muscle stays to the last bit: held by dry friction, or on its shortest length.
+#[test]
+fn what_holds_the_muscle_leaves_the_tendon_to_swing() {
+    let rough = Paper::sealed().friction(5.0, 2e-3).gauge(3e5);
+    let stopped = smooth().gauge(5e5).with(|rig| rig.min_length = Some(3.4 * INCH));
+    for paper in [rough, stopped] {
+        let start = State { velocity: 0.02, ..paper.start() };
+        let omega = (STIFFNESS / MASS).sqrt();
+        let at_rest = start.length + REST + MASS * GRAVITY / STIFFNESS;
+        for sample in stepped(&rig(&paper), start, Method::Stable, 0.3, 6000) {
+            assert_eq!(sample.length, start.length);
+            let swing = 0.02 / omega * (omega * sample.time).sin();
+            assert_within(sample.load_distance - at_rest, swing, 1e-4 * 0.02 / omega);
+        }
+    }
+}
+
+#[test]
+fn a_load_that_is_thrown_flies_on_a_loose_tendon() {
+    let paper = smooth().friction(20.0, 0.0);
+    let start = State { velocity: -2.0, ..paper.start() };
+    let samples = stepped(&rig(&paper), start, Method::Stable, 0.1, 2000);
+    let loose = samples.iter().position(|sample| sample.tension == 0.0).expect("it comes loose");
+    let left = samples[loose];
+    for sample in &samples[loose..] {
+        let time = sample.time - left.time;
+        assert_eq!(sample.tension, 0.0);
+        let expected = left.load_distance + left.load_velocity * time + 0.5 * GRAVITY * time * time;
+        assert_close(sample.load_distance, expected, 1e-9);
+    }
+    // Let go, the muscle contracts until it no longer pulls.
+    let last = samples.last().expect("a sample");
+    assert!(last.length < start.length - 1e-3 && last.length >= 4.3218 * INCH / 3.0_f64.sqrt());
+}
+
+#[test]
+fn a_stiff_tendon_is_none() {
+    let paper = Paper::pwm(25.0, 0.5);
+    let alone = simulate(&paper.rig(), paper.start(), 0.3, 1e-9).expect("a run");
+    let samples = stepped(&on_tendon(&paper, 1e8), paper.start(), Method::Stable, 0.3, 30_000);
+    for sample in samples {
+        let expected = alone.at(sample.time);
+        assert_within(sample.load_distance - REST, expected.length, 2e-5);
+        // A load that is thrown leaves the muscle behind.
+        if sample.tension > 0.0 {
+            assert_within(sample.length, expected.length, 2e-5);
+        }
+        assert_within(sample.pressure.0, expected.pressure.0, 2e3);
+    }
+}
+
+/// Both springs share what held ends leave them: what the muscle pulls is what the tendon gives.
+#[test]
+fn between_held_ends_the_muscle_shortens_by_what_the_tendon_gives() {
+    let paper = Paper::pwm(25.0, 0.5).friction(0.0, 0.0).isometric(3.7 * INCH).gauge(1e5);
+    let samples = run(&paper, 0.3, 3000);
+    let (first, actuator) = (samples[0], paper.actuator());
+    let mut most = 0.0_f64;
+    for sample in &samples {
+        assert_eq!((sample.load_distance, sample.load_velocity), (first.load_distance, 0.0));
+        assert_within(first.length - sample.length, (sample.tension - first.tension) / STIFFNESS, 1e-12);
+        assert_close(sample.tension, actuator.static_force(sample.length, sample.pressure.0), 1e-7);
+        most = most.max(first.length - sample.length);
+    }
+    assert!(most > 2e-3, "{most}");
+    // Finer steps come to the same.
+    let finer = run(&paper, 0.3, 12_000);
+    assert_close(finer[12_000].pressure.0, samples[3000].pressure.0, 5e-4);
+}
+
+#[test]
+fn derivatives_are_those_of_finite_differences() {
+    let paper = Paper::pwm(25.0, 0.5).friction(8.0, 0.0).gauge(2e5);
+    let rig = rig(&paper);
+    let end = |rig: &Rig| {
+        let start = rig.start(&paper.initial()).expect("a start");
+        let samples = stepped(rig, start, Method::Stable, 0.15, 600);
+        [samples[600].load_distance, samples[600].pressure.0]
+    };
+    let rows: [&'static Parameter; 4] =
+        [&parameter::TENDON_STIFFNESS, &parameter::MASS, &parameter::VISCOUS, &parameter::EXTERNAL_VOLUME];
+    for row in rows {
+        let seeded = seeded(&rig, row);
+        let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
+        let last = stepped(&seeded, start, Method::Stable, 0.15, 600)[600];
+        let exact = [last.load_distance.slope[0], last.pressure.0.slope[0]];
+        for (n, exact) in exact.into_iter().enumerate() {
+            assert_close(exact, slope(1e-3, |relative| end(&scaled(&rig, row, relative))[n]), 2e-3);
+        }
+    }
+}
+
+#[test]
+fn whoever_does_not_take_it_says_so() {
+    let paper = smooth();
+    let (rig, start) = (rig(&paper), paper.start());
+    let told = simulate(&rig, start, 0.1, 1e-8).expect_err("refused").to_string();
+    assert!(told.contains("fixed-step"), "{told}");
+    assert!(ModularActuator::new(&rig, start, 25.0).is_err());
+    let moved = Load::Prescribed(Motion::sinusoid(0.09, 1e-3, 1.0, 0.0, 0.1).expect("a motion"));
+    let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");
+    let told = paper.rig().with_load(moved).with_tendon(tendon).expect_err("refused").to_string();
+    assert!(told.contains("isometric"), "{told}");
+    #[cfg(feature = "batch")]
+    {
+        let batch: Batch<f64> = Batch::new(vec![Row { rig, start }], Method::Stable);
+        assert!(batch.samples()[0].is_err());
+    }
+}
