@@ -195,7 +195,7 @@ impl<R: Real<Time = R>> FarEnd<R> {
         let there = R::constant(found);
         let value = excess(there)?;
         let slope = (at(found - SLOPE * from).map_or(value.value(), |below| value.value() - below)) / (SLOPE * from);
-        let better = there - value / R::constant(slope);
+        let better = (there - value / R::constant(slope)).larger(shortest);
         // Not across a corner of the force.
         let moves = (better.value() - found).abs();
         Ok(if moves <= 4.0 * SEARCHED * from { better } else { there })
