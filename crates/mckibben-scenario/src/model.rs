@@ -139,6 +139,9 @@ impl Document {
         let output = opposite_output(scenario, &second).map_err(failed)?;
         let antagonist = second.driven_by(output).map_err(|error| self.antagonist().diagnose(&error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
+        if scenario.run.engine == Engine::EventLocated {
+            rig.check_located().map_err(failed)?;
+        }
         let starts = [scenario.initial, second.initial];
         let initial = JointInitial {
             gauge_pressure: starts.map(|start| GaugePressure(start.gauge_pressure)),

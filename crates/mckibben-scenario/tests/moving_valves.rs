@@ -87,3 +87,23 @@ fn mistakes_are_told() {
         assert!(said.contains(word), "{word}:\n{said}");
     }
 }
+
+#[test]
+fn a_joint_takes_them_at_fixed_steps() {
+    let joint = "kind = \"antagonistic-joint\"\npulley_radius = \"15 mm\"\nrest_length = \"3.3 in\"\nmass = \"0.5 kg\"\n\
+                 distance = \"100 mm\"";
+    let around = AROUND.replace("kind = \"hanging-mass\"\nmass = \"5 lb\"", joint);
+    let stepped = around.replace("[run]\n", "[run]\nengine = \"fixed-step\"\nstep = \"1 ms\"\n");
+    let regulator = "[valve]\nkind = \"pressure-regulator\"\nflow_area = \"1 mm^2\"\ntime_constant = \"30 ms\"\n\
+                     rate_limit = \"20 bar/s\"\n";
+    let points = "[command]\nkind = \"set-points\"\ntime = [\"0 s\"]\ngauge_pressure = [\"4 bar\"]\n";
+    for (valve, command) in [(SEATS, FILL), (SPOOL, POSITIONS), (regulator, points)] {
+        let built = |around: &str| {
+            let document = Document::parse(&[around, valve, command].concat(), "joint.toml").expect("it is TOML");
+            document.joint_experiment()
+        };
+        assert!(built(&stepped).unwrap_or_else(|error| panic!("{error}")).is_some());
+        let told = built(&around).expect_err("refused").to_string();
+        assert!(told.contains("run.engine = \"fixed-step\""), "{told}");
+    }
+}

@@ -6,12 +6,12 @@ use crate::common::joint::Pair;
 use crate::common::random::runner;
 use crate::common::{GRAVITY, PSI, Paper, assert_close, assert_within};
 use mckibben::control::Drive;
-use mckibben::load::{Limb, MomentArm, Stops, Tendon};
+use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
 use mckibben::simulation::{
-    EventKind, FixedStepper, InitialAngle, InitialLength, JointState, JointStepper, Method, SampleTimes,
-    joint_step_for_accuracy, simulate_joint,
+    Actuation, Driven, EventKind, FixedStepper, InitialAngle, InitialLength, JointRig, JointState, JointStepper,
+    Method, Rig, SampleTimes, joint_step_for_accuracy, simulate_joint,
 };
-use mckibben::valve::{Command, Request};
+use mckibben::valve::{Command, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -170,11 +170,11 @@ fn it_sticks_within_the_torque_of_both_frictions_and_does_not_creep() {
     }
 }
 
-/// With a slack antagonist, a limb of inertia M r² and the constant torque −M g r it is the rig of the paper, step by step.
-#[test]
-fn with_a_slack_antagonist_its_steps_are_those_of_the_hanging_mass() {
+/// The paper's rig under a command, and the joint that it is with a slack antagonist, a limb of inertia M r² and the constant
+/// torque −M g r.
+fn on_a_line(command: Command) -> (Paper, Pair) {
     let (mass, radius, rest) = (2.0, 0.02, 0.09);
-    let paper = Paper::pwm(10.0, 0.5).mass(mass).with(|rig| rig.length = InitialLength::Equilibrium);
+    let paper = Paper::driven(command).mass(mass).with(|rig| rig.length = InitialLength::Equilibrium);
     let pair = Pair::of(paper.clone()).with(|pair| {
         pair.papers[1] = Paper::sealed();
         pair.limb = Limb { mass, distance: 0.0, inertia: mass * radius * radius, gravity: GRAVITY, hanging_angle: 0.0 };
@@ -183,6 +183,53 @@ fn with_a_slack_antagonist_its_steps_are_those_of_the_hanging_mass() {
         pair.torque = -mass * GRAVITY * radius;
         pair.angle = InitialAngle::Equilibrium;
     });
+    (paper, pair)
+}
+
+/// Seats that take their time, a spool and a pressure regulator move the air as they do in the rig, step by step, whose own
+/// tests hold them against the event-located engine.
+#[test]
+fn valves_without_a_jump_are_those_of_the_hanging_mass() {
+    let ramp = Ramp::new(3e-3, 5e-3).expect("a ramp");
+    let seats = Solenoid::new(ValveKind::ThreeWay, 4e-3, 1e-3).expect("a valve").with_ramp(ramp);
+    let spool = Solenoid::proportional(Spool::new(40.0, 0.4, 0.05, -0.1).expect("a spool"));
+    let regulator = Solenoid::regulating(Regulator::new(0.02, 5e-3, 2e6).expect("a regulator"));
+    let times = || vec![0.0, 0.1, 0.25];
+    let positions = Command::positions(times(), vec![0.6, -0.4, 0.2]).expect("positions");
+    let points = Command::set_points(times(), vec![4e5, 2e5, 2.3e5]).expect("set points");
+    for (solenoid, command) in [(seats, pulses(10.0, 0.5)), (spool, positions), (regulator, points)] {
+        let (paper, pair) = on_a_line(command.clone());
+        let actuation = Some(Actuation { solenoid, command });
+        let line = Rig::new(paper.actuator(), actuation.clone(), paper.load.clone()).expect("a rig");
+        let sealed = Driven { actuator: pair.papers[1].actuator(), actuation: None };
+        let joint = Joint::new(pair.limb, pair.tendons, pair.torque, pair.damping, pair.stops).expect("a joint");
+        let rig = JointRig::new([Driven { actuator: paper.actuator(), actuation }, sealed], joint).expect("a rig");
+        let begun = rig.start(&pair.initial()).expect("a start");
+        let refused = simulate_joint(&rig, begun, 0.1, 1e-8).expect_err("refused").to_string();
+        assert!(refused.contains("fixed-step"), "{refused}");
+        for method in [Method::Stable, Method::Rk4] {
+            let mut on_line = FixedStepper::new(&line, line.start(&paper.initial()).expect("a start"), method);
+            let stepper = JointStepper::new(rig.clone(), method);
+            let mut course = stepper.begin(begun);
+            for step in 1..=400 {
+                let time = f64::from(step) * 1e-3;
+                on_line.advance_to(time).expect("a step");
+                stepper.advance_to(&mut course, time).expect("a step");
+                let (a, b) = (on_line.sample(), stepper.sample(&course).actuators[0]);
+                assert_within(b.length, a.length, 1e-7);
+                assert_close(b.pressure.0, a.pressure.0, 1e-5);
+                assert_within(b.mass_flow, a.mass_flow, 1e-7);
+                assert_eq!(b.ports, a.ports);
+                let beyond = [a, b].map(|sample| sample.supply_pressure.map(|pressure| pressure.0));
+                assert_eq!(beyond[0], beyond[1]);
+            }
+        }
+    }
+}
+
+#[test]
+fn with_a_slack_antagonist_its_steps_are_those_of_the_hanging_mass() {
+    let (paper, pair) = on_a_line(pulses(10.0, 0.5));
     let (line, rig) = (paper.rig(), pair.rig().expect("a rig"));
     for method in [Method::Stable, Method::Rk4] {
         let mut on_line = FixedStepper::new(&line, paper.start(), method);

@@ -171,7 +171,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         if S::IS_ONE
             && let (Some(shares), Some(hose)) = (held.openings.at(time), &self.line().hose)
         {
-            let flows = through_shares(valve, &hose.chamber(pressure), held, shares);
+            let flows = through_shares(valve, &hose.chamber(pressure), [held.supply, held.exhaust], shares);
             let each = flows.map(|(gap, flow)| secant(gap, flow.net(), S::zero()));
             return tangent.larger(each[0] + each[1]);
         }

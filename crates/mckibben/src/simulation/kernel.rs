@@ -23,6 +23,7 @@
 
 use super::hosed::{Stepped, of_rig};
 use super::rig::Rig;
+use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::force::Statics;
@@ -80,15 +81,13 @@ impl<S: Scalar> Held<S> {
         }
     }
 
-    /// The same for a stable step of `step` s from a time in s, where the pressure beyond the passage changes: with that
-    /// of the middle of the step. So the order stays 2, and no flow overshoots the port.
+    /// The same for a stable step of `step` s from a time in s, where the pressure beyond the passage changes.
     #[inline(always)]
     pub(super) fn midway(&self, method: Method, time: S, step: S) -> Option<Self> {
         if !S::IS_ONE || method != Method::Stable {
             return None;
         }
-        let pressure = self.openings.pressure(step.multiply_add(S::constant(0.5), time))?;
-        Some(Self { openings: Openings::At(pressure), ..*self })
+        Some(Self { openings: self.openings.midway(time, step)?, ..*self })
     }
 
     /// The absolute pressure in Pa beyond the passage to the supply at a time in s.
@@ -104,8 +103,7 @@ impl<S: Scalar> Held<S> {
         if !S::IS_ONE {
             return None;
         }
-        let shares = self.openings.at(time)?;
-        Some(Self { openings: Openings::Shares(shares), ..*self })
+        Some(Self { openings: self.openings.come_to(time)?, ..*self })
     }
 }
 
@@ -158,15 +156,10 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     pub(super) fn through_valve<T: Over<S>>(&self, time: T, chamber: &Chamber<T>, held: &Held<S>) -> Flow<T> {
         let actuator = self.actuator();
         if S::IS_ONE
-            && let (Some(pressure), Some(valve)) = (held.openings.pressure(time), actuator.valve())
+            && let Some(valve) = actuator.valve()
+            && let Some(flow) = valve.flow_through(&held.openings, time, [held.supply, held.exhaust], chamber)
         {
-            return valve.flow_at(pressure, chamber);
-        }
-        if S::IS_ONE
-            && let (Some([supply, exhaust]), Some(valve)) = (held.openings.at(time), actuator.valve())
-        {
-            let inlet = valve.flow(Port::Supply, chamber).where_open(held.supply).through(supply);
-            return inlet.and(valve.flow(Port::Exhaust, chamber).where_open(held.exhaust).through(exhaust));
+            return flow;
         }
         actuator.flow(chamber, held.supply, held.exhaust)
     }
@@ -256,7 +249,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         if S::IS_ONE
             && let Some(shares) = held.openings.at(time)
         {
-            return self.settling_rate_of_shares(valve, state, rates[0], held, shares);
+            let [length, _, pressure, mass] = *state;
+            let chamber = actuator.chamber(length, rates[0], pressure, mass, held.slack);
+            return secants_of_shares(actuator, valve, &chamber, [held.supply, held.exhaust], shares);
         }
         let one_open = (held.supply | held.exhaust) & !(held.supply & held.exhaust);
         let port = S::select(held.supply, held.supply_pressure(valve, time), valve.port_pressure(Port::Exhaust));
@@ -276,41 +271,35 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     }
 }
 
-impl<S: Scalar, L: Statics<S>> Rig<S, L> {
-    /// The same where the passages are open to shares: the sum of the secants to both ports.
-    fn settling_rate_of_shares(
-        &self,
-        valve: &Valve<S>,
-        [length, _, pressure, mass]: &[S; 4],
-        velocity: S,
-        held: &Held<S>,
-        shares: [S; 2],
-    ) -> [S; 2] {
-        let actuator = self.actuator();
-        let chamber = actuator.chamber(*length, velocity, *pressure, *mass, held.slack);
-        let still = actuator.pressure_rate(&chamber, &Flow::none());
-        let flows = through_shares(valve, &chamber, held, shares);
-        flows.into_iter().fold([S::zero(); 2], |[settling, by_mass], (gap, flow)| {
-            let secant = (actuator.pressure_rate(&chamber, &flow) - still) / gap;
-            let settles = S::zero().lt(gap.magnitude()) & S::zero().lt(secant);
-            let of_mass = S::select(settles, flow.net() / gap, S::zero());
-            [settling + S::select(settles, secant, S::zero()), by_mass + of_mass]
-        })
-    }
+/// The settling rate of a rig whose passages are open to shares: the sum of the secants to both ports.
+pub(super) fn secants_of_shares<S: Scalar, L: Statics<S>>(
+    actuator: &Actuator<S, L>,
+    valve: &Valve<S>,
+    chamber: &Chamber<S>,
+    open: [S::Mask; 2],
+    shares: [S; 2],
+) -> [S; 2] {
+    let still = actuator.pressure_rate(chamber, &Flow::none());
+    through_shares(valve, chamber, open, shares).into_iter().fold([S::zero(); 2], |[settling, by_mass], (gap, flow)| {
+        let secant = (actuator.pressure_rate(chamber, &flow) - still) / gap;
+        let settles = S::zero().lt(gap.magnitude()) & S::zero().lt(secant);
+        let of_mass = S::select(settles, flow.net() / gap, S::zero());
+        [settling + S::select(settles, secant, S::zero()), by_mass + of_mass]
+    })
 }
 
-/// Flow through each passage by its share, with the gap from the chamber's pressure to that of the port in Pa.
+/// Flow through each open passage by its share, with the gap from the chamber's pressure to that of the port in Pa.
 pub(super) fn through_shares<S: Scalar>(
     valve: &Valve<S>,
     chamber: &Chamber<S>,
-    held: &Held<S>,
+    [supply, exhaust]: [S::Mask; 2],
     shares: [S; 2],
 ) -> [(S, Flow<S>); 2] {
     let through = |port, open: S::Mask, share: S| {
         let flow = valve.flow(port, chamber).where_open(open).through(share);
         (valve.port_pressure(port) - chamber.pressure, flow)
     };
-    [through(Port::Supply, held.supply, shares[0]), through(Port::Exhaust, held.exhaust, shares[1])]
+    [through(Port::Supply, supply, shares[0]), through(Port::Exhaust, exhaust, shares[1])]
 }
 
 /// How far ahead each stage of the Runge–Kutta method looks.

@@ -7,6 +7,7 @@
 //!
 //! Checked by `tests/regulated_rig.rs` against the closed form of the regulator.
 
+use super::joint::{Driven, JointRig};
 use super::rig::{Actuation, Rig};
 use super::system::GuardForm;
 use crate::pressure::AbsolutePressure;
@@ -44,10 +45,21 @@ impl PortMode {
 impl<R: Real> Rig<R> {
     /// What a pressure regulator does over time by its closed form, with a pressure in Pa in the actuator at the start.
     pub(crate) fn regulator_clock(&self, pressure: R) -> Option<RegulatorClock<R>> {
-        let valve = self.regulator().and(self.actuator().valve())?;
-        let at_rest = AbsolutePressure(RegulatedPort::start(valve, pressure));
-        Some(RegulatorClock::resting(at_rest, AbsolutePressure(valve.port_pressure(Port::Exhaust))))
+        self.regulator().and(self.actuator().valve()).map(|valve| clock(valve, pressure))
     }
+}
+
+impl<R: Real> JointRig<R> {
+    /// The same of one of the actuators of a joint.
+    pub(super) fn regulator_clock(&self, actuator: usize, pressure: R) -> Option<RegulatorClock<R>> {
+        let Driven { actuator, actuation } = &self.driven()[actuator];
+        actuation.as_ref()?.solenoid.regulator().and(actuator.valve()).map(|valve| clock(valve, pressure))
+    }
+}
+
+fn clock<R: Real>(valve: &Valve<R>, pressure: R) -> RegulatorClock<R> {
+    let at_rest = AbsolutePressure(RegulatedPort::start(valve, pressure));
+    RegulatorClock::resting(at_rest, AbsolutePressure(valve.port_pressure(Port::Exhaust)))
 }
 
 impl<'a, R: Real> RegulatedPort<'a, R> {

@@ -307,6 +307,23 @@ impl<S: Scalar> Valve<S> {
         if both.any() { flow.and(self.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
     }
 
+    /// Flow at a time in s through the open passages, as far as they are open and to what; none where they are whole.
+    #[inline(always)]
+    pub(crate) fn flow_through<T: Over<S>>(
+        &self,
+        openings: &Openings<S>,
+        time: T,
+        [supply, exhaust]: [S::Mask; 2],
+        chamber: &Chamber<T>,
+    ) -> Option<Flow<T>> {
+        if let Some(pressure) = openings.pressure(time) {
+            return Some(self.flow_at(pressure, chamber));
+        }
+        let [share, other] = openings.at(time)?;
+        let inlet = self.flow(Port::Supply, chamber).where_open(supply).through(share);
+        Some(inlet.and(self.flow(Port::Exhaust, chamber).where_open(exhaust).through(other)))
+    }
+
     /// Flow to or from air at an absolute pressure in Pa behind the passage to the supply, with the supply's temperature.
     #[inline(always)]
     pub fn flow_at<T: Over<S>>(&self, pressure: T, chamber: &Chamber<T>) -> Flow<T> {

@@ -71,6 +71,19 @@ impl<S: Scalar> Openings<S> {
         }
     }
 
+    /// The same for a stable step of `step` s from a time in s, where the pressure beyond the passage changes: with that
+    /// of the middle of the step. So the order stays 2, and no flow overshoots the port.
+    #[inline(always)]
+    pub(crate) fn midway(&self, time: S, step: S) -> Option<Self> {
+        self.pressure(step.multiply_add(S::constant(0.5), time)).map(Self::At)
+    }
+
+    /// The shares that they come to at a time in s, where they are under way.
+    #[inline(always)]
+    pub(crate) fn come_to(&self, time: S) -> Option<Self> {
+        self.at(time).map(Self::Shares)
+    }
+
     /// The same over another scalar.
     pub(crate) fn map<T: Scalar>(&self, number: impl Fn(S) -> T) -> Openings<T> {
         match self {

@@ -7,18 +7,20 @@
 use super::system::{ANGLE, PRESSURE, VELOCITY};
 use super::{JointRig, JointState};
 use crate::actuator::Actuator;
-use crate::air::Flow;
+use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::friction::{Memory, Rubbing};
 use crate::load::SIGN;
 use crate::scalar::{Over, Real};
-use crate::simulation::kernel::{Matrix, Method, Slopes, ahead, gathered, reaches};
-use crate::valve::{Port, Ports};
+use crate::simulation::kernel::{Matrix, Method, Slopes, ahead, gathered, reaches, secants_of_shares};
+use crate::valve::{Openings, Port, Ports};
 
 /// What stays the same during a part of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<R> {
     pub(super) ports: [Ports; 2],
+    /// How far the passages of each valve are open, and to what.
+    pub(super) openings: [Openings<R>; 2],
     /// How the joint turns: −1, 0 or +1.
     pub(super) turning: R,
     /// Whether friction, or an actuator at its shortest, holds it at rest.
@@ -30,6 +32,15 @@ pub(super) struct Held<R> {
     pub(super) pressed: [bool; 2],
     /// What each hysteresis remembers.
     pub(super) memory: [Memory<R>; 2],
+}
+
+impl<R: Real> Held<R> {
+    /// The same with other openings, where there are such.
+    fn opened(&self, other: impl Fn(&Openings<R>) -> Option<Openings<R>>) -> Option<Self> {
+        let others = self.openings.each_ref().map(other);
+        let any = others.iter().any(Option::is_some);
+        any.then(|| Self { openings: [0, 1].map(|i| others[i].unwrap_or(self.openings[i])), ..*self })
+    }
 }
 
 impl<R: Real> JointRig<R> {
@@ -71,13 +82,22 @@ impl<R: Real> JointRig<R> {
         [velocity, torque / T::of(self.joint.inertia())]
     }
 
+    /// Flow into an actuator at a time in s.
+    #[inline(always)]
+    pub(super) fn inflow<T: Over<R>>(&self, i: usize, time: T, chamber: &Chamber<T>, held: &Held<R>) -> Flow<T> {
+        let (actuator, Ports { supply, exhaust }) = (&self.driven[i].actuator, held.ports[i]);
+        let known =
+            actuator.valve().and_then(|valve| valve.flow_through(&held.openings[i], time, [supply, exhaust], chamber));
+        known.unwrap_or_else(|| actuator.flow(chamber, supply, exhaust))
+    }
+
     /// `dP/dt` in Pa/s and `dm/dt` in kg/s of an actuator.
     #[inline(always)]
-    fn air_rates<T: Over<R>>(&self, i: usize, contents: [T; 4], held: &Held<R>) -> [T; 2] {
+    fn air_rates<T: Over<R>>(&self, i: usize, time: T, contents: [T; 4], held: &Held<R>) -> [T; 2] {
         let actuator = &self.driven[i].actuator;
         let [length, velocity, pressure, mass] = contents;
         let chamber = actuator.chamber(length, velocity, pressure, mass, held.slack[i]);
-        let flow = actuator.flow(&chamber, held.ports[i].supply, held.ports[i].exhaust);
+        let flow = self.inflow(i, time, &chamber, held);
         [actuator.pressure_rate(&chamber, &flow), flow.net()]
     }
 
@@ -92,12 +112,12 @@ impl<R: Real> JointRig<R> {
         })
     }
 
-    /// Time derivatives of the six states.
-    fn stepped_rates(&self, state: &[R; 6], held: &Held<R>) -> [R; 6] {
+    /// Time derivatives of the six states at a time in s.
+    fn stepped_rates(&self, time: R, state: &[R; 6], held: &Held<R>) -> [R; 6] {
         let pieces = self.joint.pieces(state[ANGLE]);
         let [velocity, acceleration] = self.motion(pieces, state, held);
         let contents = self.contents(pieces, state, held);
-        let [agonist, antagonist] = [0, 1].map(|i| self.air_rates(i, contents[i], held));
+        let [agonist, antagonist] = [0, 1].map(|i| self.air_rates(i, time, contents[i], held));
         [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
     }
 
@@ -119,6 +139,7 @@ impl<R: Real> JointRig<R> {
         };
         let held = Held {
             ports: [Ports::CLOSED; 2],
+            openings: [Openings::Whole; 2],
             turning: R::zero(),
             stuck: false,
             slack: [false; 2],
@@ -140,29 +161,36 @@ impl<R: Real> JointRig<R> {
         ([velocity, acceleration, of.1, of.2, other.1, other.2], leverage.torque_of([of.0, other.0]))
     }
 
-    /// One part of a step.
-    pub(super) fn take(&self, method: Method, state: &[R; 6], step: R, held: &Held<R>) -> [R; 6] {
+    /// One part of a step from a time in s.
+    pub(super) fn take(&self, method: Method, time: R, state: &[R; 6], step: R, held: &Held<R>) -> [R; 6] {
         match method {
             Method::Rk4 => {
                 let mut slopes = [[R::zero(); 6]; 4];
                 for (stage, reach) in reaches(step).into_iter().enumerate() {
                     let at = ahead(state, reach, &slopes[stage.saturating_sub(1)]);
-                    slopes[stage] = self.stepped_rates(&at, held);
+                    slopes[stage] = self.stepped_rates(time + reach, &at, held);
                 }
                 gathered(state, step, &slopes)
             }
             Method::Stable => {
-                let (first, matrices) = self.rates_with_matrices(state, step, held);
+                let midway = held.opened(|openings| openings.midway(time, step));
+                let held = midway.as_ref().unwrap_or(held);
+                let (first, matrices) = self.rates_with_matrices(time, state, step, held);
                 let k1 = solve(&matrices, first);
-                let second = self.stepped_rates(&ahead(state, step, &k1), held);
-                let k2 = solve(&matrices, ahead(&second, R::constant(-2.0), &k1));
+                let second = self.stepped_rates(time + step, &ahead(state, step, &k1), held);
+                let second = ahead(&second, R::constant(-2.0), &k1);
+                // Where passages are under way the second stage has the matrix of what they come to.
+                let k2 = match held.opened(|openings| openings.come_to(time + step)) {
+                    None => solve(&matrices, second),
+                    Some(held) => solve(&self.rates_with_matrices(time, state, step, &held).1, second),
+                };
                 ahead(state, step * R::constant(0.5), &ahead(&k2, R::constant(3.0), &k1))
             }
         }
     }
 
     /// The rates, and the matrices of the stable method: of the motion with the agonist's air, and of the antagonist's.
-    fn rates_with_matrices(&self, state: &[R; 6], step: R, held: &Held<R>) -> ([R; 6], [Matrix<R>; 2]) {
+    fn rates_with_matrices(&self, time: R, state: &[R; 6], step: R, held: &Held<R>) -> ([R; 6], [Matrix<R>; 2]) {
         let pieces = self.joint.pieces(state[ANGLE]);
         let mut wide = state.map(Dual::<R, 2>::of);
         wide[ANGLE] = Dual::variable(state[ANGLE], 0);
@@ -173,7 +201,7 @@ impl<R: Real> JointRig<R> {
         let matrices = [0, 1].map(|i| {
             let [length, velocity, pressure, mass] = contents[i];
             let air = [Dual::of(length), Dual::of(velocity), Dual::<R, 1>::variable(pressure, 0), Dual::of(mass)];
-            let [of_pressure, of_mass] = self.air_rates(i, air, held);
+            let [of_pressure, of_mass] = self.air_rates(i, Dual::of(time), air, held);
             let of_air = [of_pressure.value, of_mass.value];
             rates[PRESSURE[i]..=PRESSURE[i] + 1].copy_from_slice(&of_air);
             let slopes = Slopes {
@@ -181,7 +209,8 @@ impl<R: Real> JointRig<R> {
                 pressure_rate: of_pressure.slope[0],
                 mass_rate: of_mass.slope[0],
             };
-            let settling = settling(&self.driven[i].actuator, held.ports[i], contents[i], held.slack[i], of_air);
+            let through = (held.ports[i], &held.openings[i]);
+            let settling = settling(&self.driven[i].actuator, time, through, contents[i], held.slack[i], of_air);
             Matrix::new(&slopes, settling, step)
         });
         (rates, matrices)
@@ -198,15 +227,26 @@ fn solve<R: Real>([first, second]: &[Matrix<R>; 2], right: [R; 6]) -> [R; 6] {
 
 /// The secant from an actuator's pressure to that of its open port, by the flow alone: of the pressure's rate in 1/s, and of
 /// the air mass's in kg/(s·Pa).
-fn settling<R: Real>(actuator: &Actuator<R>, ports: Ports, contents: [R; 4], slack: bool, rates: [R; 2]) -> [R; 2] {
+fn settling<R: Real>(
+    actuator: &Actuator<R>,
+    time: R,
+    (ports, openings): (Ports, &Openings<R>),
+    contents: [R; 4],
+    slack: bool,
+    rates: [R; 2],
+) -> [R; 2] {
     let nothing = [R::zero(); 2];
     let Some(valve) = actuator.valve() else { return nothing };
+    let [length, velocity, pressure, mass] = contents;
+    let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
+    if let Some(shares) = openings.at(time) {
+        return secants_of_shares(actuator, valve, &chamber, [ports.supply, ports.exhaust], shares);
+    }
     if ports.supply == ports.exhaust {
         return nothing;
     }
-    let port = valve.port_pressure(if ports.supply { Port::Supply } else { Port::Exhaust });
-    let [length, velocity, pressure, mass] = contents;
-    let chamber = actuator.chamber(length, velocity, pressure, mass, slack);
+    let own = valve.port_pressure(if ports.supply { Port::Supply } else { Port::Exhaust });
+    let port = openings.pressure(time).unwrap_or(own);
     let by_flow = rates[0] - actuator.pressure_rate(&chamber, &Flow::none());
     let gap = port - pressure;
     let settling = by_flow / gap;

@@ -63,6 +63,7 @@ use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
+use crate::valve::Solenoid;
 
 /// An actuator and what drives its valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,22 +135,10 @@ impl JointRig {
     ///
     /// # Errors
     /// [`Error::Unsupported`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
-    /// do what the command asks, for a valve without seats, and for seats that take their time; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
+    /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
             check_drive(actuator, actuation.as_ref())?;
-            if actuation.as_ref().is_some_and(|drive| !drive.solenoid.ramp().is_none()) {
-                return Err(Error::Unsupported {
-                    what: "the valves of a joint take no time from shut to open yet",
-                    remedy: "leave out valve.opening_time and valve.closing_time, or set them to zero",
-                });
-            }
-            if actuation.as_ref().is_some_and(|drive| !drive.solenoid.has_seats()) {
-                return Err(Error::Unsupported {
-                    what: "the actuators of a joint take neither a pressure regulator nor a proportional spool yet",
-                    remedy: "choose a valve with seats such as valve.kind = \"three-way\"",
-                });
-            }
         }
         let rig = Self { driven, joint };
         let [low, high] = rig.straight();
@@ -262,6 +251,23 @@ impl<S: Real> JointRig<S> {
 
     fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
         Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None }
+    }
+
+    /// That the event-located engine can take the valves: it takes seats that jump.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for seats that take their time, a proportional spool or a pressure regulator.
+    pub fn check_located(&self) -> Result<(), Error> {
+        let jumps = |solenoid: &Solenoid<S>| solenoid.has_seats() && solenoid.ramp().is_none();
+        let taken = |driven: &Driven<S>| driven.actuation.as_ref().is_none_or(|drive| jumps(&drive.solenoid));
+        if self.driven.iter().all(taken) {
+            return Ok(());
+        }
+        Err(Error::Unsupported {
+            what: "the event-located engine takes only valves of a joint whose seats jump: without a ramp, no proportional \
+                   spool, no pressure regulator",
+            remedy: "set run.engine = \"fixed-step\" and give run.step, or choose such a valve",
+        })
     }
 
     /// The state at a start that has been checked, over any scalar with one value.

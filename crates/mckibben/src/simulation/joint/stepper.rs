@@ -1,6 +1,7 @@
 //! A joint at fixed steps: bounded cost, no allocation, every motion of a seat inside the step.
 //!
-//! A step is divided at every instant at which a seat moves, where an actuator falls slack, tight, taut or lets go, where a
+//! A step is divided at every instant at which a seat moves or arrives, a spool passes an edge or a regulated pressure takes
+//! another course, where an actuator falls slack, tight, taut or lets go, where a
 //! stop is met or left, and, with Coulomb friction, where the joint comes to rest: there it sticks if both frictions
 //! together can hold it. Each part is one step of a [`Method`], of order 2 or 4; a row of a moment arm's table, whose slope
 //! has a corner there, leaves order 2.
@@ -37,11 +38,12 @@ use crate::error::Error;
 use crate::force::Statics;
 use crate::friction::Memory;
 use crate::load::SIGN;
+use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
 use crate::simulation::kernel::{Method, Observed};
 use crate::simulation::sample::Sample;
 use crate::simulation::timetable::Progress;
-use crate::valve::{Command, Ports, is_due};
+use crate::valve::{Command, Openings, Ports, is_due};
 
 /// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 6;
@@ -123,6 +125,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
         let remember = |i: usize| Memory::relaxed(self.rig.driven[i].actuator.limits().actuator_length(lengths[i]));
         let held = Held {
             ports: [Ports::CLOSED; 2],
+            openings: [Openings::Whole; 2],
             turning: R::zero(),
             stuck: false,
             slack: [false; 2],
@@ -134,7 +137,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             time: R::zero(),
             state: start.to_array(),
             held,
-            progress: [Progress::none(); 2],
+            progress: [0, 1].map(|i| Progress::none().regulated(self.rig.regulator_clock(i, start.pressure[i].0))),
             modulators: [Modulator::idle(); 2],
         };
         self.enter_extents(&mut course);
@@ -226,10 +229,11 @@ impl<R: Real<Time = R>> JointStepper<R> {
             let actuator = &self.rig.driven[i].actuator;
             let of = [leverage.lengths[i], slopes[i] * state[VELOCITY], state[PRESSURE[i]], state[PRESSURE[i] + 1]];
             let chamber = actuator.chamber(of[0], of[1], of[2], of[3], held.slack[i]);
-            let flow = actuator.flow(&chamber, held.ports[i].supply, held.ports[i].exhaust);
+            let flow = self.rig.inflow(i, *time, &chamber, held);
             let temperature = actuator.air().temperature(&chamber);
             let observed = Observed { tension: tensions[i], volume: chamber.volume, temperature, flow };
-            Sample::new(*time, &of, &observed, held.ports[i])
+            let sample = Sample::new(*time, &of, &observed, held.ports[i]);
+            Sample { supply_pressure: held.openings[i].pressure(*time).map(AbsolutePressure), ..sample }
         });
         let torque = leverage.torque_of(tensions);
         JointSample { time: *time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
@@ -238,7 +242,9 @@ impl<R: Real<Time = R>> JointStepper<R> {
     /// Passes what is due at the seats, and decides anew what follows.
     fn pass(&self, course: &mut JointCourse<R>) {
         for i in 0..2 {
-            course.held.ports[i] = self.rig.timetable(i).pass_seats(&mut course.progress[i], course.time);
+            let timetable = self.rig.timetable(i);
+            course.held.ports[i] = timetable.pass_seats(&mut course.progress[i], course.time);
+            course.held.openings[i] = timetable.openings(&course.progress[i]);
         }
         self.slide(course);
     }
@@ -247,7 +253,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
     fn glide(&self, course: &mut JointCourse<R>, until: R) {
         for _ in 0..MAX_TURNS {
             let step = (until - course.time).larger(R::zero());
-            let end = self.rig.take(self.method, &course.state, step, &course.held);
+            let end = self.rig.take(self.method, course.time, &course.state, step, &course.held);
             let ceases = self.margins(course, &end).map(|margin| margin.value() < 0.0);
             if !(step.value() > 0.0 && ceases.contains(&true)) {
                 return self.arrive(course, end, until);
@@ -258,7 +264,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             self.turn(course, which, step);
         }
         let step = (until - course.time).larger(R::zero());
-        let end = self.rig.take(self.method, &course.state, step, &course.held);
+        let end = self.rig.take(self.method, course.time, &course.state, step, &course.held);
         self.arrive(course, end, until);
         self.enter_extents(course);
     }
@@ -340,7 +346,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             } else {
                 R::constant(0.5) * (low + high)
             };
-            let state = self.rig.take(self.method, &course.state, next * step, &course.held);
+            let state = self.rig.take(self.method, course.time, &course.state, next * step, &course.held);
             let (value, which) = margin(&state);
             // What is not a number is beyond as well.
             let is_beyond = !R::zero().le(value);

@@ -101,6 +101,7 @@ impl<R: Real> JointTrajectory<R> {
             });
         }
         let state = start.to_array();
+        rig.check_located()?;
         let phase = JointSystem::new(&rig, relative_tolerance).begin(&state);
         Ok(Self { rig, relative_tolerance, stored: Stored::begin(state, phase), events: Vec::new() })
     }
