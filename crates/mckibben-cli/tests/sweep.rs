@@ -496,6 +496,126 @@ fn samples_and_trajectories_are_those_of_simulate() {
     }
 }
 
+/// A pressure, a length and a mass of air under control, and what varies of each.
+const CONTROLLED: [(&str, &str, [(&str, &str); 3]); 3] = [
+    (
+        "kind = \"pid\"\nlength = \"88 mm\"\nproportional_band = \"8 mm\"\nintegral_time = \"0.2 s\"\npulse_frequency = \"50 Hz\"",
+        "length",
+        [("controller.proportional_band", "6 mm"), ("controller.delay", "2"), ("controller.length", "90 mm")],
+    ),
+    (
+        "kind = \"bang-bang\"\ngauge_pressure = \"40 psi\"\ndead_band = \"1 psi\"",
+        "pressure",
+        [("controller.dead_band", "2 psi"), ("controller.rate", "130 Hz"), ("load.mass", "8 lb")],
+    ),
+    (
+        "kind = \"air-mass\"\nforce = \"22 N\"\nlength = \"88 mm\"\nhighest_gauge_pressure = \"90 psi\"\ndead_band = \"0.5 mg\"",
+        "air_mass",
+        [("controller.temperature", "300 K"), ("controller.resolution", "0.1 mg"), ("valve.opening_delay", "3 ms")],
+    ),
+];
+
+fn under_control(controller: &str) -> String {
+    BASE.replace("preset = \"matrix-eight-channel\"", "kind = \"fill-hold-exhaust\"\nflow_area = \"0.1 mm^2\"")
+        .replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"controllers\"")
+        .replace("[run]", &format!("[controller]\nrate = \"200 Hz\"\n{controller}\n[run]"))
+}
+
+#[test]
+fn rows_with_a_controller_are_those_of_simulate() {
+    let folder = Folder::new("sweep-controlled");
+    for (controller, quantity, varied) in CONTROLLED {
+        let text = under_control(controller);
+        folder.file("plain.toml", &text);
+        let literal = |value: &str| if value == "2" { value.to_owned() } else { format!("\"{value}\"") };
+        let vary: Vec<String> =
+            varied.iter().map(|(path, value)| format!("\"{path}\" = [{}]", literal(value))).collect();
+        let reductions =
+            format!("\"{quantity}.final\", \"{quantity}_error.rms\", \"{quantity}_error.peak\", \"air.used\"");
+        folder.file(
+            "muscle.toml",
+            &format!("{text}[sweep]\nreductions = [{reductions}]\n[sweep.vary]\n{}\n", vary.join("\n")),
+        );
+        let set: Vec<String> = varied.iter().map(|(path, value)| format!("{path}={value}")).collect();
+        for engine in ["fixed-step", "event-located"] {
+            let engine_set = format!("run.engine={engine}");
+            let mut simulate = vec!["simulate", "plain.toml", "-o", "run.csv", "-s", &engine_set];
+            simulate.extend(set.iter().flat_map(|set| ["-s", set]));
+            let told = run(&folder, &simulate);
+            let samples = csv_lines(&folder.path("run.csv"));
+            run(&folder, &["sweep", "muscle.toml", "-o", "all.csv", "--record", "trajectories", "--engine", engine]);
+            let lines = csv_lines(&folder.path("all.csv"));
+            assert_eq!(lines.len(), samples.len());
+            let columns: Vec<&String> = lines[0].keys().filter(|name| samples[0].contains_key(*name)).collect();
+            assert_eq!(columns.len(), 10);
+            for (line, sample) in lines.iter().zip(&samples) {
+                assert!(columns.iter().all(|name| line[*name] == sample[*name]), "{quantity} by {engine}: {line:?}");
+            }
+            run(&folder, &["sweep", "muscle.toml", "-o", "sweep.csv", "--engine", engine]);
+            let line = &csv_lines(&folder.path("sweep.csv"))[0];
+            let [name, unit] = match quantity {
+                "length" => ["length_m", "m"],
+                "pressure" => ["pressure_pa", "pa"],
+                _ => ["air_mass_kg", "kg"],
+            };
+            assert_eq!(line[&format!("{quantity}_final_{unit}")], samples[samples.len() - 1][name]);
+            assert!(number(line, "air_used_kg") > 0.0);
+            // The errors at the sampling instants, of which `simulate` writes those that stand at a recorded sample or before.
+            let missed = |sample: &BTreeMap<String, String>| {
+                (number(sample, &format!("set_point_{unit}")) - number(sample, &format!("measured_{unit}"))).abs()
+            };
+            let largest = samples.iter().map(missed).fold(0.0, f64::max);
+            assert_eq!(number(line, &format!("{quantity}_error_peak_{unit}")), largest, "{told}");
+            let rms = number(line, &format!("{quantity}_error_rms_{unit}"));
+            assert!(rms > 0.0 && rms <= largest);
+        }
+    }
+}
+
+#[test]
+fn a_controller_without_a_step_takes_the_event_located_engine() {
+    let folder = Folder::new("sweep-controlled-engine");
+    let (controller, ..) = CONTROLLED[1];
+    let vary =
+        "[sweep]\nreductions = [\"pressure.final\"]\n[sweep.vary]\n\"controller.dead_band\" = [\"1 psi\", \"2 psi\"]\n";
+    let text = under_control(controller) + vary;
+    folder.file("muscle.toml", &text);
+    assert!(run(&folder, &["sweep", "muscle.toml"]).contains("fixed"));
+    folder.file("muscle.toml", &text.replace("step = \"0.1 ms\"\n", ""));
+    assert!(run(&folder, &["sweep", "muscle.toml"]).contains("event-located"));
+    // Words may lead to rows with a controller and without.
+    let kinds = "\"command.kind\" = [\"controllers\", \"fill\"]\n";
+    folder.file("both.toml", &(text.replace("\"controller.dead_band\" = [\"1 psi\", \"2 psi\"]\n", kinds)));
+    fails(&folder, &["sweep", "both.toml"], 2);
+    // Threads and shards change nothing.
+    folder.file("muscle.toml", &text.replace("[sweep]\n", "[sweep]\npart_rows = 1\n"));
+    run(&folder, &["sweep", "muscle.toml", "-o", "one", "--jobs", "1"]);
+    for shard in ["2/2", "1/2"] {
+        run(&folder, &["sweep", "muscle.toml", "-o", "shards", "--shard", shard]);
+    }
+    assert_eq!(bytes(&folder.path("shards")), bytes(&folder.path("one")));
+}
+
+/// `record = "samples"` under a controller: the run between listed times is that of the trajectory.
+#[test]
+fn listed_samples_under_a_controller() {
+    let folder = Folder::new("sweep-controlled-samples");
+    let (controller, ..) = CONTROLLED[0];
+    let vary = "[sweep]\nrecord = \"samples\"\nsample_times = [\"0 s\", \"50 ms\", \"0.12 s\"]\n[sweep.vary]\n\"load.mass\" = [\"5 lb\"]\n";
+    folder.file("muscle.toml", &(under_control(controller) + vary));
+    run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", "-s", "run.engine=fixed-step"]);
+    let samples = csv_lines(&folder.path("run.csv"));
+    run(&folder, &["sweep", "muscle.toml", "-o", "some.csv"]);
+    for (line, index) in csv_lines(&folder.path("some.csv")).iter().zip([0, 50, 120]) {
+        assert_eq!(line["time_s"], samples[index]["time_s"]);
+        for name in ["length_m", "pressure_pa", "air_mass_kg"] {
+            let (found, expected) = (number(line, name), number(&samples[index], name));
+            // Steps are cut at other instants, which differ by rounding.
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} for {expected}");
+        }
+    }
+}
+
 #[test]
 fn times_may_vary_too() {
     let folder = Folder::new("sweep-times");

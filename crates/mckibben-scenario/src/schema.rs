@@ -47,15 +47,20 @@ pub fn schema() -> Value {
 /// What a key takes in `[sweep.vary]`: a list, and if it is a quantity a range or a distribution.
 fn of_axis(key: &Key) -> Value {
     let mut ways = vec![json!({ "type": "array", "minItems": 1, "items": of_key(key) })];
-    if let Kind::Quantity(row) | Kind::QuantityOr(row, _) = key.kind {
-        let quantity = of_quantity(row);
+    let quantity = match key.kind {
+        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Course(row) => {
+            Some((of_quantity(row), of_quantity(&Parameter { range: Range::POSITIVE, ..*row })))
+        }
+        Kind::Regulated => Some((of_key(key), of_key(key))),
+        _ => None,
+    };
+    if let Some((quantity, deviation)) = quantity {
         let spacing = of_words(Spacing::CHOICES);
         let table = |names: Value, required: &[&str]| json!({ "type": "object", "properties": names, "required": required, "additionalProperties": false });
         let ends = json!({ "from": quantity, "to": quantity, "spacing": spacing });
         let mut range = ends.clone();
         range["count"] = of_whole(&COUNT);
         let uniform = table(ends, &["from", "to"]);
-        let deviation = of_quantity(&Parameter { range: Range::POSITIVE, ..*row });
         let normal = table(json!({ "mean": quantity, "deviation": deviation }), &["mean", "deviation"]);
         let log_normal = table(json!({ "median": quantity, "factor": of_quantity(&FACTOR) }), &["median", "factor"]);
         ways.push(table(range, &["from", "to"]));

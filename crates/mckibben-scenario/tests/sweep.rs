@@ -1,5 +1,6 @@
 //! Sweeps: the order of grids, the fast way to a row against the text, independence of order, and every mistake.
 
+use mckibben::control::Quantity;
 use mckibben_scenario::diagnostic::{Class, Diagnostic};
 use mckibben_scenario::keys::{KEYS, Kind};
 use mckibben_scenario::{AxisKind, AxisValue, Document, Record, Sweep, quantity};
@@ -219,7 +220,26 @@ fn surroundings(path: &str) -> String {
         let wave = "kind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"";
         base = base.replace(mass, wave);
     }
-    if path.starts_with("hose.") {
+    if let Some(key) = path.strip_prefix("controller.") {
+        base = base.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"controllers\"");
+        let of = match key {
+            "length" => "kind = \"pid\"\nproportional_band = \"1 mm\"",
+            "air_mass" => "kind = \"pid\"\nproportional_band = \"1 g\"",
+            "force" => "kind = \"pid\"\nproportional_band = \"1 N\"",
+            "dead_band" | "hysteresis" => "kind = \"bang-bang\"\ngauge_pressure = \"1 bar\"\ndead_band = \"50 mbar\"",
+            "highest_gauge_pressure" | "temperature" => {
+                "kind = \"air-mass\"\nforce = \"1 N\"\nhighest_gauge_pressure = \"1 bar\"\ndead_band = \"1 mg\""
+            }
+            _ => {
+                "kind = \"pid\"\ngauge_pressure = \"1 bar\"\namplitude = \"1 mbar\"\nfrequency = \"1 Hz\"\n\
+                 proportional_band = \"1 bar\""
+            }
+        };
+        base.push_str(&format!("[controller]\nrate = \"10 Hz\"\n{of}\n"));
+    }
+    if path == "hose.cells" {
+        base.push_str("[hose]\nkind = \"distributed\"\nlength = \"2 m\"\ndiameter = \"3 mm\"\n");
+    } else if path.starts_with("hose.") {
         base.push_str("[hose]\nlength = \"2 m\"\ndiameter = \"3 mm\"\n");
     }
     if path.starts_with("supply.") && !["supply.gauge_pressure", "supply.temperature"].contains(&path) {
@@ -236,12 +256,20 @@ fn surroundings(path: &str) -> String {
 fn a_row_is_what_its_text_says() {
     let mut tried = 0;
     for key in KEYS.iter().filter(|key| key.varies()) {
-        let (Kind::Quantity(row) | Kind::QuantityOr(row, _)) = key.kind else { continue };
+        let row = match key.kind {
+            Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Course(row) | Kind::Whole(row) => row,
+            // Their examples are pressures.
+            Kind::Regulated => Quantity::Pressure.rows().set_point,
+            _ => continue,
+        };
         let example = if key.path == "initial.length" { "\"3.5 in\"" } else { key.example };
         let at_example = quantity::parse(example.trim_matches('"')).expect("a quantity").value;
         // Other values near the example that are in range; a list, so that text and list hold the same bits.
         let factors = if row.range.low == 1.0 { [1.05, 1.1, 1.0] } else { [0.9, 0.95, 1.0] };
-        let values = factors.map(|factor| at_example * factor);
+        let values = match key.kind {
+            Kind::Whole(_) => [1.0, 2.0, 0.0].map(|more| at_example + more),
+            _ => factors.map(|factor| at_example * factor),
+        };
         let literal = |value: f64| match row.unit {
             "" => format!("{value:?}"),
             unit => format!("\"{}\"", quantity::format(value, unit)),
@@ -391,6 +419,8 @@ fn mistakes_of_the_design() {
     design("rows = 12", Class::NotApplicable, (2, 1), &["`sweep.design` = \"grid\"", "latin-hypercube"]);
     design("desing = \"grid\"", Class::UnknownKey, (2, 1), &["did you mean `design`?"]);
     design("reductions = [\"length.finale\"]", Class::InvalidChoice, (2, 15), &["did you mean \"length.final\"?"]);
+    let error = "reductions = [\"length.final\", \"length_error.rms\"]";
+    design(error, Class::NotApplicable, (2, 31), &["of a controller", "command.kind"]);
     design("record = \"samples\"", Class::Missing, (1, 2), &["sample_times"]);
     design("sample_times = [\"1 s\"]", Class::NotApplicable, (2, 1), &["`samples`"]);
     design("record = \"samples\"\nsample_times = [\"1 s\", \"1 s\"]", Class::BadList, (3, 24), &["increase"]);
@@ -416,6 +446,52 @@ fn mistakes_of_the_keys() {
     in_grid("\"sweep.rows\" = [1, 2]", Class::NotApplicable, 1, &["describes the sweep itself"]);
     in_grid("\"command.time\" = [\"1 s\"]", Class::NotApplicable, 1, &["is a list"]);
     in_grid("\"load.force\" = [\"1 N\"]", Class::NotApplicable, 1, &["has no meaning", "hanging-mass"]);
+}
+
+/// What a controller's keys take is in the unit of what it regulates.
+#[test]
+fn gains_are_in_the_unit_of_what_is_regulated() {
+    let base = BASE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"controllers\"");
+    let of = |controller: &str, vary: &str| {
+        let text = format!("{base}[controller]\nrate = \"100 Hz\"\n{controller}\n[sweep.vary]\n{vary}\n");
+        Document::parse(&text, "muscle.toml").expect("TOML").sweep()
+    };
+    let band = "\"controller.proportional_band\" = ";
+    let by_length = of("kind = \"pid\"\nlength = \"85 mm\"", &format!("{band}[\"1 mm\", \"2 mm\"]"));
+    let by_length = by_length.unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    assert_eq!(by_length.axes()[0].column(), "controller_proportional_band_m");
+    // The set point may stand in the sweep alone.
+    let vary = format!("{band}{{ from = \"1 mg\", to = \"9 mg\", count = 5 }}\ncontroller.air_mass = [\"60 mg\"]");
+    let by_mass = of("kind = \"pid\"", &vary).unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    assert_eq!(by_mass.axes()[0].column(), "controller_proportional_band_kg");
+    assert_eq!(number(&by_mass, 0, 1), 3e-6);
+    let wrong = of("kind = \"pid\"\ngauge_pressure = \"1 bar\"", &format!("{band}[\"1 mm\"]"));
+    let wrong = wrong.expect_err("a length").to_string();
+    assert!(wrong.contains("a pressure") && wrong.contains("a length"), "{wrong}");
+    let whole = of("kind = \"pid\"\nlength = \"85 mm\"\nproportional_band = \"1 mm\"", "controller.delay = [1, 1.5]");
+    assert!(whole.expect_err("no half sample").to_string().contains("a whole number"));
+    let range = "controller.delay = { from = 0, to = 4, count = 5 }";
+    let range = of("kind = \"pid\"\nlength = \"85 mm\"\nproportional_band = \"1 mm\"", range);
+    assert!(range.expect_err("a range").to_string().contains("a list of whole numbers"));
+    // A sinusoid that a row takes below nothing is the error of that row.
+    let wave =
+        "kind = \"pid\"\nlength = \"85 mm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"\nproportional_band = \"1 mm\"";
+    let wave = of(wave, "controller.amplitude = [\"1 mm\", \"90 mm\"]");
+    let wave = wave.unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    assert!(wave.scenario(0).is_ok());
+    assert!(wave.scenario(1).expect_err("a negative length").to_string().contains("controller.length"));
+}
+
+#[test]
+fn a_sobol_sequence_has_its_dimensions() {
+    let keys: Vec<String> = KEYS
+        .iter()
+        .filter(|key| key.varies() && matches!(key.kind, Kind::Quantity(_) | Kind::Choice(_)))
+        .map(|key| format!("\"{}\" = [{}]", key.path, key.example))
+        .collect();
+    assert!(keys.len() > 128);
+    let header = "[sweep]\ndesign = \"sobol\"\nrows = 8\n[sweep.vary]\n";
+    check(&format!("{header}{}\n", keys[..129].join("\n")), Class::OutOfRange, (4, 8), &["129 keys", "128 dimensions"]);
 }
 
 #[test]

@@ -13,6 +13,7 @@ use crate::failure::Failure;
 use crate::plot::{Axis, Beside, Field, Figure, Legend, PRINT_SCALE, Panel, PlotError, Series, Style, Theme};
 use crate::portrait::Format;
 use crate::quantities::count;
+use mckibben::control;
 use mckibben_scenario::sweep::{Quantity, Statistic};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Reduction, Sweep};
 use std::path::Path;
@@ -185,6 +186,15 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Quantity::Tension => "tension",
         Quantity::MassFlow => "mass flow",
         Quantity::Air => "air",
+        Quantity::Error(of) => match of {
+            control::Quantity::Pressure => "pressure error",
+            control::Quantity::Length => "length error",
+            control::Quantity::AirMass => "air mass error",
+            control::Quantity::Force => "tension error",
+            control::Quantity::Angle => "angle error",
+            control::Quantity::Torque => "torque error",
+            control::Quantity::Stiffness => "stiffness error",
+        },
     };
     let label = match reduction.statistic {
         Statistic::Final => format!("final {quantity}"),
@@ -192,6 +202,7 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Statistic::Min => format!("least {quantity}"),
         Statistic::Max => format!("greatest {quantity}"),
         Statistic::Peak => format!("peak {quantity}"),
+        Statistic::Rms => format!("rms {quantity}"),
         Statistic::Ripple => format!("{quantity} ripple"),
         Statistic::SettlingTime => format!("{quantity} settling time"),
         Statistic::Overshoot => format!("{quantity} overshoot"),

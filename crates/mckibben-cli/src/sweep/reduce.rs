@@ -11,6 +11,7 @@
 //! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
 //! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
 //! | `used` | the air drawn from the supply |
+//! | `rms`, `peak` of an error | of what a controller was to reach less what its sensors showed, at its sampling instants |
 //!
 //! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the passage
 //! to the supply is open at either end, as the fixed-step engine's steps keep the balance of the air; of an
@@ -21,6 +22,8 @@
 //!
 //! Checked by the tests below against closed forms and by `tests/sweep.rs` against files of `mckibben simulate`.
 
+use crate::closed_loop::Goal;
+use mckibben::control;
 use mckibben::simulation::{Rig, Sample};
 use mckibben::valve::Command;
 use mckibben_scenario::Reduction;
@@ -58,6 +61,7 @@ pub struct Reducer {
     window_start: f64,
     before: Option<Sample>,
     air_used: f64,
+    goals: Vec<Goal>,
 }
 
 impl Reducer {
@@ -73,7 +77,8 @@ impl Reducer {
     /// Begins a run whose ripple is taken from a time in s on.
     fn with_window(reductions: &[Reduction], window_start: f64) -> Self {
         let mut tracks: Vec<Track> = Vec::new();
-        for reduction in reductions.iter().filter(|reduction| reduction.quantity != Quantity::Air) {
+        let of_samples = |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Error(_));
+        for reduction in reductions.iter().filter(of_samples) {
             let settles = reduction.statistic == Statistic::SettlingTime;
             let known = tracks.iter_mut().find(|track| track.quantity == reduction.quantity);
             match known {
@@ -83,7 +88,7 @@ impl Reducer {
             }
         }
         let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
-        Self { tracks, times, window_start, before: None, air_used: 0.0 }
+        Self { tracks, times, window_start, before: None, air_used: 0.0, goals: Vec::new() }
     }
 
     /// Sees the next sample.
@@ -107,14 +112,21 @@ impl Reducer {
         self.air_used = mass;
     }
 
+    /// Gives what a controller was to reach, with what was measured.
+    pub fn set_goals(&mut self, goals: Vec<Goal>) {
+        self.goals = goals;
+    }
+
     /// The value of each reduction, where it has one.
     pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
         let duration = self.before.map_or(0.0, |last| last.time);
         // A window that begins before the run is not whole.
         let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
         let value = |reduction: &Reduction| {
-            if reduction.quantity == Quantity::Air {
-                return Some(self.air_used);
+            match reduction.quantity {
+                Quantity::Air => return Some(self.air_used),
+                Quantity::Error(of) => return self.missed(of, reduction.statistic),
+                _ => {}
             }
             let track = self.tracks.iter().find(|track| track.quantity == reduction.quantity)?;
             match reduction.statistic {
@@ -124,6 +136,12 @@ impl Reducer {
             }
         };
         reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect()
+    }
+
+    /// How far a controller missed a quantity; none where it was not to reach it.
+    fn missed(&self, of: control::Quantity, statistic: Statistic) -> Option<f64> {
+        let miss = self.goals.iter().find(|goal| goal.quantity == of)?.miss();
+        Some(if statistic == Statistic::Rms { miss.rms } else { miss.largest })
     }
 }
 
@@ -171,7 +189,7 @@ impl Track {
             Statistic::Ripple => (self.window.2 >= 2).then_some(self.window.1 - self.window.0),
             Statistic::Overshoot if change > 0.0 => Some((self.greatest - self.last) / change),
             Statistic::Overshoot if change < 0.0 => Some((self.least - self.last) / change),
-            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used => None,
+            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used | Statistic::Rms => None,
         }
     }
 
@@ -186,6 +204,8 @@ impl Track {
 /// The value of a quantity in a sample.
 fn of(quantity: Quantity, sample: &Sample) -> f64 {
     match quantity {
+        // An error is none of the samples'.
+        Quantity::Error(_) => f64::NAN,
         Quantity::Length => sample.length,
         Quantity::Velocity => sample.velocity,
         Quantity::Pressure => sample.pressure.0,

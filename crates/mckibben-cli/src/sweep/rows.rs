@@ -1,16 +1,18 @@
 //! The runs of a unit of work.
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
-//! block, which stays on the unit's thread; rows of the event-located engine run one by one. Either way a row is, bit for
-//! bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
+//! block, which stays on the unit's thread; rows of the event-located engine and rows with a controller run one by one.
+//! Either way a row is, bit for bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::reduce::Reducer;
 use super::step::{self, Choice};
+use crate::closed_loop;
+use crate::engine;
 use crate::observation::AirUse;
 use mckibben::batch::{Batch, Row, Width};
 use mckibben::simulation::{Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
 use mckibben_scenario::sweep::Quantity;
-use mckibben_scenario::{AxisValue, Engine, Experiment, Record, Reduction, Sweep};
+use mckibben_scenario::{AxisValue, ControlledExperiment, Engine, Experiment, Record, Reduction, Run, Sweep};
 use std::ops::Range;
 
 /// Rows that a thread steps side by side.
@@ -40,10 +42,11 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
         let mut outcome = Outcome::Reduced(Vec::new());
         match build(sweep, row) {
             Err(reason) => outcome = Outcome::Failed(reason),
-            Ok(experiment) if experiment.run.engine == Engine::EventLocated => {
+            Ok(Built::Controlled(of)) => outcome = control(&of, sweep.record()),
+            Ok(Built::Open(experiment)) if experiment.run.engine == Engine::EventLocated => {
                 outcome = locate(&experiment, sweep.record());
             }
-            Ok(experiment) => match step::of_row(&experiment, choice) {
+            Ok(Built::Open(experiment)) => match step::of_row(&experiment, choice) {
                 Err(error) => outcome = Outcome::Failed(error.to_string()),
                 Ok(step) => {
                     let kin = Kin::of(sweep, row, &experiment, step);
@@ -63,18 +66,25 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
     outcomes
 }
 
-fn build(sweep: &Sweep, row: u64) -> Result<Experiment, String> {
-    let experiment = sweep.scenario(row).map_err(|error| error.error.to_string())?;
-    let experiment = experiment.experiment().map_err(|error| error.to_string())?;
-    let end = experiment.run.duration;
-    match sweep.record() {
-        Record::Samples(times) => match times.iter().find(|time| **time > end) {
-            Some(time) => Err(format!(
-                "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
-            )),
-            None => Ok(experiment),
-        },
-        _ => Ok(experiment),
+/// What a row describes.
+enum Built {
+    Open(Experiment),
+    Controlled(Box<ControlledExperiment>),
+}
+
+fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
+    let scenario = sweep.scenario(row).map_err(|error| error.error.to_string())?;
+    let end = scenario.run.duration;
+    if let Record::Samples(times) = sweep.record()
+        && let Some(time) = times.iter().find(|time| **time > end)
+    {
+        return Err(format!(
+            "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
+        ));
+    }
+    match scenario.controlled_experiment().map_err(|error| error.to_string())? {
+        Some(controlled) => Ok(Built::Controlled(Box::new(controlled))),
+        None => scenario.experiment().map(Built::Open).map_err(|error| error.to_string()),
     }
 }
 
@@ -194,11 +204,53 @@ fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, ou
 /// Runs a row by the event-located engine.
 fn locate(experiment: &Experiment, record: &Record) -> Outcome {
     let (rig, run) = (&experiment.rig, &experiment.run);
-    let trajectory = match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
-        Ok(trajectory) => trajectory,
+    match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
+        Ok(trajectory) => look_at(&trajectory, run, Recorder::new(record, experiment), record),
+        Err(error) => Outcome::Failed(error.to_string()),
+    }
+}
+
+/// Runs a row with a controller, as `mckibben simulate` does.
+fn control(of: &ControlledExperiment, record: &Record) -> Outcome {
+    let closed = match closed_loop::close_watched(of, |_| ()) {
+        Ok(closed) => closed,
         Err(error) => return Outcome::Failed(error.to_string()),
     };
+    let experiment = &closed.experiment;
     let mut recorder = Recorder::new(record, experiment);
+    if let Recorder::Reducing(_, reducer) = &mut recorder {
+        reducer.set_goals(closed.goals.clone());
+    }
+    if let Some(trajectory) = closed.located() {
+        return look_at(trajectory, &experiment.run, recorder, record);
+    }
+    let mut see = |sample: &Sample, recorded: bool| {
+        if recorded {
+            recorder.see(sample);
+        }
+        Ok(())
+    };
+    let run = experiment.step().and_then(|(step, _)| match record {
+        Record::Samples(times) => engine::step_through(experiment, listed(times, step), closed.instants(), &mut see),
+        Record::Reductions(_) | Record::Trajectories => {
+            engine::step_through(experiment, engine::regular(&experiment.run, step), closed.instants(), &mut see)
+        }
+    });
+    run.map_or_else(|error| Outcome::Failed(error.to_string()), |()| recorder.finish())
+}
+
+/// The ends in s of steps not longer than `step` s that lead from 0 through the listed times, and whether each is one.
+fn listed(times: &[f64], step: f64) -> impl Iterator<Item = (f64, bool)> {
+    let from = std::iter::once(0.0).chain(times.iter().copied());
+    from.zip(times).flat_map(move |(from, until)| {
+        let parts = steps_between(from, *until, step);
+        let end = move |part| from + (until - from) * (part as f64 / parts as f64);
+        (1..=parts).map(move |part| if part == parts { (*until, true) } else { (end(part), false) })
+    })
+}
+
+/// Records a run of the event-located engine.
+fn look_at(trajectory: &Trajectory, run: &Run, mut recorder: Recorder<'_>, record: &Record) -> Outcome {
     match record {
         Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
         Record::Reductions(_) | Record::Trajectories => {
@@ -208,7 +260,7 @@ fn locate(experiment: &Experiment, record: &Record) -> Outcome {
     if let Recorder::Reducing(reductions, reducer) = &mut recorder
         && reductions.iter().any(|reduction| reduction.quantity == Quantity::Air)
     {
-        reducer.set_air_used(air_used(&trajectory));
+        reducer.set_air_used(air_used(trajectory));
     }
     recorder.finish()
 }

@@ -3,6 +3,8 @@
 //! Checked by `tests/sweep.rs`: for every key that holds one quantity, setting it here and reading it from text give
 //! equal scenarios.
 
+mod control;
+
 use crate::choice::BladderForm;
 use crate::scenario::{
     Command, Compressor, Effectiveness, Force, Hysteresis, InitialLength, Load, Motion, Passage, PressureRegulator,
@@ -268,5 +270,6 @@ fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
 
 /// The place of a quantity.
 pub(super) fn field_of(parameter: &Parameter) -> Option<Field> {
-    FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field)
+    let here = FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field);
+    here.or_else(|| control::field_of(parameter.key))
 }

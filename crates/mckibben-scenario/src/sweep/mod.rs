@@ -14,8 +14,8 @@
 //! | `field` | where a quantity stands in the scenario |
 //! | `reduction` | the numbers that a run is reduced to |
 //!
-//! A file is read once for each combination of words; the numbers of a row are then set in the plain scenario, without
-//! text. Checked by `tests/sweep.rs`: both ways agree for every key.
+//! A file is read once for each combination of words and whole numbers; the other numbers of a row are then set in the plain
+//! scenario, without text. Checked by `tests/sweep.rs`: both ways agree for every key.
 
 mod axis;
 mod design;
@@ -35,7 +35,8 @@ pub use reduction::{Quantity, Reduction, Statistic};
 
 use crate::choice::{DesignKind, Engine};
 use crate::quantity;
-use crate::scenario::{Load, Scenario};
+use crate::scenario::{Aim, Command, Load, Scenario};
+use mckibben::control::SetPoint;
 use mckibben::parameter as p;
 use mckibben::{Error, Requirement};
 use std::fmt::{self, Write};
@@ -51,7 +52,7 @@ pub struct Sweep {
     seed: u64,
     record: Record,
     part_rows: u64,
-    /// A scenario for each combination of words, the last axis of words changing first.
+    /// A scenario for each combination of words and whole numbers, the last axis of these changing first.
     bases: Vec<Scenario>,
     /// Whether the least length follows from a thread length that varies.
     min_length_follows: bool,
@@ -133,6 +134,11 @@ impl Sweep {
         self.bases.iter().any(|base| base.run.engine == engine)
     }
 
+    /// Whether there are rows with a controller.
+    pub fn has_controllers(&self) -> bool {
+        self.bases.iter().any(|base| matches!(base.command, Some(Command::Controller(_))))
+    }
+
     /// Whether every row gives the step of the fixed-step engine, so that none follows from an accuracy.
     pub fn gives_step(&self) -> bool {
         self.bases.iter().all(|base| base.run.step.is_some())
@@ -149,8 +155,8 @@ impl Sweep {
     }
 
     fn valid(&self, row: u64) -> Result<Scenario, Error> {
-        let words = self.axes.iter().filter_map(|axis| Some((axis.word(row)?, axis.values.count()?)));
-        let base = words.fold(0, |base, (word, count)| base * count + word);
+        let chosen = self.axes.iter().filter_map(|axis| Some((axis.base(row)?, axis.values.count()?)));
+        let base = chosen.fold(0, |base, (value, count)| base * count + value);
         let mut scenario = self.bases[base as usize].clone();
         for axis in &self.axes {
             let (Some(target), AxisValue::Number(value)) = (axis.target, axis.value(row)) else { continue };
@@ -198,6 +204,12 @@ fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
             requirement: Requirement { relation: "must be at most", other: p::DURATION.key, value: run.duration, unit },
             remedy: p::SAMPLE_INTERVAL.remedy,
         });
+    }
+    if let Some(Command::Controller(controller)) = &scenario.command
+        && let Aim::Track { quantity, set_point: SetPoint::Sinusoid { mean, amplitude, frequency, phase } } =
+            controller.aim
+    {
+        SetPoint::sinusoid(quantity, mean, amplitude, frequency, phase)?;
     }
     if scenario.load == Load::Isometric && velocity != 0.0 {
         return Err(Error::Unsupported {

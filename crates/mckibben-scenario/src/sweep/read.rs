@@ -1,13 +1,13 @@
 //! Reads `[sweep]`: how the rows are chosen, what is recorded, and the scenarios that the rows start from.
 //!
-//! The scenario is read with the first value of every key in place, once for each combination of words, so that a key which
-//! only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values are numbers
-//! within the range that the key has, and need no text.
+//! The scenario is read with the first value of every key in place, once for each combination of words and whole numbers, so
+//! that a key which only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values
+//! are numbers within the range that the key has, and need no text.
 
 use super::axis::Axis;
 use super::design::{MOST_ROWS, Sampler};
 use super::random::Stream;
-use super::reduction::DEFAULT;
+use super::reduction::{DEFAULT, Quantity, Reduction};
 use super::vary::{self, Varied};
 use super::{Record, Sweep, sobol};
 use crate::choice::{DesignKind, RecordKind};
@@ -16,7 +16,7 @@ use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
 use crate::quantity;
 use crate::reader::Reader;
-use crate::scenario::{Load, Scenario};
+use crate::scenario::{Command, Load, Scenario};
 use mckibben::parameter as p;
 
 /// Most combinations of words, each of which is a scenario in memory.
@@ -49,15 +49,25 @@ impl Document {
         let record = record(r);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
-        let words = varied.iter().filter_map(Varied::words).fold(1, u64::saturating_mul);
+        let words = varied.iter().filter_map(Varied::read_anew).fold(1, u64::saturating_mul);
         if words > MOST_BASES {
             let place = r.key_place(VARY);
-            note_beyond(r, place, &format!("the words combine to {words} scenarios, more than {MOST_BASES}"));
+            note_beyond(
+                r,
+                place,
+                &format!("words and whole numbers combine to {words} scenarios, more than {MOST_BASES}"),
+            );
+        }
+        if design == DesignKind::Sobol && varied.len() > sobol::DIMENSIONS {
+            let place = r.key_place(VARY);
+            let most = sobol::DIMENSIONS;
+            note_beyond(r, place, &format!("{} keys vary by a Sobol' sequence of {most} dimensions", varied.len()));
         }
         reader.finish()?;
         let bases = bases(self, &varied, words)?;
         let Some((record, first)) = record.zip(bases.first()) else { return Ok(None) };
         check_times(self, &record, first, &varied)?;
+        check_reductions(self, &record, &bases)?;
         let part_rows = part_rows.unwrap_or_else(|| part_of(&record, first)).min(rows);
         let varies = |row: &p::Parameter| varied.iter().any(|varied| varied.path == row.key);
         let min_length_given = self.contains(p::MIN_LENGTH.key) || varies(&p::MIN_LENGTH);
@@ -144,7 +154,21 @@ fn check_times(
     }
 }
 
-/// The scenario for each combination of words, with the first value of every other key.
+/// Refuses reductions that no row has.
+fn check_reductions(document: &Document, record: &Record, bases: &[Scenario]) -> Result<(), Diagnostics> {
+    let Record::Reductions(reductions) = record else { return Ok(()) };
+    let controlled = bases.iter().any(|base| matches!(base.command, Some(Command::Controller(_))));
+    let foreign = |of: &Reduction| matches!(of.quantity, Quantity::Error(_)) && !controlled;
+    let Some(at) = reductions.iter().position(foreign) else { return Ok(()) };
+    let title = format!("`{}` is of a controller, and there is none", reductions[at].name());
+    let diagnostic = match Reader::of_section(document, SWEEP).item_place("sweep.reductions", at) {
+        Some(place) => Diagnostic::at(Class::NotApplicable, place, title, "no row has it"),
+        None => Diagnostic::whole(Class::NotApplicable, document.source().name(), title),
+    };
+    Err(diagnostic.help("leave it out, or set command.kind = \"controllers\"").into())
+}
+
+/// The scenario for each combination of words and whole numbers, with the first value of every other key.
 fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Result<Vec<Scenario>, Diagnostics> {
     let mut document = document.clone();
     document.remove(SWEEP);
@@ -156,10 +180,10 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
         let mut rest = combination;
         let mut chosen = Vec::new();
         for varied in varied.iter().rev() {
-            if let Some(count) = varied.words() {
-                let word = varied.word(rest % count);
-                document.put(&varied.path, &varied.key, word);
-                chosen.push(format!("`{} = {}`", varied.path, word.place.text()));
+            if let Some(count) = varied.read_anew() {
+                let value = varied.value(rest % count);
+                document.put(&varied.path, &varied.key, value);
+                chosen.push(format!("`{} = {}`", varied.path, value.place.text()));
                 rest /= count;
             }
         }
@@ -211,14 +235,14 @@ fn axes(varied: Vec<Varied<'_>>, design: DesignKind, rows: u64, seed: u64) -> Ve
             }
             DesignKind::LatinHypercube => Sampler::latin_hypercube(rows, stream),
             DesignKind::Sobol => {
-                // There are fewer keys than dimensions, which a test of the sequence sees to.
+                // More keys than dimensions have been refused.
                 let dimension = sobol::Dimension::new(index, stream);
                 dimension.map_or(Sampler::Random(stream), |dimension| Sampler::Sobol(Box::new(dimension)))
             }
             DesignKind::Random => Sampler::Random(stream),
         };
-        let (kind, target) = (varied.kind(), varied.target());
-        Axis { path: varied.path, kind, values: varied.values, sampler, target }
+        let (kind, target, read_anew) = (varied.kind(), varied.target(), varied.read_anew().is_some());
+        Axis { path: varied.path, kind, values: varied.values, sampler, read_anew, target }
     });
     sampled.collect()
 }

@@ -5,6 +5,7 @@
 
 use super::axis::column_of;
 use crate::choice::{Choice, Word};
+use mckibben::control;
 
 /// What is reduced.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -25,6 +26,8 @@ pub enum Quantity {
     MassFlow,
     /// Air of the supply in kg.
     Air,
+    /// How far a controller misses what it is to reach, as its sensors show it at its sampling instants.
+    Error(control::Quantity),
 }
 
 /// How it is reduced.
@@ -47,6 +50,8 @@ pub enum Statistic {
     Overshoot,
     /// Greatest magnitude.
     Peak,
+    /// Root mean square.
+    Rms,
     /// Amount drawn from the supply.
     Used,
 }
@@ -85,6 +90,9 @@ macro_rules! name {
     (Peak) => {
         "peak"
     };
+    (Rms) => {
+        "rms"
+    };
     (Used) => {
         "used"
     };
@@ -119,22 +127,36 @@ macro_rules! meaning {
     (Peak, $of:literal) => {
         concat!("Greatest magnitude of the ", $of, ".")
     };
+    (Rms, $of:literal) => {
+        concat!("Root mean square of the ", $of, ".")
+    };
     (Used, $of:literal) => {
         concat!("Mass of the ", $of, " drawn from the supply.")
     };
 }
 
+macro_rules! quantity {
+    ($quantity:ident) => {
+        Quantity::$quantity
+    };
+    ((Error $regulated:ident)) => {
+        Quantity::Error(control::Quantity::$regulated)
+    };
+}
+
 macro_rules! reductions {
-    ($($quantity:ident $name:literal, $of:literal: $($statistic:ident)+;)+) => {
+    ($($quantity:tt $name:literal, $of:literal: $($statistic:ident)+;)+) => {
         impl Reduction {
             /// Every reduction that has a meaning.
             pub const ALL: &'static [Self] =
-                &[$($(Self { quantity: Quantity::$quantity, statistic: Statistic::$statistic }),+),+];
+                &[$($(Self { quantity: quantity!($quantity), statistic: Statistic::$statistic }),+),+];
 
             /// As it is written in a scenario file, such as `length.final`.
             pub const fn name(self) -> &'static str {
                 match (self.quantity, self.statistic) {
-                    $($((Quantity::$quantity, Statistic::$statistic) => concat!($name, ".", name!($statistic)),)+)+
+                    $($((quantity!($quantity), Statistic::$statistic) => {
+                        concat!($name, ".", name!($statistic))
+                    })+)+
                     _ => "",
                 }
             }
@@ -162,6 +184,10 @@ reductions! {
     Tension "tension", "tension": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
     MassFlow "mass_flow", "mass flow into the actuator": Final Mean Min Max Ripple Peak;
     Air "air", "air": Used;
+    (Error Pressure) "pressure_error", "error of the pressure at the controller's samples": Rms Peak;
+    (Error Length) "length_error", "error of the length at the controller's samples": Rms Peak;
+    (Error AirMass) "air_mass_error", "error of the mass of air at the controller's samples": Rms Peak;
+    (Error Force) "force_error", "error of the tension at the controller's samples": Rms Peak;
 }
 
 impl Reduction {
@@ -180,6 +206,15 @@ impl Reduction {
             (Quantity::Temperature, _) => "K",
             (Quantity::Tension, _) => "N",
             (Quantity::MassFlow, _) => "kg/s",
+            (Quantity::Error(of), _) => match of {
+                control::Quantity::Pressure => "Pa",
+                control::Quantity::Length => "m",
+                control::Quantity::AirMass => "kg",
+                control::Quantity::Force => "N",
+                control::Quantity::Angle => "rad",
+                control::Quantity::Torque => "N*m",
+                control::Quantity::Stiffness => "N*m/rad",
+            },
         }
     }
 
@@ -230,6 +265,8 @@ mod tests {
             ("pressure.ripple", "pressure_ripple_pa"),
             ("temperature.min", "temperature_min_k"),
             ("air.used", "air_used_kg"),
+            ("length_error.rms", "length_error_rms_m"),
+            ("pressure_error.peak", "pressure_error_peak_pa"),
         ] {
             assert_eq!(column(name).as_deref(), Some(expected));
         }
