@@ -11,7 +11,7 @@
 use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, Trajectory, simulate_watched};
+use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, Trajectory, simulate_watched, steps_between};
 use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
@@ -121,8 +121,26 @@ pub fn rows(run: &Run) -> u64 {
 }
 
 /// The ends in s of the steps of a run that are not longer than `step` s, and whether each is recorded; also the start.
-pub(crate) fn regular(run: &Run, step: f64) -> impl Iterator<Item = (f64, bool)> {
+pub(crate) fn regular(run: &Run, step: f64) -> impl Iterator<Item = (f64, bool)> + use<> {
     std::iter::once((0.0, true)).chain(SampleTimes::new(run.duration, run.sample_interval).steps(step))
+}
+
+/// The same where only what holds at some times in s is recorded, and the run ends with the last.
+pub(crate) fn listed(times: &[f64], step: f64) -> impl Iterator<Item = (f64, bool)> {
+    let from = std::iter::once(0.0).chain(times.iter().copied());
+    from.zip(times).flat_map(move |(from, until)| {
+        let parts = steps_between(from, *until, step);
+        let end = move |part| from + (until - from) * (part as f64 / parts as f64);
+        (1..=parts).map(move |part| if part == parts { (*until, true) } else { (end(part), false) })
+    })
+}
+
+/// One or the other.
+pub(crate) fn ends<'t>(run: &Run, times: Option<&'t [f64]>, step: f64) -> Box<dyn Iterator<Item = (f64, bool)> + 't> {
+    match times {
+        Some(times) => Box::new(listed(times, step)),
+        None => Box::new(regular(run, step)),
+    }
 }
 
 /// Runs the fixed-step engine and shows every end of a step, and whether it is a recorded sample; steps are divided at

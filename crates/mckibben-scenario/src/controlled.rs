@@ -106,13 +106,19 @@ impl Document {
     }
 }
 
-fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
+/// Refuses fixed steps under a controller of which none is given.
+pub(crate) fn check_step(scenario: &Scenario) -> Result<(), Error> {
     if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
         return Err(Error::Unsupported {
             what: "the fixed-step engine cannot choose its step under a controller yet",
             remedy: "give run.step, such as \"0.1 ms\"",
         });
     }
+    Ok(())
+}
+
+fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
+    check_step(scenario)?;
     let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
     let regulated = of.aim.regulated();

@@ -89,13 +89,9 @@ impl Key {
         }
     }
 
-    /// Whether a sweep can vary it: it can hold one value and describes the scenario, not the sweep, and not a joint, which
-    /// sweeps do not take.
+    /// Whether a sweep can vary it: it can hold one value and describes the scenario, not the sweep.
     pub fn varies(&self) -> bool {
-        let single = !matches!(self.kind, Kind::Quantities(_) | Kind::Choices(_));
-        let of_joint = self.when.is_some_and(|when| when.words == JOINT)
-            || [p::SET_ANGLE.key, p::SET_STIFFNESS.key].contains(&self.path);
-        single && self.section() != SWEEP && !of_joint
+        !matches!(self.kind, Kind::Quantities(_) | Kind::Choices(_)) && self.section() != SWEEP
     }
 
     const fn required(self) -> Self {

@@ -71,20 +71,32 @@ fn of_axis(key: &Key) -> Value {
     json!({ "description": describe(key), "anyOf": ways })
 }
 
-/// The section whose entries are paths of keys: each as one quoted name, or as sections in sections.
-fn of_vary(section: &str) -> Map<String, Value> {
+/// The section whose entries are paths of keys: each as one quoted name, or as sections in sections. Of the second actuator
+/// of a joint the keys that it takes.
+fn of_vary(section: &str, of_antagonist: bool) -> Map<String, Value> {
     let mut properties = Map::new();
     let refer = |key: &Key| json!({ "$ref": format!("#/$defs/{}", key.path) });
-    for key in KEYS.iter().filter(|key| key.varies() && (section.is_empty() || key.section() == section)) {
+    let takes = |key: &&Key| key.varies() && (!of_antagonist || is_of_antagonist(key.path));
+    for key in KEYS.iter().filter(takes).filter(|key| section.is_empty() || key.section() == section) {
         let name = if section.is_empty() { key.path } else { key.name() };
         properties.insert(name.to_owned(), refer(key));
+        if section.is_empty() && !of_antagonist && is_of_antagonist(key.path) {
+            properties.insert(format!("{ANTAGONIST}.{name}"), refer(key));
+        }
     }
-    for inner in SECTIONS.iter().filter(|inner| !inner.path.starts_with(SWEEP) && inner.path != ANTAGONIST) {
+    let inside = |properties| json!({ "type": "object", "properties": properties, "additionalProperties": false });
+    let takes = |of: &&Section| match of_antagonist {
+        true => is_section_of_antagonist(of.path),
+        false => !of.path.starts_with(SWEEP) && of.path != ANTAGONIST,
+    };
+    for inner in SECTIONS.iter().filter(takes) {
         let (above, name) = inner.path.rsplit_once('.').unwrap_or(("", inner.path));
         if above == section {
-            let inside = json!({ "type": "object", "properties": of_vary(inner.path), "additionalProperties": false });
-            properties.insert(name.to_owned(), inside);
+            properties.insert(name.to_owned(), inside(of_vary(inner.path, of_antagonist)));
         }
+    }
+    if section.is_empty() && !of_antagonist {
+        properties.insert(ANTAGONIST.to_owned(), inside(of_vary("", true)));
     }
     properties
 }
@@ -94,7 +106,7 @@ fn of_section(section: &Section) -> Value {
         return json!({
             "description": section.meaning,
             "type": "object",
-            "properties": of_vary(""),
+            "properties": of_vary("", false),
             "minProperties": 1,
             "additionalProperties": false,
         });

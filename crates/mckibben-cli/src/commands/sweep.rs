@@ -312,7 +312,7 @@ fn simulate(
 /// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
 fn unit(rows: u64, jobs: usize, sweep: &Sweep) -> u64 {
     const SHARE: u64 = 8;
-    let one_by_one = sweep.asks_for(Engine::EventLocated) || sweep.has_controllers();
+    let one_by_one = sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
     let least = if one_by_one { 1 } else { rows::side_by_side() as u64 };
     (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
 }

@@ -16,6 +16,7 @@ use crate::quantities::count;
 use mckibben::control;
 use mckibben_scenario::sweep::{Quantity, Statistic};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Reduction, Sweep};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Panels that a figure has at most, one above the other.
@@ -186,6 +187,14 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Quantity::Tension => "tension",
         Quantity::MassFlow => "mass flow",
         Quantity::Air => "air",
+        Quantity::Angle => "angle",
+        Quantity::AngularVelocity => "angular velocity",
+        Quantity::Torque => "torque",
+        Quantity::Stiffness => "stiffness",
+        Quantity::AntagonistLength => "antagonist's length",
+        Quantity::AntagonistPressure => "antagonist's absolute pressure",
+        Quantity::AntagonistAirMass => "antagonist's air mass",
+        Quantity::AntagonistTension => "antagonist's tension",
         Quantity::Error(of) => match of {
             control::Quantity::Pressure => "pressure error",
             control::Quantity::Length => "length error",
@@ -218,6 +227,8 @@ fn scaled(label: String, unit: &str, at: Vec<f64>) -> Values {
         "m" if largest < 1.0 => (1e3, "mm".to_owned()),
         "m/s" if largest < 0.1 => (1e3, "mm/s".to_owned()),
         "s" if largest < 0.1 => (1e3, "ms".to_owned()),
+        "rad" => (180.0 / PI, "deg".to_owned()),
+        "rad/s" => (180.0 / PI, "deg/s".to_owned()),
         "kg" if largest < 1e-3 => (1e6, "mg".to_owned()),
         "kg" if largest < 0.1 => (1e3, "g".to_owned()),
         "kg/s" if largest < 0.1 => (1e3, "g/s".to_owned()),

@@ -23,8 +23,8 @@
 //! Checked by the tests below against closed forms and by `tests/sweep.rs` against files of `mckibben simulate`.
 
 use crate::closed_loop::Goal;
-use mckibben::control;
-use mckibben::simulation::{Rig, Sample};
+use mckibben::control::{self, Held};
+use mckibben::simulation::{JointRig, JointSample, Sample};
 use mckibben::valve::Command;
 use mckibben_scenario::Reduction;
 use mckibben_scenario::sweep::{Quantity, Statistic};
@@ -59,15 +59,32 @@ pub struct Reducer {
     /// The times of the samples, where a settling time is asked for.
     times: Option<Vec<f64>>,
     window_start: f64,
-    before: Option<Sample>,
+    before: Option<Before>,
     air_used: f64,
     goals: Vec<Goal>,
 }
 
+/// What is looked at: a sample of one actuator, or of a joint.
+#[derive(Clone, Copy, Debug)]
+pub enum Seen<'a> {
+    /// Of one actuator.
+    Actuator(&'a Sample),
+    /// Of a joint.
+    Joint(&'a JointSample, &'a JointRig),
+}
+
+/// What is kept of the sample before.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    time: f64,
+    /// Whether each actuator's passage to the supply is open, and the mass of its air in kg.
+    air: [(bool, f64); 2],
+}
+
 impl Reducer {
-    /// Begins a run of `duration` s.
-    pub fn new(reductions: &[Reduction], rig: &Rig, duration: f64) -> Self {
-        let period = match rig.actuation().map(|actuation| &actuation.command) {
+    /// Begins a run of `duration` s whose valve has a command; of a joint, the agonist's.
+    pub fn new(reductions: &[Reduction], command: Option<&Command>, duration: f64) -> Self {
+        let period = match command {
             Some(Command::Pwm { frequency, .. }) => 1.0 / frequency,
             _ => LAST_PART * duration,
         };
@@ -92,18 +109,21 @@ impl Reducer {
     }
 
     /// Sees the next sample.
-    pub fn see(&mut self, sample: &Sample) {
+    pub fn see(&mut self, seen: Seen<'_>) {
+        let Before { time, air } = seen.kept();
         for track in &mut self.tracks {
-            track.see(sample, self.before.as_ref(), sample.time >= self.window_start);
+            let step = self.before.map(|before| time - before.time);
+            track.see(seen.value(track.quantity), step, time >= self.window_start);
         }
         if let Some(times) = &mut self.times {
-            times.push(sample.time);
+            times.push(time);
         }
-        if let Some(before) = self.before.replace(*sample)
-            && (before.ports.supply || sample.ports.supply)
-        {
-            let air = |sample: &Sample| sample.air_mass + sample.hose_air_mass;
-            self.air_used += (air(sample) - air(&before)).max(0.0);
+        if let Some(before) = self.before.replace(Before { time, air }) {
+            for ((was_open, was), (is_open, is)) in before.air.into_iter().zip(air) {
+                if was_open || is_open {
+                    self.air_used += (is - was).max(0.0);
+                }
+            }
         }
     }
 
@@ -140,8 +160,11 @@ impl Reducer {
 
     /// How far a controller missed a quantity; none where it was not to reach it.
     fn missed(&self, of: control::Quantity, statistic: Statistic) -> Option<f64> {
-        let miss = self.goals.iter().find(|goal| goal.quantity == of)?.miss();
-        Some(if statistic == Statistic::Rms { miss.rms } else { miss.largest })
+        // Of a joint whose actuators are regulated one by one, both count.
+        let misses: Vec<_> = self.goals.iter().filter(|goal| goal.quantity == of).map(Goal::miss).collect();
+        let squares: f64 = misses.iter().map(|miss| miss.rms * miss.rms).sum();
+        let largest = misses.iter().map(|miss| miss.largest).reduce(f64::max)?;
+        Some(if statistic == Statistic::Rms { (squares / misses.len() as f64).sqrt() } else { largest })
     }
 }
 
@@ -160,11 +183,11 @@ impl Track {
         }
     }
 
-    fn see(&mut self, sample: &Sample, before: Option<&Sample>, in_window: bool) {
-        let value = of(self.quantity, sample);
-        match before {
+    /// Sees a value that comes a `step` in s after the one before.
+    fn see(&mut self, value: f64, step: Option<f64>, in_window: bool) {
+        match step {
             None => self.first = value,
-            Some(before) => self.integral += 0.5 * (self.last + value) * (sample.time - before.time),
+            Some(step) => self.integral += 0.5 * (self.last + value) * step,
         }
         self.last = value;
         self.least = self.least.min(value);
@@ -201,11 +224,42 @@ impl Track {
     }
 }
 
-/// The value of a quantity in a sample.
+impl Seen<'_> {
+    fn kept(self) -> Before {
+        let air = |of: &Sample| (of.ports.supply, of.air_mass + of.hose_air_mass);
+        match self {
+            Self::Actuator(sample) => Before { time: sample.time, air: [air(sample), (false, 0.0)] },
+            Self::Joint(sample, _) => Before { time: sample.time, air: sample.actuators.each_ref().map(air) },
+        }
+    }
+
+    /// The value of a quantity; of what both a joint and an actuator have, that of the joint's agonist.
+    fn value(self, quantity: Quantity) -> f64 {
+        match self {
+            Self::Actuator(sample) => of(quantity, sample),
+            Self::Joint(sample, rig) => {
+                let [agonist, antagonist] = &sample.actuators;
+                match quantity {
+                    Quantity::Angle => sample.angle,
+                    Quantity::AngularVelocity => sample.angular_velocity,
+                    Quantity::Torque => sample.torque,
+                    Quantity::Stiffness => {
+                        rig.stiffness(sample.angle, [agonist.pressure, antagonist.pressure], Held::AirMasses)
+                    }
+                    Quantity::AntagonistLength => antagonist.length,
+                    Quantity::AntagonistPressure => antagonist.pressure.0,
+                    Quantity::AntagonistAirMass => antagonist.air_mass,
+                    Quantity::AntagonistTension => antagonist.tension,
+                    quantity => of(quantity, agonist),
+                }
+            }
+        }
+    }
+}
+
+/// The value of a quantity of one actuator.
 fn of(quantity: Quantity, sample: &Sample) -> f64 {
     match quantity {
-        // An error is none of the samples'.
-        Quantity::Error(_) => f64::NAN,
         Quantity::Length => sample.length,
         Quantity::Velocity => sample.velocity,
         Quantity::Pressure => sample.pressure.0,
@@ -213,6 +267,8 @@ fn of(quantity: Quantity, sample: &Sample) -> f64 {
         Quantity::Temperature => sample.temperature,
         Quantity::Tension => sample.tension,
         Quantity::MassFlow => sample.mass_flow,
+        // What a joint alone has, and an error, are none of the sample's: the reading of a sweep has refused them.
+        _ => f64::NAN,
     }
 }
 
@@ -238,7 +294,7 @@ mod tests {
         for index in 0..=(duration * 1e3).round() as u32 {
             let time = f64::from(index) * 1e-3;
             let (air_mass, ports) = air(time);
-            reducer.see(&Sample {
+            reducer.see(Seen::Actuator(&Sample {
                 time,
                 length: length(time),
                 velocity: 0.0,
@@ -252,7 +308,7 @@ mod tests {
                 hose_pressure: AbsolutePressure(1e5),
                 hose_air_mass: 0.0,
                 supply_pressure: None,
-            });
+            }));
         }
         reducer.finish(&reductions)
     }

@@ -4,6 +4,7 @@
 //! equal scenarios.
 
 mod control;
+mod joint;
 
 use crate::choice::BladderForm;
 use crate::scenario::{
@@ -155,10 +156,12 @@ static FIELDS: &[(&Parameter, Field)] = &[
     }),
     (&p::MASS, |s| match &mut s.load {
         Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } => Some(mass),
+        Load::AntagonisticJoint(joint) => Some(&mut joint.mass),
         _ => None,
     }),
     (&p::GRAVITY, |s| match &mut s.load {
         Load::HangingMass { gravity, .. } => Some(gravity),
+        Load::AntagonisticJoint(joint) => Some(&mut joint.gravity),
         _ => None,
     }),
     (&p::LOAD_FORCE, |s| match &mut s.load {
@@ -268,8 +271,10 @@ fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
     }
 }
 
+pub(super) use joint::exchange;
+
 /// The place of a quantity.
 pub(super) fn field_of(parameter: &Parameter) -> Option<Field> {
     let here = FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field);
-    here.or_else(|| control::field_of(parameter.key))
+    here.or_else(|| control::field_of(parameter.key)).or_else(|| joint::field_of(parameter.key))
 }

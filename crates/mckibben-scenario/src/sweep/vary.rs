@@ -45,6 +45,21 @@ impl<'d> Varied<'d> {
         self.nodes[index as usize]
     }
 
+    /// Whether it is of the second actuator of a joint alone.
+    pub(super) fn is_of_antagonist(&self) -> bool {
+        keys::in_antagonist(&self.path).is_some()
+    }
+
+    /// Whether its numbers are of this parameter.
+    pub(super) fn is(&self, row: &Parameter) -> bool {
+        self.parameter.is_some_and(|of| of.key == row.key)
+    }
+
+    /// The values where they stand.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = &'d Node> {
+        self.nodes.iter().copied()
+    }
+
     pub(super) fn kind(&self) -> AxisKind {
         match (&self.values, self.parameter) {
             (Values::Words(_), _) | (_, None) => AxisKind::Word,
@@ -78,15 +93,15 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
                 .help("add for instance `\"load.mass\" = [\"3 lb\", \"5 lb\"]`"),
         );
     }
-    let mut found: Vec<(&'static Key, &'d Entry)> = Vec::new();
+    let mut found: Vec<Found<'d>> = Vec::new();
     paths(r, table, "", &mut found);
     // Dotted keys of one section stand together in the parsed file, wherever they were written.
-    found.sort_by_key(|(_, entry)| entry.key.span().start);
+    found.sort_by_key(|of| of.entry.key.span().start);
     let regulated = regulated_by(r, &found);
     let mut varied: Vec<Varied<'d>> = Vec::new();
-    for (row, entry) in found {
-        if let Some(before) = varied.iter().find(|varied| varied.path == row.path) {
-            let title = format!("`{}` varies twice", row.path);
+    for Found { path, row, entry } in found {
+        if let Some(before) = varied.iter().find(|varied| varied.path == path) {
+            let title = format!("`{path}` varies twice");
             r.note(
                 Diagnostic::at(Class::Conflict, entry.key.clone(), title, "second time")
                     .related(Some(before.key.clone()), "first time")
@@ -97,15 +112,22 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
         let parameter = row.parameter().or_else(|| row_in_its_unit(regulated, row.path));
         let values = values(r, (row, parameter), &entry.node, design);
         if let Some((values, nodes)) = values.filter(|(_, nodes)| !nodes.is_empty()) {
-            varied.push(Varied { path: row.path.to_owned(), key: entry.key.clone(), values, row, parameter, nodes });
+            varied.push(Varied { path, key: entry.key.clone(), values, row, parameter, nodes });
         }
     }
     varied
 }
 
+/// An entry that is a key.
+struct Found<'d> {
+    path: String,
+    row: &'static Key,
+    entry: &'d Entry,
+}
+
 /// What the controller regulates, in whose unit some of its keys are: by what is said of it here or in the scenario.
-fn regulated_by(r: &Reader<'_>, found: &[(&'static Key, &Entry)]) -> Quantity {
-    let varies = |path: &str| found.iter().find(|(key, _)| key.path == path).map(|(_, entry)| &entry.node.value);
+fn regulated_by(r: &Reader<'_>, found: &[Found<'_>]) -> Quantity {
+    let varies = |path: &str| found.iter().find(|of| of.path == path).map(|of| &of.entry.node.value);
     let said = |path: &str| match varies(path) {
         Some(Value::List(items)) => items.first().map(|item| &item.value),
         Some(_) => None,
@@ -116,15 +138,18 @@ fn regulated_by(r: &Reader<'_>, found: &[(&'static Key, &Entry)]) -> Quantity {
 }
 
 /// Finds the entries that are keys, through the sections above them.
-fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<(&'static Key, &'d Entry)>) {
+fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<Found<'d>>) {
     for entry in &table.0 {
         let path = if above.is_empty() { entry.name.clone() } else { format!("{above}.{}", entry.name) };
-        match (keys::key_at(&path), &entry.node.value) {
-            (Some(key), _) if key.varies() => found.push((key, entry)),
-            (Some(key), _) => fixed(r, key, entry),
-            (None, Value::Table(inner)) if keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP)) => {
-                paths(r, inner, &path, found);
-            }
+        // Of the second actuator the same keys, as far as it has them.
+        let (key, is_section) = match keys::in_antagonist(&path) {
+            Some(of) => (keys::key_at(of).filter(|_| keys::is_of_antagonist(of)), keys::is_section_of_antagonist(of)),
+            None => (keys::key_at(&path), keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP))),
+        };
+        match (key, &entry.node.value) {
+            (Some(row), _) if row.varies() => found.push(Found { path, row, entry }),
+            (Some(row), _) => fixed(r, row, entry),
+            (None, Value::Table(inner)) if is_section => paths(r, inner, &path, found),
             (None, _) => unknown(r, &path, entry),
         }
     }
