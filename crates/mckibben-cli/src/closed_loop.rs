@@ -79,16 +79,23 @@ impl Goal {
     }
 }
 
-/// Runs the closed loop.
+/// Runs the closed loop and shows how far it is.
 ///
 /// # Errors
 /// What the core finds.
 pub fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
     const PARTS: f64 = 1000.0;
+    let progress = Progress::begin("simulating", Some(PARTS as u64));
+    close_watched(of, |time| progress.at((PARTS * time / of.experiment.run.duration) as u64))
+}
+
+/// Runs the closed loop, calling `watch` with the time in s that has been reached, now and then.
+///
+/// # Errors
+/// What the core finds.
+pub fn close_watched(of: &ControlledExperiment, mut watch: impl FnMut(f64)) -> Result<Closed, Error> {
     let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
     let (rig, start, run) = (&experiment.rig, experiment.start, experiment.run);
-    let progress = Progress::begin("simulating", Some(PARTS as u64));
-    let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
     let closed = |rig: &Rig, decisions: &[Decision], trajectory| Closed {
         experiment: Experiment { rig: rig.clone(), ..experiment.clone() },
         goals: goals(of, decisions),
@@ -143,6 +150,16 @@ fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
 }
 
 impl Closed {
+    /// The run, where it is kept: by the event-located engine.
+    pub fn located(&self) -> Option<&Trajectory> {
+        self.trajectory.as_ref()
+    }
+
+    /// The sampling instants in s.
+    pub fn instants(&self) -> &[f64] {
+        &self.instants
+    }
+
     /// How many samples the controller took.
     pub fn samples(&self) -> usize {
         self.instants.len()

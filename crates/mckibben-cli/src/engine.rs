@@ -11,7 +11,7 @@
 use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, Trajectory, simulate_watched};
+use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, Trajectory, simulate_watched, steps_between};
 use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
@@ -73,7 +73,7 @@ pub fn run_steps<'e>(
 ) -> Result<Outcome<'e>, Error> {
     let progress = Progress::begin("simulating", Some(rows(&experiment.run)));
     let (mut steps, mut row) = (0, 0);
-    step_through(experiment, step, &divisions, &mut |sample, recorded| {
+    step_through(experiment, regular(&experiment.run, step), &divisions, &mut |sample, recorded| {
         watch(sample);
         steps += 1;
         row += u64::from(recorded);
@@ -106,7 +106,8 @@ impl Outcome<'_> {
         match self {
             Self::Located(trajectory) => trajectory.samples(interval).try_for_each(|sample| each(&sample)),
             Self::Stepped { experiment, step, divisions, .. } => {
-                step_through(experiment, *step, divisions, &mut |sample, recorded| {
+                let ends = regular(&experiment.run, *step);
+                step_through(experiment, ends, divisions, &mut |sample, recorded| {
                     if recorded { each(sample) } else { Ok(()) }
                 })
             }
@@ -119,22 +120,46 @@ pub fn rows(run: &Run) -> u64 {
     SampleTimes::new(run.duration, run.sample_interval).last() + 1
 }
 
-/// Runs the fixed-step engine and shows every step, and whether it is a recorded sample.
-fn step_through<F: From<Error>>(
+/// The ends in s of the steps of a run that are not longer than `step` s, and whether each is recorded; also the start.
+pub(crate) fn regular(run: &Run, step: f64) -> impl Iterator<Item = (f64, bool)> + use<> {
+    std::iter::once((0.0, true)).chain(SampleTimes::new(run.duration, run.sample_interval).steps(step))
+}
+
+/// The same where only what holds at some times in s is recorded, and the run ends with the last.
+pub(crate) fn listed(times: &[f64], step: f64) -> impl Iterator<Item = (f64, bool)> {
+    let from = std::iter::once(0.0).chain(times.iter().copied());
+    from.zip(times).flat_map(move |(from, until)| {
+        let parts = steps_between(from, *until, step);
+        let end = move |part| from + (until - from) * (part as f64 / parts as f64);
+        (1..=parts).map(move |part| if part == parts { (*until, true) } else { (end(part), false) })
+    })
+}
+
+/// One or the other.
+pub(crate) fn ends<'t>(run: &Run, times: Option<&'t [f64]>, step: f64) -> Box<dyn Iterator<Item = (f64, bool)> + 't> {
+    match times {
+        Some(times) => Box::new(listed(times, step)),
+        None => Box::new(regular(run, step)),
+    }
+}
+
+/// Runs the fixed-step engine and shows every end of a step, and whether it is a recorded sample; steps are divided at
+/// `divisions` besides.
+pub(crate) fn step_through<F: From<Error>>(
     experiment: &Experiment,
-    step: f64,
+    ends: impl Iterator<Item = (f64, bool)>,
     divisions: &[f64],
     each: &mut dyn FnMut(&Sample, bool) -> Result<(), F>,
 ) -> Result<(), F> {
-    let run = &experiment.run;
     let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
-    each(&stepper.sample(), true)?;
     let mut divisions = divisions.iter().peekable();
-    for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
+    for (time, recorded) in ends {
         while let Some(division) = divisions.next_if(|division| **division < time) {
             stepper.advance_to(*division)?;
         }
-        stepper.advance_to(time)?;
+        if time > stepper.time() {
+            stepper.advance_to(time)?;
+        }
         each(&stepper.sample(), recorded)?;
     }
     Ok(())

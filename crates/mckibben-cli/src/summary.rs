@@ -54,7 +54,7 @@ impl Summary<'_> {
         if let Some(closed) = self.control {
             goals(&mut page, &closed.goals);
             let air = quantity(self.observation.air.from_supply, "kg");
-            effort(&mut page, closed.samples(), &count(closed.requests() as u64), &air);
+            effort(&mut page, closed.samples(), &count(closed.requests() as u64), Some(&air));
         }
         self.air(&mut page);
         if let Outcome::Located(trajectory) = self.outcome {
@@ -184,10 +184,12 @@ pub(crate) fn goals<'g>(page: &mut Page, goals: impl IntoIterator<Item = &'g Goa
 }
 
 /// What a controller did and what it took.
-pub(crate) fn effort(page: &mut Page, samples: usize, requests: &str, air: &str) {
+pub(crate) fn effort(page: &mut Page, samples: usize, requests: &str, air: Option<&str>) {
     page.line("samples", &format!("{}; errors are as measured then", count(samples as u64)));
     page.line("requests", &format!("{requests} changes of what the valve is asked"));
-    page.line("air used", &format!("{air} from the supply"));
+    if let Some(air) = air {
+        page.line("air used", &format!("{air} from the supply"));
+    }
 }
 
 /// What a run of the event-located engine cost.

@@ -158,6 +158,39 @@ fn a_joint_is_linearised_at_its_balance_or_at_a_stiffness() {
 }
 
 #[test]
+fn a_joint_under_pulses_is_averaged_and_drawn() {
+    let folder = Folder::new("linearize-joint-pwm");
+    let file = "examples/linearize-joint.toml";
+    let told = run(&folder, file, &["--output", "j.json", "--plot", "j.svg"]);
+    for words in ["both valves under PWM at 200.0 Hz on average", "Mean flow of the antagonist's valve", "agonist duty"]
+    {
+        assert!(told.contains(words), "{words} is not in\n{told}");
+    }
+    let model = read(&folder, "j.json");
+    assert_eq!(model["model"], "joint-averaged-pwm");
+    let names = |of: &str| -> Vec<String> {
+        let signals = model[of].as_array().expect("signals");
+        signals.iter().map(|signal| signal["name"].as_str().expect("a name").to_owned()).collect()
+    };
+    assert_eq!(names("inputs")[..2], ["agonist_duty", "antagonist_duty"]);
+    for (reach, valve) in model["controllability"].as_array().expect("each input").iter().zip([0, 1]) {
+        // Each duty alone reaches every state: through the angle it moves the other's pressure.
+        assert_eq!(reach["rank"], 4, "{reach}");
+        assert!(model["pwm"][valve]["validity"]["ripple_is_small"] == true, "{}", model["pwm"]);
+    }
+    // No air is kept: every pole decays.
+    assert!(model["poles"].as_array().expect("poles").iter().all(|pole| pole["real_1_s"].as_f64() < Some(0.0)));
+    let svg = std::fs::read_to_string(folder.path("j.svg")).expect("drawn");
+    for words in ["angle over agonist duty", "actuator torque over agonist duty", "PWM", "rad"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    // With the valves held: at an angle and a stiffness.
+    run(&folder, file, &["--angle", "5 deg", "--stiffness", "1 N*m/rad", "--plot", "h.svg", "--input", "torque"]);
+    let svg = std::fs::read_to_string(folder.path("h.svg")).expect("drawn");
+    assert!(svg.contains("angle over torque") && svg.contains("both valves held shut"), "{svg}");
+}
+
+#[test]
 fn bode_plots_are_drawn() {
     let folder = Folder::new("linearize-bode");
     let file = "examples/linearize-pwm.toml";
@@ -191,7 +224,12 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");
     let joint = "examples/antagonistic-joint.toml";
     refused(&folder, joint, &["--pressure", "60 psi"], "a joint has two actuators");
-    refused(&folder, joint, &["--plot", "a.svg"], "a joint has two actuators");
+    refused(
+        &folder,
+        joint,
+        &["--plot", "a.svg", "--input", "mass_flow"],
+        "agonist_mass_flow, antagonist_mass_flow, torque",
+    );
     refused(&folder, joint, &["--angle", "20 deg", "--stiffness", "0.01 N*m/rad"], "must not be less than");
     refused(&folder, pulsed, &["--angle", "0 deg", "--stiffness", "1 N*m/rad"], "no joint");
 }

@@ -496,6 +496,291 @@ fn samples_and_trajectories_are_those_of_simulate() {
     }
 }
 
+/// A pressure, a length and a mass of air under control, and what varies of each.
+const CONTROLLED: [(&str, &str, [(&str, &str); 3]); 3] = [
+    (
+        "kind = \"pid\"\nlength = \"88 mm\"\nproportional_band = \"8 mm\"\nintegral_time = \"0.2 s\"\npulse_frequency = \"50 Hz\"",
+        "length",
+        [("controller.proportional_band", "6 mm"), ("controller.delay", "2"), ("controller.length", "90 mm")],
+    ),
+    (
+        "kind = \"bang-bang\"\ngauge_pressure = \"40 psi\"\ndead_band = \"1 psi\"",
+        "pressure",
+        [("controller.dead_band", "2 psi"), ("controller.rate", "130 Hz"), ("load.mass", "8 lb")],
+    ),
+    (
+        "kind = \"air-mass\"\nforce = \"22 N\"\nlength = \"88 mm\"\nhighest_gauge_pressure = \"90 psi\"\ndead_band = \"0.5 mg\"",
+        "air_mass",
+        [("controller.temperature", "300 K"), ("controller.resolution", "0.1 mg"), ("valve.opening_delay", "3 ms")],
+    ),
+];
+
+fn under_control(controller: &str) -> String {
+    BASE.replace("preset = \"matrix-eight-channel\"", "kind = \"fill-hold-exhaust\"\nflow_area = \"0.1 mm^2\"")
+        .replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"controllers\"")
+        .replace("[run]", &format!("[controller]\nrate = \"200 Hz\"\n{controller}\n[run]"))
+}
+
+#[test]
+fn rows_with_a_controller_are_those_of_simulate() {
+    let folder = Folder::new("sweep-controlled");
+    for (controller, quantity, varied) in CONTROLLED {
+        let text = under_control(controller);
+        folder.file("plain.toml", &text);
+        let literal = |value: &str| if value == "2" { value.to_owned() } else { format!("\"{value}\"") };
+        let vary: Vec<String> =
+            varied.iter().map(|(path, value)| format!("\"{path}\" = [{}]", literal(value))).collect();
+        let reductions =
+            format!("\"{quantity}.final\", \"{quantity}_error.rms\", \"{quantity}_error.peak\", \"air.used\"");
+        folder.file(
+            "muscle.toml",
+            &format!("{text}[sweep]\nreductions = [{reductions}]\n[sweep.vary]\n{}\n", vary.join("\n")),
+        );
+        let set: Vec<String> = varied.iter().map(|(path, value)| format!("{path}={value}")).collect();
+        for engine in ["fixed-step", "event-located"] {
+            let engine_set = format!("run.engine={engine}");
+            let mut simulate = vec!["simulate", "plain.toml", "-o", "run.csv", "-s", &engine_set];
+            simulate.extend(set.iter().flat_map(|set| ["-s", set]));
+            let told = run(&folder, &simulate);
+            let samples = csv_lines(&folder.path("run.csv"));
+            run(&folder, &["sweep", "muscle.toml", "-o", "all.csv", "--record", "trajectories", "--engine", engine]);
+            let lines = csv_lines(&folder.path("all.csv"));
+            assert_eq!(lines.len(), samples.len());
+            let columns: Vec<&String> = lines[0].keys().filter(|name| samples[0].contains_key(*name)).collect();
+            assert_eq!(columns.len(), 10);
+            for (line, sample) in lines.iter().zip(&samples) {
+                assert!(columns.iter().all(|name| line[*name] == sample[*name]), "{quantity} by {engine}: {line:?}");
+            }
+            run(&folder, &["sweep", "muscle.toml", "-o", "sweep.csv", "--engine", engine]);
+            let line = &csv_lines(&folder.path("sweep.csv"))[0];
+            let [name, unit] = match quantity {
+                "length" => ["length_m", "m"],
+                "pressure" => ["pressure_pa", "pa"],
+                _ => ["air_mass_kg", "kg"],
+            };
+            assert_eq!(line[&format!("{quantity}_final_{unit}")], samples[samples.len() - 1][name]);
+            assert!(number(line, "air_used_kg") > 0.0);
+            // The errors at the sampling instants, of which `simulate` writes those that stand at a recorded sample or before.
+            let missed = |sample: &BTreeMap<String, String>| {
+                (number(sample, &format!("set_point_{unit}")) - number(sample, &format!("measured_{unit}"))).abs()
+            };
+            let largest = samples.iter().map(missed).fold(0.0, f64::max);
+            assert_eq!(number(line, &format!("{quantity}_error_peak_{unit}")), largest, "{told}");
+            let rms = number(line, &format!("{quantity}_error_rms_{unit}"));
+            assert!(rms > 0.0 && rms <= largest);
+        }
+    }
+}
+
+#[test]
+fn a_controller_without_a_step_takes_the_event_located_engine() {
+    let folder = Folder::new("sweep-controlled-engine");
+    let (controller, ..) = CONTROLLED[1];
+    let vary =
+        "[sweep]\nreductions = [\"pressure.final\"]\n[sweep.vary]\n\"controller.dead_band\" = [\"1 psi\", \"2 psi\"]\n";
+    let text = under_control(controller) + vary;
+    folder.file("muscle.toml", &text);
+    assert!(run(&folder, &["sweep", "muscle.toml"]).contains("fixed"));
+    folder.file("muscle.toml", &text.replace("step = \"0.1 ms\"\n", ""));
+    assert!(run(&folder, &["sweep", "muscle.toml"]).contains("event-located"));
+    // Words may lead to rows with a controller and without.
+    let kinds = "\"command.kind\" = [\"controllers\", \"fill\"]\n";
+    folder.file("both.toml", &(text.replace("\"controller.dead_band\" = [\"1 psi\", \"2 psi\"]\n", kinds)));
+    fails(&folder, &["sweep", "both.toml"], 2);
+    // Threads and shards change nothing.
+    folder.file("muscle.toml", &text.replace("[sweep]\n", "[sweep]\npart_rows = 1\n"));
+    run(&folder, &["sweep", "muscle.toml", "-o", "one", "--jobs", "1"]);
+    for shard in ["2/2", "1/2"] {
+        run(&folder, &["sweep", "muscle.toml", "-o", "shards", "--shard", shard]);
+    }
+    assert_eq!(bytes(&folder.path("shards")), bytes(&folder.path("one")));
+}
+
+/// `record = "samples"` under a controller: the run between listed times is that of the trajectory.
+#[test]
+fn listed_samples_under_a_controller() {
+    let folder = Folder::new("sweep-controlled-samples");
+    let (controller, ..) = CONTROLLED[0];
+    let vary = "[sweep]\nrecord = \"samples\"\nsample_times = [\"0 s\", \"50 ms\", \"0.12 s\"]\n[sweep.vary]\n\"load.mass\" = [\"5 lb\"]\n";
+    folder.file("muscle.toml", &(under_control(controller) + vary));
+    run(&folder, &["simulate", "muscle.toml", "-o", "run.csv", "-s", "run.engine=fixed-step"]);
+    let samples = csv_lines(&folder.path("run.csv"));
+    run(&folder, &["sweep", "muscle.toml", "-o", "some.csv"]);
+    for (line, index) in csv_lines(&folder.path("some.csv")).iter().zip([0, 50, 120]) {
+        assert_eq!(line["time_s"], samples[index]["time_s"]);
+        for name in ["length_m", "pressure_pa", "air_mass_kg"] {
+            let (found, expected) = (number(line, name), number(&samples[index], name));
+            // Steps are cut at other instants, which differ by rounding.
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} for {expected}");
+        }
+    }
+}
+
+/// A joint whose agonist is filled and shut.
+fn joint() -> String {
+    let joint = "kind = \"antagonistic-joint\"\npulley_radius = \"15 mm\"\nrest_length = \"3.3 in\"\nmass = \"0.5 kg\"\n\
+                 distance = \"100 mm\"\ninertia = \"1e-3 kg*m^2\"\ndamping = \"0.02 N*m*s/rad\"\n\
+                 [initial]\ngauge_pressure = \"20 psi\"\n[antagonist]\ncommand.kind = \"hold\"";
+    BASE.replace("preset = \"matrix-eight-channel\"", "kind = \"fill-hold-exhaust\"\nflow_area = \"0.3 mm^2\"")
+        .replace(
+            "kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5",
+            "kind = \"table\"\ntime = [\"0 s\", \"40 ms\"]\nstate = [\"fill\", \"hold\"]",
+        )
+        .replace("kind = \"hanging-mass\"\nmass = \"5 lb\"", joint)
+}
+
+/// The same under a controller of both valves.
+fn joint_under_control(controller: &str) -> String {
+    joint()
+        .replace(
+            "kind = \"table\"\ntime = [\"0 s\", \"40 ms\"]\nstate = [\"fill\", \"hold\"]",
+            "kind = \"controllers\"",
+        )
+        .replace("command.kind = \"hold\"", "initial.temperature = \"293.15 K\"")
+        .replace("[run]", &format!("[controller]\nrate = \"200 Hz\"\n{controller}\n[run]"))
+}
+
+/// Every row of a joint against `mckibben simulate`: the trajectory to the bit, and the reductions from its samples.
+fn check_joint(name: &str, text: &str, varied: &[(&str, &str)], errors: &[&str]) {
+    let folder = Folder::new(name);
+    folder.file("plain.toml", text);
+    let vary: Vec<String> = varied.iter().map(|(path, value)| format!("\"{path}\" = [\"{value}\"]")).collect();
+    let reductions =
+        ["angle.final", "angle.max", "torque.peak", "antagonist_pressure.final", "pressure.max", "air.used"];
+    let listed: Vec<String> = reductions.iter().chain(errors).map(|name| format!("\"{name}\"")).collect();
+    let sweep = format!("{text}[sweep]\nreductions = [{}]\n[sweep.vary]\n{}\n", listed.join(", "), vary.join("\n"));
+    folder.file("joint.toml", &sweep);
+    let set: Vec<String> = varied.iter().map(|(path, value)| format!("{path}={value}")).collect();
+    for engine in ["fixed-step", "event-located"] {
+        let engine_set = format!("run.engine={engine}");
+        let mut simulate = vec!["simulate", "plain.toml", "-o", "run.csv", "-s", &engine_set];
+        simulate.extend(set.iter().flat_map(|set| ["-s", set]));
+        run(&folder, &simulate);
+        let samples = csv_lines(&folder.path("run.csv"));
+        run(&folder, &["sweep", "joint.toml", "-o", "all.csv", "--record", "trajectories", "--engine", engine]);
+        let lines = csv_lines(&folder.path("all.csv"));
+        assert_eq!((lines.len(), samples.len()), (121, 121));
+        let columns: Vec<&String> = lines[0].keys().filter(|name| samples[0].contains_key(*name)).collect();
+        assert_eq!(columns.len(), 22);
+        for (line, sample) in lines.iter().zip(&samples) {
+            assert!(columns.iter().all(|name| line[*name] == sample[*name]), "{name} by {engine}: {line:?}");
+        }
+        run(&folder, &["sweep", "joint.toml", "-o", "sweep.csv", "--engine", engine]);
+        let line = &csv_lines(&folder.path("sweep.csv"))[0];
+        let last = &samples[samples.len() - 1];
+        assert_eq!(line["angle_final_rad"], last["angle_rad"]);
+        assert_eq!(line["antagonist_pressure_final_pa"], last["antagonist_pressure_pa"]);
+        let column = |name: &str| samples.iter().map(|sample| number(sample, name)).collect::<Vec<f64>>();
+        let greatest = |values: Vec<f64>| values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(number(line, "angle_max_rad"), greatest(column("angle_rad")));
+        assert_eq!(number(line, "pressure_max_pa"), greatest(column("pressure_pa")));
+        assert_eq!(number(line, "torque_peak_n_m"), greatest(column("torque_n_m").into_iter().map(f64::abs).collect()));
+        // Both valves shut but for filling: what came is what is there, of the actuators that were filled.
+        assert!(number(line, "air_used_kg") > 0.0);
+        for (error, unit) in errors.iter().zip(["rad", "n_m_rad"]) {
+            let name = format!("{}_{unit}", error.replace('.', "_"));
+            assert!(number(line, &name) > 0.0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn rows_of_a_joint_are_those_of_simulate() {
+    let varied = [
+        ("initial.gauge_pressure", "25 psi"),
+        ("antagonist.initial.temperature", "300 K"),
+        ("load.pulley_radius", "14 mm"),
+        ("load.mass", "0.4 kg"),
+        ("antagonist.load.rest_length", "3.35 in"),
+    ];
+    check_joint("sweep-joint", &joint(), &varied, &[]);
+}
+
+#[test]
+fn rows_of_a_joint_with_a_controller_are_those_of_simulate() {
+    let pid = "kind = \"pid\"\nangle = \"10 deg\"\nproportional_band = \"30 deg\"\npulse_frequency = \"50 Hz\"";
+    let varied = [
+        ("controller.proportional_band", "20 deg"),
+        ("controller.angle", "12 deg"),
+        ("load.damping", "0.03 N*m*s/rad"),
+    ];
+    check_joint("sweep-joint-pid", &joint_under_control(pid), &varied, &["angle_error.rms"]);
+    let air_mass = "kind = \"air-mass\"\nangle = \"8 deg\"\nstiffness = \"1 N*m/rad\"\nhighest_gauge_pressure = \"60 psi\"\n\
+                    dead_band = \"0.5 mg\"";
+    let varied =
+        [("controller.stiffness", "1.1 N*m/rad"), ("controller.dead_band", "1 mg"), ("valve.flow_area", "0.2 mm^2")];
+    check_joint(
+        "sweep-joint-mass",
+        &joint_under_control(air_mass),
+        &varied,
+        &["angle_error.rms", "stiffness_error.peak"],
+    );
+}
+
+/// Two sealed actuators at rest: the balance and its sealed stiffness are those of the linear model.
+#[test]
+fn a_joint_at_rest_has_the_stiffness_of_its_linear_model() {
+    let folder = Folder::new("sweep-joint-stiffness");
+    let sealed = joint()
+        .replace("kind = \"table\"\ntime = [\"0 s\", \"40 ms\"]\nstate = [\"fill\", \"hold\"]", "kind = \"hold\"");
+    let vary = "[sweep]\nreductions = [\"angle.final\", \"stiffness.mean\", \"stiffness.final\", \"air.used\"]\n[sweep.vary]\n\
+                \"initial.gauge_pressure\" = [\"20 psi\", \"50 psi\"]\n\"antagonist.initial.gauge_pressure\" = [\"20 psi\", \"40 psi\"]\n";
+    folder.file("joint.toml", &format!("{sealed}{vary}"));
+    run(&folder, &["sweep", "joint.toml", "-o", "all.csv"]);
+    for line in csv_lines(&folder.path("all.csv")) {
+        let set = [
+            format!("initial.gauge_pressure={} Pa", line["initial_gauge_pressure_pa"]),
+            format!("antagonist.initial.gauge_pressure={} Pa", line["antagonist_initial_gauge_pressure_pa"]),
+        ];
+        run(&folder, &["linearize", "joint.toml", "-o", "model.json", "-s", &set[0], "-s", &set[1]]);
+        let model = std::fs::read_to_string(folder.path("model.json")).expect("written");
+        let model: serde_json::Value = serde_json::from_str(&model).expect("JSON");
+        let point = |name: &str| model["operating_point"][name].as_f64().expect("a number");
+        let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+        close(number(&line, "stiffness_final_n_m_rad"), point("sealed_stiffness_n_m_rad"));
+        close(number(&line, "stiffness_mean_n_m_rad"), point("sealed_stiffness_n_m_rad"));
+        assert!((number(&line, "angle_final_rad") - point("angle_rad")).abs() < 1e-6);
+        assert_eq!(number(&line, "air_used_kg"), 0.0);
+    }
+}
+
+/// Without a step the rows of a joint share the one that they need, as those of one actuator do.
+#[test]
+fn a_sweep_of_a_joint_chooses_its_step() {
+    let folder = Folder::new("sweep-joint-step");
+    let vary = "[sweep]\nrecord = \"samples\"\nsample_times = [\"0 s\", \"60 ms\", \"0.12 s\"]\n[sweep.vary]\n\"load.mass\" = [\"0.3 kg\", \"0.5 kg\"]\n";
+    folder.file("joint.toml", &(joint().replace("step = \"0.1 ms\"\n", "") + vary));
+    let told = run(&folder, &["sweep", "joint.toml", "-o", "all"]);
+    assert!(told.contains("the least that 2 runs spread over the sweep need"), "{told}");
+    let step = step_of(&folder.path("all"))["longest_s"].as_f64().expect("a step");
+    let lines = parquet_lines(&parts(&folder.path("all")));
+    assert_eq!(lines.len(), 6);
+    let set = format!("run.step={step} s");
+    run(
+        &folder,
+        &[
+            "simulate",
+            "joint.toml",
+            "-o",
+            "run.csv",
+            "-s",
+            "run.engine=fixed-step",
+            "-s",
+            "load.mass=0.3 kg",
+            "-s",
+            &set,
+        ],
+    );
+    let samples = csv_lines(&folder.path("run.csv"));
+    for (line, index) in lines.iter().zip([0, 60, 120]) {
+        for name in ["angle_rad", "antagonist_pressure_pa", "tension_n"] {
+            let (found, expected) = (number(line, name), number(&samples[index], name));
+            // Steps between samples are cut at other instants.
+            assert!((found - expected).abs() < 1e-3 * expected.abs().max(0.1), "{name}: {found} for {expected}");
+        }
+    }
+}
+
 #[test]
 fn times_may_vary_too() {
     let folder = Folder::new("sweep-times");

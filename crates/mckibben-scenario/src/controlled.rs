@@ -68,6 +68,18 @@ impl control::Controller for ControlLaw {
 }
 
 impl Scenario {
+    /// Builds what the scenario describes and its controller, or `None` when it has none, or one of a joint.
+    ///
+    /// # Errors
+    /// What the core finds contradictory, as [`Scenario::experiment`].
+    pub fn controlled_experiment(&self) -> Result<Option<ControlledExperiment>, Error> {
+        match (&self.command, &self.load) {
+            (Some(Command::Controller(_)), Load::AntagonisticJoint(_)) => Ok(None),
+            (Some(Command::Controller(controller)), _) => controlled(self, controller).map(Some),
+            _ => Ok(None),
+        }
+    }
+
     /// The same with nothing asked of the valve where a controller would ask.
     pub fn open_loop(&self) -> Self {
         let mut open = self.clone();
@@ -85,27 +97,28 @@ impl Scenario {
 }
 
 impl Document {
-    /// Reads the scenario and builds what it describes and its controller, or `None` when it has none.
+    /// Reads the scenario and builds what it describes and its controller, or `None` when it has none, or one of a joint.
     ///
     /// # Errors
     /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
     pub fn controlled_experiment(&self) -> Result<Option<ControlledExperiment>, Diagnostics> {
-        let scenario = self.scenario()?;
-        let Some(Command::Controller(controller)) = &scenario.command else { return Ok(None) };
-        if matches!(scenario.load, Load::AntagonisticJoint(_)) {
-            return Ok(None);
-        }
-        controlled(&scenario, controller).map(Some).map_err(|error| self.diagnose(&error).into())
+        self.scenario()?.controlled_experiment().map_err(|error| self.diagnose(&error).into())
     }
 }
 
-fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
+/// Refuses fixed steps under a controller of which none is given.
+pub(crate) fn check_step(scenario: &Scenario) -> Result<(), Error> {
     if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
         return Err(Error::Unsupported {
             what: "the fixed-step engine cannot choose its step under a controller yet",
             remedy: "give run.step, such as \"0.1 ms\"",
         });
     }
+    Ok(())
+}
+
+fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
+    check_step(scenario)?;
     let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
     let regulated = of.aim.regulated();

@@ -1,7 +1,6 @@
 //! From a controller of a joint in a file to the core's: the same numbers, in the core's types.
 
-use crate::choice::Engine;
-use crate::controlled::{core_regulator, core_sampling, ways};
+use crate::controlled::{check_step, core_regulator, core_sampling, ways};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::model::JointExperiment;
@@ -68,6 +67,20 @@ impl JointController for JointLaw {
     }
 }
 
+impl Scenario {
+    /// Builds the joint and the controller that the scenario describes, or `None` when it has not both.
+    ///
+    /// # Errors
+    /// What the core finds contradictory, as [`Scenario::experiment`].
+    pub fn controlled_joint_experiment(&self) -> Result<Option<ControlledJointExperiment>, Error> {
+        let (Load::AntagonisticJoint(_), Some(Command::Controller(of))) = (&self.load, &self.command) else {
+            return Ok(None);
+        };
+        let Some(experiment) = self.open_loop().joint_experiment()? else { return Ok(None) };
+        controlled(self, of, experiment).map(Some)
+    }
+}
+
 impl Document {
     /// Reads the scenario and builds its joint and its controller, or `None` when it has not both.
     ///
@@ -88,12 +101,7 @@ fn controlled(
     of: &Controller,
     experiment: JointExperiment,
 ) -> Result<ControlledJointExperiment, Error> {
-    if scenario.run.engine == Engine::FixedStep {
-        return Err(Error::Unsupported {
-            what: "the fixed-step engine does not take the controller of an antagonistic joint yet",
-            remedy: "set run.engine = \"event-located\", or leave it out",
-        });
-    }
+    check_step(scenario)?;
     let own = ways(scenario)?;
     if let Some(second) = scenario.of_antagonist()
         && ways(&second)? != own

@@ -57,6 +57,11 @@ impl Place {
         Self { source, span: start..end }
     }
 
+    /// Whether the other is the same place in the same text.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.source, &other.source) && self.span == other.span
+    }
+
     /// Other bytes of the same text.
     pub(crate) fn narrowed(&self, span: Range<usize>) -> Self {
         Self::new(self.source.clone(), span)

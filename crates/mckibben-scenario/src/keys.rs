@@ -89,12 +89,9 @@ impl Key {
         }
     }
 
-    /// Whether a sweep can vary it: it holds one value and describes the scenario, not the sweep, and not a
-    /// joint or a controller, which sweeps do not take.
+    /// Whether a sweep can vary it: it can hold one value and describes the scenario, not the sweep.
     pub fn varies(&self) -> bool {
-        let single = matches!(self.kind, Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::Unit(_) | Kind::Choice(_));
-        let of_joint = self.when.is_some_and(|when| when.words == JOINT);
-        single && ![SWEEP, CONTROLLER].contains(&self.section()) && !of_joint
+        !matches!(self.kind, Kind::Quantities(_) | Kind::Choices(_)) && self.section() != SWEEP
     }
 
     const fn required(self) -> Self {

@@ -117,32 +117,57 @@ impl Document {
 
     /// The joint that a scenario of this document describes.
     pub(crate) fn joint_of(&self, scenario: &Scenario) -> Result<Option<JointExperiment>, Diagnostics> {
-        let (Load::AntagonisticJoint(joint), Some(second)) = (&scenario.load, scenario.of_antagonist()) else {
+        scenario.joint().map_err(|(of, error)| match of {
+            Part::Joint => self.diagnose(&error).into(),
+            Part::Antagonist => self.antagonist().diagnose(&error).into(),
+        })
+    }
+}
+
+/// What of a joint contradicts itself.
+enum Part {
+    /// The joint, or its agonist.
+    Joint,
+    /// The second actuator.
+    Antagonist,
+}
+
+impl Scenario {
+    /// Builds the joint that the scenario describes, or `None` when its load is another.
+    ///
+    /// # Errors
+    /// As [`Scenario::experiment`].
+    pub fn joint_experiment(&self) -> Result<Option<JointExperiment>, Error> {
+        self.joint().map_err(|(_, error)| error)
+    }
+
+    fn joint(&self) -> Result<Option<JointExperiment>, (Part, Error)> {
+        let (Load::AntagonisticJoint(joint), Some(second)) = (&self.load, self.of_antagonist()) else {
             return Ok(None);
         };
-        let failed = |error: Error| Diagnostics::from(self.diagnose(&error));
-        if scenario.tendon.is_some() {
+        let failed = |error: Error| (Part::Joint, error);
+        if self.tendon.is_some() {
             let (what, remedy) = (
                 "the tendons of an antagonistic joint do not stretch yet",
                 "leave out [tendon], or choose another load.kind",
             );
             return Err(failed(Error::Unsupported { what, remedy }));
         }
-        if scenario.has_line() || second.has_line() {
+        if self.has_line() || second.has_line() {
             let (what, remedy) = (
                 "an antagonistic joint takes no air line yet",
                 "leave out [hose], actuator.leakage and the reservoir or regulator of [supply]",
             );
             return Err(failed(Error::Unsupported { what, remedy }));
         }
-        let agonist = scenario.driven().map_err(failed)?;
-        let output = opposite_output(scenario, &second).map_err(failed)?;
-        let antagonist = second.driven_by(output).map_err(|error| self.antagonist().diagnose(&error))?;
+        let agonist = self.driven().map_err(failed)?;
+        let output = opposite_output(self, &second).map_err(failed)?;
+        let antagonist = second.driven_by(output).map_err(|error| (Part::Antagonist, error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
-        if scenario.run.engine == Engine::EventLocated {
+        if self.run.engine == Engine::EventLocated {
             rig.check_located().map_err(failed)?;
         }
-        let starts = [scenario.initial, second.initial];
+        let starts = [self.initial, second.initial];
         let initial = JointInitial {
             gauge_pressure: starts.map(|start| GaugePressure(start.gauge_pressure)),
             temperature: starts.map(|start| start.temperature),
@@ -153,7 +178,7 @@ impl Document {
             angular_velocity: joint.angular_velocity,
         };
         let start = rig.start(&initial).map_err(failed)?;
-        Ok(Some(JointExperiment { rig, start, run: scenario.run }))
+        Ok(Some(JointExperiment { rig, start, run: self.run }))
     }
 }
 

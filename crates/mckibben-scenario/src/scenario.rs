@@ -742,6 +742,16 @@ pub struct Run {
 }
 
 impl Scenario {
+    /// Whether two actuators turn a joint.
+    pub fn has_joint(&self) -> bool {
+        matches!(self.load, Load::AntagonisticJoint(_))
+    }
+
+    /// Whether a controller drives the valve.
+    pub fn has_controller(&self) -> bool {
+        matches!(self.command, Some(Command::Controller(_)))
+    }
+
     /// Reads a scenario from text; `file_name` stands in messages.
     ///
     /// # Errors

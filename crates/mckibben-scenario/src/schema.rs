@@ -47,15 +47,20 @@ pub fn schema() -> Value {
 /// What a key takes in `[sweep.vary]`: a list, and if it is a quantity a range or a distribution.
 fn of_axis(key: &Key) -> Value {
     let mut ways = vec![json!({ "type": "array", "minItems": 1, "items": of_key(key) })];
-    if let Kind::Quantity(row) | Kind::QuantityOr(row, _) = key.kind {
-        let quantity = of_quantity(row);
+    let quantity = match key.kind {
+        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Course(row) => {
+            Some((of_quantity(row), of_quantity(&Parameter { range: Range::POSITIVE, ..*row })))
+        }
+        Kind::Regulated => Some((of_key(key), of_key(key))),
+        _ => None,
+    };
+    if let Some((quantity, deviation)) = quantity {
         let spacing = of_words(Spacing::CHOICES);
         let table = |names: Value, required: &[&str]| json!({ "type": "object", "properties": names, "required": required, "additionalProperties": false });
         let ends = json!({ "from": quantity, "to": quantity, "spacing": spacing });
         let mut range = ends.clone();
         range["count"] = of_whole(&COUNT);
         let uniform = table(ends, &["from", "to"]);
-        let deviation = of_quantity(&Parameter { range: Range::POSITIVE, ..*row });
         let normal = table(json!({ "mean": quantity, "deviation": deviation }), &["mean", "deviation"]);
         let log_normal = table(json!({ "median": quantity, "factor": of_quantity(&FACTOR) }), &["median", "factor"]);
         ways.push(table(range, &["from", "to"]));
@@ -66,20 +71,32 @@ fn of_axis(key: &Key) -> Value {
     json!({ "description": describe(key), "anyOf": ways })
 }
 
-/// The section whose entries are paths of keys: each as one quoted name, or as sections in sections.
-fn of_vary(section: &str) -> Map<String, Value> {
+/// The section whose entries are paths of keys: each as one quoted name, or as sections in sections. Of the second actuator
+/// of a joint the keys that it takes.
+fn of_vary(section: &str, of_antagonist: bool) -> Map<String, Value> {
     let mut properties = Map::new();
     let refer = |key: &Key| json!({ "$ref": format!("#/$defs/{}", key.path) });
-    for key in KEYS.iter().filter(|key| key.varies() && (section.is_empty() || key.section() == section)) {
+    let takes = |key: &&Key| key.varies() && (!of_antagonist || is_of_antagonist(key.path));
+    for key in KEYS.iter().filter(takes).filter(|key| section.is_empty() || key.section() == section) {
         let name = if section.is_empty() { key.path } else { key.name() };
         properties.insert(name.to_owned(), refer(key));
+        if section.is_empty() && !of_antagonist && is_of_antagonist(key.path) {
+            properties.insert(format!("{ANTAGONIST}.{name}"), refer(key));
+        }
     }
-    for inner in SECTIONS.iter().filter(|inner| !inner.path.starts_with(SWEEP) && inner.path != ANTAGONIST) {
+    let inside = |properties| json!({ "type": "object", "properties": properties, "additionalProperties": false });
+    let takes = |of: &&Section| match of_antagonist {
+        true => is_section_of_antagonist(of.path),
+        false => !of.path.starts_with(SWEEP) && of.path != ANTAGONIST,
+    };
+    for inner in SECTIONS.iter().filter(takes) {
         let (above, name) = inner.path.rsplit_once('.').unwrap_or(("", inner.path));
         if above == section {
-            let inside = json!({ "type": "object", "properties": of_vary(inner.path), "additionalProperties": false });
-            properties.insert(name.to_owned(), inside);
+            properties.insert(name.to_owned(), inside(of_vary(inner.path, of_antagonist)));
         }
+    }
+    if section.is_empty() && !of_antagonist {
+        properties.insert(ANTAGONIST.to_owned(), inside(of_vary("", true)));
     }
     properties
 }
@@ -89,7 +106,7 @@ fn of_section(section: &Section) -> Value {
         return json!({
             "description": section.meaning,
             "type": "object",
-            "properties": of_vary(""),
+            "properties": of_vary("", false),
             "minProperties": 1,
             "additionalProperties": false,
         });

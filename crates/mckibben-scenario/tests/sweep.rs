@@ -1,7 +1,8 @@
 //! Sweeps: the order of grids, the fast way to a row against the text, independence of order, and every mistake.
 
+use mckibben::control::Quantity;
 use mckibben_scenario::diagnostic::{Class, Diagnostic};
-use mckibben_scenario::keys::{KEYS, Kind};
+use mckibben_scenario::keys::{KEYS, Key, Kind, is_of_antagonist};
 use mckibben_scenario::{AxisKind, AxisValue, Document, Record, Sweep, quantity};
 use std::path::Path;
 
@@ -141,6 +142,32 @@ fn draws_follow_their_distributions() {
     }
 }
 
+/// Keys that a joint alone has.
+const JOINT_ALONE: &[&str] = &[
+    "load.pulley_radius",
+    "load.rest_length",
+    "load.distance",
+    "load.inertia",
+    "load.hanging_angle",
+    "load.torque",
+    "load.damping",
+    "load.min_angle",
+    "load.max_angle",
+    "load.stop_stiffness",
+    "load.stop_damping",
+    "initial.angle",
+    "initial.angular_velocity",
+];
+
+/// The same file with a joint for its load.
+fn with_joint(text: &str) -> String {
+    let mass = "kind = \"hanging-mass\"\nmass = \"5 lb\"";
+    let joint = "kind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\npulley_radius = \"15 mm\"\n\
+                 rest_length = \"8 cm\"";
+    assert!(text.contains(mass), "{text}");
+    text.replace(mass, joint)
+}
+
 /// A file in which a quantity applies.
 fn surroundings(path: &str) -> String {
     let process = match path {
@@ -222,7 +249,33 @@ fn surroundings(path: &str) -> String {
     if path.starts_with("tendon.") {
         base.push_str("[tendon]\nstiffness = \"10 kN/m\"\n");
     }
-    if path.starts_with("hose.") {
+    if path == "controller.angle" || path == "controller.stiffness" || JOINT_ALONE.contains(&path) {
+        base = with_joint(&base);
+    }
+    if let Some(key) = path.strip_prefix("controller.") {
+        base = base.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"controllers\"");
+        let of = match key {
+            "angle" => "kind = \"pid\"\nproportional_band = \"10 deg\"",
+            "stiffness" => {
+                "kind = \"air-mass\"\nangle = \"5 deg\"\nhighest_gauge_pressure = \"5 bar\"\ndead_band = \"1 mg\""
+            }
+            "length" => "kind = \"pid\"\nproportional_band = \"1 mm\"",
+            "air_mass" => "kind = \"pid\"\nproportional_band = \"1 g\"",
+            "force" => "kind = \"pid\"\nproportional_band = \"1 N\"",
+            "dead_band" | "hysteresis" => "kind = \"bang-bang\"\ngauge_pressure = \"1 bar\"\ndead_band = \"50 mbar\"",
+            "highest_gauge_pressure" | "temperature" => {
+                "kind = \"air-mass\"\nforce = \"1 N\"\nhighest_gauge_pressure = \"1 bar\"\ndead_band = \"1 mg\""
+            }
+            _ => {
+                "kind = \"pid\"\ngauge_pressure = \"1 bar\"\namplitude = \"1 mbar\"\nfrequency = \"1 Hz\"\n\
+                 proportional_band = \"1 bar\""
+            }
+        };
+        base.push_str(&format!("[controller]\nrate = \"10 Hz\"\n{of}\n"));
+    }
+    if path == "hose.cells" {
+        base.push_str("[hose]\nkind = \"distributed\"\nlength = \"2 m\"\ndiameter = \"3 mm\"\n");
+    } else if path.starts_with("hose.") {
         base.push_str("[hose]\nlength = \"2 m\"\ndiameter = \"3 mm\"\n");
     }
     if path.starts_with("supply.") && !["supply.gauge_pressure", "supply.temperature"].contains(&path) {
@@ -234,38 +287,119 @@ fn surroundings(path: &str) -> String {
     format!("{process}{base}")
 }
 
+/// Three values of a key near its example, as a file has them; the last stands in a file alone.
+fn literals(key: &Key) -> Option<[String; 3]> {
+    let row = match key.kind {
+        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Course(row) | Kind::Whole(row) => row,
+        // Their examples are pressures.
+        Kind::Regulated => Quantity::Pressure.rows().set_point,
+        _ => return None,
+    };
+    let example = match key.path {
+        "initial.length" => "\"3.5 in\"",
+        "initial.angle" => "\"5 deg\"",
+        _ => key.example,
+    };
+    let at_example = quantity::parse(example.trim_matches('"')).expect("a quantity").value;
+    // Other values near the example that are in range.
+    let factors = if row.range.low == 1.0 { [1.05, 1.1, 1.0] } else { [0.9, 0.95, 1.0] };
+    let values = match key.kind {
+        Kind::Whole(_) => [1.0, 2.0, 0.0].map(|more| at_example + more),
+        _ => factors.map(|factor| at_example * factor),
+    };
+    Some(values.map(|value| match row.unit {
+        "" => format!("{value:?}"),
+        unit => format!("\"{}\"", quantity::format(value, unit)),
+    }))
+}
+
+/// Tries a list of values of the key at a path: each row's scenario is what the value as text gives, bit for bit. Whether the
+/// key can stand in the file.
+fn try_rows(text: &str, path: &str, literals: &[String; 3]) -> bool {
+    // A list, so that text and list hold the same bits.
+    let document =
+        Document::parse(&format!("{text}[sweep.vary]\n\"{path}\" = [{}]\n", literals.join(", ")), "muscle.toml");
+    let document = document.unwrap_or_else(|error| panic!("{error}"));
+    let Ok(sweep) = document.sweep() else { return false };
+    let sweep = sweep.expect("a sweep");
+    for (index, literal) in literals.iter().enumerate() {
+        let mut document = document.clone();
+        document.remove("sweep");
+        document.set_text(path, literal).expect("a path");
+        let expected = document.scenario().unwrap_or_else(|error| panic!("{path}\n{error}"));
+        let found = sweep.scenario(index as u64).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(found, expected, "{path}");
+    }
+    let scenarios = [0, 2].map(|row| sweep.scenario(row).expect("a row"));
+    assert!(literals[0] == literals[2] || scenarios[0] != scenarios[1], "{path} changes nothing");
+    true
+}
+
 /// For every key that is a quantity: the row's scenario is what reading the row's value from text gives, bit for bit.
 #[test]
 fn a_row_is_what_its_text_says() {
     let mut tried = 0;
     for key in KEYS.iter().filter(|key| key.varies()) {
-        let (Kind::Quantity(row) | Kind::QuantityOr(row, _)) = key.kind else { continue };
-        let example = if key.path == "initial.length" { "\"3.5 in\"" } else { key.example };
-        let at_example = quantity::parse(example.trim_matches('"')).expect("a quantity").value;
-        // Other values near the example that are in range; a list, so that text and list hold the same bits.
-        let factors = if row.range.low == 1.0 { [1.05, 1.1, 1.0] } else { [0.9, 0.95, 1.0] };
-        let values = factors.map(|factor| at_example * factor);
-        let literal = |value: f64| match row.unit {
-            "" => format!("{value:?}"),
-            unit => format!("\"{}\"", quantity::format(value, unit)),
-        };
-        let list = values.map(literal).join(", ");
-        let text = format!("{}[sweep.vary]\n\"{}\" = [{list}]\n", surroundings(key.path), key.path);
-        let document = Document::parse(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
-        let sweep = document.sweep().unwrap_or_else(|error| panic!("{}\n{error}", key.path)).expect("a sweep");
-        for (index, value) in values.into_iter().enumerate() {
-            let mut document = document.clone();
-            document.remove("sweep");
-            document.set_text(key.path, &literal(value)).expect("a path");
-            let expected = document.scenario().unwrap_or_else(|error| panic!("{}\n{error}", key.path));
-            let found = sweep.scenario(index as u64).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(found, expected, "{}", key.path);
-        }
-        let scenarios = [0, 2].map(|row| sweep.scenario(row).expect("a row"));
-        assert!(values[0] == values[2] || scenarios[0] != scenarios[1], "{} changes nothing", key.path);
+        let Some(literals) = literals(key) else { continue };
+        assert!(try_rows(&surroundings(key.path), key.path, &literals), "{}", key.path);
         tried += 1;
     }
-    assert!(tried > 35, "only {tried} quantities");
+    assert!(tried > 130, "only {tried} quantities");
+}
+
+/// What varies of the first actuator of a joint varies of the second unless that has its own, and the second may vary alone.
+#[test]
+fn a_row_of_a_joint_is_what_its_text_says() {
+    let (mut both, mut second) = (0, 0);
+    for key in KEYS.iter().filter(|key| key.varies() && key.path != "load.mass") {
+        let Some(literals) = literals(key) else { continue };
+        let file = surroundings(key.path);
+        if !(file.contains("hanging-mass") || file.contains("antagonistic-joint"))
+            || key.path.starts_with("initial.length")
+        {
+            continue;
+        }
+        let file = if file.contains("hanging-mass") { with_joint(&file) } else { file };
+        let own = |literal: &str| format!("{file}[antagonist]\n{} = {literal}\n", key.path);
+        both += usize::from(try_rows(&file, key.path, &literals));
+        if is_of_antagonist(key.path) {
+            second += usize::from(try_rows(&file, &format!("antagonist.{}", key.path), &literals));
+            try_rows(&own(&literals[1]), key.path, &literals);
+        }
+    }
+    assert!(both > 100 && second > 60, "{both} {second}");
+    // The second takes over what it does not say itself, and only that.
+    let vary = "[sweep.vary]\n\"initial.gauge_pressure\" = [\"1 bar\", \"2 bar\"]\nactuator.thread_length = [\"11 cm\", \"12 cm\"]\n";
+    let of = |between: &str| {
+        let text = format!("[actuator]\npreset = \"colbrunn-2001\"\n{}{between}{vary}", with_joint(BASE));
+        let sweep = Document::parse(&text, "joint.toml").expect("TOML").sweep();
+        let last = sweep.unwrap_or_else(|error| panic!("{error}")).expect("a sweep").scenario(3).expect("a row");
+        let second = last.of_antagonist().expect("a joint");
+        [last, second].map(|of| (of.initial.gauge_pressure, of.actuator.thread_length, of.actuator.min_length))
+    };
+    let long = (2e5, 0.12, 0.12 / 3_f64.sqrt());
+    assert_eq!(of(""), [long; 2]);
+    let own = "[antagonist]\ninitial.gauge_pressure = \"3 bar\"\nactuator.min_length = \"6 cm\"\n";
+    assert_eq!(of(own), [long, (3e5, 0.12, 0.06)]);
+}
+
+#[test]
+fn rows_are_joints_all_or_none() {
+    let joint = with_joint(BASE);
+    let of = |text: &str| Document::parse(text, "joint.toml").expect("TOML").sweep();
+    let vary = "[sweep.vary]\nload.mass = [\"1 kg\", \"2 kg\"]\n";
+    let sweep = of(&format!("{joint}{vary}")).unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    let Record::Reductions(all) = sweep.record() else { panic!("reductions") };
+    assert!(sweep.has_joint() && all.iter().any(|of| of.name() == "stiffness.final"), "{all:?}");
+    let mixed = format!("{joint}[sweep.vary]\nload.kind = [\"antagonistic-joint\", \"isometric\"]\n");
+    assert!(of(&mixed).is_err());
+    // Of one actuator a joint's reductions are refused, and the second actuator has no keys.
+    let found = document(&format!("[sweep]\nreductions = [\"angle.final\"]\n{vary}")).sweep().expect_err("no joint");
+    assert!(found.to_string().contains("of a joint, and there is none"), "{found}");
+    let found =
+        document("[sweep.vary]\n\"antagonist.valve.flow_area\" = [\"1 mm^2\"]\n").sweep().expect_err("no joint");
+    assert!(found.to_string().contains("[antagonist] has no meaning"), "{found}");
+    in_grid("\"antagonist.load.mass\" = [\"1 kg\"]", Class::UnknownKey, 1, &["no path to a key"]);
 }
 
 /// A given least length stays; one that is not given follows the thread, as in a file.
@@ -394,6 +528,8 @@ fn mistakes_of_the_design() {
     design("rows = 12", Class::NotApplicable, (2, 1), &["`sweep.design` = \"grid\"", "latin-hypercube"]);
     design("desing = \"grid\"", Class::UnknownKey, (2, 1), &["did you mean `design`?"]);
     design("reductions = [\"length.finale\"]", Class::InvalidChoice, (2, 15), &["did you mean \"length.final\"?"]);
+    let error = "reductions = [\"length.final\", \"length_error.rms\"]";
+    design(error, Class::NotApplicable, (2, 31), &["of a controller", "command.kind"]);
     design("record = \"samples\"", Class::Missing, (1, 2), &["sample_times"]);
     design("sample_times = [\"1 s\"]", Class::NotApplicable, (2, 1), &["`samples`"]);
     design("record = \"samples\"\nsample_times = [\"1 s\", \"1 s\"]", Class::BadList, (3, 24), &["increase"]);
@@ -419,6 +555,52 @@ fn mistakes_of_the_keys() {
     in_grid("\"sweep.rows\" = [1, 2]", Class::NotApplicable, 1, &["describes the sweep itself"]);
     in_grid("\"command.time\" = [\"1 s\"]", Class::NotApplicable, 1, &["is a list"]);
     in_grid("\"load.force\" = [\"1 N\"]", Class::NotApplicable, 1, &["has no meaning", "hanging-mass"]);
+}
+
+/// What a controller's keys take is in the unit of what it regulates.
+#[test]
+fn gains_are_in_the_unit_of_what_is_regulated() {
+    let base = BASE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"controllers\"");
+    let of = |controller: &str, vary: &str| {
+        let text = format!("{base}[controller]\nrate = \"100 Hz\"\n{controller}\n[sweep.vary]\n{vary}\n");
+        Document::parse(&text, "muscle.toml").expect("TOML").sweep()
+    };
+    let band = "\"controller.proportional_band\" = ";
+    let by_length = of("kind = \"pid\"\nlength = \"85 mm\"", &format!("{band}[\"1 mm\", \"2 mm\"]"));
+    let by_length = by_length.unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    assert_eq!(by_length.axes()[0].column(), "controller_proportional_band_m");
+    // The set point may stand in the sweep alone.
+    let vary = format!("{band}{{ from = \"1 mg\", to = \"9 mg\", count = 5 }}\ncontroller.air_mass = [\"60 mg\"]");
+    let by_mass = of("kind = \"pid\"", &vary).unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    assert_eq!(by_mass.axes()[0].column(), "controller_proportional_band_kg");
+    assert_eq!(number(&by_mass, 0, 1), 3e-6);
+    let wrong = of("kind = \"pid\"\ngauge_pressure = \"1 bar\"", &format!("{band}[\"1 mm\"]"));
+    let wrong = wrong.expect_err("a length").to_string();
+    assert!(wrong.contains("a pressure") && wrong.contains("a length"), "{wrong}");
+    let whole = of("kind = \"pid\"\nlength = \"85 mm\"\nproportional_band = \"1 mm\"", "controller.delay = [1, 1.5]");
+    assert!(whole.expect_err("no half sample").to_string().contains("a whole number"));
+    let range = "controller.delay = { from = 0, to = 4, count = 5 }";
+    let range = of("kind = \"pid\"\nlength = \"85 mm\"\nproportional_band = \"1 mm\"", range);
+    assert!(range.expect_err("a range").to_string().contains("a list of whole numbers"));
+    // A sinusoid that a row takes below nothing is the error of that row.
+    let wave =
+        "kind = \"pid\"\nlength = \"85 mm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"\nproportional_band = \"1 mm\"";
+    let wave = of(wave, "controller.amplitude = [\"1 mm\", \"90 mm\"]");
+    let wave = wave.unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    assert!(wave.scenario(0).is_ok());
+    assert!(wave.scenario(1).expect_err("a negative length").to_string().contains("controller.length"));
+}
+
+#[test]
+fn a_sobol_sequence_has_its_dimensions() {
+    let keys: Vec<String> = KEYS
+        .iter()
+        .filter(|key| key.varies() && matches!(key.kind, Kind::Quantity(_) | Kind::Choice(_)))
+        .map(|key| format!("\"{}\" = [{}]", key.path, key.example))
+        .collect();
+    assert!(keys.len() > 128);
+    let header = "[sweep]\ndesign = \"sobol\"\nrows = 8\n[sweep.vary]\n";
+    check(&format!("{header}{}\n", keys[..129].join("\n")), Class::OutOfRange, (4, 8), &["129 keys", "128 dimensions"]);
 }
 
 #[test]

@@ -327,6 +327,11 @@ fn the_schema_accepts_every_way_to_vary() {
         load.gravity = { from = "1 m/s^2", to = "10 m/s^2", spacing = "logarithmic" }
         "air.process" = ["isentropic", "isothermal"]
         "actuator.turns" = { from = 2, to = 3, count = 3 }
+        "antagonist.initial.gauge_pressure" = ["1 bar", "2 bar"]
+        antagonist.valve.flow_area = { from = "1 mm^2", to = "2 mm^2", count = 3 }
+        "controller.proportional_band" = { from = "1 mm", to = "9 mm", count = 3 }
+        controller.delay = [0, 1]
+        controller.length = ["85 mm"]
         "initial.length" = ["equilibrium", "3.5 in"]
         "valve.opening_delay" = { normal = { mean = "4 ms", deviation = "0.5 ms" } }
         "valve.efficiency" = { uniform = { from = 0.8, to = 0.9 } }

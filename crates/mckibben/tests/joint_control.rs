@@ -8,8 +8,8 @@ use mckibben::control::{
 };
 use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
 use mckibben::simulation::{
-    Actuation, ControlledJoint, Driven, EventKind, InitialAngle, JointEvent, JointInitial, JointRig, simulate_joint,
-    simulate_joint_controlled,
+    Actuation, ControlledJoint, ControlledJointStepper, Driven, EventKind, InitialAngle, JointEvent, JointInitial,
+    JointRig, JointStepper, Method, simulate_joint, simulate_joint_controlled,
 };
 use mckibben::valve::{Command, FlowStandard, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
@@ -164,6 +164,53 @@ fn what_was_asked_gives_the_same_run_without_the_controller() {
     for sample in open.samples(0.01) {
         assert_within(closed.at(sample.time).angle, sample.angle, 1e-6);
     }
+}
+
+/// At fixed steps, which do not fall on the samples.
+fn stepped<C: JointController>(controller: &C, sampling: Sampling, steps: u32) -> ControlledJointStepper<'_, f64, C> {
+    let papers = [paper(), paper()];
+    let rig = rig(&papers);
+    let start = rig.start(&initial(&papers)).expect("a start");
+    let with = (sampling, JointSensors::perfect());
+    let mut stepper = ControlledJointStepper::new(&rig, start, Method::Rk4, controller, with).expect("a stepper");
+    for step in 1..=steps {
+        stepper.advance_to(0.4 * f64::from(step) / f64::from(steps)).expect("a step");
+    }
+    stepper
+}
+
+fn swing() -> JointTracker {
+    let regulator = Regulator::Pid(Pid::new(Quantity::Angle, 0.4, Output::FillHoldExhaust).expect("a controller"));
+    JointTracker { angle: SetPoint::constant(Quantity::Angle, 0.25).expect("a set point"), regulator }
+}
+
+#[test]
+fn fixed_steps_come_to_the_same_run() {
+    for (rate, delay) in [(50.0, 0), (33.0, 2)] {
+        let located = run(0.4, &swing(), sampling(rate, delay));
+        let errors = [250, 1_000].map(|steps| {
+            let law = swing();
+            let stepper = stepped(&law, sampling(rate, delay), steps);
+            assert_eq!(stepper.decisions().len(), located.decisions.len());
+            let (last, exact) = (stepper.sample(), located.trajectory.at(0.4));
+            let pressure = |i: usize| (last.actuators[i].pressure.0 / exact.actuators[i].pressure.0 - 1.0).abs();
+            (last.angle - exact.angle).abs().max(pressure(0)).max(pressure(1))
+        });
+        assert!(errors[1] < 1e-4 && errors[1] < (0.5 * errors[0]).max(1e-6), "{errors:?}");
+    }
+}
+
+#[test]
+fn a_run_at_fixed_steps_is_the_open_loop_s_with_its_commands_to_the_last_bit() {
+    let law = swing();
+    let closed = stepped(&law, sampling(50.0, 0), 400);
+    let papers = [paper(), paper()];
+    let open = JointStepper::new(closed.rig().clone(), Method::Rk4);
+    let mut course = open.begin(closed.rig().start(&initial(&papers)).expect("a start"));
+    for step in 1..=400 {
+        open.advance_to(&mut course, 0.4 * f64::from(step) / 400.0).expect("a step");
+    }
+    assert_eq!(open.sample(&course), closed.sample());
 }
 
 /// Torque of one actuator about the joint at an angle, with its air sealed at a temperature: (3) and the gas law.

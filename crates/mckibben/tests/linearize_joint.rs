@@ -2,12 +2,13 @@
 //! air masses, the point for a stiffness, and what has none.
 
 use crate::common::joint::Pair;
-use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::GaugePressure;
 use mckibben::control::Held;
-use mckibben::linearize::{JointBalance, JointLinearization, StateSpace, linearize_joint};
+use mckibben::linearize::{Content, JointBalance, JointLinearization, StateSpace, average_joint, linearize_joint};
 use mckibben::load::{MomentArm, Tendon};
-use mckibben::simulation::{JointState, simulate_joint};
+use mckibben::simulation::{JointState, State, simulate_joint};
+use mckibben::valve::{Command, FlowStandard, Request};
 use std::f64::consts::PI;
 
 /// Two unlike actuators, sealed, with arms that change and a limb that hangs askew.
@@ -60,6 +61,101 @@ fn a_symmetric_pair_has_its_entries_in_closed_form() {
     let torque = system.output("actuator_torque").expect("an output");
     assert_close(system.c[torque][0], -2.0 * r * r * 6.0 * gauge * l / turns, 1e-10);
     assert!(mass > 0.0 && system.b[2][0] > 0.0);
+}
+
+/// The pair under PWM on three-way valves with delays, both fast.
+fn pulsed(duties: [f64; 2], frequency: f64) -> Pair {
+    uneven().with(|pair| {
+        for (paper, duty) in pair.papers.iter_mut().zip(duties) {
+            paper.command = Some(Command::pwm(frequency, duty, Request::Fill, Request::Exhaust).expect("a command"));
+            paper.delays = (0.2e-3, 0.1e-3);
+            paper.standard = FlowStandard::Orifice { flow_area: 1e-6 };
+        }
+    })
+}
+
+fn averaged(pair: &Pair) -> JointLinearization {
+    let rig = pair.rig().expect("a rig");
+    average_joint(&rig, [0, 1].map(|_| Content::Temperature(ROOM))).expect("a model")
+}
+
+/// `−A⁻¹ B` of one input: how far the balance moves. `A x = −b` by elimination.
+fn moves(system: &StateSpace, input: usize) -> Vec<f64> {
+    let n = system.a.len();
+    let mut rows: Vec<Vec<f64>> =
+        (0..n).map(|row| system.a[row].iter().copied().chain([-system.b[row][input]]).collect()).collect();
+    for column in 0..n {
+        let pivot = (column..n).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs())).expect("rows");
+        rows.swap(column, pivot);
+        for row in (0..n).filter(|row| *row != column) {
+            let factor = rows[row][column] / rows[column][column];
+            for place in column..=n {
+                rows[row][place] -= factor * rows[column][place];
+            }
+        }
+    }
+    (0..n).map(|row| rows[row][n] / rows[row][row]).collect()
+}
+
+#[test]
+fn a_duty_moves_the_balance_of_the_mean_flows() {
+    let duties = [0.5, 0.35];
+    let linear = averaged(&pulsed(duties, 400.0));
+    let (model, state) = (linear.minimal(), linear.state);
+    let lengths = linear.rig.joint().lengths(state.angle);
+    let content = [0, 1].map(|i| {
+        let (length, pressure, air_mass) = (lengths[i], state.pressure[i], state.air_mass[i]);
+        Content::Of(State { length, velocity: 0.0, pressure, air_mass })
+    });
+    assert_eq!(
+        model.inputs.iter().map(|input| input.name).collect::<Vec<_>>()[..2],
+        ["agonist_duty", "antagonist_duty"]
+    );
+    for input in 0..2 {
+        let found = moves(&model, input);
+        // The air keeps `P (V/m)^κ` from one balance to the next, as in the model.
+        let at = |by: f64| {
+            let mut duties = duties;
+            duties[input] += by;
+            average_joint(&pulsed(duties, 400.0).rig().expect("a rig"), content).expect("a model").state
+        };
+        assert_close(found[0], slope(1e-4, |by| at(by).angle), 1e-4);
+        for i in 0..2 {
+            let expected = slope(1e-4, |by| at(by).pressure[i].0);
+            assert_within(found[2 + i], expected, 1e-4 * model_pressure(&found));
+        }
+    }
+    // The agonist's pulses turn the joint its way.
+    assert!(moves(&model, 0)[0] > 0.0 && moves(&model, 1)[0] < 0.0);
+}
+
+fn model_pressure(found: &[f64]) -> f64 {
+    found[2].abs().max(found[3].abs())
+}
+
+#[test]
+fn simulated_pulses_swing_about_the_balance_of_the_mean_flows() {
+    let pair = pulsed([0.5, 0.35], 400.0);
+    let model = averaged(&pair);
+    let [first, second] = model.averaged.as_ref().expect("averaged");
+    assert!(first.follows() && second.follows() && first.ripple_is_small() && second.ripple_is_small());
+    let run = simulate_joint(&model.rig, model.state, 0.5, 1e-9).expect("runs");
+    // The mean over the last periods.
+    let samples: Vec<_> = (0..4000).map(|n| run.at(0.4 + 0.1 * f64::from(n) / 4000.0)).collect();
+    for i in 0..2 {
+        let mean = samples.iter().map(|sample| sample.actuators[i].pressure.0).sum::<f64>() / 4000.0;
+        let ripple = [first, second][i].pressure_ripple;
+        assert_within(mean, model.state.pressure[i].0, 0.1 * ripple);
+    }
+    let mean = samples.iter().map(|sample| sample.angle).sum::<f64>() / 4000.0;
+    let greatest = |by: f64| samples.iter().map(|sample| by * sample.angle).fold(f64::MIN, f64::max);
+    assert_within(mean, model.state.angle, 0.01_f64.max(greatest(1.0) + greatest(-1.0)));
+}
+
+#[test]
+fn only_pulses_on_both_are_averaged() {
+    let error = average_joint(&uneven().rig().expect("a rig"), [Content::Temperature(ROOM); 2]).expect_err("sealed");
+    assert!(error.to_string().contains("no PWM"), "{error}");
 }
 
 /// `x(t)` of `dx/dt = A x` by small Runge-Kutta steps.

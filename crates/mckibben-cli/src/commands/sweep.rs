@@ -45,7 +45,8 @@ between samples while the supply is open; of an event-located run it is the inte
 
 The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
 for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \
-the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs.
+the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs. Runs with \
+a controller take the event-located engine unless run.step is given.
 
 A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept. \
 Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the folder with the others. \
@@ -72,7 +73,7 @@ pub struct SweepArguments {
     /// What to write of each run, in place of sweep.record.
     #[arg(long, value_name = "WHAT", value_parser = ["reductions", "samples", "trajectories"])]
     pub record: Option<String>,
-    /// The engine, in place of run.engine; without either, fixed-step.
+    /// The engine, in place of run.engine; without either, fixed-step, or event-located under a controller without run.step.
     #[arg(long, value_name = "ENGINE", value_parser = ["event-located", "fixed-step"])]
     pub engine: Option<String>,
     /// Do one of N shares of the parts, counted from 1: 1/8, 2/8, ... 8/8.
@@ -206,7 +207,10 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     for key in idle {
         document.remove(key);
     }
-    let engine = arguments.engine.clone().or(engine_by_default(&document));
+    let engine = match &arguments.engine {
+        Some(engine) => Some(engine.clone()),
+        None => engine_by_default(&document)?,
+    };
     for (option, key, value) in
         [("--engine", "run.engine", engine), ("--record", "sweep.record", arguments.record.clone())]
     {
@@ -218,15 +222,24 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     Ok((document, set))
 }
 
-/// The engine of a sweep that names none.
-fn engine_by_default(document: &Document) -> Option<String> {
-    (!document.contains("run.engine")).then(|| Engine::FixedStep.name().to_owned())
+/// The engine of a sweep that names none: with fixed steps, save where a controller would need one that is not given.
+fn engine_by_default(document: &Document) -> Result<Option<String>, Failure> {
+    if document.contains("run.engine") {
+        return Ok(None);
+    }
+    let mut stepped = document.clone();
+    stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
+    // A sweep with mistakes is read again, and tells them.
+    let needs_step =
+        stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(|of| of.has_controllers() && !of.gives_step()));
+    let engine = if needs_step { Engine::EventLocated } else { Engine::FixedStep };
+    Ok(Some(engine.name().to_owned()))
 }
 
 /// The sweep of a document as it is done without options; none where it has no section `[sweep]`.
 pub(crate) fn of(document: &Document) -> Result<Option<Sweep>, Failure> {
     let mut document = document.clone();
-    if let Some(engine) = engine_by_default(&document) {
+    if let Some(engine) = engine_by_default(&document)? {
         document.set_text("run.engine", &format!("\"{engine}\""))?;
     }
     Ok(document.sweep()?)
@@ -299,7 +312,8 @@ fn simulate(
 /// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
 fn unit(rows: u64, jobs: usize, sweep: &Sweep) -> u64 {
     const SHARE: u64 = 8;
-    let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::side_by_side() as u64 };
+    let one_by_one = sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
+    let least = if one_by_one { 1 } else { rows::side_by_side() as u64 };
     (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
 }
 

@@ -1,34 +1,72 @@
 //! The run of a joint with a controller: the closed loop, and how far its goals were missed.
 
+use super::outcome::{Outcome, Stepped};
 use crate::closed_loop::{Goal, asked};
+use crate::engine;
 use mckibben::Error;
 use mckibben::control::{Held, Quantity};
 use mckibben::simulation::{
-    ControlledJoint, JointDecision, JointRig, JointTrajectory, simulate_joint_controlled_watched,
+    ControlledJoint, ControlledJointStepper, JointDecision, JointRig, simulate_joint_controlled_watched,
 };
-use mckibben_scenario::ControlledJointExperiment;
+use mckibben_scenario::{ControlledJointExperiment, Engine, JointExperiment};
 
-/// A closed loop that has been run.
+/// What a controller did in a run.
 #[derive(Clone, Debug)]
 pub struct Closed {
-    /// The run.
-    pub trajectory: JointTrajectory,
     /// What was to be reached, and how far it was.
     pub goals: Vec<Goal>,
     /// How many samples the controller took.
     pub samples: usize,
+    /// How often it asked something else of the valves of agonist and antagonist.
+    pub requests: [usize; 2],
 }
 
-/// Runs the closed loop, calling `watch` with the time in s that has been reached.
+/// Runs the closed loop, calling `watch` with the time in s that has been reached. With fixed steps what holds at `times` in
+/// s is kept, or at every sample interval.
 ///
 /// # Errors
 /// What the core finds.
-pub fn close(of: &ControlledJointExperiment, watch: impl FnMut(f64)) -> Result<Closed, Error> {
+pub fn close(
+    of: &ControlledJointExperiment,
+    times: Option<&[f64]>,
+    mut watch: impl FnMut(f64),
+) -> Result<(Outcome, Closed), Error> {
     let ControlledJointExperiment { experiment, law, sampling, sensors, .. } = of;
-    let span = (experiment.run.duration, experiment.run.relative_tolerance);
-    let ControlledJoint { trajectory, decisions } =
-        simulate_joint_controlled_watched(&experiment.rig, experiment.start, span, law, (*sampling, *sensors), watch)?;
-    Ok(Closed { goals: goals(of, trajectory.rig(), &decisions), samples: decisions.len(), trajectory })
+    let JointExperiment { rig, start, run } = experiment;
+    let with = (*sampling, *sensors);
+    match run.engine {
+        Engine::EventLocated => {
+            let span = (run.duration, run.relative_tolerance);
+            let ControlledJoint { trajectory, decisions } =
+                simulate_joint_controlled_watched(rig, *start, span, law, with, watch)?;
+            let closed = closed(of, trajectory.rig(), &decisions);
+            Ok((Outcome::Located(Box::new(trajectory)), closed))
+        }
+        Engine::FixedStep => {
+            let (step, chosen) = experiment.step()?;
+            let mut stepper = ControlledJointStepper::new(rig, *start, experiment.method(), law, with)?;
+            let (mut samples, mut steps, mut reached) = (Vec::new(), 0, 0.0);
+            for (time, recorded) in engine::ends(run, times, step) {
+                if time > reached {
+                    stepper.advance_to(time)?;
+                    steps += 1;
+                    reached = time;
+                }
+                if recorded {
+                    samples.push(stepper.sample());
+                    watch(time);
+                }
+            }
+            let closed = closed(of, stepper.rig(), stepper.decisions());
+            let rig = stepper.rig().clone();
+            Ok((Outcome::Stepped(Box::new(Stepped { rig, samples, step, chosen, steps })), closed))
+        }
+    }
+}
+
+fn closed(of: &ControlledJointExperiment, rig: &JointRig, decisions: &[JointDecision]) -> Closed {
+    let requests = rig.driven().each_ref().map(|driven| asked(driven.actuation.as_ref()));
+    Closed { goals: goals(of, rig, decisions), samples: decisions.len(), requests }
 }
 
 /// What is regulated, then what else the file gives set points of.
@@ -64,11 +102,4 @@ fn goals(of: &ControlledJointExperiment, rig: &JointRig, decisions: &[JointDecis
         goals.push(Goal::new(*quantity, false, rows));
     }
     goals
-}
-
-impl Closed {
-    /// How often it asked something else of the valves of agonist and antagonist.
-    pub fn requests(&self) -> [usize; 2] {
-        self.trajectory.rig().driven().each_ref().map(|driven| asked(driven.actuation.as_ref()))
-    }
 }

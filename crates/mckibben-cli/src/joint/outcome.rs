@@ -2,11 +2,11 @@
 //!
 //! The event-located engine keeps the trajectory; of the fixed-step engine the recorded samples are kept, and no events.
 
+use crate::engine;
 use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::simulation::{
-    JointEvent, JointRig, JointSample, JointStepError, JointStepper, JointTrajectory, SampleTimes,
-    simulate_joint_watched,
+    JointEvent, JointRig, JointSample, JointStepError, JointStepper, JointTrajectory, simulate_joint_watched,
 };
 use mckibben_scenario::{Engine, JointExperiment};
 
@@ -34,31 +34,53 @@ pub struct Stepped {
     pub steps: u64,
 }
 
-/// Runs a joint without a controller.
+/// Runs a joint without a controller and shows how far it is.
 ///
 /// # Errors
 /// What the core finds.
 pub fn run(of: &JointExperiment) -> Result<Outcome, Error> {
     const PARTS: f64 = 1000.0;
-    let run = &of.run;
-    let progress = |what| Progress::begin(what, Some(PARTS as u64));
-    if run.engine == Engine::EventLocated {
-        let progress = progress("simulating");
-        let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
-        let trajectory = simulate_joint_watched(&of.rig, of.start, run.duration, run.relative_tolerance, watch)?;
-        return Ok(Outcome::Located(Box::new(trajectory)));
+    let progress = Progress::begin("simulating", Some(PARTS as u64));
+    let watch = |time: f64| progress.at((PARTS * time / of.run.duration) as u64);
+    match of.run.engine {
+        Engine::EventLocated => locate(of, watch),
+        Engine::FixedStep => {
+            let (step, chosen) = of.step()?;
+            step_through(of, (step, chosen), engine::regular(&of.run, step), watch)
+        }
     }
-    let (step, chosen) = of.step()?;
-    let progress = progress("simulating");
+}
+
+/// Runs a joint by the event-located engine, calling `watch` with the time in s that has been reached.
+///
+/// # Errors
+/// What the core finds.
+pub fn locate(of: &JointExperiment, watch: impl FnMut(f64)) -> Result<Outcome, Error> {
+    let trajectory = simulate_joint_watched(&of.rig, of.start, of.run.duration, of.run.relative_tolerance, watch)?;
+    Ok(Outcome::Located(Box::new(trajectory)))
+}
+
+/// Runs a joint at fixed steps with these ends, of which some are recorded; the longest step in s stands beside its error.
+///
+/// # Errors
+/// What the core finds.
+pub fn step_through(
+    of: &JointExperiment,
+    (step, chosen): (f64, Option<JointStepError>),
+    ends: impl Iterator<Item = (f64, bool)>,
+    mut watch: impl FnMut(f64),
+) -> Result<Outcome, Error> {
     let stepper = JointStepper::new(of.rig.clone(), of.method());
     let mut course = stepper.begin(of.start);
-    let (mut samples, mut steps) = (vec![stepper.sample(&course)], 0);
-    for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
-        stepper.advance_to(&mut course, time)?;
-        steps += 1;
+    let (mut samples, mut steps) = (Vec::new(), 0);
+    for (time, recorded) in ends {
+        if time > course.time() {
+            stepper.advance_to(&mut course, time)?;
+            steps += 1;
+        }
         if recorded {
             samples.push(stepper.sample(&course));
-            progress.at((PARTS * time / run.duration) as u64);
+            watch(time);
         }
     }
     Ok(Outcome::Stepped(Box::new(Stepped { rig: of.rig.clone(), samples, step, chosen, steps })))

@@ -39,16 +39,16 @@ impl Summary<'_> {
         self.what_ran(&mut page);
         self.events(&mut page);
         self.states(&mut page);
-        let Some(trajectory) = self.outcome.located() else {
-            return page.text + &assumptions(self.assumed);
-        };
-        let used = used(trajectory);
+        let used = self.outcome.located().map(used);
         if let Some(closed) = self.control {
             goals(&mut page, &closed.goals);
-            let requests = closed.requests().map(|requests| count(requests as u64)).join(" and ");
-            let air: f64 = used.iter().map(|air| air.from_supply).sum();
-            effort(&mut page, closed.samples, &requests, &quantity(air, "kg"));
+            let requests = closed.requests.map(|requests| count(requests as u64)).join(" and ");
+            let air = used.map(|used| quantity(used.iter().map(|air| air.from_supply).sum(), "kg"));
+            effort(&mut page, closed.samples, &requests, air.as_deref());
         }
+        let (Some(trajectory), Some(used)) = (self.outcome.located(), used) else {
+            return page.text + &assumptions(self.assumed);
+        };
         air(&mut page, used);
         let of_circuit = trajectory.circuit();
         energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
@@ -130,7 +130,8 @@ impl Summary<'_> {
     }
 }
 
-fn used(trajectory: &JointTrajectory) -> [AirUse; 2] {
+/// The air of agonist and antagonist in a run.
+pub(crate) fn used(trajectory: &JointTrajectory) -> [AirUse; 2] {
     let mut used = [AirUse::default(); 2];
     trajectory.quadrature(|weight, sample, mode| {
         for (index, air) in used.iter_mut().enumerate() {

@@ -6,15 +6,15 @@ use mckibben::control::Quantity;
 use mckibben::simulation::{JointSample, Rig, Sample};
 
 /// A column of a file over samples `S`.
-pub(super) struct Field<S> {
-    pub(super) name: String,
+pub(crate) struct Field<S> {
+    pub(crate) name: String,
     /// Its unit; empty for words.
-    pub(super) unit: &'static str,
-    pub(super) value: Value<S>,
+    pub(crate) unit: &'static str,
+    pub(crate) value: Value<S>,
 }
 
 /// What a column holds of a sample.
-pub(super) enum Value<S> {
+pub(crate) enum Value<S> {
     Number(Box<dyn Fn(&S) -> f64>),
     Word(Box<dyn Fn(&S) -> &'static str>),
 }
@@ -82,7 +82,7 @@ fn of_goals<S: 'static>(goals: &[Goal], time_of: fn(&S) -> f64) -> impl Iterator
 }
 
 /// The columns of a joint in their order, then its goals.
-pub(super) fn of_joint(goals: &[Goal]) -> Vec<Field<JointSample>> {
+pub(crate) fn of_joint(goals: &[Goal]) -> Vec<Field<JointSample>> {
     let mut fields = member(0, "");
     fields.extend([
         number("angle_rad", "rad", |sample: &JointSample| sample.angle),

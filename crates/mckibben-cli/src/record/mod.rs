@@ -8,7 +8,7 @@ use crate::closed_loop::Goal;
 use crate::engine::Outcome;
 use crate::failure::Failure;
 use crate::joint;
-use field::Field;
+pub(crate) use field::{Field, Value, of_joint};
 use mckibben::simulation::{JointSample, Sample};
 use mckibben_scenario::{Document, Scenario};
 use std::io::Write;

@@ -13,8 +13,10 @@ use crate::failure::Failure;
 use crate::plot::{Axis, Beside, Field, Figure, Legend, PRINT_SCALE, Panel, PlotError, Series, Style, Theme};
 use crate::portrait::Format;
 use crate::quantities::count;
+use mckibben::control;
 use mckibben_scenario::sweep::{Quantity, Statistic};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Reduction, Sweep};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Panels that a figure has at most, one above the other.
@@ -185,6 +187,23 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Quantity::Tension => "tension",
         Quantity::MassFlow => "mass flow",
         Quantity::Air => "air",
+        Quantity::Angle => "angle",
+        Quantity::AngularVelocity => "angular velocity",
+        Quantity::Torque => "torque",
+        Quantity::Stiffness => "stiffness",
+        Quantity::AntagonistLength => "antagonist's length",
+        Quantity::AntagonistPressure => "antagonist's absolute pressure",
+        Quantity::AntagonistAirMass => "antagonist's air mass",
+        Quantity::AntagonistTension => "antagonist's tension",
+        Quantity::Error(of) => match of {
+            control::Quantity::Pressure => "pressure error",
+            control::Quantity::Length => "length error",
+            control::Quantity::AirMass => "air mass error",
+            control::Quantity::Force => "tension error",
+            control::Quantity::Angle => "angle error",
+            control::Quantity::Torque => "torque error",
+            control::Quantity::Stiffness => "stiffness error",
+        },
     };
     let label = match reduction.statistic {
         Statistic::Final => format!("final {quantity}"),
@@ -192,6 +211,7 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Statistic::Min => format!("least {quantity}"),
         Statistic::Max => format!("greatest {quantity}"),
         Statistic::Peak => format!("peak {quantity}"),
+        Statistic::Rms => format!("rms {quantity}"),
         Statistic::Ripple => format!("{quantity} ripple"),
         Statistic::SettlingTime => format!("{quantity} settling time"),
         Statistic::Overshoot => format!("{quantity} overshoot"),
@@ -207,6 +227,8 @@ fn scaled(label: String, unit: &str, at: Vec<f64>) -> Values {
         "m" if largest < 1.0 => (1e3, "mm".to_owned()),
         "m/s" if largest < 0.1 => (1e3, "mm/s".to_owned()),
         "s" if largest < 0.1 => (1e3, "ms".to_owned()),
+        "rad" => (180.0 / PI, "deg".to_owned()),
+        "rad/s" => (180.0 / PI, "deg/s".to_owned()),
         "kg" if largest < 1e-3 => (1e6, "mg".to_owned()),
         "kg" if largest < 0.1 => (1e3, "g".to_owned()),
         "kg/s" if largest < 0.1 => (1e3, "g/s".to_owned()),

@@ -11,6 +11,7 @@
 //! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
 //! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
 //! | `used` | the air drawn from the supply |
+//! | `rms`, `peak` of an error | of what a controller was to reach less what its sensors showed, at its sampling instants |
 //!
 //! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the passage
 //! to the supply is open at either end, as the fixed-step engine's steps keep the balance of the air; of an
@@ -21,7 +22,9 @@
 //!
 //! Checked by the tests below against closed forms and by `tests/sweep.rs` against files of `mckibben simulate`.
 
-use mckibben::simulation::{Rig, Sample};
+use crate::closed_loop::Goal;
+use mckibben::control::{self, Held};
+use mckibben::simulation::{JointRig, JointSample, Sample};
 use mckibben::valve::Command;
 use mckibben_scenario::Reduction;
 use mckibben_scenario::sweep::{Quantity, Statistic};
@@ -56,14 +59,32 @@ pub struct Reducer {
     /// The times of the samples, where a settling time is asked for.
     times: Option<Vec<f64>>,
     window_start: f64,
-    before: Option<Sample>,
+    before: Option<Before>,
     air_used: f64,
+    goals: Vec<Goal>,
+}
+
+/// What is looked at: a sample of one actuator, or of a joint.
+#[derive(Clone, Copy, Debug)]
+pub enum Seen<'a> {
+    /// Of one actuator.
+    Actuator(&'a Sample),
+    /// Of a joint.
+    Joint(&'a JointSample, &'a JointRig),
+}
+
+/// What is kept of the sample before.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    time: f64,
+    /// Whether each actuator's passage to the supply is open, and the mass of its air in kg.
+    air: [(bool, f64); 2],
 }
 
 impl Reducer {
-    /// Begins a run of `duration` s.
-    pub fn new(reductions: &[Reduction], rig: &Rig, duration: f64) -> Self {
-        let period = match rig.actuation().map(|actuation| &actuation.command) {
+    /// Begins a run of `duration` s whose valve has a command; of a joint, the agonist's.
+    pub fn new(reductions: &[Reduction], command: Option<&Command>, duration: f64) -> Self {
+        let period = match command {
             Some(Command::Pwm { frequency, .. }) => 1.0 / frequency,
             _ => LAST_PART * duration,
         };
@@ -73,7 +94,8 @@ impl Reducer {
     /// Begins a run whose ripple is taken from a time in s on.
     fn with_window(reductions: &[Reduction], window_start: f64) -> Self {
         let mut tracks: Vec<Track> = Vec::new();
-        for reduction in reductions.iter().filter(|reduction| reduction.quantity != Quantity::Air) {
+        let of_samples = |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Error(_));
+        for reduction in reductions.iter().filter(of_samples) {
             let settles = reduction.statistic == Statistic::SettlingTime;
             let known = tracks.iter_mut().find(|track| track.quantity == reduction.quantity);
             match known {
@@ -83,22 +105,25 @@ impl Reducer {
             }
         }
         let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
-        Self { tracks, times, window_start, before: None, air_used: 0.0 }
+        Self { tracks, times, window_start, before: None, air_used: 0.0, goals: Vec::new() }
     }
 
     /// Sees the next sample.
-    pub fn see(&mut self, sample: &Sample) {
+    pub fn see(&mut self, seen: Seen<'_>) {
+        let Before { time, air } = seen.kept();
         for track in &mut self.tracks {
-            track.see(sample, self.before.as_ref(), sample.time >= self.window_start);
+            let step = self.before.map(|before| time - before.time);
+            track.see(seen.value(track.quantity), step, time >= self.window_start);
         }
         if let Some(times) = &mut self.times {
-            times.push(sample.time);
+            times.push(time);
         }
-        if let Some(before) = self.before.replace(*sample)
-            && (before.ports.supply || sample.ports.supply)
-        {
-            let air = |sample: &Sample| sample.air_mass + sample.hose_air_mass;
-            self.air_used += (air(sample) - air(&before)).max(0.0);
+        if let Some(before) = self.before.replace(Before { time, air }) {
+            for ((was_open, was), (is_open, is)) in before.air.into_iter().zip(air) {
+                if was_open || is_open {
+                    self.air_used += (is - was).max(0.0);
+                }
+            }
         }
     }
 
@@ -107,14 +132,21 @@ impl Reducer {
         self.air_used = mass;
     }
 
+    /// Gives what a controller was to reach, with what was measured.
+    pub fn set_goals(&mut self, goals: Vec<Goal>) {
+        self.goals = goals;
+    }
+
     /// The value of each reduction, where it has one.
     pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
         let duration = self.before.map_or(0.0, |last| last.time);
         // A window that begins before the run is not whole.
         let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
         let value = |reduction: &Reduction| {
-            if reduction.quantity == Quantity::Air {
-                return Some(self.air_used);
+            match reduction.quantity {
+                Quantity::Air => return Some(self.air_used),
+                Quantity::Error(of) => return self.missed(of, reduction.statistic),
+                _ => {}
             }
             let track = self.tracks.iter().find(|track| track.quantity == reduction.quantity)?;
             match reduction.statistic {
@@ -124,6 +156,15 @@ impl Reducer {
             }
         };
         reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect()
+    }
+
+    /// How far a controller missed a quantity; none where it was not to reach it.
+    fn missed(&self, of: control::Quantity, statistic: Statistic) -> Option<f64> {
+        // Of a joint whose actuators are regulated one by one, both count.
+        let misses: Vec<_> = self.goals.iter().filter(|goal| goal.quantity == of).map(Goal::miss).collect();
+        let squares: f64 = misses.iter().map(|miss| miss.rms * miss.rms).sum();
+        let largest = misses.iter().map(|miss| miss.largest).reduce(f64::max)?;
+        Some(if statistic == Statistic::Rms { (squares / misses.len() as f64).sqrt() } else { largest })
     }
 }
 
@@ -142,11 +183,11 @@ impl Track {
         }
     }
 
-    fn see(&mut self, sample: &Sample, before: Option<&Sample>, in_window: bool) {
-        let value = of(self.quantity, sample);
-        match before {
+    /// Sees a value that comes a `step` in s after the one before.
+    fn see(&mut self, value: f64, step: Option<f64>, in_window: bool) {
+        match step {
             None => self.first = value,
-            Some(before) => self.integral += 0.5 * (self.last + value) * (sample.time - before.time),
+            Some(step) => self.integral += 0.5 * (self.last + value) * step,
         }
         self.last = value;
         self.least = self.least.min(value);
@@ -171,7 +212,7 @@ impl Track {
             Statistic::Ripple => (self.window.2 >= 2).then_some(self.window.1 - self.window.0),
             Statistic::Overshoot if change > 0.0 => Some((self.greatest - self.last) / change),
             Statistic::Overshoot if change < 0.0 => Some((self.least - self.last) / change),
-            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used => None,
+            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used | Statistic::Rms => None,
         }
     }
 
@@ -183,7 +224,40 @@ impl Track {
     }
 }
 
-/// The value of a quantity in a sample.
+impl Seen<'_> {
+    fn kept(self) -> Before {
+        let air = |of: &Sample| (of.ports.supply, of.air_mass + of.hose_air_mass);
+        match self {
+            Self::Actuator(sample) => Before { time: sample.time, air: [air(sample), (false, 0.0)] },
+            Self::Joint(sample, _) => Before { time: sample.time, air: sample.actuators.each_ref().map(air) },
+        }
+    }
+
+    /// The value of a quantity; of what both a joint and an actuator have, that of the joint's agonist.
+    fn value(self, quantity: Quantity) -> f64 {
+        match self {
+            Self::Actuator(sample) => of(quantity, sample),
+            Self::Joint(sample, rig) => {
+                let [agonist, antagonist] = &sample.actuators;
+                match quantity {
+                    Quantity::Angle => sample.angle,
+                    Quantity::AngularVelocity => sample.angular_velocity,
+                    Quantity::Torque => sample.torque,
+                    Quantity::Stiffness => {
+                        rig.stiffness(sample.angle, [agonist.pressure, antagonist.pressure], Held::AirMasses)
+                    }
+                    Quantity::AntagonistLength => antagonist.length,
+                    Quantity::AntagonistPressure => antagonist.pressure.0,
+                    Quantity::AntagonistAirMass => antagonist.air_mass,
+                    Quantity::AntagonistTension => antagonist.tension,
+                    quantity => of(quantity, agonist),
+                }
+            }
+        }
+    }
+}
+
+/// The value of a quantity of one actuator.
 fn of(quantity: Quantity, sample: &Sample) -> f64 {
     match quantity {
         Quantity::Length => sample.length,
@@ -193,6 +267,8 @@ fn of(quantity: Quantity, sample: &Sample) -> f64 {
         Quantity::Temperature => sample.temperature,
         Quantity::Tension => sample.tension,
         Quantity::MassFlow => sample.mass_flow,
+        // What a joint alone has, and an error, are none of the sample's: the reading of a sweep has refused them.
+        _ => f64::NAN,
     }
 }
 
@@ -218,7 +294,7 @@ mod tests {
         for index in 0..=(duration * 1e3).round() as u32 {
             let time = f64::from(index) * 1e-3;
             let (air_mass, ports) = air(time);
-            reducer.see(&Sample {
+            reducer.see(Seen::Actuator(&Sample {
                 time,
                 length: length(time),
                 velocity: 0.0,
@@ -234,7 +310,7 @@ mod tests {
                 supply_pressure: None,
                 load_distance: length(time),
                 load_velocity: 0.0,
-            });
+            }));
         }
         reducer.finish(&reductions)
     }

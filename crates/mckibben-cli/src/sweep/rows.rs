@@ -1,16 +1,26 @@
 //! The runs of a unit of work.
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
-//! block, which stays on the unit's thread; rows of the event-located engine, and those with a tendon in series, run one by one. Either way a row is, bit for
-//! bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
+//! block, which stays on the unit's thread; rows of the event-located engine, and those with a tendon in series, a controller or a joint,
+//! run one by one. Either way a row is, bit for bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and
+//! nothing else.
 
-use super::reduce::Reducer;
+use super::reduce::{Reducer, Seen};
 use super::step::{self, Choice};
+use crate::closed_loop::{self, Goal};
+use crate::engine;
+use crate::joint;
 use crate::observation::AirUse;
+use mckibben::Error;
 use mckibben::batch::{Batch, Row, Width};
-use mckibben::simulation::{FixedStepper, Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
+use mckibben::simulation::{
+    FixedStepper, JointRig, JointSample, Method, Sample, SampleTimes, Trajectory, simulate, steps_between,
+};
 use mckibben_scenario::sweep::Quantity;
-use mckibben_scenario::{AxisValue, Engine, Experiment, Record, Reduction, Sweep};
+use mckibben_scenario::{
+    AxisValue, ControlledExperiment, ControlledJointExperiment, Engine, Experiment, JointExperiment, Record, Reduction,
+    Run, Scenario, Sweep,
+};
 use std::ops::Range;
 
 /// Rows that a thread steps side by side.
@@ -24,9 +34,18 @@ pub enum Outcome {
     /// The value of each reduction that has one.
     Reduced(Vec<Option<f64>>),
     /// Samples in the order of time.
-    Sampled(Vec<Sample>),
+    Sampled(Samples),
     /// Why there is nothing.
     Failed(String),
+}
+
+/// Samples of one actuator, or of a joint with two.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Of one actuator.
+    Actuator(Vec<Sample>),
+    /// Of a joint.
+    Joint(Vec<JointSample>),
 }
 
 /// Simulates the rows, with a step for all of them where they have none by themselves.
@@ -40,21 +59,26 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
         let mut outcome = Outcome::Reduced(Vec::new());
         match build(sweep, row) {
             Err(reason) => outcome = Outcome::Failed(reason),
-            Ok(experiment) if experiment.run.engine == Engine::EventLocated => {
+            Ok(Built::Controlled(of)) => outcome = control(&of, sweep.record()),
+            Ok(Built::Joint(of)) => outcome = turn(&of, choice, sweep.record()),
+            Ok(Built::ControlledJoint(of)) => outcome = turn_controlled(&of, sweep.record()),
+            Ok(Built::Open(experiment)) if experiment.run.engine == Engine::EventLocated => {
                 outcome = locate(&experiment, sweep.record());
             }
-            Ok(experiment) => match step::of_row(&experiment, choice) {
-                Err(error) => outcome = Outcome::Failed(error.to_string()),
-                Ok(step) if experiment.rig.tendon().is_some() => outcome = walk(&experiment, sweep.record(), step),
-                Ok(step) => {
-                    let kin = Kin::of(sweep, row, &experiment, step);
-                    let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
-                    match known {
-                        Some((_, members)) => members.push((index, experiment)),
-                        None => groups.push((kin, vec![(index, experiment)])),
+            Ok(Built::Open(experiment)) => {
+                match step::of_row(&experiment.run, choice, || experiment.step().map(|(step, _)| step)) {
+                    Err(error) => outcome = Outcome::Failed(error.to_string()),
+                    Ok(step) if experiment.rig.tendon().is_some() => outcome = walk(&experiment, sweep.record(), step),
+                    Ok(step) => {
+                        let kin = Kin::of(sweep, row, &experiment, step);
+                        let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
+                        match known {
+                            Some((_, members)) => members.push((index, experiment)),
+                            None => groups.push((kin, vec![(index, experiment)])),
+                        }
                     }
                 }
-            },
+            }
         }
         outcomes.push(outcome);
     }
@@ -64,19 +88,35 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
     outcomes
 }
 
-fn build(sweep: &Sweep, row: u64) -> Result<Experiment, String> {
-    let experiment = sweep.scenario(row).map_err(|error| error.error.to_string())?;
-    let experiment = experiment.experiment().map_err(|error| error.to_string())?;
-    let end = experiment.run.duration;
-    match sweep.record() {
-        Record::Samples(times) => match times.iter().find(|time| **time > end) {
-            Some(time) => Err(format!(
-                "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
-            )),
-            None => Ok(experiment),
-        },
-        _ => Ok(experiment),
+/// What a row describes.
+enum Built {
+    Open(Experiment),
+    Controlled(Box<ControlledExperiment>),
+    Joint(Box<JointExperiment>),
+    ControlledJoint(Box<ControlledJointExperiment>),
+}
+
+fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
+    let scenario = sweep.scenario(row).map_err(|error| error.error.to_string())?;
+    let end = scenario.run.duration;
+    if let Record::Samples(times) = sweep.record()
+        && let Some(time) = times.iter().find(|time| **time > end)
+    {
+        return Err(format!(
+            "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
+        ));
     }
+    describe(&scenario).map_err(|error| error.to_string())
+}
+
+fn describe(scenario: &Scenario) -> Result<Built, Error> {
+    let built = match (scenario.has_joint(), scenario.has_controller()) {
+        (false, true) => scenario.controlled_experiment()?.map(|of| Built::Controlled(Box::new(of))),
+        (true, false) => scenario.joint_experiment()?.map(|of| Built::Joint(Box::new(of))),
+        (true, true) => scenario.controlled_joint_experiment()?.map(|of| Built::ControlledJoint(Box::new(of))),
+        (false, false) => None,
+    };
+    built.map_or_else(|| scenario.experiment().map(Built::Open), Ok)
 }
 
 /// What rows of the fixed-step engine share that go through time side by side: their times, and the words of the sweep,
@@ -134,6 +174,7 @@ impl<'a> Stops<'a> {
 enum Recorder<'a> {
     Reducing(&'a [Reduction], Reducer),
     Keeping(Vec<Sample>),
+    KeepingJoint(Vec<JointSample>),
     Stopped(String),
 }
 
@@ -141,7 +182,8 @@ impl<'a> Recorder<'a> {
     fn new(record: &'a Record, experiment: &Experiment) -> Self {
         match record {
             Record::Reductions(reductions) => {
-                Self::Reducing(reductions, Reducer::new(reductions, &experiment.rig, experiment.run.duration))
+                let command = experiment.rig.actuation().map(|actuation| &actuation.command);
+                Self::Reducing(reductions, Reducer::new(reductions, command, experiment.run.duration))
             }
             Record::Samples(_) | Record::Trajectories => Self::Keeping(Vec::new()),
         }
@@ -149,9 +191,27 @@ impl<'a> Recorder<'a> {
 
     fn see(&mut self, sample: &Sample) {
         match self {
-            Self::Reducing(_, reducer) => reducer.see(sample),
+            Self::Reducing(_, reducer) => reducer.see(Seen::Actuator(sample)),
             Self::Keeping(samples) => samples.push(*sample),
-            Self::Stopped(_) => {}
+            Self::KeepingJoint(_) | Self::Stopped(_) => {}
+        }
+    }
+
+    fn see_joint(&mut self, sample: &JointSample, rig: &JointRig) {
+        match self {
+            Self::Reducing(_, reducer) => reducer.see(Seen::Joint(sample, rig)),
+            Self::KeepingJoint(samples) => samples.push(*sample),
+            Self::Keeping(_) | Self::Stopped(_) => {}
+        }
+    }
+
+    /// The reductions under way, where one is of this quantity.
+    fn reducing(&mut self, quantity: Quantity) -> Option<&mut Reducer> {
+        match self {
+            Self::Reducing(reductions, reducer) => {
+                reductions.iter().any(|reduction| reduction.quantity == quantity).then_some(reducer)
+            }
+            _ => None,
         }
     }
 
@@ -162,7 +222,8 @@ impl<'a> Recorder<'a> {
     fn finish(self) -> Outcome {
         match self {
             Self::Reducing(reductions, reducer) => Outcome::Reduced(reducer.finish(reductions)),
-            Self::Keeping(samples) => Outcome::Sampled(samples),
+            Self::Keeping(samples) => Outcome::Sampled(Samples::Actuator(samples)),
+            Self::KeepingJoint(samples) => Outcome::Sampled(Samples::Joint(samples)),
             Self::Stopped(reason) => Outcome::Failed(reason),
         }
     }
@@ -215,21 +276,103 @@ fn walk(experiment: &Experiment, record: &Record, longest: f64) -> Outcome {
 /// Runs a row by the event-located engine.
 fn locate(experiment: &Experiment, record: &Record) -> Outcome {
     let (rig, run) = (&experiment.rig, &experiment.run);
-    let trajectory = match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
-        Ok(trajectory) => trajectory,
+    match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
+        Ok(trajectory) => look_at(&trajectory, run, Recorder::new(record, experiment), record),
+        Err(error) => Outcome::Failed(error.to_string()),
+    }
+}
+
+/// Runs a row with a controller, as `mckibben simulate` does.
+fn control(of: &ControlledExperiment, record: &Record) -> Outcome {
+    let closed = match closed_loop::close_watched(of, |_| ()) {
+        Ok(closed) => closed,
         Err(error) => return Outcome::Failed(error.to_string()),
     };
+    let experiment = &closed.experiment;
     let mut recorder = Recorder::new(record, experiment);
+    if let Recorder::Reducing(_, reducer) = &mut recorder {
+        reducer.set_goals(closed.goals.clone());
+    }
+    if let Some(trajectory) = closed.located() {
+        return look_at(trajectory, &experiment.run, recorder, record);
+    }
+    let mut see = |sample: &Sample, recorded: bool| {
+        if recorded {
+            recorder.see(sample);
+        }
+        Ok(())
+    };
+    let run = experiment.step().and_then(|(step, _)| {
+        let ends = engine::ends(&experiment.run, listed(record), step);
+        engine::step_through(experiment, ends, closed.instants(), &mut see)
+    });
+    run.map_or_else(|error| Outcome::Failed(error.to_string()), |()| recorder.finish())
+}
+
+/// The times in s that alone are recorded, where they are listed.
+fn listed(record: &Record) -> Option<&[f64]> {
+    match record {
+        Record::Samples(times) => Some(times),
+        Record::Reductions(_) | Record::Trajectories => None,
+    }
+}
+
+/// Runs a row with a joint, as `mckibben simulate` does.
+fn turn(of: &JointExperiment, choice: Option<&Choice>, record: &Record) -> Outcome {
+    let run = match of.run.engine {
+        Engine::EventLocated => joint::outcome::locate(of, |_| ()),
+        Engine::FixedStep => {
+            let needed = || of.step().map(|(step, _)| step);
+            step::of_row(&of.run, choice, needed).and_then(|step| {
+                let ends = engine::ends(&of.run, listed(record), step);
+                joint::outcome::step_through(of, (step, None), ends, |_| ())
+            })
+        }
+    };
+    run.map_or_else(|error| Outcome::Failed(error.to_string()), |run| look_at_joint(&run, of, Vec::new(), record))
+}
+
+/// Runs a row with a joint and a controller, as `mckibben simulate` does.
+fn turn_controlled(of: &ControlledJointExperiment, record: &Record) -> Outcome {
+    match joint::control::close(of, listed(record), |_| ()) {
+        Ok((run, closed)) => look_at_joint(&run, &of.experiment, closed.goals, record),
+        Err(error) => Outcome::Failed(error.to_string()),
+    }
+}
+
+/// Records the run of a joint.
+fn look_at_joint(run: &joint::outcome::Outcome, of: &JointExperiment, goals: Vec<Goal>, record: &Record) -> Outcome {
+    let command = of.rig.driven()[0].actuation.as_ref().map(|actuation| &actuation.command);
+    let mut recorder = match record {
+        Record::Reductions(reductions) => {
+            let mut reducer = Reducer::new(reductions, command, of.run.duration);
+            reducer.set_goals(goals);
+            Recorder::Reducing(reductions, reducer)
+        }
+        Record::Samples(_) | Record::Trajectories => Recorder::KeepingJoint(Vec::new()),
+    };
+    match (record, run.located()) {
+        (Record::Samples(times), Some(trajectory)) => {
+            times.iter().for_each(|time| recorder.see_joint(&trajectory.at(*time), &of.rig));
+        }
+        _ => run.samples(of.run.sample_interval).for_each(|sample| recorder.see_joint(&sample, &of.rig)),
+    }
+    if let (Some(reducer), Some(trajectory)) = (recorder.reducing(Quantity::Air), run.located()) {
+        reducer.set_air_used(joint::summary::used(trajectory).iter().map(|air| air.from_supply).sum());
+    }
+    recorder.finish()
+}
+
+/// Records a run of the event-located engine.
+fn look_at(trajectory: &Trajectory, run: &Run, mut recorder: Recorder<'_>, record: &Record) -> Outcome {
     match record {
         Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
         Record::Reductions(_) | Record::Trajectories => {
             trajectory.samples(run.sample_interval).for_each(|sample| recorder.see(&sample));
         }
     }
-    if let Recorder::Reducing(reductions, reducer) = &mut recorder
-        && reductions.iter().any(|reduction| reduction.quantity == Quantity::Air)
-    {
-        reducer.set_air_used(air_used(&trajectory));
+    if let Some(reducer) = recorder.reducing(Quantity::Air) {
+        reducer.set_air_used(air_used(trajectory));
     }
     recorder.finish()
 }

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::parameter as p;
-use mckibben_scenario::{Engine, Experiment, Sweep};
+use mckibben_scenario::{Engine, Run, Sweep};
 
 /// At most how many rows are tried.
 pub const TRIED: u64 = 8;
@@ -80,11 +80,11 @@ impl Choice {
 /// The longest step of a row in s: the one that it gives, the one for all, or the one that it needs.
 ///
 /// # Errors
-/// As [`Experiment::step`].
-pub fn of_row(experiment: &Experiment, choice: Option<&Choice>) -> Result<f64, Error> {
-    match (experiment.run.step, choice) {
+/// What `needed` finds.
+pub fn of_row(run: &Run, choice: Option<&Choice>, needed: impl FnOnce() -> Result<f64, Error>) -> Result<f64, Error> {
+    match (run.step, choice) {
         (None, Some(choice)) => Ok(choice.step),
-        _ => experiment.step().map(|(step, _)| step),
+        _ => needed(),
     }
 }
 
@@ -95,12 +95,17 @@ fn spread(rows: u64) -> impl Iterator<Item = u64> {
     (0..tried).map(move |index| row(index) as u64)
 }
 
-/// The step that a row of the fixed-step engine needs, with its accuracy.
+/// The step that a row of the fixed-step engine needs, with its accuracy; a controller's row gives it.
 fn needed(sweep: &Sweep, row: u64) -> Option<Result<(f64, f64), Error>> {
-    let experiment =
-        sweep.scenario(row).map_err(|error| error.error).and_then(|scenario| scenario.experiment()).ok()?;
-    let accuracy = experiment.run.accuracy;
-    (experiment.run.engine == Engine::FixedStep).then(|| experiment.step().map(|(step, _)| (step, accuracy)))
+    let scenario = sweep.scenario(row).ok().filter(|scenario| !scenario.has_controller())?;
+    if scenario.run.engine != Engine::FixedStep {
+        return None;
+    }
+    let step = match scenario.joint_experiment().ok()? {
+        Some(joint) => joint.step().map(|(step, _)| step),
+        None => scenario.experiment().ok()?.step().map(|(step, _)| step),
+    };
+    Some(step.map(|step| (step, scenario.run.accuracy)))
 }
 
 #[cfg(test)]

@@ -10,9 +10,9 @@
 //! With reductions a run is one line; with samples or trajectories it is one line for each sample. A run that failed is
 //! one line without results.
 
-use super::rows::Outcome;
+use super::rows::{Outcome, Samples};
 use crate::failure::Failure;
-use crate::record::{COLUMNS, VALVE};
+use crate::record::{COLUMNS, VALVE, Value, of_joint};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
 
 /// What a column holds.
@@ -83,6 +83,10 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
             let reduced = reductions.iter().map(|r| column(&r.column(), r.unit(), Kind::Number, true));
             columns.extend(reduced);
         }
+        Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
+            let kind = |value: &Value<_>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
+            columns.extend(of_joint(&[]).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)));
+        }
         Record::Samples(_) | Record::Trajectories => {
             columns.extend(COLUMNS.iter().map(|c| column(c.name, c.unit, Kind::Number, true)));
             columns.push(column(VALVE, "", Kind::Word, true));
@@ -115,15 +119,28 @@ pub fn lines(
             line.push(Cell::Nothing);
             each(&line)
         }
-        Outcome::Sampled(samples) => samples.iter().try_for_each(|sample| {
+        Outcome::Sampled(Samples::Actuator(samples)) => samples.iter().try_for_each(|sample| {
             line.truncate(head);
             line.extend(COLUMNS.iter().map(|column| Cell::Number((column.value)(sample))));
             line.extend([Cell::Word(sample.ports.name()), Cell::Nothing]);
             each(&line)
         }),
+        Outcome::Sampled(Samples::Joint(samples)) => {
+            let fields = of_joint(&[]);
+            samples.iter().try_for_each(|sample| {
+                line.truncate(head);
+                line.extend(fields.iter().map(|field| match &field.value {
+                    Value::Number(value) => Cell::Number(value(sample)),
+                    Value::Word(value) => Cell::Word(value(sample)),
+                }));
+                line.push(Cell::Nothing);
+                each(&line)
+            })
+        }
         Outcome::Failed(reason) => {
             let results = match sweep.record() {
                 Record::Reductions(reductions) => reductions.len(),
+                Record::Samples(_) | Record::Trajectories if sweep.has_joint() => of_joint(&[]).len(),
                 Record::Samples(_) | Record::Trajectories => COLUMNS.len() + 1,
             };
             line.extend(std::iter::repeat_n(Cell::Nothing, results));

@@ -121,8 +121,10 @@ impl Tally {
             return text;
         }
         let names = known().map(|(reduction, _)| reduction.name().len()).max().unwrap_or(0);
+        // Room for ten characters of digits and prefix before the longest unit.
+        let width = known().map(|(reduction, _)| 10 + reduction.unit().len()).max().unwrap_or(0).max(14);
         put(&mut text, format_args!("\n{}\n", styled(HEADING, "Reductions")));
-        let head = format!("  {:<names$}{:>14}{:>14}{:>14}", "", "least", "mean", "greatest");
+        let head = format!("  {:<names$}{:>width$}{:>width$}{:>width$}", "", "least", "mean", "greatest");
         put(&mut text, format_args!("{}\n", styled(FAINT, head)));
         for (reduction, spread) in known() {
             let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
@@ -132,7 +134,7 @@ impl Tally {
             put(
                 &mut text,
                 format_args!(
-                    "  {:<names$}{least:>14}{mean:>14}{greatest:>14}{}\n",
+                    "  {:<names$}{least:>width$}{mean:>width$}{greatest:>width$}{}\n",
                     reduction.name(),
                     styled(FAINT, note)
                 ),

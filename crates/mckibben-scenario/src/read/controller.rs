@@ -6,11 +6,31 @@ use crate::diagnostic::{Class, Diagnostic};
 use crate::document::Value;
 use crate::reader::Reader;
 use crate::scenario::{Aim, Controller, Regulator};
-use mckibben::control::{Quantity, SetPoint};
-use mckibben::parameter as p;
+use mckibben::control::{Quantity, Rows, SetPoint};
+use mckibben::parameter::{self as p, Parameter};
 
 /// What one actuator can be told to reach.
 const OF_ACTUATOR: [Quantity; 4] = [Quantity::Pressure, Quantity::Length, Quantity::AirMass, Quantity::Force];
+
+/// What a controller regulates, by its keys alone: `is` says whether a key holds a word, `has` whether it is there.
+pub(crate) fn regulated(is: impl Fn(&str, &str) -> bool, has: impl Fn(&str) -> bool) -> Quantity {
+    let kind = |kind: ControllerKind| is("controller.kind", kind.name());
+    if kind(ControllerKind::AirMass) {
+        return Quantity::AirMass;
+    }
+    if kind(ControllerKind::FeedForward) {
+        return Quantity::Pressure;
+    }
+    let named = [&OF_ACTUATOR[..], &[Quantity::Angle]].concat();
+    let named = named.into_iter().find(|quantity| has(quantity.rows().set_point.key));
+    named.unwrap_or(Quantity::Pressure)
+}
+
+/// The row of a key that has the unit of what is regulated.
+pub(crate) fn row_in_its_unit(regulated: Quantity, path: &str) -> Option<&'static Parameter> {
+    let Rows { amplitude, dead_band, hysteresis, proportional_band, resolution, .. } = regulated.rows();
+    [amplitude, dead_band, hysteresis, proportional_band, resolution].into_iter().find(|row| row.key == path)
+}
 
 pub(super) fn controller(r: &mut Reader<'_>) -> Option<Controller> {
     let kind: Option<ControllerKind> = r.word("controller.kind");

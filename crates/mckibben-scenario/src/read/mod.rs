@@ -16,7 +16,7 @@
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
 
 mod body;
-mod controller;
+pub(crate) mod controller;
 mod course;
 mod drive;
 mod friction;

@@ -17,6 +17,8 @@ pub struct Axis {
     pub kind: AxisKind,
     pub(super) values: Values,
     pub(super) sampler: Sampler,
+    /// Whether the scenario is read anew for each value.
+    pub(super) read_anew: bool,
     pub(super) target: Option<Target>,
 }
 
@@ -111,9 +113,9 @@ impl Axis {
         self.values.at(self.sampler.draw(row))
     }
 
-    /// Which word a row takes, counted from 0, when the axis is one of several words.
-    pub(super) fn word(&self, row: u64) -> Option<u64> {
-        matches!(self.values, Values::Words(_)).then(|| self.values.step(self.sampler.draw(row)))
+    /// Which value a row takes, counted from 0, when the scenario is read anew for each.
+    pub(super) fn base(&self, row: u64) -> Option<u64> {
+        self.read_anew.then(|| self.values.step(self.sampler.draw(row)))
     }
 
     /// The axis as a line of text that tells it from every other.

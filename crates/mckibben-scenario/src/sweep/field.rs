@@ -3,6 +3,9 @@
 //! Checked by `tests/sweep.rs`: for every key that holds one quantity, setting it here and reading it from text give
 //! equal scenarios.
 
+mod control;
+mod joint;
+
 use crate::choice::BladderForm;
 use crate::scenario::{
     Command, Compressor, Effectiveness, Force, Hysteresis, InitialLength, Load, Motion, Passage, PressureRegulator,
@@ -155,10 +158,12 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::TENDON_REST_LENGTH, |s| Some(&mut s.tendon.as_mut()?.rest_length)),
     (&p::MASS, |s| match &mut s.load {
         Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } => Some(mass),
+        Load::AntagonisticJoint(joint) => Some(&mut joint.mass),
         _ => None,
     }),
     (&p::GRAVITY, |s| match &mut s.load {
         Load::HangingMass { gravity, .. } => Some(gravity),
+        Load::AntagonisticJoint(joint) => Some(&mut joint.gravity),
         _ => None,
     }),
     (&p::LOAD_FORCE, |s| match &mut s.load {
@@ -268,7 +273,10 @@ fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
     }
 }
 
+pub(super) use joint::exchange;
+
 /// The place of a quantity.
 pub(super) fn field_of(parameter: &Parameter) -> Option<Field> {
-    FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field)
+    let here = FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field);
+    here.or_else(|| control::field_of(parameter.key)).or_else(|| joint::field_of(parameter.key))
 }

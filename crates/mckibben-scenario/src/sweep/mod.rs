@@ -14,8 +14,8 @@
 //! | `field` | where a quantity stands in the scenario |
 //! | `reduction` | the numbers that a run is reduced to |
 //!
-//! A file is read once for each combination of words; the numbers of a row are then set in the plain scenario, without
-//! text. Checked by `tests/sweep.rs`: both ways agree for every key.
+//! A file is read once for each combination of words and whole numbers; the other numbers of a row are then set in the plain
+//! scenario, without text. Checked by `tests/sweep.rs`: both ways agree for every key.
 
 mod axis;
 mod design;
@@ -34,8 +34,11 @@ pub use axis::{Axis, AxisKind, AxisValue};
 pub use reduction::{Quantity, Reduction, Statistic};
 
 use crate::choice::{DesignKind, Engine};
+use crate::keys::in_antagonist;
 use crate::quantity;
-use crate::scenario::{Load, Scenario};
+use crate::scenario::{Aim, Command, Load, Scenario};
+use field::exchange;
+use mckibben::control::SetPoint;
 use mckibben::parameter as p;
 use mckibben::{Error, Requirement};
 use std::fmt::{self, Write};
@@ -51,10 +54,18 @@ pub struct Sweep {
     seed: u64,
     record: Record,
     part_rows: u64,
-    /// A scenario for each combination of words, the last axis of words changing first.
-    bases: Vec<Scenario>,
-    /// Whether the least length follows from a thread length that varies.
-    min_length_follows: bool,
+    /// A scenario for each combination of words and whole numbers, the last axis of these changing first.
+    bases: Vec<Base>,
+}
+
+/// What rows start from.
+#[derive(Clone, Debug)]
+struct Base {
+    scenario: Scenario,
+    /// Whether each axis sets the second actuator of a joint: one of its own keys, or one that it takes over from the first.
+    sets_second: Vec<bool>,
+    /// Whether the least length follows from a thread length that varies, of the first actuator and of the second.
+    min_length_follows: [bool; 2],
 }
 
 /// What is recorded of each row.
@@ -130,12 +141,22 @@ impl Sweep {
 
     /// Whether there are rows for an engine.
     pub fn asks_for(&self, engine: Engine) -> bool {
-        self.bases.iter().any(|base| base.run.engine == engine)
+        self.bases.iter().any(|base| base.scenario.run.engine == engine)
+    }
+
+    /// Whether there are rows with a controller.
+    pub fn has_controllers(&self) -> bool {
+        self.bases.iter().any(|base| base.scenario.has_controller())
+    }
+
+    /// Whether every row is a joint of two actuators; if not, none is.
+    pub fn has_joint(&self) -> bool {
+        self.bases.iter().any(|base| base.scenario.has_joint())
     }
 
     /// Whether every row gives the step of the fixed-step engine, so that none follows from an accuracy.
     pub fn gives_step(&self) -> bool {
-        self.bases.iter().all(|base| base.run.step.is_some())
+        self.bases.iter().all(|base| base.scenario.run.step.is_some())
     }
 
     /// The scenario of a row. Tables in it are copied; everything else is a few numbers.
@@ -149,18 +170,34 @@ impl Sweep {
     }
 
     fn valid(&self, row: u64) -> Result<Scenario, Error> {
-        let words = self.axes.iter().filter_map(|axis| Some((axis.word(row)?, axis.values.count()?)));
-        let base = words.fold(0, |base, (word, count)| base * count + word);
-        let mut scenario = self.bases[base as usize].clone();
-        for axis in &self.axes {
+        let chosen = self.axes.iter().filter_map(|axis| Some((axis.base(row)?, axis.values.count()?)));
+        let base = chosen.fold(0, |base, (value, count)| base * count + value);
+        let Base { scenario, sets_second, min_length_follows } = &self.bases[base as usize];
+        let mut scenario = scenario.clone();
+        for (axis, sets_second) in self.axes.iter().zip(sets_second) {
             let (Some(target), AxisValue::Number(value)) = (axis.target, axis.value(row)) else { continue };
-            // A number without a place is not reached: the reading of the bases has refused it.
-            if let Some(place) = (target.field)(&mut scenario) {
-                *place = target.parameter.check(value)?;
+            let set = |scenario: &mut Scenario| {
+                // A number without a place is not reached: the reading of the bases has refused it.
+                if let Some(place) = (target.field)(scenario) {
+                    *place = target.parameter.check(value)?;
+                }
+                Ok::<_, Error>(())
+            };
+            if in_antagonist(&axis.path).is_none() {
+                set(&mut scenario)?;
+            }
+            if *sets_second {
+                exchange(&mut scenario);
+                set(&mut scenario)?;
+                exchange(&mut scenario);
             }
         }
-        if self.min_length_follows {
-            scenario.actuator.min_length = scenario.actuator.thread_length / 3_f64.sqrt();
+        for follows in min_length_follows {
+            if *follows {
+                scenario.actuator.min_length = scenario.actuator.thread_length / 3_f64.sqrt();
+            }
+            // Done twice this changes nothing.
+            exchange(&mut scenario);
         }
         consistent(scenario)
     }
@@ -179,9 +216,11 @@ impl Sweep {
         let _ = writeln!(text, "design {}\nrows {}\nseed {}", self.design.name(), self.rows, self.seed);
         let _ = writeln!(text, "record {record}\npart_rows {}", self.part_rows);
         self.axes.iter().for_each(|axis| axis.fingerprint(&mut text));
-        let _ = writeln!(text, "min_length {}", if self.min_length_follows { "follows" } else { "given" });
+        let follows = self.bases.first().map_or([false; 2], |base| base.min_length_follows);
+        let follows = follows.map(|follows| if follows { "follows" } else { "given" });
+        let _ = writeln!(text, "min_length {}", follows.join(" "));
         for base in &self.bases {
-            let _ = writeln!(text, "\n{}", base.to_toml());
+            let _ = writeln!(text, "\n{}", base.scenario.to_toml());
         }
         text
     }
@@ -198,6 +237,12 @@ fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
             requirement: Requirement { relation: "must be at most", other: p::DURATION.key, value: run.duration, unit },
             remedy: p::SAMPLE_INTERVAL.remedy,
         });
+    }
+    if let Some(Command::Controller(controller)) = &scenario.command
+        && let Aim::Track { quantity, set_point: SetPoint::Sinusoid { mean, amplitude, frequency, phase } } =
+            controller.aim
+    {
+        SetPoint::sinusoid(quantity, mean, amplitude, frequency, phase)?;
     }
     if scenario.load == Load::Isometric && velocity != 0.0 {
         return Err(Error::Unsupported {

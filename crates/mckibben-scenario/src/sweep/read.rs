@@ -1,22 +1,22 @@
 //! Reads `[sweep]`: how the rows are chosen, what is recorded, and the scenarios that the rows start from.
 //!
-//! The scenario is read with the first value of every key in place, once for each combination of words, so that a key which
-//! only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values are numbers
-//! within the range that the key has, and need no text.
+//! The scenario is read with the first value of every key in place, once for each combination of words and whole numbers, so
+//! that a key which only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values
+//! are numbers within the range that the key has, and need no text.
 
 use super::axis::Axis;
 use super::design::{MOST_ROWS, Sampler};
 use super::random::Stream;
-use super::reduction::DEFAULT;
+use super::reduction::{DEFAULT, DEFAULT_OF_JOINT, Quantity, Reduction};
 use super::vary::{self, Varied};
-use super::{Record, Sweep, sobol};
+use super::{Base, Record, Sweep, sobol};
 use crate::choice::{DesignKind, RecordKind};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
 use crate::quantity;
 use crate::reader::Reader;
-use crate::scenario::{Load, Scenario};
+use crate::scenario::Scenario;
 use mckibben::parameter as p;
 
 /// Most combinations of words, each of which is a scenario in memory.
@@ -25,8 +25,8 @@ const MOST_BASES: u64 = 4096;
 /// Numbers in a part of the result when the file does not say how long one is: about 8 MB.
 const NUMBERS_IN_PART: f64 = 1_048_576.0;
 
-/// Columns of a recorded sample.
-const COLUMNS: f64 = 10.0;
+/// Columns of a recorded sample of one actuator, and of a joint.
+const COLUMNS: [f64; 2] = [10.0, 22.0];
 
 /// Rows in a part at most, so that little is lost when a long sweep is stopped.
 const ROWS_IN_PART: f64 = 4096.0;
@@ -49,21 +49,35 @@ impl Document {
         let record = record(r);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
-        let words = varied.iter().filter_map(Varied::words).fold(1, u64::saturating_mul);
+        let words = varied.iter().filter_map(Varied::read_anew).fold(1, u64::saturating_mul);
         if words > MOST_BASES {
             let place = r.key_place(VARY);
-            note_beyond(r, place, &format!("the words combine to {words} scenarios, more than {MOST_BASES}"));
+            note_beyond(
+                r,
+                place,
+                &format!("words and whole numbers combine to {words} scenarios, more than {MOST_BASES}"),
+            );
+        }
+        if design == DesignKind::Sobol && varied.len() > sobol::DIMENSIONS {
+            let place = r.key_place(VARY);
+            let most = sobol::DIMENSIONS;
+            note_beyond(r, place, &format!("{} keys vary by a Sobol' sequence of {most} dimensions", varied.len()));
         }
         reader.finish()?;
         let bases = bases(self, &varied, words)?;
-        let Some((record, first)) = record.zip(bases.first()) else { return Ok(None) };
+        let Some((record, Base { scenario: first, .. })) = record.zip(bases.first()) else { return Ok(None) };
+        check_joints(self, &bases)?;
+        let record = match record {
+            Record::Reductions(_) if first.has_joint() && !self.contains("sweep.reductions") => {
+                Record::Reductions(DEFAULT_OF_JOINT.to_vec())
+            }
+            record => record,
+        };
         check_times(self, &record, first, &varied)?;
+        check_reductions(self, &record, &bases)?;
         let part_rows = part_rows.unwrap_or_else(|| part_of(&record, first)).min(rows);
-        let varies = |row: &p::Parameter| varied.iter().any(|varied| varied.path == row.key);
-        let min_length_given = self.contains(p::MIN_LENGTH.key) || varies(&p::MIN_LENGTH);
-        let min_length_follows = varies(&p::THREAD_LENGTH) && !min_length_given;
         let axes = axes(varied, design, rows, seed);
-        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases, min_length_follows }))
+        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases }))
     }
 }
 
@@ -144,8 +158,29 @@ fn check_times(
     }
 }
 
-/// The scenario for each combination of words, with the first value of every other key.
-fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Result<Vec<Scenario>, Diagnostics> {
+/// Refuses reductions that no row has.
+fn check_reductions(document: &Document, record: &Record, bases: &[Base]) -> Result<(), Diagnostics> {
+    let Record::Reductions(reductions) = record else { return Ok(()) };
+    let controlled = bases.iter().any(|base| base.scenario.has_controller());
+    let has_joint = bases.iter().any(|base| base.scenario.has_joint());
+    let foreign = |of: &Reduction| {
+        (matches!(of.quantity, Quantity::Error(_)) && !controlled) || (of.quantity.is_of_joint() && !has_joint)
+    };
+    let Some(at) = reductions.iter().position(foreign) else { return Ok(()) };
+    let [of, remedy] = match reductions[at].quantity.is_of_joint() && !has_joint {
+        true => ["a joint", "leave it out, or set load.kind = \"antagonistic-joint\""],
+        false => ["a controller", "leave it out, or set command.kind = \"controllers\""],
+    };
+    let title = format!("`{}` is of {of}, and there is none", reductions[at].name());
+    let diagnostic = match Reader::of_section(document, SWEEP).item_place("sweep.reductions", at) {
+        Some(place) => Diagnostic::at(Class::NotApplicable, place, title, "no row has it"),
+        None => Diagnostic::whole(Class::NotApplicable, document.source().name(), title),
+    };
+    Err(diagnostic.help(remedy).into())
+}
+
+/// The scenario for each combination of words and whole numbers, with the first value of every other key.
+fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Result<Vec<Base>, Diagnostics> {
     let mut document = document.clone();
     document.remove(SWEEP);
     for varied in varied {
@@ -156,46 +191,62 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
         let mut rest = combination;
         let mut chosen = Vec::new();
         for varied in varied.iter().rev() {
-            if let Some(count) = varied.words() {
-                let word = varied.word(rest % count);
-                document.put(&varied.path, &varied.key, word);
-                chosen.push(format!("`{} = {}`", varied.path, word.place.text()));
+            if let Some(count) = varied.read_anew() {
+                let value = varied.value(rest % count);
+                document.put(&varied.path, &varied.key, value);
+                chosen.push(format!("`{} = {}`", varied.path, value.place.text()));
                 rest /= count;
             }
         }
-        let base = document.scenario().and_then(|scenario| of_one_actuator(&document, scenario));
-        bases.push(match chosen.is_empty() {
-            true => base?,
-            false => base.map_err(|found| {
+        let scenario = document.scenario().map_err(|found| match chosen.is_empty() {
+            true => found,
+            false => {
                 chosen.reverse();
                 found.help(&format!("so it is in the rows with {} of [sweep.vary]", chosen.join(" and ")))
-            })?,
-        });
+            }
+        })?;
+        bases.push(Base::new(&document, scenario, varied));
     }
     Ok(bases)
 }
 
-/// Refuses a joint of two actuators, which no sweep takes yet.
-fn of_one_actuator(document: &Document, scenario: Scenario) -> Result<Scenario, Diagnostics> {
-    if !matches!(scenario.load, Load::AntagonisticJoint(_)) {
-        return Ok(scenario);
+impl Base {
+    /// What rows start from, as a document with a value of every key that varies says it.
+    fn new(document: &Document, scenario: Scenario, varied: &[Varied<'_>]) -> Self {
+        let second = document.antagonist();
+        let taken_over = |of: &Varied<'_>| {
+            second.entry(&of.path).is_some_and(|entry| of.nodes().any(|node| node.place.is(&entry.node.place)))
+        };
+        let sets_second = |of: &Varied<'_>| scenario.has_joint() && (of.is_of_antagonist() || taken_over(of));
+        let sets_second: Vec<bool> = varied.iter().map(sets_second).collect();
+        let thread_of_second = varied.iter().zip(&sets_second).any(|(of, sets)| *sets && of.is(&p::THREAD_LENGTH));
+        let thread = varied.iter().any(|of| !of.is_of_antagonist() && of.is(&p::THREAD_LENGTH));
+        let follows = |document: &Document, thread: bool| thread && !document.contains(p::MIN_LENGTH.key);
+        let min_length_follows = [follows(document, thread), follows(&second, thread_of_second)];
+        Self { scenario, sets_second, min_length_follows }
     }
-    let title = "a sweep does not take an antagonistic joint yet";
-    let diagnostic = match document.entry("load.kind") {
-        Some(entry) => {
-            Diagnostic::at(Class::NotApplicable, entry.node.place.clone(), title, "a joint of two actuators")
-        }
-        None => Diagnostic::whole(Class::NotApplicable, document.source().name(), title),
+}
+
+/// Refuses a joint in some rows and one actuator in others: what is recorded of the two differs.
+fn check_joints(document: &Document, bases: &[Base]) -> Result<(), Diagnostics> {
+    if bases.iter().all(|base| base.scenario.has_joint() == bases[0].scenario.has_joint()) {
+        return Ok(());
+    }
+    let title = "some rows have an antagonistic joint, and others one actuator";
+    let found = match document.place(VARY) {
+        Some(place) => Diagnostic::at(Class::Inconsistent, place.clone(), title, "mixes what is recorded"),
+        None => Diagnostic::whole(Class::Inconsistent, document.source().name(), title),
     };
-    Err(diagnostic.help("remove [sweep] and run the file with `mckibben simulate`, or choose another load.kind").into())
+    Err(found.help("run one sweep for each").into())
 }
 
 /// Rows in a part of the result: as many as hold a manageable amount.
 fn part_of(record: &Record, first: &Scenario) -> u64 {
+    let columns = COLUMNS[usize::from(first.has_joint())];
     let numbers = match record {
         Record::Reductions(list) => list.len() as f64,
-        Record::Samples(times) => times.len() as f64 * COLUMNS,
-        Record::Trajectories => (first.run.duration / first.run.sample_interval + 1.0) * COLUMNS,
+        Record::Samples(times) => times.len() as f64 * columns,
+        Record::Trajectories => (first.run.duration / first.run.sample_interval + 1.0) * columns,
     };
     (NUMBERS_IN_PART / numbers).clamp(1.0, ROWS_IN_PART) as u64
 }
@@ -211,14 +262,14 @@ fn axes(varied: Vec<Varied<'_>>, design: DesignKind, rows: u64, seed: u64) -> Ve
             }
             DesignKind::LatinHypercube => Sampler::latin_hypercube(rows, stream),
             DesignKind::Sobol => {
-                // There are fewer keys than dimensions, which a test of the sequence sees to.
+                // More keys than dimensions have been refused.
                 let dimension = sobol::Dimension::new(index, stream);
                 dimension.map_or(Sampler::Random(stream), |dimension| Sampler::Sobol(Box::new(dimension)))
             }
             DesignKind::Random => Sampler::Random(stream),
         };
-        let (kind, target) = (varied.kind(), varied.target());
-        Axis { path: varied.path, kind, values: varied.values, sampler, target }
+        let (kind, target, read_anew) = (varied.kind(), varied.target(), varied.read_anew().is_some());
+        Axis { path: varied.path, kind, values: varied.values, sampler, read_anew, target }
     });
     sampled.collect()
 }

@@ -5,6 +5,7 @@
 
 use super::axis::column_of;
 use crate::choice::{Choice, Word};
+use mckibben::control;
 
 /// What is reduced.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -23,8 +24,26 @@ pub enum Quantity {
     Tension,
     /// Mass flow into the actuator in kg/s.
     MassFlow,
-    /// Air of the supply in kg.
+    /// Air of the supply in kg; of a joint, of both actuators.
     Air,
+    /// Angle of a joint in rad.
+    Angle,
+    /// Angular velocity of a joint in rad/s.
+    AngularVelocity,
+    /// Torque of both actuators on a joint in N·m.
+    Torque,
+    /// Stiffness in N·m/rad that both actuators give a joint with their valves shut.
+    Stiffness,
+    /// Distance in m between the attachments of a joint's second actuator; those above are of the first.
+    AntagonistLength,
+    /// Absolute pressure in it in Pa.
+    AntagonistPressure,
+    /// Mass of its air in kg.
+    AntagonistAirMass,
+    /// Its tension in N.
+    AntagonistTension,
+    /// How far a controller misses what it is to reach, as its sensors show it at its sampling instants.
+    Error(control::Quantity),
 }
 
 /// How it is reduced.
@@ -47,6 +66,8 @@ pub enum Statistic {
     Overshoot,
     /// Greatest magnitude.
     Peak,
+    /// Root mean square.
+    Rms,
     /// Amount drawn from the supply.
     Used,
 }
@@ -85,6 +106,9 @@ macro_rules! name {
     (Peak) => {
         "peak"
     };
+    (Rms) => {
+        "rms"
+    };
     (Used) => {
         "used"
     };
@@ -119,22 +143,36 @@ macro_rules! meaning {
     (Peak, $of:literal) => {
         concat!("Greatest magnitude of the ", $of, ".")
     };
+    (Rms, $of:literal) => {
+        concat!("Root mean square of the ", $of, ".")
+    };
     (Used, $of:literal) => {
         concat!("Mass of the ", $of, " drawn from the supply.")
     };
 }
 
+macro_rules! quantity {
+    ($quantity:ident) => {
+        Quantity::$quantity
+    };
+    ((Error $regulated:ident)) => {
+        Quantity::Error(control::Quantity::$regulated)
+    };
+}
+
 macro_rules! reductions {
-    ($($quantity:ident $name:literal, $of:literal: $($statistic:ident)+;)+) => {
+    ($($quantity:tt $name:literal, $of:literal: $($statistic:ident)+;)+) => {
         impl Reduction {
             /// Every reduction that has a meaning.
             pub const ALL: &'static [Self] =
-                &[$($(Self { quantity: Quantity::$quantity, statistic: Statistic::$statistic }),+),+];
+                &[$($(Self { quantity: quantity!($quantity), statistic: Statistic::$statistic }),+),+];
 
             /// As it is written in a scenario file, such as `length.final`.
             pub const fn name(self) -> &'static str {
                 match (self.quantity, self.statistic) {
-                    $($((Quantity::$quantity, Statistic::$statistic) => concat!($name, ".", name!($statistic)),)+)+
+                    $($((quantity!($quantity), Statistic::$statistic) => {
+                        concat!($name, ".", name!($statistic))
+                    })+)+
                     _ => "",
                 }
             }
@@ -162,6 +200,45 @@ reductions! {
     Tension "tension", "tension": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
     MassFlow "mass_flow", "mass flow into the actuator": Final Mean Min Max Ripple Peak;
     Air "air", "air": Used;
+    Angle "angle", "angle of the joint": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
+    AngularVelocity "angular_velocity", "angular velocity of the joint": Final Mean Min Max Ripple Peak;
+    Torque "torque", "torque of both actuators": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
+    Stiffness "stiffness", "stiffness that both actuators give the joint with their valves shut":
+        Final Mean Min Max Ripple SettlingTime Overshoot;
+    AntagonistLength "antagonist_length", "length of the antagonist": Final Mean Min Max Ripple SettlingTime Overshoot;
+    AntagonistPressure "antagonist_pressure", "absolute pressure in the antagonist":
+        Final Mean Min Max Ripple SettlingTime Overshoot;
+    AntagonistAirMass "antagonist_air_mass", "mass of the antagonist's air":
+        Final Mean Min Max Ripple SettlingTime Overshoot;
+    AntagonistTension "antagonist_tension", "tension of the antagonist":
+        Final Mean Min Max Ripple SettlingTime Overshoot Peak;
+    (Error Pressure) "pressure_error", "error of the pressure at the controller's samples": Rms Peak;
+    (Error Length) "length_error", "error of the length at the controller's samples": Rms Peak;
+    (Error AirMass) "air_mass_error", "error of the mass of air at the controller's samples": Rms Peak;
+    (Error Force) "force_error", "error of the tension at the controller's samples": Rms Peak;
+    (Error Angle) "angle_error", "error of the angle at the controller's samples": Rms Peak;
+    (Error Stiffness) "stiffness_error", "error of the stiffness at the controller's samples": Rms Peak;
+}
+
+impl Quantity {
+    /// Whether a joint alone has it.
+    pub const fn is_of_joint(self) -> bool {
+        use Quantity::{
+            Angle, AngularVelocity, AntagonistAirMass, AntagonistLength, AntagonistPressure, AntagonistTension,
+        };
+        matches!(
+            self,
+            Angle
+                | AngularVelocity
+                | Self::Torque
+                | Self::Stiffness
+                | AntagonistLength
+                | AntagonistPressure
+                | AntagonistAirMass
+                | AntagonistTension
+                | Self::Error(control::Quantity::Angle | control::Quantity::Stiffness | control::Quantity::Torque)
+        )
+    }
 }
 
 impl Reduction {
@@ -173,13 +250,26 @@ impl Reduction {
         match (self.quantity, self.statistic) {
             (_, Statistic::SettlingTime) => "s",
             (_, Statistic::Overshoot) => "",
-            (Quantity::Length, _) => "m",
+            (Quantity::Length | Quantity::AntagonistLength, _) => "m",
             (Quantity::Velocity, _) => "m/s",
-            (Quantity::Pressure, _) => "Pa",
-            (Quantity::AirMass | Quantity::Air, _) => "kg",
+            (Quantity::Pressure | Quantity::AntagonistPressure, _) => "Pa",
+            (Quantity::AirMass | Quantity::Air | Quantity::AntagonistAirMass, _) => "kg",
             (Quantity::Temperature, _) => "K",
-            (Quantity::Tension, _) => "N",
+            (Quantity::Tension | Quantity::AntagonistTension, _) => "N",
+            (Quantity::Angle, _) => "rad",
+            (Quantity::AngularVelocity, _) => "rad/s",
+            (Quantity::Torque, _) => "N*m",
+            (Quantity::Stiffness, _) => "N*m/rad",
             (Quantity::MassFlow, _) => "kg/s",
+            (Quantity::Error(of), _) => match of {
+                control::Quantity::Pressure => "Pa",
+                control::Quantity::Length => "m",
+                control::Quantity::AirMass => "kg",
+                control::Quantity::Force => "N",
+                control::Quantity::Angle => "rad",
+                control::Quantity::Torque => "N*m",
+                control::Quantity::Stiffness => "N*m/rad",
+            },
         }
     }
 
@@ -213,6 +303,30 @@ pub(super) const DEFAULT: &[Reduction] = {
     ]
 };
 
+/// The same of a joint.
+pub(super) const DEFAULT_OF_JOINT: &[Reduction] = {
+    use Quantity::{Air, Angle, AngularVelocity, AntagonistPressure, Pressure, Stiffness, Torque};
+    use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, Ripple, SettlingTime, Used};
+    const fn of(quantity: Quantity, statistic: Statistic) -> Reduction {
+        Reduction { quantity, statistic }
+    }
+    &[
+        of(Angle, Final),
+        of(Angle, Mean),
+        of(Angle, Min),
+        of(Angle, Max),
+        of(Angle, Ripple),
+        of(Angle, SettlingTime),
+        of(Angle, Overshoot),
+        of(AngularVelocity, Peak),
+        of(Torque, Peak),
+        of(Stiffness, Final),
+        of(Pressure, Final),
+        of(AntagonistPressure, Final),
+        of(Air, Used),
+    ]
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -230,6 +344,8 @@ mod tests {
             ("pressure.ripple", "pressure_ripple_pa"),
             ("temperature.min", "temperature_min_k"),
             ("air.used", "air_used_kg"),
+            ("length_error.rms", "length_error_rms_m"),
+            ("pressure_error.peak", "pressure_error_peak_pa"),
         ] {
             assert_eq!(column(name).as_deref(), Some(expected));
         }
@@ -238,7 +354,9 @@ mod tests {
 
     #[test]
     fn every_default_is_a_reduction_and_names_are_unique() {
-        assert!(DEFAULT.iter().all(|reduction| Reduction::ALL.contains(reduction)));
+        let defaults = [DEFAULT, DEFAULT_OF_JOINT].concat();
+        assert!(defaults.iter().all(|reduction| Reduction::ALL.contains(reduction)));
+        assert!(DEFAULT.iter().all(|reduction| !reduction.quantity.is_of_joint()));
         for (index, reduction) in Reduction::ALL.iter().enumerate() {
             assert!(Reduction::ALL[..index].iter().all(|other| other.name() != reduction.name()));
             assert_eq!(Reduction::CHOICES[index].name, reduction.name());

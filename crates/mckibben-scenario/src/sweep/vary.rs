@@ -11,7 +11,9 @@ use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::{Entry, Node, Table, Value};
 use crate::keys::{self, COUNT, FACTOR, KEYS, Key, Kind, SWEEP, VARY};
 use crate::nearest::nearest;
+use crate::read::controller::{regulated, row_in_its_unit};
 use crate::reader::{Reader, list_of};
+use mckibben::control::Quantity;
 use mckibben::parameter::{Parameter, Range};
 
 /// A key that varies, as the file has it.
@@ -20,6 +22,8 @@ pub(super) struct Varied<'d> {
     pub(super) key: Place,
     pub(super) values: Values,
     row: &'static Key,
+    /// The parameter that its numbers are of.
+    parameter: Option<&'static Parameter>,
     /// The values one by one, or the one that stands for all of them in a first reading of the scenario.
     nodes: Vec<&'d Node>,
 }
@@ -30,25 +34,41 @@ impl<'d> Varied<'d> {
         self.nodes[0]
     }
 
-    /// How many words there are, when they are words.
-    pub(super) fn words(&self) -> Option<u64> {
-        matches!(self.values, Values::Words(_)).then_some(self.nodes.len() as u64)
+    /// How many values there are for each of which the scenario is read anew: words, and whole numbers.
+    pub(super) fn read_anew(&self) -> Option<u64> {
+        let whole = matches!(self.row.kind, Kind::Whole(_));
+        (whole || matches!(self.values, Values::Words(_))).then_some(self.nodes.len() as u64)
     }
 
-    /// A word where it stands.
-    pub(super) fn word(&self, index: u64) -> &'d Node {
+    /// One of these values where it stands.
+    pub(super) fn value(&self, index: u64) -> &'d Node {
         self.nodes[index as usize]
     }
 
+    /// Whether it is of the second actuator of a joint alone.
+    pub(super) fn is_of_antagonist(&self) -> bool {
+        keys::in_antagonist(&self.path).is_some()
+    }
+
+    /// Whether its numbers are of this parameter.
+    pub(super) fn is(&self, row: &Parameter) -> bool {
+        self.parameter.is_some_and(|of| of.key == row.key)
+    }
+
+    /// The values where they stand.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = &'d Node> {
+        self.nodes.iter().copied()
+    }
+
     pub(super) fn kind(&self) -> AxisKind {
-        match (&self.values, self.row.parameter()) {
+        match (&self.values, self.parameter) {
             (Values::Words(_), _) | (_, None) => AxisKind::Word,
             (_, Some(row)) => AxisKind::Quantity { unit: row.unit, column: column_of(&self.path, row.unit) },
         }
     }
 
     pub(super) fn target(&self) -> Option<Target> {
-        let parameter = self.row.parameter().filter(|_| self.words().is_none())?;
+        let parameter = self.parameter.filter(|_| self.read_anew().is_none())?;
         field_of(parameter).map(|field| Target { parameter, field })
     }
 }
@@ -73,14 +93,15 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
                 .help("add for instance `\"load.mass\" = [\"3 lb\", \"5 lb\"]`"),
         );
     }
-    let mut found: Vec<(&'static Key, &'d Entry)> = Vec::new();
+    let mut found: Vec<Found<'d>> = Vec::new();
     paths(r, table, "", &mut found);
     // Dotted keys of one section stand together in the parsed file, wherever they were written.
-    found.sort_by_key(|(_, entry)| entry.key.span().start);
+    found.sort_by_key(|of| of.entry.key.span().start);
+    let regulated = regulated_by(r, &found);
     let mut varied: Vec<Varied<'d>> = Vec::new();
-    for (row, entry) in found {
-        if let Some(before) = varied.iter().find(|varied| varied.path == row.path) {
-            let title = format!("`{}` varies twice", row.path);
+    for Found { path, row, entry } in found {
+        if let Some(before) = varied.iter().find(|varied| varied.path == path) {
+            let title = format!("`{path}` varies twice");
             r.note(
                 Diagnostic::at(Class::Conflict, entry.key.clone(), title, "second time")
                     .related(Some(before.key.clone()), "first time")
@@ -88,23 +109,47 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
             );
             continue;
         }
-        if let Some((values, nodes)) = values(r, row, &entry.node, design).filter(|(_, nodes)| !nodes.is_empty()) {
-            varied.push(Varied { path: row.path.to_owned(), key: entry.key.clone(), values, row, nodes });
+        let parameter = row.parameter().or_else(|| row_in_its_unit(regulated, row.path));
+        let values = values(r, (row, parameter), &entry.node, design);
+        if let Some((values, nodes)) = values.filter(|(_, nodes)| !nodes.is_empty()) {
+            varied.push(Varied { path, key: entry.key.clone(), values, row, parameter, nodes });
         }
     }
     varied
 }
 
+/// An entry that is a key.
+struct Found<'d> {
+    path: String,
+    row: &'static Key,
+    entry: &'d Entry,
+}
+
+/// What the controller regulates, in whose unit some of its keys are: by what is said of it here or in the scenario.
+fn regulated_by(r: &Reader<'_>, found: &[Found<'_>]) -> Quantity {
+    let varies = |path: &str| found.iter().find(|of| of.path == path).map(|of| &of.entry.node.value);
+    let said = |path: &str| match varies(path) {
+        Some(Value::List(items)) => items.first().map(|item| &item.value),
+        Some(_) => None,
+        None => r.entry(path).map(|entry| &entry.node.value),
+    };
+    let is = |path: &str, word: &str| matches!(said(path), Some(Value::String(said)) if said == word);
+    regulated(is, |path| varies(path).is_some() || r.has(path))
+}
+
 /// Finds the entries that are keys, through the sections above them.
-fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<(&'static Key, &'d Entry)>) {
+fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<Found<'d>>) {
     for entry in &table.0 {
         let path = if above.is_empty() { entry.name.clone() } else { format!("{above}.{}", entry.name) };
-        match (keys::key_at(&path), &entry.node.value) {
-            (Some(key), _) if key.varies() => found.push((key, entry)),
-            (Some(key), _) => fixed(r, key, entry),
-            (None, Value::Table(inner)) if keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP)) => {
-                paths(r, inner, &path, found);
-            }
+        // Of the second actuator the same keys, as far as it has them.
+        let (key, is_section) = match keys::in_antagonist(&path) {
+            Some(of) => (keys::key_at(of).filter(|_| keys::is_of_antagonist(of)), keys::is_section_of_antagonist(of)),
+            None => (keys::key_at(&path), keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP))),
+        };
+        match (key, &entry.node.value) {
+            (Some(row), _) if row.varies() => found.push(Found { path, row, entry }),
+            (Some(row), _) => fixed(r, row, entry),
+            (None, Value::Table(inner)) if is_section => paths(r, inner, &path, found),
             (None, _) => unknown(r, &path, entry),
         }
     }
@@ -141,7 +186,12 @@ fn unknown(r: &mut Reader<'_>, path: &str, entry: &Entry) {
 
 type Read<'d> = (Values, Vec<&'d Node>);
 
-fn values<'d>(r: &mut Reader<'d>, key: &'static Key, node: &'d Node, design: DesignKind) -> Option<Read<'d>> {
+fn values<'d>(
+    r: &mut Reader<'d>,
+    (key, parameter): (&'static Key, Option<&'static Parameter>),
+    node: &'d Node,
+    design: DesignKind,
+) -> Option<Read<'d>> {
     match (&node.value, key.kind) {
         (Value::List(_), _) => {
             let items = r.items_of(node, key.path)?;
@@ -151,18 +201,25 @@ fn values<'d>(r: &mut Reader<'d>, key: &'static Key, node: &'d Node, design: Des
                 Kind::QuantityOr(row, word) if items.iter().any(|item| is(item, word.name)) => {
                     words(items, |item| is(item, word.name) || r.quantity(item, row).is_some())?
                 }
-                _ => numbers(r, items, key.parameter()?)?,
+                Kind::Whole(row) => {
+                    let read: Vec<Option<u64>> = items.iter().map(|item| r.whole_of(item, row)).collect();
+                    Values::Numbers(read.into_iter().map(|read| read.map(|whole| whole as f64)).collect::<Option<_>>()?)
+                }
+                _ => numbers(r, items, parameter?)?,
             };
             Some((values, items.iter().collect()))
         }
-        (Value::Table(table), Kind::Quantity(row) | Kind::QuantityOr(row, _)) => spread(r, table, node, row, design),
-        (other, _) => {
-            let (what, example) = match key.parameter() {
-                Some(_) => ("a list, a range or a distribution", key.example.to_owned()),
-                None => ("a list of words", key.example.to_owned()),
+        (Value::Table(table), Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::Course(_) | Kind::Regulated) => {
+            spread(r, table, node, parameter?, design)
+        }
+        (other, kind) => {
+            let what = match (kind, parameter) {
+                (Kind::Whole(_), _) => "a list of whole numbers",
+                (_, Some(_)) => "a list, a range or a distribution",
+                (_, None) => "a list of words",
             };
             let title = format!("what `{}` takes is {what}, not {}", key.path, other.noun());
-            let help = format!("write it as in `\"{}\" = [{example}]`", key.path);
+            let help = format!("write it as in `\"{}\" = [{}]`", key.path, key.example);
             r.note(Diagnostic::at(Class::WrongType, node.place.clone(), title, "cannot be varied so").help(help));
             None
         }

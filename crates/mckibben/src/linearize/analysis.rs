@@ -22,8 +22,9 @@
 //! Emami-Naeini, Feedback Control of Dynamic Systems. Checked by `tests/linearize_analysis.rs`: closed forms, the
 //! characteristic polynomial, ring-downs in simulation.
 
-use super::{Linearization, StateSpace};
+use super::{JointLinearization, Linearization, StateSpace};
 use crate::error::Error;
+use crate::simulation::JointState;
 use alloc::vec::Vec;
 use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -98,6 +99,11 @@ const ROUNDING: f64 = 1e-12;
 /// Steps of the eigenvalue iteration, which needs about two for each state.
 const STEPS: usize = 1000;
 
+/// Whether a state is the rate of another.
+fn is_velocity(name: &str) -> bool {
+    ["velocity", "angular_velocity"].contains(&name)
+}
+
 impl StateSpace {
     /// `A`, and the sizes that balance it: `x = sizes · z`.
     fn balanced(&self) -> (DMatrix<f64>, DVector<f64>) {
@@ -150,8 +156,7 @@ impl StateSpace {
         let n = self.states.len();
         let fastest = self.poles()?.first().map_or(0.0, Pole::natural_frequency);
         let rate = if fastest > 0.0 { fastest } else { 1.0 };
-        let size =
-            |state: usize| if self.states[state].name == "velocity" { usual[state] * rate } else { usual[state] };
+        let size = |state: usize| if is_velocity(self.states[state].name) { usual[state] * rate } else { usual[state] };
         let a = DMatrix::from_fn(n, n, |row, column| self.a[row][column] * size(column) / (size(row) * rate));
         let mut column = DVector::from_fn(n, |row, _| self.b[row][input] / size(row));
         let mut reach = DMatrix::zeros(n, n);
@@ -173,6 +178,27 @@ impl StateSpace {
             _ => f64::INFINITY,
         };
         Ok(Controllability { singular_values, rank, condition })
+    }
+}
+
+impl JointLinearization {
+    /// What one input of a model of this linearisation reaches: [`JointLinearization::system`] or
+    /// [`JointLinearization::minimal`]. The usual size of a pressure or a mass of air is its value at the operating point, that
+    /// of the angle a radian, and that of the angular velocity a radian in a time of the fastest pole.
+    ///
+    /// # Errors
+    /// As [`StateSpace::poles`].
+    pub fn controllability(&self, system: &StateSpace, input: usize) -> Result<Controllability, Error> {
+        let JointState { pressure, air_mass, .. } = self.state;
+        let usual = |name: &str| match name {
+            "agonist_pressure" => pressure[0].0,
+            "antagonist_pressure" => pressure[1].0,
+            "agonist_air_mass" => air_mass[0],
+            "antagonist_air_mass" => air_mass[1],
+            _ => 1.0,
+        };
+        let sizes: Vec<f64> = system.states.iter().map(|signal| usual(signal.name)).collect();
+        system.controllability(input, &sizes)
     }
 }
 

@@ -27,7 +27,7 @@
 
 use super::Linearization;
 use super::point::{self, Balance, Content, OperatingPoint};
-use super::rates::{DUTY, Slopes, mean_flow};
+use super::rates::mean_flow;
 use super::seats::{Interval, duty_range, period};
 use crate::air::{Chamber, Flow, Process};
 use crate::dual::Dual;
@@ -64,7 +64,7 @@ impl Averaged {
         let intervals = pwm.seats(duty);
         let actuator = point.rig.actuator();
         let chamber = point.chamber();
-        let flow = mean_flow(&point.rig, &chamber, &intervals);
+        let flow = mean_flow(actuator, &chamber, &intervals);
         // The air mass beside its mean, at the ends of the intervals.
         let (mut beside, mut least, mut greatest) = (0.0_f64, 0.0_f64, 0.0_f64);
         for Interval { ports, share } in &intervals {
@@ -121,9 +121,9 @@ impl Averaged {
         self.pressure_ripple < self.pressure_margin
     }
 
-    /// The same period with the slopes of its shares by the duty.
-    pub(super) fn seats(&self) -> Vec<Interval<Slopes>> {
-        period(&self.actuation, Dual::variable(self.duty, DUTY)).unwrap_or_default()
+    /// The same period with the slopes of its shares by the duty, which is the direction `duty` of a differentiation.
+    pub(super) fn seats<const N: usize>(&self, duty: usize) -> Vec<Interval<Dual<f64, N>>> {
+        period(&self.actuation, Dual::variable(self.duty, duty)).unwrap_or_default()
     }
 }
 
@@ -209,7 +209,7 @@ impl<'a> Pwm<'a> {
 
     /// Mean net flow in kg/s.
     fn net(&self, seats: &[Interval], pressure: f64, content: Content) -> f64 {
-        self.chamber(pressure, content).map_or(0.0, |chamber| mean_flow(self.rig, &chamber, seats).net())
+        self.chamber(pressure, content).map_or(0.0, |chamber| mean_flow(self.rig.actuator(), &chamber, seats).net())
     }
 
     /// The pressure in Pa at which as much air comes as goes.
@@ -245,7 +245,7 @@ impl<'a> Pwm<'a> {
     /// The rate of the pressure in Pa/s where as much air comes as goes: by heat and by the temperatures alone.
     fn energy(&self, seats: &[Interval], pressure: f64, content: Content) -> Result<f64, Error> {
         let chamber = self.chamber(pressure, content)?;
-        Ok(self.rig.actuator().pressure_rate(&chamber, &mean_flow(self.rig, &chamber, seats)))
+        Ok(self.rig.actuator().pressure_rate(&chamber, &mean_flow(self.rig.actuator(), &chamber, seats)))
     }
 
     /// What balances the flow, and the air there: as much as is given where the process keeps that, else at the

@@ -1,11 +1,15 @@
 //! A joint near an operating point: the six states, by exact derivatives.
 //!
 //! ```text
-//! x = (δθ, δω, δP₁, δm₁, δP₂, δm₂)        u = (ṁ₁, ṁ₂, W)        y = (δθ, δω, δP₁, δP₂, τ)
+//! x = (δθ, δω, δP₁, δm₁, δP₂, δm₂)        y = (δθ, δω, δP₁, δP₂, τ)
+//!
+//! held valves    u = (ṁ₁, ṁ₂, W)
+//! averaged PWM   u = (d₁, d₂, ṁ₁, ṁ₂, W)        each valve by its mean flow over its own period
 //! ```
 //!
-//! Both valves are held shut; ṁ is a mass flow into each actuator, which your own valve model may supply, and W a torque on the
-//! joint beside its own. τ is the torque of both actuators. The rates are those that the simulation steps, at dual numbers.
+//! ṁ is a mass flow into each actuator beside that of its valve, which your own valve model may supply, W a torque on the
+//! joint beside its own, d the commanded duty of each valve. τ is the torque of both actuators. The rates are those that the
+//! simulation steps, at dual numbers. The validity of each average is that of [`Averaged`].
 //!
 //! As for [one actuator](super), every process but the energy balance keeps `P (V/m)^κ` of each, so four states serve. The
 //! joint slides without Coulomb friction: within ± [`JointLinearization::coulomb_bound`] it sticks. Neither actuator may be
@@ -14,17 +18,27 @@
 //! Source: differentiation of `load::Joint` and of (12) to (21) of Colbrunn, Nelson & Quinn (2001). Checked by
 //! `tests/linearize_joint.rs`.
 
+use super::averaged::{Aim, Averaged, average};
+use super::point::Content;
+use super::rates::mean_flow;
 use super::state_space::{Signal, StateSpace};
-use crate::air::Process;
+use crate::air::{Flow, Process};
 use crate::control::{AntagonisticPair, Held};
 use crate::dual::Dual;
 use crate::error::Error;
+use crate::load::Load;
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::simulation::{InitialAngle, JointInitial, JointRig, JointState};
+use crate::scalar::Scalar;
+use crate::simulation::{Driven, InitialAngle, JointInitial, JointRig, JointState, Rig};
+use crate::valve::Command;
 
-/// The directions of differentiation: six states, then three inputs.
-type Slopes = Dual<f64, 9>;
+/// The directions of differentiation: six states, then five inputs.
+type Slopes = Dual<f64, 11>;
+/// The direction of the agonist's duty, of its mass flow, and of the torque; the antagonist's follow.
+const DUTY: usize = 6;
+const MASS_FLOW: usize = 8;
+const TORQUE_INPUT: usize = 10;
 
 const STATES: [Signal; 6] = [
     Signal { name: "angle", symbol: "θ", unit: "rad" },
@@ -34,7 +48,9 @@ const STATES: [Signal; 6] = [
     Signal { name: "antagonist_pressure", symbol: "P₂", unit: "Pa" },
     Signal { name: "antagonist_air_mass", symbol: "m₂", unit: "kg" },
 ];
-const INPUTS: [Signal; 3] = [
+const INPUTS: [Signal; 5] = [
+    Signal { name: "agonist_duty", symbol: "d₁", unit: "" },
+    Signal { name: "antagonist_duty", symbol: "d₂", unit: "" },
     Signal { name: "agonist_mass_flow", symbol: "ṁ₁", unit: "kg/s" },
     Signal { name: "antagonist_mass_flow", symbol: "ṁ₂", unit: "kg/s" },
     Signal { name: "torque", symbol: "W", unit: "N*m" },
@@ -65,6 +81,8 @@ pub struct JointLinearization {
     pub state: JointState,
     /// All six states.
     pub system: StateSpace,
+    /// The mean flows of agonist's and antagonist's valve, if they are part of the model.
+    pub averaged: Option<[Averaged; 2]>,
 }
 
 /// Linearises a joint in balance with both valves held shut; the air of each has a temperature in K there, or under heat
@@ -89,6 +107,78 @@ pub fn linearize_joint(
     let angle = InitialAngle::Equilibrium;
     let temperature = [at_rest(0), at_rest(1)];
     let state = rig.start(&JointInitial { gauge_pressure, temperature, angle, angular_velocity: 0.0 })?;
+    JointLinearization::at(rig, state, None)
+}
+
+/// Linearises a joint under PWM by the mean flows of its valves at the duties that are commanded: these give the pressures, the
+/// pressures the angle. Each actuator has as much air as its content says.
+///
+/// # Errors
+/// As [`average`] of either valve, and as [`linearize_joint`].
+pub fn average_joint(rig: &JointRig, content: [Content; 2]) -> Result<JointLinearization, Error> {
+    // A mean flow depends on the pressure alone, so each valve is averaged on its actuator held at some length.
+    let of = |i: usize, length: f64| {
+        let Driven { actuator, actuation } = rig.driven()[i].clone();
+        let duty = match actuation.as_ref().map(|of| &of.command) {
+            Some(Command::Pwm { duty, .. }) => *duty,
+            _ => return Err(without_pwm()),
+        };
+        average(&Rig::new(actuator, actuation, Load::Isometric)?, Aim::DutyAtLength(duty, length), content[i])
+    };
+    let both = |lengths: [f64; 2]| Ok::<_, Error>([of(0, lengths[0])?, of(1, lengths[1])?]);
+    let limits = rig.driven().each_ref().map(|driven| driven.actuator.limits());
+    let somewhere = both(limits.map(|limits| 0.5 * (limits.min_length() + limits.max_length())))?;
+    let pressure = somewhere.map(|of| of.point.state.pressure);
+    let angle = rig.equilibrium(pressure)?;
+    let there = both(rig.joint().lengths(angle))?;
+    let air_mass = there.each_ref().map(|of| of.point.state.air_mass);
+    let state = JointState { angle, angular_velocity: 0.0, pressure, air_mass };
+    match there.map(|of| of.averaged) {
+        [Some(first), Some(second)] => JointLinearization::at(rig, state, Some([first, second])),
+        _ => Err(without_pwm()),
+    }
+}
+
+fn without_pwm() -> Error {
+    Error::Unsupported {
+        what: "there is no PWM to average on both actuators of the joint",
+        remedy: "set command.kind = \"pwm\" for both, or linearise with the valves held",
+    }
+}
+
+impl JointLinearization {
+    fn at(rig: &JointRig, state: JointState, averaged: Option<[Averaged; 2]>) -> Result<Self, Error> {
+        check(rig, &state)?;
+        let at = state.to_array();
+        let wide: [Slopes; 6] = core::array::from_fn(|n| Dual::variable(at[n], n));
+        let leverage = rig.joint().leverage(wide[0]);
+        let flow = core::array::from_fn(|i| {
+            let given = Flow { inward: Slopes::variable(0.0, MASS_FLOW + i), outward: Slopes::constant(0.0) };
+            let Some(averaged) = &averaged else { return given };
+            let actuator = &rig.driven()[i].actuator;
+            let (pressure, mass) = (wide[2 + 2 * i], wide[3 + 2 * i]);
+            let chamber = actuator.chamber(leverage.lengths[i], leverage.slopes()[i] * wide[1], pressure, mass, false);
+            mean_flow(actuator, &chamber, &averaged[i].seats(DUTY + i)).and(given)
+        });
+        let (rates, torque) = rig.rates_near(&state, &wide, flow, Slopes::variable(0.0, TORQUE_INPUT));
+        let outputs =
+            [(STATES[0], wide[0]), (STATES[1], wide[1]), (STATES[2], wide[2]), (STATES[4], wide[4]), (TORQUE, torque)];
+        let first = if averaged.is_some() { DUTY } else { MASS_FLOW };
+        let system = StateSpace {
+            a: rates.iter().map(|rate| rate.slope[..6].to_vec()).collect(),
+            b: rates.iter().map(|rate| rate.slope[first..].to_vec()).collect(),
+            c: outputs.iter().map(|(_, value)| value.slope[..6].to_vec()).collect(),
+            d: outputs.iter().map(|(_, value)| value.slope[first..].to_vec()).collect(),
+            states: STATES.to_vec(),
+            inputs: INPUTS[first - DUTY..].to_vec(),
+            outputs: outputs.iter().map(|(signal, _)| *signal).collect(),
+        };
+        Ok(Self { rig: rig.clone(), state, system, averaged })
+    }
+}
+
+/// Refuses a point at which an actuator is slack or at its shortest.
+fn check(rig: &JointRig, state: &JointState) -> Result<(), Error> {
     let lengths = rig.joint().lengths(state.angle);
     for (i, driven) in rig.driven().iter().enumerate() {
         let (actuator, length) = (&driven.actuator, lengths[i]);
@@ -101,22 +191,7 @@ pub fn linearize_joint(
             });
         }
     }
-    let at = state.to_array();
-    let wide: [Slopes; 6] = core::array::from_fn(|n| Dual::variable(at[n], n));
-    let input = |n: usize| Slopes::variable(0.0, 6 + n);
-    let (rates, torque) = rig.rates_near(&state, &wide, [input(0), input(1)], input(2));
-    let outputs =
-        [(STATES[0], wide[0]), (STATES[1], wide[1]), (STATES[2], wide[2]), (STATES[4], wide[4]), (TORQUE, torque)];
-    let system = StateSpace {
-        a: rates.iter().map(|rate| rate.slope[..6].to_vec()).collect(),
-        b: rates.iter().map(|rate| rate.slope[6..].to_vec()).collect(),
-        c: outputs.iter().map(|(_, value)| value.slope[..6].to_vec()).collect(),
-        d: outputs.iter().map(|(_, value)| value.slope[6..].to_vec()).collect(),
-        states: STATES.to_vec(),
-        inputs: INPUTS.to_vec(),
-        outputs: outputs.iter().map(|(signal, _)| *signal).collect(),
-    };
-    Ok(JointLinearization { rig: rig.clone(), state, system })
+    Ok(())
 }
 
 /// The gauge pressures that hold a joint at an angle in rad with a stiffness in N·m/rad.

@@ -47,7 +47,7 @@ mod state_space;
 #[cfg(feature = "analysis")]
 pub use analysis::{Controllability, Phasor, Pole};
 pub use averaged::{Aim, Averaged, average};
-pub use joint::{JointBalance, JointLinearization, linearize_joint};
+pub use joint::{JointBalance, JointLinearization, average_joint, linearize_joint};
 pub use point::{Balance, Content, OperatingPoint};
 pub use seats::Interval;
 pub use state_space::{Signal, StateSpace};
@@ -81,7 +81,7 @@ pub fn linearize(rig: &Rig, balance: Balance, content: Content) -> Result<Linear
 
 impl Linearization {
     fn at(point: OperatingPoint, averaged: Option<Averaged>, viscous: f64) -> Self {
-        let seats = averaged.as_ref().map_or(Vec::new(), Averaged::seats);
+        let seats = averaged.as_ref().map_or(Vec::new(), |averaged| averaged.seats(rates::DUTY));
         let system = rates::derivatives(&point, &seats, viscous, averaged.is_some());
         Self { point, system, averaged }
     }

@@ -3,6 +3,7 @@
 use super::point::OperatingPoint;
 use super::seats::Interval;
 use super::state_space::{Signal, StateSpace};
+use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::friction::{Memory, Rubbing};
@@ -32,9 +33,9 @@ const INPUTS: [Signal; 3] = [
 ];
 
 /// Flow through the valve, averaged over the intervals of a period by the part of it that each lasts.
-pub(super) fn mean_flow<T: Over<f64>>(rig: &Rig, chamber: &Chamber<T>, seats: &[Interval<T>]) -> Flow<T> {
+pub(super) fn mean_flow<T: Over<f64>>(actuator: &Actuator, chamber: &Chamber<T>, seats: &[Interval<T>]) -> Flow<T> {
     seats.iter().fold(Flow::none(), |sum, Interval { ports, share }| {
-        let flow = rig.actuator().flow(chamber, ports.supply, ports.exhaust);
+        let flow = actuator.flow(chamber, ports.supply, ports.exhaust);
         sum.and(Flow { inward: flow.inward * *share, outward: flow.outward * *share })
     })
 }
@@ -60,7 +61,7 @@ fn rates<T: Over<f64>>(rig: &Rig, state: [T; 4], seats: &[Interval<T>], inputs: 
     let acceleration = acceleration + (inputs.force - beside) * T::constant(per_mass);
     let chamber = actuator.chamber(length, velocity, state[2], state[3], false);
     // The flow enters the pressure's rate linearly, so the rate of the mean flow is the mean of the rates.
-    let flow = mean_flow(rig, &chamber, seats).and(Flow { inward: inputs.mass_flow, outward: T::zero() });
+    let flow = mean_flow(actuator, &chamber, seats).and(Flow { inward: inputs.mass_flow, outward: T::zero() });
     let rubbing = Rubbing { width: actuator.width(&inputs.memory, length, velocity), ..T::zero().into() };
     let tension = actuator.tension_sliding(length, velocity, state[2], rubbing) + beside;
     ([velocity, acceleration, actuator.pressure_rate(&chamber, &flow), flow.net()], tension)

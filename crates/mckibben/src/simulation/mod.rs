@@ -76,9 +76,9 @@ pub use joint::{
 };
 #[cfg(feature = "alloc")]
 pub use joint::{
-    ControlledJoint, JointAudit, JointCircuitAudit, JointCourse, JointDecision, JointEvent, JointSample,
-    JointStepError, JointStepper, JointTrajectory, joint_step_for_accuracy, simulate_joint, simulate_joint_controlled,
-    simulate_joint_controlled_watched, simulate_joint_watched,
+    ControlledJoint, ControlledJointStepper, JointAudit, JointCircuitAudit, JointCourse, JointDecision, JointEvent,
+    JointSample, JointStepError, JointStepper, JointTrajectory, joint_step_for_accuracy, simulate_joint,
+    simulate_joint_controlled, simulate_joint_controlled_watched, simulate_joint_watched,
 };
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]

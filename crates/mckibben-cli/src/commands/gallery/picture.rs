@@ -47,9 +47,9 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         _ => {}
     }
     if let Some(controlled) = document.controlled_joint_experiment()? {
-        let closed = joint::control::close(&controlled, |_| ()).map_err(|error| Failure::of_core(&error, &document))?;
+        let run = joint::control::close(&controlled, None, |_| ());
+        let (outcome, closed) = run.map_err(|error| Failure::of_core(&error, &document))?;
         let interval = controlled.experiment.run.sample_interval;
-        let outcome = joint::outcome::Outcome::Located(Box::new(closed.trajectory));
         let figure = joint::portrait::figure(&outcome, &closed.goals, interval, "");
         return picture(figure.to_svg(Theme::Auto), "simulate", "");
     }

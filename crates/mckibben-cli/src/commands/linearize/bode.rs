@@ -1,10 +1,11 @@
 //! The frequency response as a figure: magnitude and phase over a range that the poles choose.
 
 use super::Model;
+use super::joint::JointModel;
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
-use mckibben::linearize::{Phasor, Pole, Signal};
+use mckibben::linearize::{Averaged, Phasor, Pole, Signal, StateSpace};
 use std::f64::consts::{PI, TAU};
 
 /// Points in each decade of frequency.
@@ -12,19 +13,42 @@ const POINTS: f64 = 120.0;
 /// Decades shown beyond the slowest and the fastest pole, and at most in all.
 const BEYOND: (f64, f64) = (1.0, 6.0);
 
+/// What a figure shows of a model.
+struct View<'m> {
+    system: &'m StateSpace,
+    poles: &'m [Pole],
+    averaged: &'m [Averaged],
+    /// The outputs, of which the first two that the model has are drawn.
+    outputs: &'static [&'static str],
+    caption: String,
+}
+
 /// The figure of one input; the valve's where none is named.
 pub(super) fn figure(model: &Model<'_>, input: Option<&str>) -> Result<Figure, Failure> {
-    let system = &model.system;
+    let averaged = model.linear.averaged.as_slice();
+    let outputs = &["length", "pressure", "tension"];
+    draw(&View { system: &model.system, poles: &model.poles, averaged, outputs, caption: caption(model) }, input)
+}
+
+/// The figure of one input of a joint; the agonist's valve's where none is named.
+pub(super) fn of_joint(model: &JointModel<'_>, input: Option<&str>) -> Result<Figure, Failure> {
+    let averaged = model.linear.averaged.as_ref().map_or(&[][..], |both| &both[..]);
+    let outputs = &["angle", "actuator_torque"];
+    draw(&View { system: &model.system, poles: &model.poles, averaged, outputs, caption: model.caption() }, input)
+}
+
+fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
+    let system = view.system;
     let names: Vec<&str> = system.inputs.iter().map(|signal| signal.name).collect();
     let name = input.or(names.first().copied()).unwrap_or_default();
     let Some(input) = system.input(name) else {
         let title = format!("--input: the model has no input `{name}`");
         return Err(Failure::input(title, format!("give one of {}", names.join(", "))));
     };
-    let (low, high) = range(model);
+    let (low, high) = range(view);
     let count = ((high - low) * POINTS).ceil();
     let x: Vec<f64> = (0..=count as usize).map(|n| low + (high - low) * n as f64 / count).collect();
-    let shown = ["length", "pressure", "tension"].iter().filter_map(|name| system.output(name)).take(2);
+    let shown = view.outputs.iter().filter_map(|name| system.output(name)).take(2);
     let mut phase = Panel::new(quarters());
     let (mut figure, mut least, mut greatest) = (Figure::new(decades("frequency", "Hz", low, high)), 0.0_f64, 0.0_f64);
     for (place, output) in shown.enumerate() {
@@ -36,29 +60,29 @@ pub(super) fn figure(model: &Model<'_>, input: Option<&str>) -> Result<Figure, F
             .iter()
             .filter(|value| value.is_finite())
             .fold((f64::MAX, f64::MIN), |ends, value| (ends.0.min(*value), ends.1.max(*value)));
-        let words = format!("{} over {}", signal.name, words(name));
-        let axis = decades(&words, &unit(&signal, &system.inputs[input]), bottom.floor(), top.ceil());
+        let label = format!("{} over {}", words(signal.name), words(name));
+        let axis = decades(&label, &unit(&signal, &system.inputs[input]), bottom.floor(), top.ceil());
         let colour = Colour::Category(place);
         let panel = Panel::new(axis).series(Series::line("", x.clone(), magnitude).colour(colour));
-        figure = figure.panel(lines(model, panel, place == 0, low, high));
+        figure = figure.panel(lines(view, panel, place == 0, low, high));
         let angles = unwrapped(&response);
         for angle in angles.iter().filter(|angle| angle.is_finite()) {
             (least, greatest) = (least.min(*angle), greatest.max(*angle));
         }
-        phase = phase.series(Series::line(signal.name, x.clone(), angles).colour(colour));
+        phase = phase.series(Series::line(words(signal.name), x.clone(), angles).colour(colour));
     }
     phase.y =
         phase.y.starting_at((least / 90.0).floor() * 90.0 - 15.0).ending_at((greatest / 90.0).ceil() * 90.0 + 15.0);
     Ok(figure
-        .panel(lines(model, phase, false, low, high).legend(Legend::Above))
+        .panel(lines(view, phase, false, low, high).legend(Legend::Above))
         .size_mm(120.0, 40.0)
-        .caption(caption(model)))
+        .caption(view.caption.clone()))
 }
 
 /// The decades of frequency in Hz between which the figure runs.
-fn range(model: &Model<'_>) -> (f64, f64) {
-    let moving = model.poles.iter().map(|pole| pole.natural_frequency() / TAU).filter(|frequency| *frequency > 0.0);
-    let pwm = model.linear.averaged.as_ref().map(|averaged| averaged.frequency);
+fn range(view: &View<'_>) -> (f64, f64) {
+    let moving = view.poles.iter().map(|pole| pole.natural_frequency() / TAU).filter(|frequency| *frequency > 0.0);
+    let pwm = view.averaged.iter().map(|averaged| averaged.frequency);
     let (least, greatest) =
         moving.chain(pwm).fold((f64::MAX, 0.0_f64), |ends, value| (ends.0.min(value), ends.1.max(value)));
     if greatest == 0.0 {
@@ -69,11 +93,13 @@ fn range(model: &Model<'_>) -> (f64, f64) {
 }
 
 /// Lines at the natural frequency of each pair of poles and at the PWM's frequency.
-fn lines(model: &Model<'_>, mut panel: Panel, told: bool, low: f64, high: f64) -> Panel {
-    let pairs = model.poles.iter().filter(|pole| pole.imaginary > 0.0).map(Pole::natural_frequency);
+fn lines(view: &View<'_>, mut panel: Panel, told: bool, low: f64, high: f64) -> Panel {
+    let pairs = view.poles.iter().filter(|pole| pole.imaginary > 0.0).map(Pole::natural_frequency);
     let mut marked: Vec<(f64, String)> = pairs.map(|rate| (rate / TAU, quantity(rate / TAU, "Hz"))).collect();
-    if let Some(averaged) = &model.linear.averaged {
-        marked.push((averaged.frequency, "PWM".to_owned()));
+    for averaged in view.averaged {
+        if marked.iter().all(|(frequency, _)| *frequency != averaged.frequency) {
+            marked.push((averaged.frequency, "PWM".to_owned()));
+        }
     }
     for (frequency, words) in marked {
         let place = frequency.log10();
@@ -130,10 +156,12 @@ fn words(name: &str) -> String {
 
 /// The unit of an output over that of an input.
 fn unit(output: &Signal, input: &Signal) -> String {
-    match input.unit {
-        "" => output.unit.to_owned(),
-        unit if unit.contains('/') => format!("{}/({unit})", output.unit),
-        unit => format!("{}/{unit}", output.unit),
+    let typeset = |unit: &str| unit.replace('*', "·");
+    let (of, per) = (typeset(output.unit), typeset(input.unit));
+    match per.as_str() {
+        "" => of,
+        unit if unit.contains(['/', '·']) => format!("{of}/({unit})"),
+        unit => format!("{of}/{unit}"),
     }
 }
 

@@ -67,7 +67,10 @@ pub(super) fn json(model: &Model<'_>) -> String {
         "poles": poles,
         "controllability": reach,
         "coulomb_friction_as_damping": equivalent,
-        "pwm": model.linear.averaged.as_ref().map(|averaged| pwm(averaged, model)),
+        "pwm": model.linear.averaged.as_ref().map(|averaged| {
+            let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
+            pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
+        }),
         "assumed": assumptions(&model.assumed),
     });
     format!("{document:#}\n")
@@ -92,27 +95,30 @@ fn controllability(input: &Signal, reach: &Controllability) -> Value {
     })
 }
 
-fn pwm(averaged: &Averaged, model: &Model<'_>) -> Value {
+/// A valve under PWM on average; how far outputs swing under its pulses stands beside its validity.
+fn pwm(averaged: &Averaged, poles: &[Pole], ripples: &[(&str, Option<f64>)]) -> Value {
     let intervals = averaged.intervals.iter();
     let intervals: Vec<Value> =
         intervals.map(|interval| json!({ "valve": interval.ports.name(), "share": interval.share })).collect();
+    let mut validity = json!({
+        "duty_from": averaged.duty_range.0,
+        "duty_to": averaged.duty_range.1,
+        "seats_follow": averaged.follows(),
+        "frequency_over_fastest_pole": over_fastest(averaged, poles),
+        "pressure_ripple_pa": averaged.pressure_ripple,
+        "pressure_margin_pa": averaged.pressure_margin,
+        "ripple_is_small": averaged.ripple_is_small(),
+    });
+    for (name, ripple) in ripples {
+        validity[*name] = json!(ripple);
+    }
     json!({
         "frequency_hz": averaged.frequency,
         "supply_share": averaged.supply_share(),
         "intervals": intervals,
         "mean_inflow_kg_s": averaged.flow.inward,
         "mean_outflow_kg_s": averaged.flow.outward,
-        "validity": {
-            "duty_from": averaged.duty_range.0,
-            "duty_to": averaged.duty_range.1,
-            "seats_follow": averaged.follows(),
-            "frequency_over_fastest_pole": over_fastest(averaged, &model.poles),
-            "pressure_ripple_pa": averaged.pressure_ripple,
-            "pressure_margin_pa": averaged.pressure_margin,
-            "ripple_is_small": averaged.ripple_is_small(),
-            "length_ripple_m": model.linear.ripple("length"),
-            "tension_ripple_n": model.linear.ripple("tension"),
-        },
+        "validity": validity,
     })
 }
 
@@ -127,18 +133,21 @@ pub(super) fn joint_json(model: &JointModel<'_>) -> String {
     let system = &model.system;
     let point: Map<String, Value> =
         model.point().into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
+    let inputs = system.inputs.iter().zip(&model.reach);
     let document = json!({
         "format": "mckibben-linear-model",
         "version": VERSION,
         "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
         "scenario": model.name,
-        "model": "joint-held-valves",
+        "model": if model.linear.averaged.is_some() { "joint-averaged-pwm" } else { "joint-held-valves" },
         "operating_point": point,
         "states": signals(&system.states),
         "inputs": signals(&system.inputs),
         "outputs": signals(&system.outputs),
         "A": system.a, "B": system.b, "C": system.c, "D": system.d,
         "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
+        "controllability": inputs.map(|(input, reach)| controllability(input, reach)).collect::<Vec<_>>(),
+        "pwm": model.linear.averaged.as_ref().map(|both| both.each_ref().map(|of| pwm(of, &model.poles, &[]))),
         "assumed": assumptions(&model.assumed),
     });
     format!("{document:#}\n")

@@ -1,7 +1,10 @@
 //! The linear model of an antagonistic joint: its point, as text, as JSON and as a script.
 //!
-//! Both valves are held shut. The point is the balance at the scenario's initial gauge pressures, or at `--angle` with
-//! `--stiffness`.
+//! | asked for | the valves | the point |
+//! |---|---|---|
+//! | `--angle` with `--stiffness` | held shut | there; the pressures follow |
+//! | a PWM on both actuators | on average | the balance at the pressures of the mean flows |
+//! | else | held shut | the balance at the scenario's initial gauge pressures |
 
 use super::{LinearizeArguments, export, told};
 use crate::failure::Failure;
@@ -10,7 +13,12 @@ use crate::quantities::{digits, quantity};
 use crate::terminal::{HEADING, styled};
 use mckibben::GaugePressure;
 use mckibben::control::Held;
-use mckibben::linearize::{JointBalance, JointLinearization, Pole, StateSpace, linearize_joint};
+use mckibben::linearize::{
+    Averaged, Content, Controllability, JointBalance, JointLinearization, Pole, StateSpace, average_joint,
+    linearize_joint,
+};
+use mckibben::simulation::{Driven, State};
+use mckibben::valve::Command;
 use mckibben_scenario::{Assumed, JointExperiment};
 
 /// A joint's linear model with what is known about it.
@@ -19,6 +27,8 @@ pub(super) struct JointModel<'a> {
     pub(super) linear: JointLinearization,
     pub(super) system: StateSpace,
     pub(super) poles: Vec<Pole>,
+    /// What each input reaches.
+    pub(super) reach: Vec<Controllability>,
     pub(super) assumed: Vec<Assumed>,
 }
 
@@ -39,13 +49,39 @@ impl<'a> JointModel<'a> {
             let temperature = pressure.0 * volume / (mass * actuator.air().gas_constant());
             (pressure.gauge(actuator.air().atmosphere()), arguments.temperature.unwrap_or(temperature))
         });
+        let pulsed =
+            |driven: &Driven| driven.actuation.as_ref().is_some_and(|of| matches!(of.command, Command::Pwm { .. }));
         let balance = match (arguments.angle, arguments.stiffness) {
-            (Some(angle), Some(stiffness)) => JointBalance::AtStiffness { angle, stiffness },
-            _ => JointBalance::AtPressures(initial.map(|(gauge, _)| gauge)),
+            (Some(angle), Some(stiffness)) => Some(JointBalance::AtStiffness { angle, stiffness }),
+            _ if rig.driven().iter().all(pulsed) => None,
+            _ => Some(JointBalance::AtPressures(initial.map(|(gauge, _)| gauge))),
         };
-        let linear = linearize_joint(rig, balance, initial.map(|(_, temperature)| temperature))?;
+        let linear = match balance {
+            Some(balance) => linearize_joint(rig, balance, initial.map(|(_, temperature)| temperature))?,
+            None => average_joint(rig, contents(experiment, arguments.temperature))?,
+        };
         let system = if arguments.all_states { linear.system.clone() } else { linear.minimal() };
-        Ok(Self { name, poles: system.poles()?, system, linear, assumed })
+        let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
+        let reach = reach.collect::<Result<_, _>>()?;
+        Ok(Self { name, poles: system.poles()?, reach, system, linear, assumed })
+    }
+
+    /// How the valves are taken.
+    fn valves(&self) -> String {
+        let Some([first, second]) = &self.linear.averaged else { return "both valves held shut".to_owned() };
+        let frequency = |of: &Averaged| quantity(of.frequency, "Hz");
+        if first.frequency == second.frequency {
+            return format!("both valves under PWM at {} on average", frequency(first));
+        }
+        format!("valves under PWM at {} and {} on average", frequency(first), frequency(second))
+    }
+
+    /// The caption of a figure.
+    pub(super) fn caption(&self) -> String {
+        let gauge = self.gauge_pressures().map(|gauge| quantity(gauge.0, "Pa"));
+        let coulomb = if self.linear.coulomb_bound() > 0.0 { ", sliding without Coulomb friction" } else { "" };
+        let angle = quantity(self.linear.state.angle, "rad");
+        format!("At {angle}, {} and {} gauge, {}{coulomb}.", gauge[0], gauge[1], self.valves())
     }
 
     /// The gauge pressures at the point.
@@ -64,7 +100,7 @@ impl<'a> JointModel<'a> {
     pub(super) fn point(&self) -> Vec<(&'static str, f64)> {
         let (state, gauge) = (&self.linear.state, self.gauge_pressures());
         let [open, shut] = self.stiffnesses();
-        vec![
+        let mut point = vec![
             ("angle_rad", state.angle),
             ("angular_velocity_rad_s", state.angular_velocity),
             ("agonist_gauge_pressure_pa", gauge[0].0),
@@ -74,12 +110,16 @@ impl<'a> JointModel<'a> {
             ("stiffness_n_m_rad", open),
             ("sealed_stiffness_n_m_rad", shut),
             ("coulomb_bound_n_m", self.linear.coulomb_bound()),
-        ]
+        ];
+        if let Some([first, second]) = &self.linear.averaged {
+            point.extend([("agonist_duty", first.duty), ("antagonist_duty", second.duty)]);
+        }
+        point
     }
 
     /// The model as text for people.
     pub(super) fn text(&self) -> String {
-        let mut text = format!("{}\n", styled(HEADING, format!("{}, both valves held shut", self.name)));
+        let mut text = format!("{}\n", styled(HEADING, format!("{}, {}", self.name, self.valves())));
         let (gauge, [open, shut]) = (self.gauge_pressures(), self.stiffnesses());
         let mut lines = vec![("angle", quantity(self.linear.state.angle, "rad"))];
         lines.extend((0..2).map(|i| (NAMES[i], format!("{} gauge", quantity(gauge[i].0, "Pa")))));
@@ -89,7 +129,15 @@ impl<'a> JointModel<'a> {
             lines.push(("sticks within", format!("± {} of the balance", quantity(bound, "N*m"))));
         }
         text.push_str(&told::lines(&lines));
-        for (heading, table) in [("Model", told::matrices(&self.system)), ("Poles", told::poles(&self.poles))] {
+        for (name, averaged) in NAMES.iter().zip(self.linear.averaged.iter().flatten()) {
+            let heading = styled(HEADING, format!("Mean flow of the {name}'s valve"));
+            text.push_str(&format!("\n{heading}\n{}", told::lines(&told::pwm(averaged, &self.poles, Vec::new()))));
+        }
+        for (heading, table) in [
+            ("Model", told::matrices(&self.system)),
+            ("Poles", told::poles(&self.poles)),
+            ("Controllability", told::reach(&self.system, &self.reach)),
+        ] {
             text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
         }
         text
@@ -102,8 +150,22 @@ impl<'a> JointModel<'a> {
 
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
-        export::script(self.name, "antagonistic joint, both valves held shut", &self.point(), &self.system, &self.poles)
+        let kind = format!("antagonistic joint, {}", self.valves());
+        export::script(self.name, &kind, &self.point(), &self.system, &self.poles)
     }
+}
+
+/// How much air there is in each actuator: as much as has a temperature in K, or as the start's process leaves.
+fn contents(experiment: &JointExperiment, temperature: Option<f64>) -> [Content; 2] {
+    let start = &experiment.start;
+    let lengths = experiment.rig.joint().lengths(start.angle);
+    [0, 1].map(|i| match temperature {
+        Some(kelvin) => Content::Temperature(kelvin),
+        None => {
+            let (pressure, air_mass) = (start.pressure[i], start.air_mass[i]);
+            Content::Of(State { length: lengths[i], velocity: 0.0, pressure, air_mass })
+        }
+    })
 }
 
 /// Refuses what is asked of one actuator alone.
@@ -115,13 +177,12 @@ fn refuse(arguments: &LinearizeArguments) -> Result<(), Failure> {
         ("--duty", arguments.duty.is_some()),
         ("--pwm", arguments.pwm),
         ("--amplitude", arguments.amplitude.is_some()),
-        ("--plot", arguments.plot.is_some()),
     ];
     match of_one.into_iter().find(|(_, given)| *given) {
         None => Ok(()),
         Some((name, _)) => Err(Failure::input(
-            format!("{name}: a joint has two actuators, and is linearised with both valves held shut"),
-            "give --angle with --stiffness, or --set initial.gauge_pressure and --set antagonist.initial.gauge_pressure",
+            format!("{name}: a joint has two actuators, and this names no one of them"),
+            "give --angle with --stiffness, or --set initial.gauge_pressure, command.duty and the same of the antagonist",
         )),
     }
 }

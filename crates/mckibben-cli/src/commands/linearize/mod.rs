@@ -6,7 +6,7 @@
 //! | `told` | the model as text for people |
 //! | `export` | the model as JSON and as a MATLAB or Octave script |
 //! | `bode` | the figure |
-//! | `joint` | all of this but the figure for an antagonistic joint |
+//! | `joint` | all of this for an antagonistic joint |
 //!
 //! Everything is computed by [`mckibben::linearize`]. Checked by `tests/linearize.rs`.
 
@@ -86,7 +86,7 @@ pub struct LinearizeArguments {
     /// Draw the frequency response: .svg or .png.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// The input of the figure: duty, mass_flow or force; the valve's unless given.
+    /// The input of the figure: duty, mass_flow or force, of a joint agonist_duty and so on; the valve's unless given.
     #[arg(long, value_name = "INPUT", requires = "plot")]
     pub input: Option<String>,
     /// Set a value of the scenario, such as `actuator.turns=2.2`; can be given again.
@@ -123,9 +123,15 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
     let name = arguments.file.display().to_string();
     if let Some(experiment) = document.joint_experiment()? {
         let model = joint::JointModel::new(&name, &experiment, arguments, document.assumed())?;
-        let output = arguments.output.as_deref();
-        let text = |path: &Path| if ending(path) == "json" { model.json() } else { model.matlab() };
-        return finish(output.map(|path| (path, text(path).into_bytes())).into_iter().collect(), model.text());
+        let mut pending = Vec::new();
+        if let Some(path) = &arguments.output {
+            let text = if ending(path) == "json" { model.json() } else { model.matlab() };
+            pending.push((path.as_path(), text.into_bytes()));
+        }
+        if let Some(path) = &arguments.plot {
+            pending.push((path.as_path(), bytes(path, &bode::of_joint(&model, arguments.input.as_deref())?)?));
+        }
+        return finish(pending, model.text());
     }
     if arguments.angle.is_some() {
         return Err(Failure::input("--angle: the scenario's load is no joint", "leave out --angle and --stiffness"));
@@ -139,15 +145,18 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
         pending.push((path.as_path(), text.into_bytes()));
     }
     if let Some(path) = &arguments.plot {
-        let figure = bode::figure(&model, arguments.input.as_deref())?;
-        let failed = |error: PlotError| Failure::output(path, error);
-        let bytes = match ending(path).as_str() {
-            "png" => figure.to_png(Theme::Light, PRINT_SCALE).map_err(failed)?,
-            _ => figure.to_svg(Theme::Light).map_err(failed)?.into_bytes(),
-        };
-        pending.push((path.as_path(), bytes));
+        pending.push((path.as_path(), bytes(path, &bode::figure(&model, arguments.input.as_deref())?)?));
     }
     finish(pending, told::text(&model))
+}
+
+/// A figure in the format that the name of its file asks for.
+fn bytes(path: &Path, figure: &Figure) -> Result<Vec<u8>, Failure> {
+    let failed = |error: PlotError| Failure::output(path, error);
+    match ending(path).as_str() {
+        "png" => figure.to_png(Theme::Light, PRINT_SCALE).map_err(failed),
+        _ => figure.to_svg(Theme::Light).map(String::into_bytes).map_err(failed),
+    }
 }
 
 /// Writes the files, each taking its name when all are complete, and tells the text.
@@ -168,6 +177,10 @@ fn finish(pending: Vec<(&Path, Vec<u8>)>, mut text: String) -> Result<(), Failur
 pub(crate) fn figure(file: &Path, document: &Document) -> Result<Figure, Failure> {
     let arguments = LinearizeArguments::default();
     let name = file.display().to_string();
+    if let Some(experiment) = document.joint_experiment()? {
+        let model = joint::JointModel::new(&name, &experiment, &arguments, document.assumed())?;
+        return bode::of_joint(&model, None);
+    }
     let linear = given::linearization(&arguments, &document.experiment()?)?;
     bode::figure(&Model::new(&name, linear, &arguments, document.assumed())?, None)
 }

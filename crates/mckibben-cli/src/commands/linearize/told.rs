@@ -6,7 +6,7 @@ use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::terminal::{HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
-use mckibben::linearize::{Averaged, Pole, Signal, StateSpace};
+use mckibben::linearize::{Averaged, Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
 use std::f64::consts::TAU;
 
@@ -19,11 +19,17 @@ pub(super) fn text(model: &Model<'_>) -> String {
     let mut text = format!("{}\n", styled(HEADING, format!("{}, {valve}", model.name)));
     text.push_str(&lines(&point(model)));
     if let Some(averaged) = &model.linear.averaged {
-        text.push_str(&format!("\n{}\n{}", styled(HEADING, "Mean flow"), lines(&pwm(averaged, model))));
+        text.push_str(&format!(
+            "\n{}\n{}",
+            styled(HEADING, "Mean flow"),
+            lines(&pwm(averaged, &model.poles, swings(model)))
+        ));
     }
-    for (heading, table) in
-        [("Model", matrices(&model.system)), ("Poles", poles(&model.poles)), ("Controllability", reach(model))]
-    {
+    for (heading, table) in [
+        ("Model", matrices(&model.system)),
+        ("Poles", poles(&model.poles)),
+        ("Controllability", reach(&model.system, &model.reach)),
+    ] {
         text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
     }
     for note in notes(model) {
@@ -79,7 +85,14 @@ fn point(model: &Model<'_>) -> Vec<(&'static str, String)> {
     lines
 }
 
-fn pwm(averaged: &Averaged, model: &Model<'_>) -> Vec<(&'static str, String)> {
+/// How far length and tension swing under the pulses, as far as the model has them.
+fn swings(model: &Model<'_>) -> Vec<String> {
+    let swing = |(name, unit): &(&str, &str)| Some(format!("{name} {}", quantity(model.linear.ripple(name)?, unit)));
+    [("length", "m"), ("tension", "N")].iter().filter_map(swing).collect()
+}
+
+/// A valve under PWM on average, and how far that holds.
+pub(super) fn pwm(averaged: &Averaged, poles: &[Pole], swings: Vec<String>) -> Vec<(&'static str, String)> {
     let (from, to) = averaged.duty_range;
     let yes = |holds: bool, no: &str| if holds { String::new() } else { format!("; {}", styled(NOTABLE, no)) };
     let mut lines = vec![
@@ -111,14 +124,10 @@ fn pwm(averaged: &Averaged, model: &Model<'_>) -> Vec<(&'static str, String)> {
             ),
         ),
     ];
-    let swings: Vec<String> = [("length", "m"), ("tension", "N")]
-        .iter()
-        .filter_map(|(name, unit)| Some(format!("{name} {}", quantity(model.linear.ripple(name)?, unit))))
-        .collect();
     if !swings.is_empty() {
         lines.push(("", format!("first harmonic, peak to peak: {}", swings.join(", "))));
     }
-    if let Some(ratio) = over_fastest(averaged, &model.poles) {
+    if let Some(ratio) = over_fastest(averaged, poles) {
         let slow = "slow: the model tells nothing of what happens within a period";
         lines.push(("frequency", format!("{} times the fastest pole{}", digits(ratio), yes(ratio > 3.0, slow))));
     }
@@ -181,13 +190,13 @@ pub(super) fn poles(poles: &[Pole]) -> Table {
     }
 }
 
-fn reach(model: &Model<'_>) -> Table {
-    let rows = model.system.inputs.iter().zip(&model.reach).map(|(input, reach)| {
+pub(super) fn reach(system: &StateSpace, reach: &[Controllability]) -> Table {
+    let rows = system.inputs.iter().zip(reach).map(|(input, reach)| {
         let condition = if reach.condition.is_finite() { digits(reach.condition) } else { "∞".to_owned() };
         let values: Vec<String> = reach.singular_values.iter().map(|value| format!("{value:.1e}")).collect();
         vec![
             input.name.replace('_', " "),
-            format!("{} of {}", reach.rank, model.system.states.len()),
+            format!("{} of {}", reach.rank, system.states.len()),
             condition,
             values.join("  "),
         ]

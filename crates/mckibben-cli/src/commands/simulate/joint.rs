@@ -3,7 +3,7 @@
 use super::{Files, SimulateArguments};
 use crate::engine;
 use crate::failure::Failure;
-use crate::joint::outcome::{self, Outcome};
+use crate::joint::outcome;
 use crate::joint::summary::Summary;
 use crate::joint::{control, events, portrait};
 use crate::progress::Progress;
@@ -46,8 +46,7 @@ pub(super) fn run(
         Joint::Controlled(of) => {
             let progress = Progress::begin("simulating", Some(PARTS as u64));
             let watch = |time: f64| progress.at((PARTS * time / run.duration) as u64);
-            let located = |closed: &control::Closed| Outcome::Located(Box::new(closed.trajectory.clone()));
-            control::close(of, watch).map(|closed| (located(&closed), Some(closed)))
+            control::close(of, None, watch).map(|(outcome, closed)| (outcome, Some(closed)))
         }
     }
     .map_err(|error| Failure::of_core(&error, document))?;

@@ -121,13 +121,13 @@ impl<R: Real> JointRig<R> {
         [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
     }
 
-    /// The rates near a point at rest with both valves shut and without Coulomb friction, under mass flows into each actuator
-    /// (kg/s) and a torque (N·m) beside the joint's own; and the torque in N·m of both actuators.
+    /// The rates near a point at rest with both valves shut and without Coulomb friction, under a flow into and out
+    /// of each actuator (kg/s) and a torque (N·m) beside the joint's own; and the torque in N·m of both actuators.
     pub(crate) fn rates_near<T: Over<R>>(
         &self,
         at: &JointState<R>,
         state: &[T; 6],
-        mass_flow: [T; 2],
+        flow: [Flow<T>; 2],
         torque: T,
     ) -> ([T; 6], T) {
         let pieces = self.joint.pieces(at.angle);
@@ -154,8 +154,7 @@ impl<R: Real> JointRig<R> {
             let (actuator, at) = (&self.driven[i].actuator, PRESSURE[i]);
             let ends = [leverage.lengths[i], slopes[i] * state[VELOCITY], state[at]];
             let chamber = actuator.chamber(ends[0], ends[1], state[at], state[at + 1], false);
-            let flow = Flow { inward: mass_flow[i], outward: T::zero() };
-            (self.sliding_tension(i, ends, &held), actuator.pressure_rate(&chamber, &flow), flow.net())
+            (self.sliding_tension(i, ends, &held), actuator.pressure_rate(&chamber, &flow[i]), flow[i].net())
         });
         let acceleration = acceleration + torque / T::of(self.joint.inertia());
         ([velocity, acceleration, of.1, of.2, other.1, other.2], leverage.torque_of([of.0, other.0]))

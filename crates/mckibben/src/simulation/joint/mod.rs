@@ -13,8 +13,8 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
-//! The event-located engine goes through time here, with a controller too, and [`JointStepper`] at fixed steps. Checked by
-//! `tests/joint.rs`.
+//! The event-located engine goes through time here, and [`JointStepper`] at fixed steps, both with a controller too
+//! ([`ControlledJointStepper`]). Checked by `tests/joint.rs`.
 
 #[cfg(feature = "alloc")]
 mod accuracy;
@@ -40,7 +40,10 @@ pub use accuracy::{JointStepError, joint_step_for_accuracy};
 #[cfg(feature = "alloc")]
 pub use circuit::JointCircuitAudit;
 #[cfg(feature = "alloc")]
-pub use controlled::{ControlledJoint, JointDecision, simulate_joint_controlled, simulate_joint_controlled_watched};
+pub use controlled::{
+    ControlledJoint, ControlledJointStepper, JointDecision, simulate_joint_controlled,
+    simulate_joint_controlled_watched,
+};
 #[cfg(feature = "alloc")]
 pub use energy::JointAudit;
 pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};

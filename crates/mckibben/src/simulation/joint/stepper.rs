@@ -239,8 +239,13 @@ impl<R: Real<Time = R>> JointStepper<R> {
         JointSample { time: *time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
     }
 
+    /// The joint, to be told more.
+    pub(super) fn rig_mut(&mut self) -> &mut JointRig<R> {
+        &mut self.rig
+    }
+
     /// Passes what is due at the seats, and decides anew what follows.
-    fn pass(&self, course: &mut JointCourse<R>) {
+    pub(super) fn pass(&self, course: &mut JointCourse<R>) {
         for i in 0..2 {
             let timetable = self.rig.timetable(i);
             course.held.ports[i] = timetable.pass_seats(&mut course.progress[i], course.time);
