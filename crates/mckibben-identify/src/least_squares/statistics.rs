@@ -55,7 +55,7 @@ pub struct Fit {
     pub residuals: Vec<f64>,
     /// Half the sum that was made least, by squares.
     pub cost: f64,
-    /// Residuals, priors included, less free unknowns.
+    /// Residuals that say something, priors included, less free unknowns.
     pub degrees_of_freedom: usize,
     /// Standard deviation of a residual: 1 would be its scale.
     pub scatter: f64,
@@ -84,7 +84,13 @@ impl Fit {
         let slopes = DMatrix::from_fn(rows, free.len(), |row, place| {
             weights[row].sqrt() * evaluation.slopes[row * columns + free[place]] * sizes[free[place]]
         });
-        let degrees_of_freedom = rows.saturating_sub(free.len());
+        // A residual that is zero and stays so is no measurement: a censored one says nothing.
+        let silent = |row: usize| {
+            let row_slopes = &evaluation.slopes[row * columns..][..columns];
+            evaluation.residuals[row] == 0.0 && row_slopes.iter().all(|slope| *slope == 0.0)
+        };
+        let speaking = (0..rows).filter(|row| !silent(*row)).count();
+        let degrees_of_freedom = speaking.saturating_sub(free.len());
         let squares: f64 =
             evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
         let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();

@@ -11,7 +11,7 @@ use crate::scenario::{
 use mckibben::parameter::{self as p, Parameter};
 
 /// The place of a number in a scenario, or `None` when the scenario has no such number.
-pub(super) type Field = fn(&mut Scenario) -> Option<&mut f64>;
+pub(crate) type Field = fn(&mut Scenario) -> Option<&mut f64>;
 
 /// Every quantity and its place.
 static FIELDS: &[(&Parameter, Field)] = &[
@@ -267,6 +267,6 @@ fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
 }
 
 /// The place of a quantity.
-pub(super) fn field_of(parameter: &Parameter) -> Option<Field> {
+pub(crate) fn field_of(parameter: &Parameter) -> Option<Field> {
     FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field)
 }
