@@ -27,6 +27,11 @@ pub trait Model {
     /// at `i · unknowns + j`. A place where the model has no value may hold anything that is not finite; the step there is
     /// shortened.
     fn evaluate(&self, values: &[f64]) -> Evaluation;
+
+    /// How exact the derivatives are, as a part of their size: a direction that is told less than that is not told.
+    fn precision(&self) -> f64 {
+        1e-9
+    }
 }
 
 /// Residuals of a model and their derivatives.
@@ -118,7 +123,7 @@ pub struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        Self { loss: Loss::Squares, known_scales: false, most_steps: 200 }
+        Self { loss: Loss::Squares, known_scales: false, most_steps: 500 }
     }
 }
 

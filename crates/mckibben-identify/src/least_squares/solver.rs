@@ -11,6 +11,8 @@ use std::convert::Infallible;
 const RESOLVED: f64 = 1e-13;
 /// The same of the sum: as far as it can be told.
 const SUM_RESOLVED: f64 = 1e-16;
+/// Part of an unknown's size that all residuals together must be worth to be more than rounding.
+const PERFECT: f64 = 1e-7;
 /// The cosine between residuals and the derivative by an unknown above which the place is no minimum.
 const STATIONARY: f64 = 1e-5;
 
@@ -95,8 +97,8 @@ impl<'a, M: Model> Scaled<'a, M> {
             let size = norm(column().map(|(slope, weight)| slope * weight.sqrt()));
             let [on_least, on_largest] = self.unknowns[unknown].rests(values[unknown]);
             let outwards = (on_least && along > 0.0) || (on_largest && along < 0.0);
-            // A perfect fit has no direction left to be at right angles to.
-            outwards || along.abs() <= STATIONARY * size * length || length <= f64::EPSILON * size
+            // What is left of a perfect fit has no direction, and would move no unknown by more than this part of its size.
+            outwards || along.abs() <= STATIONARY * size * length || length <= PERFECT * size
         })
     }
 }

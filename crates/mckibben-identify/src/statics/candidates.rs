@@ -7,12 +7,13 @@
 //! | candidate | looked for |
 //! |---|---|
 //! | `ideal-braid` | b, n |
-//! | `ideal-braid` with effectiveness | coefficients of the effectiveness over pressure, the geometry as given |
+//! | `ideal-braid` with effectiveness | b and the coefficients of the effectiveness over pressure, the turns as given |
 //! | `ideal-braid` in a bladder, in three forms | b, n, K₀ and, unless it is linear, s |
+//! | `ideal-braid` in a saturating bladder of its own rest | b, n, K₀, s and the length L₀ from which contraction counts |
 //! | `tondu-lopez` | a, b, k |
 //! | `tondu-lopez` in a bladder, in three forms | a, b, k, K₀ and, unless it is linear, s |
 //! | `extensible-braid` | b, n, K |
-//! | `martens-boblan` | b, n and the modulus over the length |
+//! | `martens-boblan` | b, n and the modulus over the length, with fewer coefficients than there are lengths |
 //! | `bolen` | largest force and the three numbers of the shape, which take up the largest contraction |
 //! | `sarosi` | six coefficients |
 //! | `polynomial` | coefficients of two polynomials in contraction, as many as the lengths carry |
@@ -64,11 +65,13 @@ pub fn all(base: &Scenario, map: &ForceMap) -> Result<Vec<Candidate>, PlaceError
     let mut drafts = vec![Draft::effectiveness(base, &sizes)];
     let forms = [BladderForm::Linear, BladderForm::Saturating, BladderForm::Exponential];
     drafts.extend(forms.iter().map(|form| ideal.in_bladder(*form, &sizes)));
+    let bladder = ideal.in_bladder(BladderForm::Saturating, &sizes);
+    drafts.push(bladder.of_its_own_rest(map.held().fold(0.0, |longest, point| point.length.max(longest))));
     drafts.insert(0, ideal);
     drafts.extend(forms.iter().map(|form| tondu_lopez.in_bladder(*form, &sizes)));
-    drafts.insert(5, tondu_lopez);
+    drafts.insert(6, tondu_lopez);
     drafts.push(Draft::extensible(base, &sizes));
-    drafts.push(Draft::martens_boblan(base));
+    drafts.push(Draft::martens_boblan(base, &sizes));
     drafts.push(Draft::bolen(base, &sizes));
     drafts.push(Draft::sarosi(base, &sizes));
     drafts.push(Draft::polynomial(base, &sizes));
@@ -105,7 +108,9 @@ impl Draft {
 
     /// As many coefficients as pressures let: a constant, a slope and a curvature.
     fn effectiveness(base: &Scenario, sizes: &Sizes) -> Self {
-        let mut draft = Self::of(base, "ideal-braid with effectiveness", Force::IdealBraid);
+        let mut draft = Self::of(base, "ideal-braid with effectiveness", Force::IdealBraid).seek_braid();
+        // The turns and the effectiveness are one factor.
+        draft.unknowns.pop();
         draft.scenario.actuator.effectiveness = Effectiveness::Polynomial(vec![0.9, 0.0, 0.0]);
         for power in 0..3 {
             let size = sizes.gauge_pressure.powi(-power);
@@ -137,6 +142,16 @@ impl Draft {
         draft
     }
 
+    /// With the length looked for at which the bladder is at rest, at or above the longest at which it pulled.
+    fn of_its_own_rest(self, longest: f64) -> Self {
+        let name = format!("{} of its own rest", self.name);
+        let rest = self.scenario.actuator.max_length.max(1.001 * longest);
+        let mut draft = Self { name, ..self }
+            .seek("actuator.max_length", Unknown::new("L0", "m", rest).between(longest, 1.3 * longest));
+        draft.scenario.actuator.max_length = rest;
+        draft
+    }
+
     fn tondu_lopez(base: &Scenario) -> Self {
         let actuator = &base.actuator;
         let braid = Braid::new(actuator.thread_length, actuator.turns);
@@ -158,7 +173,7 @@ impl Draft {
     }
 
     /// Its membrane as thick as its source has it, where the muscle says nothing else: the modulus takes up what is not.
-    fn martens_boblan(base: &Scenario) -> Self {
+    fn martens_boblan(base: &Scenario, sizes: &Sizes) -> Self {
         let longest = base.actuator.max_length;
         let membrane_thickness = match base.actuator.force {
             Force::MartensBoblan { membrane_thickness, .. } => membrane_thickness,
@@ -167,7 +182,7 @@ impl Draft {
         let mut draft =
             Self::of(base, "martens-boblan", Force::MartensBoblan { membrane_thickness, modulus: [1e7, 0.0, 0.0, 0.0] })
                 .seek_braid();
-        for power in 0..4 {
+        for power in 0..(sizes.lengths as i32 - 1).clamp(1, 4) {
             let size = 1e8 * longest.powi(-power);
             let start = if power == 0 { 1e7 } else { 0.0 };
             let unknown = Unknown::new(format!("c{power}"), "", start).between(-1e4 * size, 1e4 * size);

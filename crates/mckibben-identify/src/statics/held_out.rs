@@ -102,17 +102,27 @@ impl HeldOut {
 }
 
 impl Candidate {
-    /// Leaves each group out in turn; `None` when there is but one group.
-    pub fn held_out(&self, map: &ForceMap, by: Grouping, deviation: Option<f64>, search: &Search) -> Option<HeldOut> {
+    /// Leaves each group out in turn, and looks for the law also from `values`, those of all points; `None` when there is but
+    /// one group.
+    pub fn held_out(
+        &self,
+        map: &ForceMap,
+        by: Grouping,
+        values: &[f64],
+        deviation: Option<f64>,
+        search: &Search,
+    ) -> Option<HeldOut> {
         let groups = by.groups(map);
         if groups.len() < 2 {
             return None;
         }
+        let mut candidate = self.clone();
+        candidate.starts.push(values.to_vec());
         let fold = |of: &[f64; 2]| {
             let within = |point: &Point| (of[0]..=of[1]).contains(&by.of(point));
             let errors = || {
                 let (others, rest) = (map.only(|point| !within(point))?, map.only(within)?);
-                let fit = self.fit(&others, deviation, search).ok()?;
+                let fit = candidate.fit(&others, deviation, search).ok()?;
                 Some(rest.errors(&fit.scenario.driven().ok()?.actuator))
             };
             Fold { of: *of, errors: errors() }

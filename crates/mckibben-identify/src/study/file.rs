@@ -264,20 +264,15 @@ impl Study {
     fn recording(&self, run: &RunEntry) -> Result<Recording, StudyError> {
         let mut recording =
             Recording { name: run.name.clone(), sheets: Vec::new(), set: run.set.clone(), notes: Vec::new() };
-        let mut taken = Vec::new();
-        for file in &run.files {
-            let table = table::read(file)?;
-            let entries: Vec<&ColumnEntry> = self.columns.iter().filter(|entry| table.has(&entry.name)).collect();
-            taken.extend(entries.iter().map(|entry| entry.quantity));
-            recording.sheets.push(clean::sheet(&table, &entries, &run.held, &mut recording.notes)?);
+        let tables = run.files.iter().map(|file| table::read(file)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(entry) = self.columns.iter().find(|entry| !tables.iter().any(|table| table.has(&entry.name))) {
+            let what = format!("no table of the run `{}` has a column `{}`", run.name, entry.name);
+            let heads: Vec<String> = tables.into_iter().flat_map(Table::heads).collect();
+            return Err(StudyError::new(&self.path, None, what, format!("the tables have: {}", heads.join(", "))));
         }
-        for entry in &self.columns {
-            if !taken.contains(&entry.quantity) {
-                let heads: Vec<String> = run.files.iter().filter_map(|file| table::read(file).ok()).flat_map(Table::heads).collect();
-                let what = format!("no table of the run `{}` has a column `{}`", run.name, entry.name);
-                let remedy = format!("the tables have: {}", heads.join(", "));
-                return Err(StudyError::new(&self.path, None, what, remedy));
-            }
+        for table in &tables {
+            let entries: Vec<&ColumnEntry> = self.columns.iter().filter(|entry| table.has(&entry.name)).collect();
+            recording.sheets.push(clean::sheet(table, &entries, &run.held, &mut recording.notes)?);
         }
         Ok(recording)
     }

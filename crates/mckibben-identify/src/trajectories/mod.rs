@@ -192,6 +192,11 @@ impl Runs<'_> {
 }
 
 impl Model for Runs<'_> {
+    fn precision(&self) -> f64 {
+        // The derivatives of a run are less exact than the run.
+        1e2 * self.tolerance
+    }
+
     fn residuals(&self) -> usize {
         self.runs.iter().map(|run| self.readings(run).count()).sum()
     }

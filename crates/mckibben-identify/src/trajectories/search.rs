@@ -1,7 +1,7 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
 use super::{Course, Observed, Recorded, Runs};
-use crate::least_squares::{self, FitError, Found, Model, Search, Unknown};
+use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
 use mckibben::Error;
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
@@ -69,10 +69,8 @@ pub enum TrajectoryError {
         error: Error,
     },
     /// A number that the model does not have at its start.
-    #[error("`{path}` does nothing in the run `{run}`: the part that it belongs to is absent at zero, or not there at all; start elsewhere, or hold it")]
+    #[error("`{path}` does nothing where it starts: the part that it belongs to is absent at zero, or acts in none of the runs; start elsewhere, or hold it")]
     Silent {
-        /// The run.
-        run: String,
         /// The number.
         path: String,
     },
@@ -178,17 +176,21 @@ impl Task {
             let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
             let own = run.own(&first);
             let failed = |error| TrajectoryError::AtStart { run: run.name.clone(), error };
-            let (scenario, rig) = run.built(&own).map_err(failed)?;
-            for pass in run.adjustable.passes() {
-                let mut seeds = run.adjustable.seeds(pass);
-                let _ = rig.map(|parameter, value| seeds.over::<1>(parameter, value));
-                let _ = scenario.initial().map(|parameter, value| seeds.over::<1>(parameter, value));
-                if let Some(place) = seeds.missed().next() {
-                    return Err(TrajectoryError::Silent { run: run.name.clone(), path: place.path() });
-                }
-            }
+            run.built(&own).map_err(failed)?;
         }
         let runs = Runs { runs: &self.runs, scales: [1.0; 3], until: f64::INFINITY, tolerance: self.tolerance };
-        if runs.residuals() == 0 { Err(TrajectoryError::NoReadings) } else { Ok(()) }
+        if runs.residuals() == 0 {
+            return Err(TrajectoryError::NoReadings);
+        }
+        let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
+        let Evaluation { residuals, slopes } = runs.evaluate(&first);
+        if !residuals.iter().all(|residual| residual.is_finite()) {
+            return Err(FitError::NoStart.into());
+        }
+        let silent = |unknown: &usize| slopes.iter().skip(*unknown).step_by(first.len()).all(|slope| *slope == 0.0);
+        match (0..first.len()).find(silent) {
+            Some(unknown) => Err(TrajectoryError::Silent { path: self.unknowns[unknown].name.clone() }),
+            None => Ok(()),
+        }
     }
 }

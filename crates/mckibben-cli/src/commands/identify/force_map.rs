@@ -141,7 +141,7 @@ fn judged(material: &Material, map: &ForceMap, base: &Scenario, deviation: Optio
     for (candidate, done) in all.into_iter().zip(1..) {
         // A law with more numbers than there are points is no candidate.
         if let Ok(fit) = candidate.fit(map, deviation, &search) {
-            let held_out = |by| candidate.held_out(map, by, deviation, &search);
+            let held_out = |by| candidate.held_out(map, by, &fit.fit.values(), deviation, &search);
             let held_out = Grouping::ALL.into_iter().filter_map(held_out).collect();
             judged.push(Judged { candidate, fit, held_out });
         }
