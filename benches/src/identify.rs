@@ -92,7 +92,8 @@ fn compare() -> Result<(), String> {
     }
     let _ = std::fs::remove_dir_all(&folder);
     let mut base = problems[0].scenario.clone();
-    let truth: Vec<f64> = SOUGHT.iter().filter_map(|path| Place::find(path, &mut base).ok()?.value(&mut base)).collect();
+    let truth: Vec<f64> =
+        SOUGHT.iter().filter_map(|path| Place::find(path, &mut base).ok()?.value(&mut base)).collect();
     let unknown = |place: usize| {
         Unknown::new(SOUGHT[place], "", START[place] * truth[place]).between(0.2 * truth[place], 5.0 * truth[place])
     };
@@ -117,7 +118,10 @@ fn compare() -> Result<(), String> {
         println!("{:<34} {:>14.6e} {:>14.6e} {apart:>10.1e}", estimate.name, estimate.value, values[place]);
     }
     println!("half the sum of squares            {:>14.6} {cost:>14.6}", found.cost);
-    println!("\nhere, best of {REPEATS}: {best:.3} s\nSciPy, {evaluations} evaluations of ten runs: {seconds:.1} s\nratio: {:.0}", seconds / best);
+    println!(
+        "\nhere, best of {REPEATS}: {best:.3} s\nSciPy, {evaluations} evaluations of ten runs: {seconds:.1} s\nratio: {:.0}",
+        seconds / best
+    );
     if furthest > APART || (found.cost / cost - 1.0).abs() > 1e-5 {
         return Err(format!("the two do not come to one optimum: {furthest:.2e} deviations apart"));
     }
@@ -129,10 +133,15 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
     let run = simulate(&experiment.rig, experiment.start, 2.0, 1e-11).map_err(|error| error.to_string())?;
     let times: Vec<f64> = (1..=2000 / EVERY).map(|place| 1e-3 * (EVERY * place) as f64).collect();
     let mut base = scenario.clone();
-    let places = SOUGHT.map(|path| Place::find(path, &mut base)).into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
+    let places = SOUGHT
+        .map(|path| Place::find(path, &mut base))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| error.to_string())?;
     let course = |observed, deviation: f64, read: &dyn Fn(f64) -> f64| {
         let offset = 10_000 * number + 5000 * usize::from(observed == Observed::Length);
-        let values = times.iter().enumerate().map(|(place, time)| read(*time) + deviation * noise(offset + place)).collect();
+        let values =
+            times.iter().enumerate().map(|(place, time)| read(*time) + deviation * noise(offset + place)).collect();
         Course { observed, times: times.clone(), values, deviation: Some(deviation) }
     };
     let atmosphere = scenario.air.atmospheric_pressure;
@@ -140,7 +149,12 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
         course(Observed::Length, NOISE[0], &|time| run.at(time).length),
         course(Observed::GaugePressure, NOISE[1], &|time| run.at(time).pressure.0 - atmosphere),
     ];
-    Ok(Recorded { name: format!("{number}"), adjustable: Adjustable::new(base, places, true), unknowns: (0..SOUGHT.len()).collect(), courses })
+    Ok(Recorded {
+        name: format!("{number}"),
+        adjustable: Adjustable::new(base, places, true),
+        unknowns: (0..SOUGHT.len()).collect(),
+        courses,
+    })
 }
 
 /// Seconds, evaluations, half the sum of squares and values of the peer.
@@ -151,11 +165,16 @@ fn peer(problems: &[Problem], task: &Task) -> Result<(f64, u64, f64, Vec<f64>), 
     let scaled = |of: &dyn Fn(&Unknown) -> f64| -> Vec<f64> {
         task.unknowns.iter().enumerate().map(|(place, unknown)| factor(place) * of(unknown)).collect()
     };
-    let measured: Vec<Vec<[f64; 2]>> = task.runs.iter().zip(problems).map(|(run, problem)| {
-        let atmosphere = problem.scenario.air.atmospheric_pressure;
-        let pairs = run.courses[0].values.iter().zip(&run.courses[1].values);
-        pairs.map(|(length, gauge)| [*length, gauge + atmosphere]).collect()
-    }).collect();
+    let measured: Vec<Vec<[f64; 2]>> = task
+        .runs
+        .iter()
+        .zip(problems)
+        .map(|(run, problem)| {
+            let atmosphere = problem.scenario.air.atmospheric_pressure;
+            let pairs = run.courses[0].values.iter().zip(&run.courses[1].values);
+            pairs.map(|(length, gauge)| [*length, gauge + atmosphere]).collect()
+        })
+        .collect();
     let input = serde_json::json!({
         "problems": problems.iter().map(Problem::text).collect::<Vec<_>>(),
         "measured": measured,
@@ -181,7 +200,11 @@ fn peer(problems: &[Problem], task: &Task) -> Result<(f64, u64, f64, Vec<f64>), 
     let text = String::from_utf8_lossy(&output.stdout);
     let mut lines = text.lines();
     let head: Vec<f64> = lines.next().unwrap_or_default().split(' ').filter_map(|word| word.parse().ok()).collect();
-    let values: Vec<f64> = lines.filter_map(|line| line.parse().ok()).enumerate().map(|(place, value): (usize, f64)| value / factor(place)).collect();
+    let values: Vec<f64> = lines
+        .filter_map(|line| line.parse().ok())
+        .enumerate()
+        .map(|(place, value): (usize, f64)| value / factor(place))
+        .collect();
     match (head[..].try_into(), values.len() == SOUGHT.len()) {
         (Ok([seconds, evaluations, cost]), true) => Ok((seconds, evaluations as u64, cost, values)),
         _ => Err("SciPy's answer cannot be read; is SciPy installed? python3 -m pip install scipy".to_owned()),

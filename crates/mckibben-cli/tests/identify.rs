@@ -39,7 +39,9 @@ fn measured_muscles_are_fitted_by_every_law() {
         let in_sample = cell(&comparison, "ideal-braid in a saturating bladder", "rms %");
         let expected = if name == "dmsp-20-300" { 0.80 } else { 2.0 };
         assert!((in_sample - expected).abs() < 0.05, "{comparison}");
-        for file in ["index.html", "values.csv", "scenario.toml", "laws.svg", "fit.png", "residuals.csv", "held-out.svg"] {
+        for file in
+            ["index.html", "values.csv", "scenario.toml", "laws.svg", "fit.png", "residuals.csv", "held-out.svg"]
+        {
             assert!(folder.path("out").join(file).exists(), "{file}");
         }
         let page = read(&folder, "out/index.html");
@@ -55,7 +57,8 @@ fn a_column_in_other_units_is_refused_in_words() {
     let folder = Folder::new("identify-units");
     let data = std::fs::read_to_string(of_repository("validation/martens-boblan-2017/dmsp-20-300.csv")).expect("data");
     folder.file("data.csv", &data);
-    let scenario = std::fs::read_to_string(of_repository("validation/martens-boblan-2017/dmsp-20-300.toml")).expect("a scenario");
+    let scenario =
+        std::fs::read_to_string(of_repository("validation/martens-boblan-2017/dmsp-20-300.toml")).expect("a scenario");
     folder.file("muscle.toml", &scenario);
     let study = |pressure: &str, tension: &str| {
         format!(
@@ -63,7 +66,8 @@ fn a_column_in_other_units_is_refused_in_words() {
              [columns.length]\nname = \"L_m\"\nunit = \"m\"\n[columns.tension]\nname = \"F_N\"\nunit = \"{tension}\"\nslack = \"0 N\"\n[[run]]\nfile = \"data.csv\"\n"
         )
     };
-    for (pressure, tension, words) in [("kPa", "N", "ideal"), ("Pa", "lbf", "the tension is in N, where lbf was said")] {
+    for (pressure, tension, words) in [("kPa", "N", "ideal"), ("Pa", "lbf", "the tension is in N, where lbf was said")]
+    {
         let output = identify(&folder, &folder.file("study.toml", &study(pressure, tension)));
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         let told = error.clone() + &String::from_utf8_lossy(&output.stdout);
@@ -83,13 +87,18 @@ fn what_the_simulator_recorded_is_found_again() {
     folder.file("truth.toml", truth);
     let run = |mass: &str, file: &str| {
         let set = format!("load.mass=\"{mass}\"");
-        let output = folder.mckibben().args(["simulate", "truth.toml", "--set", &set, "--output", file]).output().expect("it runs");
+        let output = folder
+            .mckibben()
+            .args(["simulate", "truth.toml", "--set", &set, "--output", file])
+            .output()
+            .expect("it runs");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     };
     run("5 lb", "five.csv");
     run("8 lb", "eight.parquet");
     // What is looked for starts elsewhere.
-    let other = truth.replace("[supply]", "[actuator.friction]\nviscous = \"6 N*s/m\"\ncoulomb_width = \"0.2 mm\"\n[supply]");
+    let other =
+        truth.replace("[supply]", "[actuator.friction]\nviscous = \"6 N*s/m\"\ncoulomb_width = \"0.2 mm\"\n[supply]");
     folder.file("muscle.toml", &other);
     let study = "[study]\nkind = \"trajectories\"\nscenario = \"muscle.toml\"\n\
                  [columns.time]\nname = \"time_s\"\nunit = \"s\"\n[columns.length]\nname = \"length_m\"\nunit = \"m\"\n\
@@ -100,7 +109,9 @@ fn what_the_simulator_recorded_is_found_again() {
     let told = told(&output);
     let values = read(&folder, "out/values.csv");
     // 0.02 lbf*s/in and 0.0044 in of the preset.
-    for (name, expected) in [("actuator.friction.viscous", 3.502_536_705), ("actuator.friction.coulomb_width", 1.117_6e-4)] {
+    for (name, expected) in
+        [("actuator.friction.viscous", 3.502_536_705), ("actuator.friction.coulomb_width", 1.117_6e-4)]
+    {
         let value = cell(&values, name, "value");
         assert!((value / expected - 1.0).abs() < 1e-5, "{value} is not {expected}\n{told}");
     }

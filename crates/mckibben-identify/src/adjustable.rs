@@ -30,7 +30,8 @@ impl Adjustable {
     /// it was given (`min_length_given`).
     pub fn new(base: Scenario, places: Vec<Place>, min_length_given: bool) -> Self {
         let is = |row: &parameter::Parameter| places.iter().position(|place| place.parameter().key == row.key);
-        let thread = is(&parameter::THREAD_LENGTH).filter(|_| !min_length_given && is(&parameter::MIN_LENGTH).is_none());
+        let thread =
+            is(&parameter::THREAD_LENGTH).filter(|_| !min_length_given && is(&parameter::MIN_LENGTH).is_none());
         Self { base, places, thread }
     }
 

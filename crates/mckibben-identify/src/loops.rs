@@ -81,7 +81,9 @@ impl Loop {
     pub fn new(name: impl Into<String>, samples: Vec<Sample>) -> Result<Self, LoopError> {
         let name = name.into();
         let bad = |(place, sample): (usize, &Sample)| {
-            let finite = [sample.time, sample.length, sample.gauge_pressure, sample.tension].iter().all(|number| number.is_finite());
+            let finite = [sample.time, sample.length, sample.gauge_pressure, sample.tension]
+                .iter()
+                .all(|number| number.is_finite());
             !finite || place > 0 && samples[place - 1].time >= sample.time
         };
         if let Some(place) = samples.iter().enumerate().position(bad) {
@@ -172,7 +174,11 @@ impl LoopTask {
     }
 
     fn scale(&self) -> f64 {
-        let largest = self.loops.iter().flat_map(|of| &of.samples).fold(0.0_f64, |largest, sample| largest.max(sample.tension.abs()));
+        let largest = self
+            .loops
+            .iter()
+            .flat_map(|of| &of.samples)
+            .fold(0.0_f64, |largest, sample| largest.max(sample.tension.abs()));
         self.deviation.unwrap_or(if largest > 0.0 { largest } else { 1.0 })
     }
 }
@@ -195,7 +201,12 @@ impl Model for LoopTask {
             for of in &self.loops {
                 of.tensions(&actuator, |place, tension| {
                     residuals[row] = (tension.value - of.samples[place].tension) / scale;
-                    self.adjustable.spread(first, &tension.slope, 1.0 / scale, &mut slopes[row * values.len()..][..values.len()]);
+                    self.adjustable.spread(
+                        first,
+                        &tension.slope,
+                        1.0 / scale,
+                        &mut slopes[row * values.len()..][..values.len()],
+                    );
                     row += 1;
                 });
             }

@@ -109,7 +109,8 @@ fn a_slack_muscle_is_no_zero() {
     assert!((censored[2] / 250.0 - 1.0).abs() < 1e-7, "{}", censored[2]);
     assert!((bent[2] / 250.0 - 1.0).abs() > 0.05, "{}", bent[2]);
     // A law that pulls where the muscle was slack is wrong there.
-    let slack: Vec<Point> = map.points().iter().filter(|point| point.slack).map(|point| Point { length: 0.296, ..*point }).collect();
+    let slack: Vec<Point> =
+        map.points().iter().filter(|point| point.slack).map(|point| Point { length: 0.296, ..*point }).collect();
     let wrong = map.points().iter().copied().chain(slack).collect();
     let pulled = fit("ideal-braid in a saturating bladder", &ForceMap::new(wrong).expect("a map"), &base);
     assert!(pulled.fit.cost > 1e-6, "{}", pulled.fit.cost);
@@ -153,7 +154,11 @@ fn held_out_lengths_are_those_of_an_independent_solver() {
         let out = candidate.held_out(&held, Grouping::Lengths, &first, None, &Search::default()).expect("groups");
         for (fold, expected) in out.folds.iter().zip(expected) {
             let errors = fold.errors.expect("a fit");
-            assert!((errors.root_mean_square - expected).abs() < 2e-3 * expected, "{:?}: {errors:?}, {expected}", fold.of);
+            assert!(
+                (errors.root_mean_square - expected).abs() < 2e-3 * expected,
+                "{:?}: {errors:?}, {expected}",
+                fold.of
+            );
         }
         assert_eq!(out.folds.len(), expected.len());
         let all = out.errors().expect("all");
@@ -169,8 +174,18 @@ fn every_candidate_is_fitted_and_polynomials_go_astray() {
         for candidate in candidates::all(&base, &map).expect("places") {
             let fit = candidate.fit(&map, None, &Search::default());
             let Ok(fit) = fit else { panic!("{file}, {}: {}", candidate.name, fit.unwrap_err()) };
-            let out = candidate.held_out(&map, Grouping::Lengths, &fit.fit.values(), None, &Search::default()).expect("groups").errors();
-            println!("{file} {:44} {} {:?} {:?} told {:?}", candidate.name, candidate.unknowns.len(), fit.errors, out, fit.fit.untold);
+            let out = candidate
+                .held_out(&map, Grouping::Lengths, &fit.fit.values(), None, &Search::default())
+                .expect("groups")
+                .errors();
+            println!(
+                "{file} {:44} {} {:?} {:?} told {:?}",
+                candidate.name,
+                candidate.unknowns.len(),
+                fit.errors,
+                out,
+                fit.fit.untold
+            );
             figures.push((candidate.name, fit.errors.root_mean_square, out.map(|errors| errors.root_mean_square)));
         }
         let of = |name: &str| figures.iter().find(|(of, ..)| of == name).expect("a candidate");
@@ -205,8 +220,14 @@ fn other_units_than_it_says_are_suspected() {
     assert_eq!(with(|point| point), None);
     for (words, change) in [
         // Numbers of psi that were read as bar.
-        ("pressure is in psi, where bar was said", (|point| Point { gauge_pressure: point.gauge_pressure / 6894.757 * 1e5, ..point }) as fn(Point) -> Point),
-        ("pressure is in bar, where psi was said", |point| Point { gauge_pressure: point.gauge_pressure / 1e5 * 6894.757, ..point }),
+        (
+            "pressure is in psi, where bar was said",
+            (|point| Point { gauge_pressure: point.gauge_pressure / 6894.757 * 1e5, ..point }) as fn(Point) -> Point,
+        ),
+        ("pressure is in bar, where psi was said", |point| Point {
+            gauge_pressure: point.gauge_pressure / 1e5 * 6894.757,
+            ..point
+        }),
         ("tension is in lbf, where N was said", |point| Point { tension: point.tension / 4.448_222, ..point }),
         ("tension is in N, where kgf was said", |point| Point { tension: point.tension * 9.806_65, ..point }),
     ] {

@@ -54,7 +54,8 @@ fn even(row: usize) -> String {
 #[test]
 fn a_clean_table_is_read_to_si() {
     let folder = Folder::new("clean");
-    let recording = folder.recording(&table(40, even), "", "deviation = \"0.5 N\"").unwrap_or_else(|error| panic!("{error}"));
+    let recording =
+        folder.recording(&table(40, even), "", "deviation = \"0.5 N\"").unwrap_or_else(|error| panic!("{error}"));
     let (times, lengths) = recording.channel(Quantity::Length).expect("a course");
     assert_eq!((times.len(), times[1], lengths[0]), (40, 0.01, 0.09));
     assert_eq!(recording.column(Quantity::Tension).expect("one").deviation, Some(0.5));
@@ -117,13 +118,23 @@ fn offsets_and_drift_are_taken_off_where_the_quantity_is_known() {
     let zeros = "zero = [{ from = \"0 s\", to = \"0.1 s\" }, { from = \"0.9 s\", to = \"1 s\" }]";
     let recording = folder.recording(&text, "offset = \"1 mm\"", zeros).unwrap_or_else(|error| panic!("{error}"));
     let (_, tensions) = recording.channel(Quantity::Tension).expect("a course");
-    assert!(tensions[0].abs() < 1e-9 && (tensions[50] - 40.0).abs() < 1e-9 && tensions[100].abs() < 1e-9, "{tensions:?}");
+    assert!(
+        tensions[0].abs() < 1e-9 && (tensions[50] - 40.0).abs() < 1e-9 && tensions[100].abs() < 1e-9,
+        "{tensions:?}"
+    );
     assert_eq!(recording.channel(Quantity::Length).expect("a course").1[0], 0.089);
-    assert!(notes(&recording).contains("an offset of 2.05") && notes(&recording).contains("a drift of 1.0"), "{}", notes(&recording));
-    let one = folder.recording(&text, "", "zero = [{ from = \"0 s\", to = \"0.1 s\", value = \"1 N\" }]").unwrap_or_else(|error| panic!("{error}"));
+    assert!(
+        notes(&recording).contains("an offset of 2.05") && notes(&recording).contains("a drift of 1.0"),
+        "{}",
+        notes(&recording)
+    );
+    let one = folder
+        .recording(&text, "", "zero = [{ from = \"0 s\", to = \"0.1 s\", value = \"1 N\" }]")
+        .unwrap_or_else(|error| panic!("{error}"));
     let (_, tensions) = one.channel(Quantity::Tension).expect("a course");
     assert!((tensions[5] - 1.0).abs() < 1e-9, "{}", tensions[5]);
-    let error = folder.recording(&text, "", "zero = [{ from = \"5 s\", to = \"6 s\" }]").expect_err("no reading").to_string();
+    let error =
+        folder.recording(&text, "", "zero = [{ from = \"5 s\", to = \"6 s\" }]").expect_err("no reading").to_string();
     assert!(error.contains("from 5 s to 6 s"), "{error}");
 }
 
@@ -169,7 +180,8 @@ fn parquet_is_read_as_csv_is() {
     use parquet::file::writer::SerializedFileWriter;
     use parquet::schema::parser::parse_message_type;
     let folder = Folder::new("parquet");
-    let schema = parse_message_type("message run { required double t; required double L; required double F; }").expect("a schema");
+    let schema = parse_message_type("message run { required double t; required double L; required double F; }")
+        .expect("a schema");
     let file = std::fs::File::create(folder.0.join("data.parquet")).expect("a file");
     let mut writer = SerializedFileWriter::new(file, schema.into(), Default::default()).expect("a writer");
     let mut group = writer.next_row_group().expect("a group");
@@ -200,7 +212,11 @@ fn mistakes_are_shown_where_they_are() {
         ("[study]\nkind = \"force-map\"\nscenari = \"m.toml\"\n".to_owned() + run, Some(3), "scenario"),
         (format!("{head}[columns.lenght]\nname = \"L\"\nunit = \"mm\"\n{run}"), None, "`lenght` is no quantity"),
         (format!("{head}[columns.length]\nname = \"L\"\nunit = \"psi\"\n{run}"), Some(6), "no unit of length"),
-        (format!("{head}[columns.tension]\nname = \"F\"\nunit = \"N\"\nslack = \"1 mm\"\n{run}"), Some(7), "is no tension"),
+        (
+            format!("{head}[columns.tension]\nname = \"F\"\nunit = \"N\"\nslack = \"1 mm\"\n{run}"),
+            Some(7),
+            "is no tension",
+        ),
         (head.to_owned(), Some(1), "no runs"),
         (format!("{head}[[run]]\nname = \"a\"\n"), None, "has no file"),
         (format!("{head}[search]\nrobust = -1\n{run}"), None, "not above zero"),
@@ -224,8 +240,12 @@ fn mistakes_are_shown_where_they_are() {
         let error = study.recordings().expect_err(table).to_string();
         assert!(error.contains(words), "{error}");
     }
-    let missing = folder.study(&format!("{head}{columns}[[run]]\nfile = \"none.csv\"\n")).unwrap_or_else(|error| panic!("{error}"));
+    let missing = folder
+        .study(&format!("{head}{columns}[[run]]\nfile = \"none.csv\"\n"))
+        .unwrap_or_else(|error| panic!("{error}"));
     assert!(missing.recordings().expect_err("missing").to_string().contains("cannot be read"));
-    let other = folder.study(&format!("{head}{columns}[[run]]\nfile = \"data.xlsx\"\n")).unwrap_or_else(|error| panic!("{error}"));
+    let other = folder
+        .study(&format!("{head}{columns}[[run]]\nfile = \"data.xlsx\"\n"))
+        .unwrap_or_else(|error| panic!("{error}"));
     assert!(other.recordings().expect_err("format").to_string().contains(".parquet"));
 }

@@ -32,7 +32,8 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2]) -> Recorded
     let gauge = |time: f64| run.at(time).pressure.0 - truth.air.atmospheric_pressure;
     let pressures = times.iter().enumerate().map(|(place, time)| gauge(*time) + pressure * noise(place + 1000));
     let course = |observed, values: Vec<f64>| Course { observed, times: times.clone(), values, deviation: None };
-    let courses = vec![course(Observed::Length, lengths.collect()), course(Observed::GaugePressure, pressures.collect())];
+    let courses =
+        vec![course(Observed::Length, lengths.collect()), course(Observed::GaugePressure, pressures.collect())];
     let mut base = truth.clone();
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
@@ -54,11 +55,15 @@ fn task(runs: Vec<Recorded>, sought: &[&str], factor: f64) -> Task {
     Task { runs, unknowns, starts: Vec::new(), horizon: Horizon::Whole, search: Search::default(), tolerance: 1e-9 }
 }
 
-const SOUGHT: [&str; 4] = ["actuator.friction.viscous", "actuator.friction.coulomb_width", "valve.flow_area", "valve.opening_delay"];
+const SOUGHT: [&str; 4] =
+    ["actuator.friction.viscous", "actuator.friction.coulomb_width", "valve.flow_area", "valve.opening_delay"];
 
 fn truth_of(task: &Task) -> Vec<f64> {
     let mut base = task.runs[0].adjustable.base().clone();
-    task.unknowns.iter().map(|unknown| Place::find(&unknown.name, &mut base).expect("one").value(&mut base).expect("a value")).collect()
+    task.unknowns
+        .iter()
+        .map(|unknown| Place::find(&unknown.name, &mut base).expect("one").value(&mut base).expect("a value"))
+        .collect()
 }
 
 fn identified(task: &Task) -> Identified {
@@ -105,8 +110,10 @@ fn what_scales_together_is_named() {
     truth.actuator.friction.coulomb_width = 0.0;
     truth.actuator.external_volume = 1e-12;
     let run = recorded(&truth, &sought, [0.0; 2]);
-    let found = identified(&Task { search: Search { most_steps: 400, ..Search::default() }, ..task(vec![run], &sought, 1.0) });
-    let names: Vec<&str> = found.found.fit.untold.iter().flat_map(|direction| &direction.shares).map(|(name, _)| name.as_str()).collect();
+    let found =
+        identified(&Task { search: Search { most_steps: 400, ..Search::default() }, ..task(vec![run], &sought, 1.0) });
+    let names: Vec<&str> =
+        found.found.fit.untold.iter().flat_map(|direction| &direction.shares).map(|(name, _)| name.as_str()).collect();
     for name in sought {
         assert!(names.contains(&name), "{name} is not among {names:?}; condition {}", found.found.fit.condition);
     }
@@ -147,7 +154,10 @@ fn what_cannot_be_fitted_says_why() {
     let error = with(|task| task.runs[0].courses[0].values[3] = f64::NAN);
     assert!(error.to_string().contains("not finite"), "{error}");
     let error = with(|task| task.unknowns[0].start = -1.0);
-    assert!(matches!(error, TrajectoryError::AtStart { .. }) && error.to_string().contains("actuator.friction.viscous"), "{error}");
+    assert!(
+        matches!(error, TrajectoryError::AtStart { .. }) && error.to_string().contains("actuator.friction.viscous"),
+        "{error}"
+    );
     let sought = ["actuator.wall_thickness"];
     let mut silent = task(vec![recorded(&scenario(100.0), &sought, [0.0; 2])], &sought, 1.0);
     silent.unknowns[0] = Unknown::new(sought[0], "m", 0.0);

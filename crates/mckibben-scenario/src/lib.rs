@@ -71,8 +71,8 @@ pub use controlled_joint::{ControlledJointExperiment, JointLaw};
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
-pub use place::{Place, PlaceError, Seeds};
 pub use model::{Experiment, JointExperiment};
+pub use place::{Place, PlaceError, Seeds};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
     Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage,

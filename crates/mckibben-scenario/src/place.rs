@@ -240,7 +240,9 @@ impl Seeds {
     /// The number with its derivatives. Directions from `K` on are left out.
     pub fn over<const K: usize>(&mut self, parameter: &'static Parameter, value: f64) -> Dual<f64, K> {
         let mut dual = Dual::of(value);
-        for (direction, place) in self.places.iter().enumerate().filter(|(_, place)| place.parameter.key == parameter.key) {
+        for (direction, place) in
+            self.places.iter().enumerate().filter(|(_, place)| place.parameter.key == parameter.key)
+        {
             let met = match place.at {
                 At::Single(_) => true,
                 At::Entry(_, index) => {

@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 fn examples(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(folder);
     let files = std::fs::read_dir(folder).expect("examples").map(|file| file.expect("a file").path());
-    let mut files: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
+    let mut files: Vec<PathBuf> =
+        files.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
     files.sort();
     files
 }
@@ -62,7 +63,15 @@ fn difference<const N: usize>(scenario: &Scenario, place: &Place, of: impl Fn(&S
 }
 
 /// Asserts that derivatives are those of differences, to a part of the quantity over the number.
-fn compare(name: &str, place: &Place, value: f64, sizes: &[f64], exact: &[f64], differences: &[f64], relative: f64) -> bool {
+fn compare(
+    name: &str,
+    place: &Place,
+    value: f64,
+    sizes: &[f64],
+    exact: &[f64],
+    differences: &[f64],
+    relative: f64,
+) -> bool {
     let mut told = false;
     for (of, ((exact, difference), size)) in exact.iter().zip(differences).zip(sizes).enumerate() {
         let scale = size.abs() / if value == 0.0 { 1.0 } else { value.abs() };
@@ -175,7 +184,9 @@ duration = "0.11 s"
             names.push(place.path());
         }
     }
-    for expected in ["valve.opening_delay", "valve.closing_delay", "command.duty", "initial.gauge_pressure", "load.mass"] {
+    for expected in
+        ["valve.opening_delay", "valve.closing_delay", "command.duty", "initial.gauge_pressure", "load.mass"]
+    {
         assert!(names.iter().any(|name| name == expected), "{expected} is not among {names:?}");
     }
     assert!(names.len() >= 24, "{}: {names:?}", names.len());

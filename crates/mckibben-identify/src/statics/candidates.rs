@@ -25,7 +25,9 @@ use crate::adjustable::Adjustable;
 use crate::least_squares::Unknown;
 use mckibben::Braid;
 use mckibben::force::Coefficients;
-use mckibben_scenario::{Bladder, BladderForm, Effectiveness, Force, Place, PlaceError, Scenario, TonduLopezCoefficients};
+use mckibben_scenario::{
+    Bladder, BladderForm, Effectiveness, Force, Place, PlaceError, Scenario, TonduLopezCoefficients,
+};
 
 /// The most coefficients of either polynomial.
 const MOST_COEFFICIENTS: usize = 5;
@@ -179,9 +181,12 @@ impl Draft {
             Force::MartensBoblan { membrane_thickness, .. } => membrane_thickness,
             _ => 1.8e-3,
         };
-        let mut draft =
-            Self::of(base, "martens-boblan", Force::MartensBoblan { membrane_thickness, modulus: [1e7, 0.0, 0.0, 0.0] })
-                .seek_braid();
+        let mut draft = Self::of(
+            base,
+            "martens-boblan",
+            Force::MartensBoblan { membrane_thickness, modulus: [1e7, 0.0, 0.0, 0.0] },
+        )
+        .seek_braid();
         for power in 0..(sizes.lengths as i32 - 1).clamp(1, 4) {
             let size = 1e8 * longest.powi(-power);
             let start = if power == 0 { 1e7 } else { 0.0 };
@@ -212,7 +217,14 @@ impl Draft {
     fn sarosi(base: &Scenario, sizes: &Sizes) -> Self {
         let (force, pressure) = (sizes.tension, sizes.gauge_pressure);
         let percent = 100.0 * sizes.contraction;
-        let starts = [0.05 * force / pressure, 0.2 * force, -3.0 / percent, -0.8 * force / pressure / percent, force / pressure, -0.1 * force];
+        let starts = [
+            0.05 * force / pressure,
+            0.2 * force,
+            -3.0 / percent,
+            -0.8 * force / pressure / percent,
+            force / pressure,
+            -0.1 * force,
+        ];
         let mut draft = Self::of(base, "sarosi", Force::Sarosi(starts));
         for (place, start) in starts.into_iter().enumerate() {
             let name = format!("a{}", place + 1);
@@ -256,7 +268,8 @@ impl Draft {
 
     fn candidate(self) -> Result<Candidate, PlaceError> {
         let Self { name, mut scenario, unknowns, starts } = self;
-        let places = unknowns.iter().map(|(path, _)| Place::find(path, &mut scenario)).collect::<Result<Vec<_>, _>>()?;
+        let places =
+            unknowns.iter().map(|(path, _)| Place::find(path, &mut scenario)).collect::<Result<Vec<_>, _>>()?;
         let named = |(path, unknown): (String, Unknown)| Unknown { name: path, ..unknown };
         let unknowns: Vec<Unknown> = unknowns.into_iter().map(named).collect();
         Ok(Candidate { name, adjustable: Adjustable::new(scenario, places, true), unknowns, starts })

@@ -66,7 +66,8 @@ pub fn suspect(map: &ForceMap, scenario: &Scenario) -> Result<Option<Suspicion>,
     }
     // An absolute pressure is too large by the same everywhere.
     let atmosphere = scenario.air.atmospheric_pressure;
-    let shifted = map.points().iter().map(|point| Point { gauge_pressure: point.gauge_pressure - atmosphere, ..*point });
+    let shifted =
+        map.points().iter().map(|point| Point { gauge_pressure: point.gauge_pressure - atmosphere, ..*point });
     if let Ok(shifted) = ForceMap::new(shifted.collect()) {
         if let Some(left) = median(&shifted, &ideal)?.filter(|left| (CONVINCING[0]..=CONVINCING[1]).contains(left)) {
             causes.push(("the pressure is absolute, where gauge was said".to_owned(), left));

@@ -131,7 +131,8 @@ impl Work<'_> {
     /// A column as it stands, in SI, less its offset.
     fn raw(&mut self, entry: &ColumnEntry) -> Column {
         let found = self.table.columns.iter().find(|(name, _)| *name == entry.name);
-        let values = found.map(|(_, values)| values.iter().map(|value| value * entry.scale - entry.rules.offset).collect());
+        let values =
+            found.map(|(_, values)| values.iter().map(|value| value * entry.scale - entry.rules.offset).collect());
         if entry.rules.offset != 0.0 {
             let (of, unit) = (entry.quantity.words(), entry.quantity.unit());
             self.note(Severity::Told, format!("an offset of {:.4e} {unit} was taken off the {of}", entry.rules.offset));
@@ -173,7 +174,10 @@ impl Work<'_> {
                 return Err(self.refuse(None, what, "give a table with more than half of them"));
             }
             if missing > 0 {
-                self.note(Severity::Warned, format!("{missing} of {rows} readings of the {of} are missing and were left out"));
+                self.note(
+                    Severity::Warned,
+                    format!("{missing} of {rows} readings of the {of} are missing and were left out"),
+                );
             }
         }
         Ok(())
@@ -203,7 +207,10 @@ impl Work<'_> {
                 row = end;
             }
         }
-        self.note(Severity::Warned, format!("{doubles} rows have the time of the row before; their readings were averaged"));
+        self.note(
+            Severity::Warned,
+            format!("{doubles} rows have the time of the row before; their readings were averaged"),
+        );
         self.retain(columns, &keep);
         Ok(())
     }
@@ -228,11 +235,12 @@ impl Work<'_> {
     fn zero(&mut self, column: &mut Column, rules: &Rules, times: &[f64]) -> Result<(), StudyError> {
         let mut known = Vec::new();
         for (span, value) in &rules.zeros {
-            let within = times.iter().zip(&column.values).filter(|(time, reading)| {
-                (span[0]..=span[1]).contains(*time) && reading.is_finite()
-            });
-            let (sum, at, count) =
-                within.fold((0.0, 0.0, 0.0), |(sum, at, count), (time, reading)| (sum + reading, at + time, count + 1.0));
+            let within = times
+                .iter()
+                .zip(&column.values)
+                .filter(|(time, reading)| (span[0]..=span[1]).contains(*time) && reading.is_finite());
+            let (sum, at, count) = within
+                .fold((0.0, 0.0, 0.0), |(sum, at, count), (time, reading)| (sum + reading, at + time, count + 1.0));
             if count == 0.0 {
                 let (of, [from, to]) = (column.quantity.words(), span);
                 let what = format!("there is no reading of the {of} from {from} s to {to} s, where `zero` asks for it");
@@ -249,7 +257,10 @@ impl Work<'_> {
             }
             [first, .., last] => {
                 let slope = (last.1 - first.1) / (last.0 - first.0);
-                let text = format!("an offset of {:.4e} {unit} and a drift of {slope:.4e} {unit}/s were taken off the {of}", first.1);
+                let text = format!(
+                    "an offset of {:.4e} {unit} and a drift of {slope:.4e} {unit}/s were taken off the {of}",
+                    first.1
+                );
                 self.note(Severity::Warned, text);
                 (first, slope)
             }
@@ -265,8 +276,11 @@ impl Work<'_> {
         let half = WINDOW / 2;
         let mut found = 0;
         for at in half..values.len().saturating_sub(half) {
-            let around: Vec<f64> =
-                (at - half..=at + half).filter(|near| *near != at).map(|near| values[near]).filter(|value| value.is_finite()).collect();
+            let around: Vec<f64> = (at - half..=at + half)
+                .filter(|near| *near != at)
+                .map(|near| values[near])
+                .filter(|value| value.is_finite())
+                .collect();
             let Some(middle) = median(&around) else { continue };
             let distances: Vec<f64> = around.iter().map(|value| (value - middle).abs()).collect();
             let spread = OVER_MEDIAN_DISTANCE * median(&distances).unwrap_or(0.0);
@@ -278,8 +292,15 @@ impl Work<'_> {
             }
         }
         if found > 0 {
-            let done = if rules.drop_outliers { "were left out" } else { "stay: say drop_outliers = true, or a robust search" };
-            self.note(Severity::Warned, format!("{found} readings of the {} look like outliers; they {done}", column.quantity.words()));
+            let done = if rules.drop_outliers {
+                "were left out"
+            } else {
+                "stay: say drop_outliers = true, or a robust search"
+            };
+            self.note(
+                Severity::Warned,
+                format!("{found} readings of the {} look like outliers; they {done}", column.quantity.words()),
+            );
         }
     }
 
@@ -293,7 +314,10 @@ impl Work<'_> {
                 gone += 1;
             }
             if gone > 0 {
-                self.note(Severity::Warned, format!("{gone} readings of the {of} at the end of the sensor were left out"));
+                self.note(
+                    Severity::Warned,
+                    format!("{gone} readings of the {of} at the end of the sensor were left out"),
+                );
             }
             return Ok(());
         }
@@ -304,8 +328,12 @@ impl Work<'_> {
         let pressed = matches!(column.quantity, Quantity::Tension | Quantity::Length);
         if timed && pressed && largest > least && longest >= STUCK && 50 * longest >= column.values.len() {
             let unit = column.quantity.unit();
-            let what = format!("the {of} reads {largest} {unit}, its largest value, {longest} times on end: the sensor is at its end");
-            let remedy = format!("say `saturates = \"{largest} {unit}\"` to leave these readings out, or a larger value to keep them");
+            let what = format!(
+                "the {of} reads {largest} {unit}, its largest value, {longest} times on end: the sensor is at its end"
+            );
+            let remedy = format!(
+                "say `saturates = \"{largest} {unit}\"` to leave these readings out, or a larger value to keep them"
+            );
             return Err(self.refuse(None, what, &remedy));
         }
         Ok(())
@@ -322,7 +350,9 @@ impl Work<'_> {
             count += usize::from(*slack);
         }
         if count > 0 {
-            let text = format!("{count} readings of the tension are at or below {end} N: slack, which says only that the muscle does not pull");
+            let text = format!(
+                "{count} readings of the tension are at or below {end} N: slack, which says only that the muscle does not pull"
+            );
             self.note(Severity::Told, text);
         }
     }
@@ -330,7 +360,9 @@ impl Work<'_> {
     fn vacuum(&mut self, column: &Column) {
         let below = column.values.iter().filter(|value| **value < -2e3).count();
         if column.quantity == Quantity::GaugePressure && below > 0 {
-            let text = format!("{below} gauge pressures are more than 2 kPa below zero: an offset, or a muscle that is evacuated");
+            let text = format!(
+                "{below} gauge pressures are more than 2 kPa below zero: an offset, or a muscle that is evacuated"
+            );
             self.note(Severity::Warned, text);
         }
     }

@@ -197,7 +197,12 @@ impl Study {
     /// The first mistake, with its line.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
         let text = std::fs::read_to_string(path).map_err(|error| {
-            StudyError::new(path, None, format!("it cannot be read ({error})"), "give the path of a study file in UTF-8")
+            StudyError::new(
+                path,
+                None,
+                format!("it cannot be read ({error})"),
+                "give the path of a study file in UTF-8",
+            )
         })?;
         Self::parse(&text, path)
     }
@@ -235,7 +240,11 @@ impl Study {
         });
         let robust = file.search.robust;
         if robust.is_some_and(|scale| scale.is_nan() || scale <= 0.0) {
-            return Err(within.fault(None, "`search.robust` is not above zero", "give a number of deviations such as 2.5"));
+            return Err(within.fault(
+                None,
+                "`search.robust` is not above zero",
+                "give a number of deviations such as 2.5",
+            ));
         }
         let ends = |texts: &Vec<Spanned<String>>| texts.iter().map(|text| within.si(text, Quantity::Time)).collect();
         let horizon = file.search.horizon.as_ref().map(ends).transpose()?;
@@ -299,7 +308,11 @@ impl Within<'_> {
     fn si(&self, text: &Spanned<String>, of: Quantity) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
         let read = quantity::parse(text.as_ref()).map_err(|error| {
-            self.fault(at, error.message.clone(), error.help.unwrap_or_else(|| format!("write it as in \"1 {}\"", of.unit())))
+            self.fault(
+                at,
+                error.message.clone(),
+                error.help.unwrap_or_else(|| format!("write it as in \"1 {}\"", of.unit())),
+            )
         })?;
         if read.dimension != of.dimension() {
             let what = format!("\"{}\" is no {}", text.as_ref(), of.words());
@@ -324,7 +337,11 @@ impl Within<'_> {
         let raw = raw.into_inner();
         let at = Some(raw.unit.span().start);
         let (dimension, scale): (Dimension, f64) = quantity::parse_unit(raw.unit.as_ref()).map_err(|error| {
-            self.fault(at, error.message.clone(), error.help.unwrap_or_else(|| format!("give a unit such as {}", quantity.unit())))
+            self.fault(
+                at,
+                error.message.clone(),
+                error.help.unwrap_or_else(|| format!("give a unit such as {}", quantity.unit())),
+            )
         })?;
         if dimension != quantity.dimension() {
             let what = format!("`{}` is no unit of {}", raw.unit.as_ref(), quantity.words());
@@ -348,7 +365,11 @@ impl Within<'_> {
             drop_outliers: raw.drop_outliers,
         };
         if rules.slack.is_some() && quantity != Quantity::Tension {
-            return Err(self.fault(at, format!("`slack` is of a tension, not of a {}", quantity.words()), "leave it out"));
+            return Err(self.fault(
+                at,
+                format!("`slack` is of a tension, not of a {}", quantity.words()),
+                "leave it out",
+            ));
         }
         Ok(ColumnEntry { quantity, name: raw.name, scale, rules })
     }

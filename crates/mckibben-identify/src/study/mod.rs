@@ -58,8 +58,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Time, Self::GaugePressure, Self::AbsolutePressure, Self::Length, Self::Tension];
+    pub const ALL: [Self; 5] = [Self::Time, Self::GaugePressure, Self::AbsolutePressure, Self::Length, Self::Tension];
 
     /// As it is written in a study.
     pub fn name(self) -> &'static str {

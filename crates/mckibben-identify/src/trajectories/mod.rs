@@ -121,7 +121,8 @@ impl Recorded {
 impl Runs<'_> {
     fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (Observed, f64, f64)> + 'r {
         run.courses.iter().flat_map(move |course| {
-            let readings = course.times.iter().zip(&course.values).map(|(time, value)| (course.observed, *time, *value));
+            let readings =
+                course.times.iter().zip(&course.values).map(|(time, value)| (course.observed, *time, *value));
             readings.filter(|(_, time, _)| *time <= self.until)
         })
     }

@@ -69,7 +69,9 @@ pub enum TrajectoryError {
         error: Error,
     },
     /// A number that the model does not have at its start.
-    #[error("`{path}` does nothing where it starts: the part that it belongs to is absent at zero, or acts in none of the runs; start elsewhere, or hold it")]
+    #[error(
+        "`{path}` does nothing where it starts: the part that it belongs to is absent at zero, or acts in none of the runs; start elsewhere, or hold it"
+    )]
     Silent {
         /// The number.
         path: String,

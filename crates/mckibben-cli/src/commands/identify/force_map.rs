@@ -39,7 +39,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     for (run, recording) in material.recordings.iter().enumerate() {
         points.extend(points_of(recording, run, base.air.atmospheric_pressure)?);
     }
-    let map = ForceMap::new(points).map_err(|error| Failure::input(error.to_string(), "mend the data or the columns"))?;
+    let map =
+        ForceMap::new(points).map_err(|error| Failure::input(error.to_string(), "mend the data or the columns"))?;
     let mut warnings = material.notes();
     units(material, &map, &base, &mut warnings)?;
     lengths(&map, &base)?;
@@ -69,7 +70,10 @@ fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<Vec<P
     let need = |quantity: Quantity| {
         recording.column(quantity).ok_or_else(|| {
             let title = format!("the run `{}` has no {}", recording.name, quantity.words());
-            Failure::input(title, format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()))
+            Failure::input(
+                title,
+                format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()),
+            )
         })
     };
     let (length, tension) = (need(Quantity::Length)?, need(Quantity::Tension)?);
@@ -85,7 +89,8 @@ fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<Vec<P
         slack: *slack,
         run,
     });
-    let complete = |point: &Point| [point.gauge_pressure, point.length, point.tension].iter().all(|number| number.is_finite());
+    let complete =
+        |point: &Point| [point.gauge_pressure, point.length, point.tension].iter().all(|number| number.is_finite());
     Ok(points.filter(complete).collect())
 }
 
@@ -103,7 +108,9 @@ fn units(material: &Material, map: &ForceMap, base: &Scenario, warnings: &mut Ve
     let ratio = found.ratio;
     match found.causes.first() {
         Some((cause, left)) => {
-            let title = format!("the tensions are {ratio:.3} of the ideal braid's, which no muscle is; it seems that {cause}: that would leave {left:.2}");
+            let title = format!(
+                "the tensions are {ratio:.3} of the ideal braid's, which no muscle is; it seems that {cause}: that would leave {left:.2}"
+            );
             let help = "mend the unit in [columns], or the geometry in the scenario; if all of it is right, say units_are_right = true in [study]";
             Err(Failure::input(title, help))
         }
@@ -122,14 +129,24 @@ fn lengths(map: &ForceMap, base: &Scenario) -> Result<(), Failure> {
     let longest = map.held().fold(0.0_f64, |longest, point| longest.max(point.length));
     let limit = base.actuator.max_length;
     if longest > 1.05 * limit {
-        let title = format!("a tension was measured at {longest:.6} m, but the muscle of the scenario is at its longest at {limit:.6} m");
-        return Err(Failure::input(title, "mend the unit of the length in [columns], or actuator.max_length in the scenario"));
+        let title = format!(
+            "a tension was measured at {longest:.6} m, but the muscle of the scenario is at its longest at {limit:.6} m"
+        );
+        return Err(Failure::input(
+            title,
+            "mend the unit of the length in [columns], or actuator.max_length in the scenario",
+        ));
     }
     Ok(())
 }
 
 /// Fits every candidate, and each of them without each group.
-fn judged(material: &Material, map: &ForceMap, base: &Scenario, deviation: Option<f64>) -> Result<Vec<Judged>, Failure> {
+fn judged(
+    material: &Material,
+    map: &ForceMap,
+    base: &Scenario,
+    deviation: Option<f64>,
+) -> Result<Vec<Judged>, Failure> {
     let loss = material.study.robust.map_or(Loss::Squares, |scale| {
         // In parts of the largest tension where no deviation is known.
         Loss::Huber(scale * if deviation.is_some() { 1.0 } else { 0.01 })
@@ -155,7 +172,10 @@ fn criterion(judged: &[Judged]) -> Option<Grouping> {
     let enough = |by: Grouping, least: usize| {
         judged.iter().flat_map(|of| &of.held_out).any(|held| held.by == by && held.folds.len() >= least)
     };
-    [(Grouping::Lengths, 3), (Grouping::Pressures, 3), (Grouping::Runs, 2)].into_iter().find(|(by, least)| enough(*by, *least)).map(|(by, _)| by)
+    [(Grouping::Lengths, 3), (Grouping::Pressures, 3), (Grouping::Runs, 2)]
+        .into_iter()
+        .find(|(by, least)| enough(*by, *least))
+        .map(|(by, _)| by)
 }
 
 /// The law with the least error where it has not looked; of those within a tenth of it, the one with the fewest numbers.
@@ -169,7 +189,13 @@ fn best(judged: &[Judged], by: Option<Grouping>) -> Option<&Judged> {
     told().filter(|of| error(of) <= 1.1 * least).min_by_key(|of| of.numbers())
 }
 
-fn introduction(map: &ForceMap, judged: &[Judged], best: &Judged, by: Option<Grouping>, deviation: Option<f64>) -> Vec<String> {
+fn introduction(
+    map: &ForceMap,
+    judged: &[Judged],
+    best: &Judged,
+    by: Option<Grouping>,
+    deviation: Option<f64>,
+) -> Vec<String> {
     let (held, slack) = (map.held().count(), map.points().len() - map.held().count());
     let percent = |errors: Errors| format!("{:.2} %", 100.0 * errors.root_mean_square);
     let mut words = vec![format!(
@@ -181,7 +207,10 @@ fn introduction(map: &ForceMap, judged: &[Judged], best: &Judged, by: Option<Gro
         }
     )];
     let Some(by) = by else {
-        words.push(format!("Least error: {}. There are too few lengths, pressures and runs to leave one out.", best.candidate.name));
+        words.push(format!(
+            "Least error: {}. There are too few lengths, pressures and runs to leave one out.",
+            best.candidate.name
+        ));
         return words;
     };
     let nearest = judged.iter().min_by(|a, b| a.fit.errors.root_mean_square.total_cmp(&b.fit.errors.root_mean_square));
@@ -231,7 +260,11 @@ fn comparison(judged: &[Judged]) -> Table {
         let mut row = vec![of.candidate.name.clone(), of.numbers().to_string()];
         row.extend(percents(Some(of.fit.errors)));
         groupings.iter().for_each(|by| row.extend(percents(of.held(*by))));
-        row.push(if of.fit.fit.untold.is_empty() { format!("{:.1e}", of.fit.fit.condition) } else { "– not told".to_owned() });
+        row.push(if of.fit.fit.untold.is_empty() {
+            format!("{:.1e}", of.fit.fit.condition)
+        } else {
+            "– not told".to_owned()
+        });
         row
     };
     let caption = "Errors in percent of the largest tension. Held out: each length, pressure or run in turn is left out of the fit, and the \
@@ -249,10 +282,12 @@ fn sections(
     warnings: &[String],
     text: &str,
 ) -> Vec<Section> {
-    let notes = if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
+    let notes =
+        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
     let nearest = judged.iter().min_by(|a, b| a.fit.errors.root_mean_square.total_cmp(&b.fit.errors.root_mean_square));
     let mut plates = vec![compared(judged)];
-    let pair: Vec<&Judged> = [Some(best), nearest.filter(|of| of.candidate.name != best.candidate.name)].into_iter().flatten().collect();
+    let pair: Vec<&Judged> =
+        [Some(best), nearest.filter(|of| of.candidate.name != best.candidate.name)].into_iter().flatten().collect();
     plates.extend(astray(&pair));
     let mut sections = vec![
         Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
@@ -270,7 +305,10 @@ fn sections(
             title: "The law that errs least where it has not looked",
             paragraphs: vec![format!("`{}`, as the scenario file below has it.", best.candidate.name)],
             plates: fitted(map, best).into_iter().chain([residuals(map, &pair)]).collect(),
-            tables: vec![values::table("Numbers with their 95 % intervals.".to_owned(), &best.fit.fit), values::correlations(&best.fit.fit)],
+            tables: vec![
+                values::table("Numbers with their 95 % intervals.".to_owned(), &best.fit.fit),
+                values::correlations(&best.fit.fit),
+            ],
             files: vec![("scenario.toml".into(), text.to_owned().into())],
             ..Section::default()
         },
@@ -281,14 +319,22 @@ fn sections(
     let others = judged.iter().filter(|of| of.candidate.name != best.candidate.name);
     let tables = others.map(|of| values::table(format!("{}.", of.candidate.name), &of.fit.fit)).collect();
     let paragraphs = vec![format!("From {}.", material.study.path.display())];
-    sections.push(Section { id: "numbers", label: "Numbers", title: "The other laws’ numbers", paragraphs, tables, ..Section::default() });
+    sections.push(Section {
+        id: "numbers",
+        label: "Numbers",
+        title: "The other laws’ numbers",
+        paragraphs,
+        tables,
+        ..Section::default()
+    });
     sections
 }
 
 /// Errors of every law side by side.
 fn compared(judged: &[Judged]) -> Plate {
     let places: Vec<f64> = (0..judged.len()).map(|place| (judged.len() - 1 - place) as f64).collect();
-    let words = judged.iter().zip(&places).map(|(of, place)| (*place, format!("{} ({})", of.candidate.name, of.numbers())));
+    let words =
+        judged.iter().zip(&places).map(|(of, place)| (*place, format!("{} ({})", of.candidate.name, of.numbers())));
     let axis = Axis::new("", "").words(words).starting_at(-0.5).ending_at(judged.len() as f64 - 0.5);
     let of = |errors: &dyn Fn(&Judged) -> Option<Errors>| -> Vec<f64> {
         judged.iter().map(|of| errors(of).map_or(f64::NAN, |errors| 100.0 * errors.root_mean_square)).collect()
@@ -299,14 +345,23 @@ fn compared(judged: &[Judged]) -> Plate {
         ("held-out pressures", of(&|of| of.held(Grouping::Pressures))),
     ];
     let mut panel = Panel::new(axis).legend(Legend::Above).height_mm(6.0 * judged.len() as f64 + 4.0);
-    let mut data = Data::new(&["place", "in_sample_rms_percent", "held_out_lengths_rms_percent", "held_out_pressures_rms_percent"]);
-    data.rows = (0..judged.len()).map(|place| vec![place as f64, columns[0].1[place], columns[1].1[place], columns[2].1[place]]).collect();
+    let mut data = Data::new(&[
+        "place",
+        "in_sample_rms_percent",
+        "held_out_lengths_rms_percent",
+        "held_out_pressures_rms_percent",
+    ]);
+    data.rows = (0..judged.len())
+        .map(|place| vec![place as f64, columns[0].1[place], columns[1].1[place], columns[2].1[place]])
+        .collect();
     for (colour, (label, errors)) in columns.into_iter().enumerate() {
         panel = panel.series(Series::points(label, errors, places.clone()).colour(Colour::Category(colour)));
     }
     let x = Axis::new("root mean square error", "%").starting_at(0.0);
     let figure = Figure { width_mm: 170.0, x, panels: vec![panel], ..Figure::default() };
-    let caption = "Root mean square errors in percent of the largest tension; in brackets how many numbers were fitted.".to_owned();
+    let caption =
+        "Root mean square errors in percent of the largest tension; in brackets how many numbers were fitted."
+            .to_owned();
     Plate { stem: "laws", caption, figure, data }
 }
 
@@ -318,12 +373,17 @@ fn astray(pair: &[&Judged]) -> Option<Plate> {
         let held = of.held_out.iter().find(|held| held.by == Grouping::Lengths)?;
         let middle = |fold: &[f64; 2]| 0.5 * (fold[0] + fold[1]);
         let x: Vec<f64> = held.folds.iter().map(|fold| middle(&fold.of)).collect();
-        let y: Vec<f64> = held.folds.iter().map(|fold| fold.errors.map_or(f64::NAN, |errors| 100.0 * errors.root_mean_square)).collect();
+        let y: Vec<f64> = held
+            .folds
+            .iter()
+            .map(|fold| fold.errors.map_or(f64::NAN, |errors| 100.0 * errors.root_mean_square))
+            .collect();
         data.rows.extend(x.iter().zip(&y).map(|(x, y)| vec![law as f64, *x, *y]));
         let series = Series::line(of.candidate.name.clone(), x, y).colour(Colour::Category(law));
         panel = panel.series(Series { style: Style::LineAndPoints, ..series });
     }
-    let figure = Figure { width_mm: 120.0, x: Axis::new("length left out", "m"), panels: vec![panel], ..Figure::default() };
+    let figure =
+        Figure { width_mm: 120.0, x: Axis::new("length left out", "m"), panels: vec![panel], ..Figure::default() };
     let caption = "Each length in turn was left out of the fit: the root mean square error at that length. The ends are beyond what was \
                    fitted, the middle is between."
         .to_owned();
@@ -343,10 +403,13 @@ fn fitted(map: &ForceMap, best: &Judged) -> Option<Plate> {
         let colour = Colour::Ramp(place as f64 / (groups.len() - 1).max(1) as f64);
         let pressures: Vec<f64> = (0..=100).map(|part| highest * f64::from(part) / 100.0).collect();
         let curve = pressures.iter().map(|pressure| pull(&actuator, *pressure, length)).collect();
-        panel = panel.series(Series::line(format!("{:.1} mm", 1e3 * length), pressures, curve).colour(colour).dash(Dash::Solid));
+        panel = panel
+            .series(Series::line(format!("{:.1} mm", 1e3 * length), pressures, curve).colour(colour).dash(Dash::Solid));
         let (x, y) = here.iter().map(|point| (point.gauge_pressure, point.tension)).unzip();
         panel = panel.series(Series::points("", x, y).colour(colour));
-        data.rows.extend(here.iter().map(|point| vec![point.length, point.gauge_pressure, point.tension, force(&actuator, point)]));
+        data.rows.extend(
+            here.iter().map(|point| vec![point.length, point.gauge_pressure, point.tension, force(&actuator, point)]),
+        );
     }
     let x = Axis::new("gauge pressure", "Pa").starting_at(0.0);
     let figure = Figure { width_mm: 150.0, panel_height_mm: 80.0, x, panels: vec![panel], ..Figure::default() };
@@ -366,7 +429,9 @@ fn residuals(map: &ForceMap, pair: &[&Judged]) -> Plate {
         let Ok(driven) = of.fit.scenario.driven() else { continue };
         let off = |point: &Point| force(&driven.actuator, point) - point.tension;
         let groups = Grouping::Lengths.groups(map);
-        let mut panel = Panel::new(Axis::new(format!("off, {}", short(&of.candidate.name)), "N")).horizontal(0.0, "").legend(Legend::Direct);
+        let mut panel = Panel::new(Axis::new(format!("off, {}", short(&of.candidate.name)), "N"))
+            .horizontal(0.0, "")
+            .legend(Legend::Direct);
         for (place, [low, high]) in groups.iter().enumerate() {
             let here: Vec<&Point> = map.held().filter(|point| (low..=high).contains(&&point.length)).collect();
             let (x, y) = here.iter().map(|point| (point.gauge_pressure, off(point))).unzip();
@@ -378,8 +443,19 @@ fn residuals(map: &ForceMap, pair: &[&Judged]) -> Plate {
         data.rows.extend(map.held().map(|point| vec![law as f64, point.length, point.gauge_pressure, off(point)]));
         panels.push(panel);
     }
-    let figure = Figure { width_mm: 150.0, panel_height_mm: 45.0, x: Axis::new("gauge pressure", "Pa").starting_at(0.0), panels, ..Figure::default() };
-    Plate { stem: "residuals", caption: "What the law says less what was measured. A pattern is what the law cannot do.".to_owned(), figure, data }
+    let figure = Figure {
+        width_mm: 150.0,
+        panel_height_mm: 45.0,
+        x: Axis::new("gauge pressure", "Pa").starting_at(0.0),
+        panels,
+        ..Figure::default()
+    };
+    Plate {
+        stem: "residuals",
+        caption: "What the law says less what was measured. A pattern is what the law cannot do.".to_owned(),
+        figure,
+        data,
+    }
 }
 
 /// The first words of a law's name.
@@ -390,20 +466,45 @@ fn short(name: &str) -> &str {
 /// Measured over ideal force at each pressure.
 fn effectiveness(of: &[Ratio]) -> Section {
     let row = |ratio: &Ratio| {
-        let interval = ratio.interval.map_or("– one point".to_owned(), |[low, high]| format!("{low:.3} to {high:.3}"));
-        vec![format!("{:.1}", 1e-3 * ratio.gauge_pressure), format!("{:.4}", ratio.value), interval, ratio.points.to_string()]
+        let interval =
+            ratio.interval.map_or("– one point".to_owned(), |[low, high]| format!("{low:.3} to {high:.3}"));
+        vec![
+            format!("{:.1}", 1e-3 * ratio.gauge_pressure),
+            format!("{:.4}", ratio.value),
+            interval,
+            ratio.points.to_string(),
+        ]
     };
     let table = Table {
-        caption: "Measured over ideal force (9) at each pressure, with the geometry as the scenario gives it.".to_owned(),
+        caption: "Measured over ideal force (9) at each pressure, with the geometry as the scenario gives it."
+            .to_owned(),
         head: ["gauge pressure kPa", "effectiveness", "95 % interval", "points"].map(String::from).to_vec(),
         rows: of.iter().map(row).collect(),
     };
     let mut data = Data::new(&["gauge_pressure_pa", "effectiveness"]);
     data.rows = of.iter().map(|ratio| vec![ratio.gauge_pressure, ratio.value]).collect();
     let (x, y) = of.iter().map(|ratio| (ratio.gauge_pressure, ratio.value)).unzip();
-    let panel = Panel::new(Axis::new("effectiveness", "").starting_at(0.0)).series(Series::points("", x, y)).horizontal(1.0, "ideal");
-    let figure = Figure { width_mm: 120.0, x: Axis::new("gauge pressure", "Pa").starting_at(0.0), panels: vec![panel], ..Figure::default() };
-    let plate = Plate { stem: "effectiveness", caption: "Effectiveness at each nominal pressure.".to_owned(), figure, data };
-    let paragraphs = vec!["Its size goes with 1/n² of the turns that the scenario gives; how it goes with pressure does not.".to_owned()];
-    Section { id: "effectiveness", label: "Effectiveness", title: "Effectiveness over pressure (9)", paragraphs, plates: vec![plate], tables: vec![table], ..Section::default() }
+    let panel = Panel::new(Axis::new("effectiveness", "").starting_at(0.0))
+        .series(Series::points("", x, y))
+        .horizontal(1.0, "ideal");
+    let figure = Figure {
+        width_mm: 120.0,
+        x: Axis::new("gauge pressure", "Pa").starting_at(0.0),
+        panels: vec![panel],
+        ..Figure::default()
+    };
+    let plate =
+        Plate { stem: "effectiveness", caption: "Effectiveness at each nominal pressure.".to_owned(), figure, data };
+    let paragraphs = vec![
+        "Its size goes with 1/n² of the turns that the scenario gives; how it goes with pressure does not.".to_owned(),
+    ];
+    Section {
+        id: "effectiveness",
+        label: "Effectiveness",
+        title: "Effectiveness over pressure (9)",
+        paragraphs,
+        plates: vec![plate],
+        tables: vec![table],
+        ..Section::default()
+    }
 }

@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `force_map` | laws of static force from tensions at held pressures and lengths |
 //! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `loops` | friction and hysteresis from tension over length to and fro |
+//! | `sought` | the numbers that a study looks for |
 //! | `values` | numbers with their intervals, for a terminal, a page and CSV |
 //! | `outcome` | what every kind of study comes to, and the files that are written of it |
 //!
 //! Everything is computed by the crate `mckibben-identify`. Checked by `tests/identify.rs`.
 
 mod force_map;
+mod loops;
 mod outcome;
+mod sought;
 mod trajectories;
 mod values;
 
@@ -31,7 +35,7 @@ Examples:
 
 A study file:
   [study]
-  kind = \"force-map\"                      # or \"trajectories\"
+  kind = \"force-map\"                      # \"hysteresis\" or \"trajectories\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
@@ -95,9 +99,10 @@ fn identified(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
     match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
         Kind::Trajectories => trajectories::outcome(&material),
-        Kind::Hysteresis | Kind::RingDown => Err(Failure::input(
-            "this kind of study is not offered on the command line yet",
-            "say kind = \"force-map\" or \"trajectories\"",
+        Kind::Hysteresis => loops::outcome(&material),
+        Kind::RingDown => Err(Failure::input(
+            "ring-downs are not offered on the command line yet",
+            "say kind = \"trajectories\" with the friction in [fit]",
         )),
     }
 }
@@ -108,6 +113,15 @@ fn mistake(error: StudyError) -> Failure {
 }
 
 impl Material {
+    /// The scenario of a run: the file's, with what the run says of its own.
+    fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
+        let mut document = self.document.clone();
+        for (key, value) in &recording.set {
+            document.set_text_from(&format!("run `{}`", recording.name), key, value)?;
+        }
+        Ok(document)
+    }
+
     /// What was found in the data, the graver first.
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<_> = self.recordings.iter().flat_map(|recording| &recording.notes).collect();

@@ -1,7 +1,7 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
 use super::outcome::Outcome;
-use super::{Material, values};
+use super::{Material, sought, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::progress::Progress;
@@ -10,16 +10,12 @@ use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben::simulation::{Trajectory, simulate};
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::{Loss, Search, Unknown};
+use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
 use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
-use mckibben_scenario::{Document, Place, Scenario, quantity as grammar};
+use mckibben_scenario::{Place, Scenario};
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
-    if material.study.sought.is_empty() {
-        let help = "add for instance `[fit.\"actuator.friction.viscous\"]` with `from` and `to`";
-        return Err(Failure::input("the study does not say what to look for", help));
-    }
     let task = task(material)?;
     let progress = Progress::begin("fitting", None);
     let found = task.identify().map_err(|error| match error {
@@ -47,36 +43,28 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })
 }
 
-/// The scenario of a run: the file's, with what the run says of its own.
-fn document_of(material: &Material, recording: &Recording) -> Result<Document, Failure> {
-    let mut document = material.document.clone();
-    for (key, value) in &recording.set {
-        document.set_text_from(&format!("run `{}`", recording.name), key, value)?;
-    }
-    Ok(document)
-}
-
 fn task(material: &Material) -> Result<Task, Failure> {
-    let mut first = material.document.scenario()?;
-    let mut unknowns = Vec::new();
-    for entry in &material.study.sought {
-        let place = Place::find(&entry.path, &mut first).map_err(|error| Failure::input(error.to_string(), "mend [fit]"))?;
-        unknowns.push(unknown(entry, &place, place.value(&mut first).unwrap_or(0.0))?);
-    }
+    let (_, unknowns) = sought::all(material)?;
     let mut runs = Vec::new();
     for recording in &material.recordings {
-        let document = document_of(material, recording)?;
+        let document = material.document_of(recording)?;
         let mut scenario = document.scenario()?;
         let place = |entry: &SoughtEntry| {
-            Place::find(&entry.path, &mut scenario).map_err(|error| Failure::input(error.to_string(), format!("of the run `{}`", recording.name)))
+            Place::find(&entry.path, &mut scenario)
+                .map_err(|error| Failure::input(error.to_string(), format!("of the run `{}`", recording.name)))
         };
         let places = material.study.sought.iter().map(place).collect::<Result<Vec<_>, _>>()?;
         let given = document.contains(parameter::MIN_LENGTH.key);
         let courses = courses(recording, scenario.air.atmospheric_pressure);
         let adjustable = Adjustable::new(scenario, places, given);
-        runs.push(Recorded { name: recording.name.clone(), adjustable, unknowns: (0..unknowns.len()).collect(), courses });
+        runs.push(Recorded {
+            name: recording.name.clone(),
+            adjustable,
+            unknowns: (0..unknowns.len()).collect(),
+            courses,
+        });
     }
-    let starts = more_starts(&unknowns, material.study.more_starts);
+    let starts = sought::more_starts(&unknowns, material.study.more_starts);
     let loss = material.study.robust.map_or(Loss::Squares, Loss::Huber);
     Ok(Task {
         runs,
@@ -86,47 +74,6 @@ fn task(material: &Material) -> Result<Task, Failure> {
         search: Search { loss, ..Search::default() },
         tolerance: 1e-8,
     })
-}
-
-/// Bounds are those of the study within those of the parameter.
-fn unknown(entry: &SoughtEntry, place: &Place, first: f64) -> Result<Unknown, Failure> {
-    let row = place.parameter();
-    let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
-        let Some(text) = text else { return Ok(None) };
-        let wrong = |why: String| Failure::input(format!("\"{text}\" of `{}` in [fit]: {why}", entry.path), format!("give it as in \"1 {}\"", row.unit));
-        let read = grammar::parse(text).map_err(|error| wrong(error.message.clone()))?;
-        let (dimension, _) = grammar::parse_unit(row.unit).unwrap_or_default();
-        if read.dimension != dimension { Err(wrong(format!("a value in {} is due", row.unit))) } else { Ok(Some(read.value)) }
-    };
-    let (least, largest) = (read(&entry.from)?.unwrap_or(row.range.low), read(&entry.to)?.unwrap_or(row.range.high));
-    let start = read(&entry.start)?.unwrap_or_else(|| first.clamp(least, largest));
-    let prior = match &entry.prior {
-        Some([mean, deviation]) => read(&Some(mean.clone()))?.zip(read(&Some(deviation.clone()))?),
-        None => None,
-    };
-    if prior.is_some_and(|(_, deviation)| deviation <= 0.0) {
-        return Err(Failure::input(format!("the prior of `{}` has a deviation that is not above zero", entry.path), "give one above zero"));
-    }
-    let unit = if place.path().ends_with(']') { "" } else { row.unit };
-    let unknown = Unknown::new(entry.path.clone(), unit, start).between(least, largest);
-    Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
-}
-
-/// Starts spread evenly over what is bounded on both sides, one sequence for each unknown.
-fn more_starts(unknowns: &[Unknown], count: usize) -> Vec<Vec<f64>> {
-    let primes: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
-    let start = |row: usize| {
-        let of = |(place, unknown): (usize, &Unknown)| {
-            let part = ((row + 1) as f64 * primes[place % primes.len()].sqrt()).fract();
-            let [least, largest] = unknown.bounds;
-            match (least.is_finite(), largest.is_finite()) {
-                (true, true) => least + (largest - least) * part,
-                _ => unknown.start * (0.3_f64).powf(1.0 - 2.0 * part),
-            }
-        };
-        unknowns.iter().enumerate().map(of).collect()
-    };
-    (0..count).map(start).collect()
 }
 
 fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
@@ -185,7 +132,8 @@ fn sections(
     warnings: &[String],
     files: &[(String, String)],
 ) -> Result<Vec<Section>, Failure> {
-    let notes = if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
+    let notes =
+        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
     let mut plates = Vec::new();
     // A page of the first few runs is enough to see how they fit; the table speaks of all.
     let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
@@ -226,16 +174,34 @@ fn plate(run: &Recorded, scenario: &Scenario, stem: &'static str) -> Result<Plat
     for course in &run.courses {
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
         let curve = times.iter().map(|time| simulated(&trajectory, course.observed, *time)).collect();
-        let off: Vec<f64> = course.times.iter().zip(&course.values).map(|(time, value)| simulated(&trajectory, course.observed, *time) - value).collect();
+        let off: Vec<f64> = course
+            .times
+            .iter()
+            .zip(&course.values)
+            .map(|(time, value)| simulated(&trajectory, course.observed, *time) - value)
+            .collect();
         let unit = course.observed.unit();
-        let panel = Panel::new(Axis::new(course.observed.words(), unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
+        let panel = Panel::new(Axis::new(course.observed.words(), unit)).legend(if panels.is_empty() {
+            Legend::Above
+        } else {
+            Legend::Hidden
+        });
         panels.push(
             panel
-                .series(Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)))
+                .series(
+                    Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)),
+                )
                 .series(Series::line("simulated", times, curve)),
         );
         let rest = Panel::new(Axis::new("off", unit)).horizontal(0.0, "").height_mm(16.0).legend(Legend::Hidden);
-        data.rows.extend(course.times.iter().zip(&course.values).zip(&off).map(|((time, value), off)| vec![f64::from(course.observed as u8), *time, *value, value + off]));
+        data.rows.extend(
+            course
+                .times
+                .iter()
+                .zip(&course.values)
+                .zip(&off)
+                .map(|((time, value), off)| vec![f64::from(course.observed as u8), *time, *value, value + off]),
+        );
         panels.push(rest.series(Series::dots("", course.times.clone(), off)));
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };

@@ -78,14 +78,19 @@ pub(super) fn warnings(fit: &Fit) -> Vec<String> {
         ));
     }
     for estimate in fit.estimates.iter().filter(|estimate| estimate.on_bound) {
-        warnings.push(format!("`{}` rests on its bound, {}; it has no interval, and those of the others hold with it there.", estimate.name, digits(estimate.value)));
+        warnings.push(format!(
+            "`{}` rests on its bound, {}; it has no interval, and those of the others hold with it there.",
+            estimate.name,
+            digits(estimate.value)
+        ));
     }
     let wide = |estimate: &&Estimate| estimate.interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
     for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !estimate.name.contains('[')) {
         warnings.push(format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name));
     }
     if fit.condition > 1e6 && fit.untold.is_empty() {
-        warnings.push(format!("the condition number is {:.1e}: the numbers are told, but only together.", fit.condition));
+        warnings
+            .push(format!("the condition number is {:.1e}: the numbers are told, but only together.", fit.condition));
     }
     warnings
 }
