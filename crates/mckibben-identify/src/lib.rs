@@ -3,6 +3,12 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`least_squares`] | the values that fit best, how sure they are, and what the data cannot tell apart |
+//! | [`ring_down`] | friction from a ring-down, by four estimators |
 #![forbid(unsafe_code)]
 
 pub mod least_squares;
+mod propagation;
+pub mod ring_down;
+mod series;
+
+pub use series::SeriesError;

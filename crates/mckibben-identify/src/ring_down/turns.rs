@@ -1,0 +1,240 @@
+//! Where the motion turns: the peaks and troughs of a ring-down, finer than the samples and despite their noise.
+//!
+//! A turn is looked for in lengths averaged over a twelfth of a period, as a rise that is followed by a fall by six
+//! deviations of such an average or more, and the other way round. Its place is the vertex of the parabola through the samples
+//! within a twelfth of a period of it on both sides, by least squares. The parabola's error is the same part of every
+//! amplitude (2·10⁻⁴), which leaves β as it is. The scatter about all of the parabolas is the noise.
+//!
+//! A turn with hardly a fall on one side is none: the mass was held there, or stuck. The half period is the slope of
+//! the turns' times over their number.
+
+use super::RingDownError;
+use super::record::Record;
+use crate::series::{self, Polynomial};
+
+/// Turns that make two cycles on one side and two on the other.
+const LEAST_TURNS: usize = 5;
+/// Part of the range by which a swing stands out at first.
+const PROMINENT: f64 = 0.2;
+/// Deviations of an average by which a swing stands out from noise.
+const STANDING_OUT: f64 = 6.0;
+/// Part of the range by which a swing without noise must stand out.
+const RESOLVED: f64 = 1e-4;
+/// Part of the range within which a mass at rest stays.
+const AT_REST: f64 = 0.05;
+/// Samples of a parabola, and on either side of its vertex.
+const LEAST_SAMPLES: [usize; 2] = [5, 2];
+/// Reach of a parabola to either side over the period, and how far it may grow where samples are few.
+const REACH: [f64; 2] = [1.0 / 12.0, 1.0 / 6.0];
+
+/// A peak or a trough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// When, in s.
+    pub time: f64,
+    /// Standard deviation of the time in s.
+    pub time_deviation: f64,
+    /// Length in m.
+    pub length: f64,
+    /// Standard deviation of the length in m.
+    pub deviation: f64,
+    /// Whether the length is greatest there.
+    pub is_peak: bool,
+}
+
+/// The turns of a ring-down in order of time, peaks and troughs by turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turns {
+    /// Five or more.
+    pub turns: Vec<Turn>,
+    /// Time in s from one turn to the next on the same side.
+    pub period: f64,
+    /// Standard deviation of the period in s.
+    pub period_deviation: f64,
+    /// Standard deviation of a sample in m, from the scatter about the parabolas.
+    pub noise: f64,
+    /// How many samples more than unknowns the noise was estimated from.
+    pub degrees_of_freedom: usize,
+}
+
+impl Turns {
+    /// Finds the turns.
+    ///
+    /// # Errors
+    /// [`RingDownError::Saturated`] for a sensor at the end of its range, [`RingDownError::TooFewTurns`] and
+    /// [`RingDownError::Stuck`] for less than two cycles, [`RingDownError::TooCoarse`] for too few samples in a cycle.
+    pub fn find(record: &Record) -> Result<Self, RingDownError> {
+        let [least, largest] = record.range();
+        let range = largest - least;
+        let coarse = reversals(record.length(), PROMINENT * range);
+        let places: Vec<f64> = coarse.iter().map(|place| record.time()[*place]).collect();
+        // The first may be where the mass was held, and the last where it came to rest.
+        let mut halves: Vec<f64> = places.windows(2).skip(1).map(|pair| pair[1] - pair[0]).collect();
+        halves.sort_by(f64::total_cmp);
+        let Some(half) = halves.get(halves.len() / 2) else {
+            return Err(too_few(record, &places));
+        };
+        let period = 2.0 * half;
+        record.check_saturation(period)?;
+        let smooth = smoothed(record, period / 24.0);
+        let swing = (STANDING_OUT * smooth.noise).max(RESOLVED * range);
+        let found = reversals(&smooth.length, swing);
+        let mut fits = Vec::new();
+        for place in &found {
+            let inside = *place != found[0] && Some(place) != found.last();
+            match Vertex::fit(record, record.time()[*place], period) {
+                Err(samples) if inside => return Err(RingDownError::TooCoarse { samples, period }),
+                Ok(vertex) if inside || vertex.falls_on_both_sides => fits.push(vertex),
+                _ => {}
+            }
+        }
+        let times: Vec<f64> = fits.iter().map(|vertex| vertex.time).collect();
+        if fits.len() < LEAST_TURNS {
+            return Err(too_few(record, &times));
+        }
+        Ok(Self::new(&fits))
+    }
+
+    fn new(fits: &[Vertex]) -> Self {
+        let degrees_of_freedom = fits.iter().map(|vertex| vertex.degrees_of_freedom).sum::<usize>();
+        let squares: f64 = fits.iter().map(|vertex| vertex.squares).sum();
+        let noise = (squares / degrees_of_freedom.max(1) as f64).sqrt();
+        let turn = |vertex: &Vertex| Turn {
+            time: vertex.time,
+            time_deviation: noise * vertex.time_deviation,
+            length: vertex.length,
+            deviation: noise * vertex.deviation,
+            is_peak: vertex.is_peak,
+        };
+        let turns: Vec<Turn> = fits.iter().map(turn).collect();
+        let middle = 0.5 * (turns.len() - 1) as f64;
+        let lever = |place: usize| place as f64 - middle;
+        let levers: f64 = (0..turns.len()).map(|place| lever(place) * lever(place)).sum();
+        let slope = |of: &dyn Fn(usize) -> f64| (0..turns.len()).map(of).sum::<f64>() / levers;
+        let half = slope(&|place| lever(place) * (turns[place].time - turns[0].time));
+        let variance = slope(&|place| (lever(place) * turns[place].time_deviation).powi(2)) / levers;
+        Self { turns, period: 2.0 * half, period_deviation: 2.0 * variance.sqrt(), noise, degrees_of_freedom }
+    }
+
+    /// Half of the way in m from each turn to the next.
+    pub fn half_swings(&self) -> Vec<f64> {
+        self.turns.windows(2).map(|pair| 0.5 * (pair[0].length - pair[1].length).abs()).collect()
+    }
+}
+
+/// Whether the motion came to rest within the record says what there is too little of.
+fn too_few(record: &Record, times: &[f64]) -> RingDownError {
+    let (length, [least, largest]) = (record.length(), record.range());
+    let tail = &length[2 * length.len() / 3..];
+    let spread = |samples: &[f64]| {
+        let ends = samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
+        ends[1] - ends[0]
+    };
+    let turns = times.len();
+    match spread(tail) < AT_REST * (largest - least) + 2.0 * STANDING_OUT * record.noise() {
+        true => RingDownError::Stuck { turns, time: times.last().copied().unwrap_or(record.time()[0]) },
+        false => RingDownError::TooFewTurns { turns, least: LEAST_TURNS },
+    }
+}
+
+/// Places of the turns of values between swings of a size or more, the first value's side included.
+fn reversals(values: &[f64], swing: f64) -> Vec<usize> {
+    let (mut highest, mut lowest) = (0, 0);
+    let mut places = Vec::new();
+    let mut rising = None;
+    for (place, value) in values.iter().enumerate() {
+        if *value > values[highest] {
+            highest = place;
+        }
+        if *value < values[lowest] {
+            lowest = place;
+        }
+        if rising != Some(false) && *value < values[highest] - swing {
+            places.push(highest);
+            (rising, lowest) = (Some(false), place);
+        } else if rising != Some(true) && *value > values[lowest] + swing {
+            places.push(lowest);
+            (rising, highest) = (Some(true), place);
+        }
+    }
+    places
+}
+
+/// Lengths averaged over their surroundings.
+struct Smoothed {
+    length: Vec<f64>,
+    /// Standard deviation of an average in m.
+    noise: f64,
+}
+
+fn smoothed(record: &Record, reach: f64) -> Smoothed {
+    let time = record.time();
+    let around = |t: &f64| series::between(time, t - reach, t + reach);
+    let mean = |t: &f64| {
+        let samples = &record.length()[around(t)];
+        samples.iter().sum::<f64>() / samples.len() as f64
+    };
+    let few = time.iter().map(|t| around(t).len()).min().unwrap_or(1).max(1);
+    Smoothed { length: time.iter().map(mean).collect(), noise: record.noise() / (few as f64).sqrt() }
+}
+
+/// The vertex of a parabola; deviations over that of a sample.
+struct Vertex {
+    time: f64,
+    time_deviation: f64,
+    length: f64,
+    deviation: f64,
+    is_peak: bool,
+    falls_on_both_sides: bool,
+    squares: f64,
+    degrees_of_freedom: usize,
+}
+
+impl Vertex {
+    /// Of the samples about a time; how many there are where they are too few.
+    fn fit(record: &Record, about: f64, period: f64) -> Result<Self, usize> {
+        let [time, length] = [record.time(), record.length()];
+        let mut centre = about;
+        let mut vertex = None;
+        // Once more about the vertex, so that both sides reach as far.
+        for _ in 0..2 {
+            let enough = |reach: f64| {
+                let range = series::between(time, centre - reach, centre + reach);
+                let before = time[range.clone()].partition_point(|t| *t < centre);
+                let sides = before.min(range.len() - before);
+                (range.len() >= LEAST_SAMPLES[0] && sides >= LEAST_SAMPLES[1]).then_some((range, reach))
+            };
+            let widths = (0..=4).map(|step| period * (REACH[0] + (REACH[1] - REACH[0]) * f64::from(step) / 4.0));
+            let (range, reach) = widths.clone().find_map(enough).ok_or_else(|| {
+                series::between(time, centre - 0.5 * period, centre + 0.5 * period).len()
+            })?;
+            let parabola = Polynomial::fit(&time[range.clone()], &length[range.clone()], centre, 2).ok_or(range.len())?;
+            let [a, b, c] = [0, 1, 2].map(|term| parabola.coefficients[term]);
+            let offset = -b / (2.0 * c);
+            if !(offset.abs() <= reach) {
+                return Err(range.len());
+            }
+            let found = Self {
+                time: centre + offset,
+                time_deviation: parabola.deviation(&[0.0, -0.5 / c, 0.5 * b / (c * c)]),
+                length: a + 0.5 * b * offset,
+                deviation: parabola.deviation(&[1.0, offset, offset * offset]),
+                is_peak: c < 0.0,
+                falls_on_both_sides: true,
+                squares: parabola.squares,
+                degrees_of_freedom: parabola.degrees_of_freedom,
+            };
+            centre = found.time;
+            vertex = Some((found, reach));
+        }
+        let (mut vertex, reach) = vertex.ok_or(0_usize)?;
+        let side = |from: f64, to: f64| {
+            let samples = &length[series::between(time, centre + from, centre + to)];
+            (samples.iter().sum::<f64>() / samples.len() as f64 - vertex.length).abs()
+        };
+        let falls = [side(-reach, -0.5 * reach), side(0.5 * reach, reach)];
+        // Friction alone makes them differ by a factor of three at most: (X − Q)/(X + Q) with X > 2Q.
+        vertex.falls_on_both_sides = falls[0].min(falls[1]) * 3.0 >= falls[0].max(falls[1]);
+        Ok(vertex)
+    }
+}
