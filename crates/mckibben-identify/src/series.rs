@@ -68,7 +68,11 @@ pub(crate) fn noise(time: &[f64], value: &[f64]) -> f64 {
         .map(|(t, x)| {
             let others = [0, 2, 3];
             let weight = |of: usize| {
-                others.iter().filter(|other| **other != of).map(|other| (t[1] - t[*other]) / (t[of] - t[*other])).product()
+                others
+                    .iter()
+                    .filter(|other| **other != of)
+                    .map(|other| (t[1] - t[*other]) / (t[of] - t[*other]))
+                    .product()
             };
             let weights: [f64; 3] = others.map(weight);
             let parabola: f64 = weights.iter().zip(others).map(|(weight, of)| weight * x[of]).sum();

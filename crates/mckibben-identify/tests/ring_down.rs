@@ -109,7 +109,10 @@ fn a_linear_oscillator_gives_its_friction_back() {
     let swings: Vec<f64> = OSCILLATOR.turns(9).windows(2).map(|pair| 0.5 * (pair[0] - pair[1]).abs()).collect();
     let equivalent = turns.equivalent_ratios().expect("ratios");
     close(equivalent[0].ratio.value, (swings[1] / swings[3]).ln() / (2.0 * PI), 1e-3, "ζ_eq");
-    assert!(equivalent.windows(2).all(|pair| pair[0].ratio.value < pair[1].ratio.value), "small swings are damped more");
+    assert!(
+        equivalent.windows(2).all(|pair| pair[0].ratio.value < pair[1].ratio.value),
+        "small swings are damped more"
+    );
 }
 
 /// A hundred samples a cycle with noise of 1/200 of the first amplitude, off the turns.
@@ -153,7 +156,8 @@ fn muscle(viscous: f64, width: f64) -> Rig {
     let inch = 0.0254;
     let braid = Braid::new(4.3218 * inch, 2.5).expect("a braid");
     let limits = LengthLimits::new(&braid, None, 3.85 * inch, 1.75e5, 100.0).expect("limits");
-    let law = Effective { law: Characteristic::from(IdealBraid { braid }), effectiveness: Effectiveness::Constant(1.0) };
+    let law =
+        Effective { law: Characteristic::from(IdealBraid { braid }), effectiveness: Effectiveness::Constant(1.0) };
     let air = Air::standard(Process::Isentropic).expect("a gas");
     let friction = Friction::new(viscous, width).expect("a friction");
     let actuator = Actuator::new(law, limits, friction, 3e-6, air).expect("an actuator");

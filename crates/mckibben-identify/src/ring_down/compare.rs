@@ -59,11 +59,7 @@ pub struct Comparison {
 ///
 /// # Errors
 /// Those of [`Turns::find`]; a single estimator that fails is among the refused.
-pub fn compare(
-    record: &Record,
-    mass: f64,
-    rig: Option<(&Rig, &Initial, Free)>,
-) -> Result<Comparison, RingDownError> {
+pub fn compare(record: &Record, mass: f64, rig: Option<(&Rig, &Initial, Free)>) -> Result<Comparison, RingDownError> {
     let turns = Turns::find(record)?;
     let restoring = match rig {
         Some((rig, start, _)) => {

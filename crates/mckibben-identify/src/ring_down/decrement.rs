@@ -25,8 +25,7 @@ use mckibben::{Dual, Over, Scalar};
 /// From so many turns on the curvature of the spring is fitted.
 const CURVED: usize = 8;
 /// What the numbers are called.
-const LABELS: [(&str, &str); 4] =
-    [("decay", ""), ("coulomb_width", "m"), ("viscous", "N*s/m"), ("damping_ratio", "")];
+const LABELS: [(&str, &str); 4] = [("decay", ""), ("coulomb_width", "m"), ("viscous", "N*s/m"), ("damping_ratio", "")];
 
 /// Friction as the turns show it.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,11 +60,8 @@ impl Turns {
     /// [`RingDownError::Physics`] when no damping explains the amplitudes, or the mass is not above zero.
     pub fn two_cycles(&self, mass: f64, form: Form) -> Result<Decrement, RingDownError> {
         let (values, deviations) = self.measured();
-        let measured = Measured {
-            values: &values,
-            deviations: &deviations,
-            degrees_of_freedom: self.degrees_of_freedom,
-        };
+        let measured =
+            Measured { values: &values, deviations: &deviations, degrees_of_freedom: self.degrees_of_freedom };
         let [decay, coulomb_width, viscous, damping_ratio] = measured.propagate(LABELS, |numbers| {
             let (lengths, period) = (&numbers[..self.turns.len()], numbers[self.turns.len()]);
             let swings = half_swings(lengths);
@@ -105,8 +101,7 @@ impl Turns {
     /// [`RingDownError::Fit`] when nothing fits, [`RingDownError::Physics`] for a mass that is not above zero.
     pub fn all_turns(&self, mass: f64) -> Result<Decrement, RingDownError> {
         let swings = self.half_swings();
-        let cycles: Vec<Cycle> =
-            swings.windows(3).map(|three| Cycle { amplitude: three[0], next: three[2] }).collect();
+        let cycles: Vec<Cycle> = swings.windows(3).map(|three| Cycle { amplitude: three[0], next: three[2] }).collect();
         let [decay, width] = match Damping::from_cycles(&cycles, self.period, mass, Form::Exact) {
             Ok(damping) => [damping.decay, damping.coulomb_width],
             Err(error @ mckibben::Error::OutOfRange { .. }) => return Err(error.into()),
@@ -121,10 +116,7 @@ impl Turns {
             Unknown::new("amplitude", "m", swings[0]),
             Unknown::new("rest", "m", 0.5 * (sides[0] + sides[1])),
         ];
-        if self.turns.len() >= CURVED {
-            let most = 1.0 / swings[0];
-            unknowns.push(Unknown::new("curvature", "1/m", 0.0).between(-most, most));
-        }
+        unknowns.extend(self.curvature());
         let free = &[DECAY, WIDTH, AMPLITUDE, REST, CURVATURE][..unknowns.len()];
         let fit = fit(&Recursion { turns: &self.turns, numbers: [0.0; 5], free }, &unknowns, &Search::default())?;
         let [decay, width] = [0, 1].map(|place| fit.estimates[place].clone());
@@ -141,28 +133,31 @@ impl Turns {
         Ok(Decrement { decay, coulomb_width: width, viscous, damping_ratio, rest, fit: Some(fit) })
     }
 
+    /// How far both sides of a swing are moved, over its square, where there are turns enough to tell.
+    fn curvature(&self) -> Option<Unknown> {
+        let most = 1.0 / self.half_swings()[0];
+        (self.turns.len() >= CURVED).then(|| Unknown::new("curvature", "1/m", 0.0).between(-most, most))
+    }
+
     /// Lengths of the turns and the period, with their deviations.
     fn measured(&self) -> (Vec<f64>, Vec<f64>) {
         let lengths = self.turns.iter().map(|turn| (turn.length, turn.deviation));
         lengths.chain([(self.period, self.period_deviation)]).unzip()
     }
 
-    /// Standard deviation in m of the turns about the recursion with a β and a Q, the rest position and the first
-    /// amplitude as they fit best.
+    /// Standard deviation in m of the turns about the recursion with a β and a Q, what else the
+    /// recursion has as it fits best.
     ///
     /// # Errors
     /// [`RingDownError::Fit`] when nothing fits.
     pub fn scatter(&self, decay: f64, coulomb_width: f64) -> Result<f64, RingDownError> {
         let (swings, sides) = (self.half_swings(), [self.turns[0].length, self.turns[1].length]);
-        let recursion = Recursion {
-            turns: &self.turns,
-            numbers: [decay, coulomb_width, 0.0, 0.0, 0.0],
-            free: &[AMPLITUDE, REST],
-        };
-        let unknowns = [
-            Unknown::new("amplitude", "m", swings[0]),
-            Unknown::new("rest", "m", 0.5 * (sides[0] + sides[1])),
-        ];
+        let mut unknowns =
+            vec![Unknown::new("amplitude", "m", swings[0]), Unknown::new("rest", "m", 0.5 * (sides[0] + sides[1]))];
+        unknowns.extend(self.curvature());
+        let free = &[AMPLITUDE, REST, CURVATURE][..unknowns.len()];
+        let numbers = [decay, coulomb_width, 0.0, 0.0, 0.0];
+        let recursion = Recursion { turns: &self.turns, numbers, free };
         let fit = fit(&recursion, &unknowns, &Search::default())?;
         let squares: f64 =
             fit.residuals.iter().zip(&self.turns).map(|(residual, turn)| (residual * scale(turn)).powi(2)).sum();

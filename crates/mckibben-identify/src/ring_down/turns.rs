@@ -1,7 +1,7 @@
 //! Where the motion turns: the peaks and troughs of a ring-down, finer than the samples and despite their noise.
 //!
-//! A turn is looked for in lengths averaged over a twelfth of a period, as a rise that is followed by a fall by six
-//! deviations of such an average or more, and the other way round. Its place is the vertex of the parabola through the samples
+//! A turn is looked for in lengths that parabolas over a twelfth of a period have smoothed, as a rise that is followed by a fall
+//! by six deviations of such a length or more, and the other way round. Its place is the vertex of the parabola through the samples
 //! within a twelfth of a period of it on both sides, by least squares. The parabola's error is the same part of every
 //! amplitude (2·10⁻⁴), which leaves β as it is. The scatter about all of the parabolas is the noise.
 //!
@@ -16,7 +16,7 @@ use crate::series::{self, Polynomial};
 const LEAST_TURNS: usize = 5;
 /// Part of the range by which a swing stands out at first.
 const PROMINENT: f64 = 0.2;
-/// Deviations of an average by which a swing stands out from noise.
+/// Deviations of a smoothed length by which a swing stands out from noise.
 const STANDING_OUT: f64 = 6.0;
 /// Part of the range by which a swing without noise must stand out.
 const RESOLVED: f64 = 1e-4;
@@ -160,22 +160,27 @@ fn reversals(values: &[f64], swing: f64) -> Vec<usize> {
     places
 }
 
-/// Lengths averaged over their surroundings.
+/// Lengths by parabolas through their surroundings.
 struct Smoothed {
     length: Vec<f64>,
-    /// Standard deviation of an average in m.
+    /// Standard deviation of one of them in m.
     noise: f64,
 }
 
 fn smoothed(record: &Record, reach: f64) -> Smoothed {
-    let time = record.time();
-    let around = |t: &f64| series::between(time, t - reach, t + reach);
-    let mean = |t: &f64| {
-        let samples = &record.length()[around(t)];
-        samples.iter().sum::<f64>() / samples.len() as f64
+    let (time, length) = (record.time(), record.length());
+    let at = |place: usize| {
+        let around = series::between(time, time[place] - reach, time[place] + reach);
+        match Polynomial::fit(&time[around.clone()], &length[around], time[place], 2) {
+            Some(parabola) => (parabola.coefficients[0], parabola.deviation(&[1.0, 0.0, 0.0])),
+            None => (length[place], 1.0),
+        }
     };
-    let few = time.iter().map(|t| around(t).len()).min().unwrap_or(1).max(1);
-    Smoothed { length: time.iter().map(mean).collect(), noise: record.noise() / (few as f64).sqrt() }
+    let (length, mut deviations): (Vec<f64>, Vec<f64>) = (0..time.len()).map(at).unzip();
+    deviations.sort_by(f64::total_cmp);
+    // At the ends of the record they are larger, but no turn is there.
+    let noise = record.noise() * deviations[deviations.len() * 9 / 10];
+    Smoothed { length, noise }
 }
 
 /// The vertex of a parabola; deviations over that of a sample.
@@ -205,13 +210,15 @@ impl Vertex {
                 (range.len() >= LEAST_SAMPLES[0] && sides >= LEAST_SAMPLES[1]).then_some((range, reach))
             };
             let widths = (0..=4).map(|step| period * (REACH[0] + (REACH[1] - REACH[0]) * f64::from(step) / 4.0));
-            let (range, reach) = widths.clone().find_map(enough).ok_or_else(|| {
-                series::between(time, centre - 0.5 * period, centre + 0.5 * period).len()
-            })?;
-            let parabola = Polynomial::fit(&time[range.clone()], &length[range.clone()], centre, 2).ok_or(range.len())?;
+            let (range, reach) = widths
+                .clone()
+                .find_map(enough)
+                .ok_or_else(|| series::between(time, centre - 0.5 * period, centre + 0.5 * period).len())?;
+            let parabola =
+                Polynomial::fit(&time[range.clone()], &length[range.clone()], centre, 2).ok_or(range.len())?;
             let [a, b, c] = [0, 1, 2].map(|term| parabola.coefficients[term]);
             let offset = -b / (2.0 * c);
-            if !(offset.abs() <= reach) {
+            if offset.abs() > reach || !offset.is_finite() {
                 return Err(range.len());
             }
             let found = Self {

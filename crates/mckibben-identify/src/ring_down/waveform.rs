@@ -176,14 +176,7 @@ impl Waveform {
         Err(RingDownError::Rig { what: "there is nothing to fit" })
     }
 
-    fn new(
-        fit: Fit,
-        rig: &Rig,
-        start: &Initial,
-        noise: f64,
-        mass: f64,
-        free: Free,
-    ) -> Result<Self, RingDownError> {
+    fn new(fit: Fit, rig: &Rig, start: &Initial, noise: f64, mass: f64, free: Free) -> Result<Self, RingDownError> {
         let values = fit.values();
         let mut found = Initial { length: InitialLength::At(values[2]), ..*start };
         if free.pressure {
@@ -215,7 +208,9 @@ impl Waveform {
 fn check(rig: &Rig) -> Result<f64, RingDownError> {
     let lack = |what| Err(RingDownError::Rig { what });
     match rig.load().inertia() {
-        _ if rig.actuator().valve().is_some() => lack("its valve would change the air; leave the valve and its command out"),
+        _ if rig.actuator().valve().is_some() => {
+            lack("its valve would change the air; leave the valve and its command out")
+        }
         _ if !rig.actuator().friction().has_coulomb() => {
             lack("it has no Coulomb friction to begin with; give it a width above zero")
         }
