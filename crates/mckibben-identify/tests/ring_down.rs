@@ -83,7 +83,8 @@ fn the_turns_are_those_of_the_closed_form() {
         assert!((turn.length - exact).abs() < 1e-3 * amplitude.abs(), "{} is not {exact}", turn.length);
         assert_eq!(turn.is_peak, amplitude > 0.0);
     }
-    close(found.period, 2.0 * PI / OSCILLATOR.damped(), 1e-4, "period");
+    // Friction bends the small turns to one side.
+    close(found.period, 2.0 * PI / OSCILLATOR.damped(), 1e-3, "period");
     let half = PI / OSCILLATOR.damped();
     assert!((found.turns[0].time - 0.15 - half).abs() < 2e-3 * half, "{}", found.turns[0].time);
 }
@@ -213,19 +214,110 @@ fn estimators_of_one_muscle_agree_as_far_as_they_can() {
     let length = Noise::new(3).added_to(&ring_down(&rig, &time), 2e-5);
     let record = Record::new(time, length).expect("a record");
     let comparison = compare(&record, 2.72, Some((&rig, &released(), Free::ALL))).expect("a comparison");
-    for row in &comparison.rows {
-        println!(
-            "{:?}: Q {:.3e} {:?} law {:.3e} {:?} c {:.3} {:?} ζ {:.4} scatter {:?}",
-            row.estimator,
-            row.coulomb_width.value,
-            row.coulomb_width.interval,
-            row.law_width.as_ref().map_or(f64::NAN, |law| law.value),
-            row.law_width.as_ref().and_then(|law| law.interval),
-            row.viscous.value,
-            row.viscous.interval,
-            row.damping_ratio.value,
-            row.scatter
-        );
+    assert!(comparison.refused.is_empty(), "{:?}", comparison.refused);
+    let row = |wanted| comparison.rows.iter().find(|row| row.estimator == wanted).expect("an answer");
+    let (paper, exact) = (row(Estimator::PaperTwoCycles), row(Estimator::ExactTwoCycles));
+    let (all, waveform) = (row(Estimator::AllTurns), row(Estimator::Waveform));
+    // In its own noise the waveform is true; the muscle's spring is not linear, so the others are near only.
+    let width = |row: &mckibben_identify::ring_down::Row| row.law_width.clone().expect("the actuator is known");
+    assert!(holds(&width(waveform), WIDTH) && holds(&waveform.viscous, VISCOUS));
+    for row in [exact, all] {
+        close(width(row).value, WIDTH, 0.12, "Q");
+        close(row.viscous.value, VISCOUS, 0.05, "c");
     }
-    println!("{:?}", comparison.refused);
+    assert!(paper.coulomb_width.value < exact.coulomb_width.value);
+    let size = |row: &mckibben_identify::ring_down::Row| {
+        let [low, high] = row.coulomb_width.interval.expect("it is told");
+        high - low
+    };
+    // All samples tell more than the turns.
+    assert!(size(waveform) < 0.5 * size(exact) && size(waveform) < 0.5 * size(all));
+    close(waveform.scatter.expect("a scatter"), 2e-5, 0.1, "the noise");
+    assert!(all.scatter < exact.scatter && exact.scatter < paper.scatter);
+}
+
+#[test]
+fn what_a_muscle_shows_is_its_width_by_secant_over_sealed_stiffness() {
+    let rig = muscle(VISCOUS, WIDTH);
+    // Written out at the rest length that a damped run comes to.
+    let start = rig.start(&released()).expect("a start");
+    let slow = muscle(60.0, 1e-9);
+    let end = simulate(&slow, start, 8.0, 1e-9).expect("the run reaches its end").at(8.0);
+    let springs = Restoring::at_rest(&rig, &released()).expect("springs");
+    let (b, n, length, shortest) = (4.3218 * 0.0254, 2.5, end.length, 4.3218 * 0.0254 / 3_f64.sqrt());
+    let gauge = end.pressure.0 - 101_325.0;
+    let volume = length * (b * b - length * length) / (4.0 * PI * n * n) + 3e-6;
+    let slope = (b * b - 3.0 * length * length) / (4.0 * PI * n * n);
+    close(springs.secant, 3.0 * gauge * (length + shortest) / (4.0 * PI * n * n), 1e-6, "k_sec");
+    let sealed = 3.0 * gauge * length / (2.0 * PI * n * n) + 1.4 * end.pressure.0 * slope * slope / volume;
+    close(springs.tangent, sealed, 1e-6, "k_t");
+}
+
+fn refusal(record: &Record) -> String {
+    Turns::find(record).expect_err("it is refused").to_string()
+}
+
+#[test]
+fn what_tells_no_friction_is_refused_with_a_remedy() {
+    let time = times(1.5, 1e-3);
+    let of = |at: &dyn Fn(f64) -> f64| record(&time, at);
+    // A sensor that ends at +3 mm.
+    let clipped = refusal(&of(&|t| OSCILLATOR.at(t + 0.05).min(0.093)));
+    assert!(clipped.contains("saturated") && clipped.contains("0.093 m"), "{clipped}");
+    // A coarse one is none such: steps of 0.1 mm.
+    Turns::find(&of(&|t| (OSCILLATOR.at(t) * 1e4).round() / 1e4)).expect("turns");
+    let dry = Oscillator { width: 1.1e-3, ..OSCILLATOR };
+    let stuck = refusal(&of(&|t| dry.at(t)));
+    assert!(stuck.contains("stuck") && stuck.contains("farther out"), "{stuck}");
+    let drier = Oscillator { width: 2.5e-3, ..OSCILLATOR };
+    assert!(matches!(Turns::find(&of(&|t| drier.at(t))), Err(RingDownError::Stuck { .. })));
+    let short = refusal(&record(&times(0.25, 1e-3), |t| OSCILLATOR.at(t)));
+    assert!(short.contains("record longer"), "{short}");
+    let coarse = refusal(&record(&times(1.5, 0.03), |t| OSCILLATOR.at(t)));
+    assert!(coarse.contains("samples in a cycle"), "{coarse}");
+    // Noise alone, and nothing at all.
+    let mut noise = Noise::new(5);
+    let noisy = Record::new(time.clone(), noise.added_to(&vec![0.09; time.len()], 1e-4)).expect("a record");
+    Turns::find(&noisy).expect_err("there is nothing");
+    Turns::find(&of(&|_| 0.09)).expect_err("there is nothing");
+    let wrong = |time: Vec<f64>, length: Vec<f64>| Record::new(time, length).expect_err("no series").to_string();
+    let length = vec![0.09; time.len()];
+    assert!(wrong(time[..9].to_vec(), length[..9].to_vec()).contains("9 samples"));
+    assert!(wrong(time.clone(), length[1..].to_vec()).contains("one value for each time"));
+    let mut twice = time.clone();
+    twice[7] = twice[6];
+    assert!(wrong(twice, length.clone()).contains("sample 8"));
+    let mut hole = length.clone();
+    hole[3] = f64::NAN;
+    assert!(wrong(time.clone(), hole).contains("the length of sample 4"));
+}
+
+#[test]
+fn a_rig_that_cannot_ring_down_is_refused() {
+    let record = of_muscle();
+    let no = |rig: &Rig| match Waveform::fit(&record, rig, &released(), Free::ALL, None) {
+        Err(error) => error.to_string(),
+        Ok(found) => panic!("{found:?}"),
+    };
+    assert!(no(&muscle(VISCOUS, 0.0)).contains("width above zero"));
+    assert!(no(&muscle(VISCOUS, WIDTH).with_load(Load::Isometric)).contains("hang a mass"));
+    let turns = Turns::find(&record).expect("turns");
+    assert!(matches!(turns.all_turns(-1.0), Err(RingDownError::Physics(mckibben::Error::OutOfRange { .. }))));
+    assert!(matches!(turns.two_cycles(0.0, Form::Exact), Err(RingDownError::Physics(_))));
+}
+
+fn of_muscle() -> Record {
+    let time = times(1.0, 2e-3);
+    let length = ring_down(&muscle(VISCOUS, WIDTH), &time);
+    Record::new(time, length).expect("a record")
+}
+
+#[test]
+fn a_known_pressure_and_velocity_are_kept() {
+    let found =
+        Waveform::fit(&of_muscle(), &muscle(2.0, 3e-4), &released(), Free { velocity: false, pressure: false }, None)
+            .expect("a fit");
+    assert_eq!(found.fit.estimates.len(), 3);
+    close(found.coulomb_width.value, WIDTH, 1e-4, "Q");
+    close(found.viscous.value, VISCOUS, 1e-4, "c");
 }

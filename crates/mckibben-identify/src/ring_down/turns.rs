@@ -6,7 +6,8 @@
 //! amplitude (2·10⁻⁴), which leaves β as it is. The scatter about all of the parabolas is the noise.
 //!
 //! A turn with hardly a fall on one side is none: the mass was held there, or stuck. The half period is the slope of
-//! the turns' times over their number.
+//! the turns' times over their number; as friction bends a turn to one side, the more the smaller it is, it is long by
+//! some 10⁻⁴ of itself.
 
 use super::RingDownError;
 use super::record::Record;
@@ -24,6 +25,11 @@ const RESOLVED: f64 = 1e-4;
 const AT_REST: f64 = 0.05;
 /// Samples of a parabola, and on either side of its vertex.
 const LEAST_SAMPLES: [usize; 2] = [5, 2];
+/// How often the lesser fall goes into the greater beside a turn at most: friction alone makes it three, `(X + Q)/(X − Q)`
+/// with X > 2Q, and the rest is for noise.
+const MOST_UNEVEN: f64 = 5.0;
+/// Deviations by which a fall stands out from noise.
+const CLEAR: f64 = 3.0;
 /// Reach of a parabola to either side over the period, and how far it may grow where samples are few.
 const REACH: [f64; 2] = [1.0 / 12.0, 1.0 / 6.0];
 
@@ -78,16 +84,19 @@ impl Turns {
         record.check_saturation(period)?;
         let smooth = smoothed(record, period / 24.0);
         let swing = (STANDING_OUT * smooth.noise).max(RESOLVED * range);
-        let found = reversals(&smooth.length, swing);
-        let mut fits = Vec::new();
-        for place in &found {
-            let inside = *place != found[0] && Some(place) != found.last();
-            match Vertex::fit(record, record.time()[*place], period) {
-                Err(samples) if inside => return Err(RingDownError::TooCoarse { samples, period }),
-                Ok(vertex) if inside || vertex.falls_on_both_sides => fits.push(vertex),
-                _ => {}
-            }
+        let found: Vec<usize> =
+            reversals(&smooth.length, swing).into_iter().map(|place| place + smooth.first).collect();
+        let fits: Vec<Result<Vertex, usize>> =
+            found.iter().map(|place| Vertex::fit(record, record.time()[*place], period)).collect();
+        // Where the mass was held or stuck, and at the ends of the record, there is no turn; between the others there is.
+        let is_turn = |fit: &Result<Vertex, usize>| fit.as_ref().is_ok_and(|vertex| vertex.falls_on_both_sides);
+        let first = fits.iter().position(is_turn).unwrap_or(fits.len());
+        let end = fits.iter().rposition(is_turn).map_or(first, |last| last + 1);
+        let seen = if first < end { &fits[first..end] } else { &fits[..] };
+        if let Some(samples) = seen.iter().find_map(|fit| fit.as_ref().err()) {
+            return Err(RingDownError::TooCoarse { samples: *samples, period });
         }
+        let fits: Vec<Vertex> = fits.into_iter().skip(first).take(end - first).flatten().collect();
         let times: Vec<f64> = fits.iter().map(|vertex| vertex.time).collect();
         if fits.len() < LEAST_TURNS {
             return Err(too_few(record, &times));
@@ -160,8 +169,10 @@ fn reversals(values: &[f64], swing: f64) -> Vec<usize> {
     places
 }
 
-/// Lengths by parabolas through their surroundings.
+/// Lengths by parabolas through their surroundings, where these are whole.
 struct Smoothed {
+    /// Place of the first in the record.
+    first: usize,
     length: Vec<f64>,
     /// Standard deviation of one of them in m.
     noise: f64,
@@ -176,11 +187,11 @@ fn smoothed(record: &Record, reach: f64) -> Smoothed {
             None => (length[place], 1.0),
         }
     };
-    let (length, mut deviations): (Vec<f64>, Vec<f64>) = (0..time.len()).map(at).unzip();
-    deviations.sort_by(f64::total_cmp);
-    // At the ends of the record they are larger, but no turn is there.
-    let noise = record.noise() * deviations[deviations.len() * 9 / 10];
-    Smoothed { length, noise }
+    let whole = series::between(time, time[0] + reach, time[time.len() - 1] - reach);
+    let first = whole.start;
+    let (length, deviations): (Vec<f64>, Vec<f64>) = whole.map(at).unzip();
+    let noise = record.noise() * deviations.into_iter().fold(0.0, f64::max);
+    Smoothed { first, length, noise }
 }
 
 /// The vertex of a parabola; deviations over that of a sample.
@@ -218,9 +229,6 @@ impl Vertex {
                 Polynomial::fit(&time[range.clone()], &length[range.clone()], centre, 2).ok_or(range.len())?;
             let [a, b, c] = [0, 1, 2].map(|term| parabola.coefficients[term]);
             let offset = -b / (2.0 * c);
-            if offset.abs() > reach || !offset.is_finite() {
-                return Err(range.len());
-            }
             let found = Self {
                 time: centre + offset,
                 time_deviation: parabola.deviation(&[0.0, -0.5 / c, 0.5 * b / (c * c)]),
@@ -231,17 +239,24 @@ impl Vertex {
                 squares: parabola.squares,
                 degrees_of_freedom: parabola.degrees_of_freedom,
             };
+            if offset.abs() > reach || !offset.is_finite() {
+                return Ok(Self { falls_on_both_sides: false, ..found });
+            }
             centre = found.time;
             vertex = Some((found, reach));
         }
         let (mut vertex, reach) = vertex.ok_or(0_usize)?;
-        let side = |from: f64, to: f64| {
-            let samples = &length[series::between(time, centre + from, centre + to)];
-            (samples.iter().sum::<f64>() / samples.len() as f64 - vertex.length).abs()
+        let mean = |from: f64, to: f64| {
+            let samples = &length[series::between(time, centre + from * reach, centre + to * reach)];
+            let count = samples.len().max(1) as f64;
+            (samples.iter().sum::<f64>() / count, 1.0 / count)
         };
-        let falls = [side(-reach, -0.5 * reach), side(0.5 * reach, reach)];
-        // Friction alone makes them differ by a factor of three at most: (X − Q)/(X + Q) with X > 2Q.
-        vertex.falls_on_both_sides = falls[0].min(falls[1]) * 3.0 >= falls[0].max(falls[1]);
+        let (top, spread) = mean(-1.0 / 3.0, 1.0 / 3.0);
+        let sign = if vertex.is_peak { 1.0 } else { -1.0 };
+        let fall = |(side, other): (f64, f64)| (sign * (top - side), CLEAR * record.noise() * (spread + other).sqrt());
+        let falls = [mean(-1.0, -0.5), mean(0.5, 1.0)].map(fall);
+        let even = MOST_UNEVEN * falls[0].0.min(falls[1].0) >= falls[0].0.max(falls[1].0);
+        vertex.falls_on_both_sides = even && falls.iter().all(|(fall, noise)| fall > noise);
         Ok(vertex)
     }
 }

@@ -22,13 +22,20 @@ use super::ValveError;
 use crate::least_squares::{Estimate, Evaluation, Model, Search, Unknown, fit};
 use crate::propagation;
 use crate::series;
+use nalgebra::{DMatrix, DVector};
 
-/// Samples about an edge: six unknowns, and some to tell the scatter.
+/// The onset, the pressure there, two slopes and two curvatures.
+const UNKNOWNS: usize = 6;
+/// Which of the five beside the onset is the change of slope.
+const CHANGE: usize = 2;
+/// Samples about an edge: the unknowns, and some to tell the scatter.
 const LEAST_SAMPLES: usize = 12;
 /// Of these on either side of the onset.
 const ON_A_SIDE: usize = 4;
 /// Deviations by which the slope must change at an onset.
 const CLEAR: f64 = 4.0;
+/// Golden sections of three sample intervals: to a millionth of one.
+const SECTIONS: usize = 30;
 
 /// When the coil is energised and released.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,60 +190,80 @@ impl Bend<'_> {
         if count < LEAST_SAMPLES {
             return None;
         }
-        // The best of the sample intervals, the parabolas fitted on each side of it.
-        let places = (ON_A_SIDE..count - ON_A_SIDE).filter(|place| self.time[*place] >= edge);
-        let side = |range: std::ops::Range<usize>, about: f64| {
-            series::Polynomial::fit(&self.time[range.clone()], &self.pressure[range], about, 2)
-        };
-        let split = |place: usize| {
-            let about = 0.5 * (self.time[place - 1] + self.time[place]);
-            let (before, after) = (side(0..place, about)?, side(place..count, about)?);
-            Some((before.squares + after.squares, about, before.coefficients, after.coefficients))
-        };
-        let (_, about, before, after) = places.filter_map(split).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let squares = |onset: f64| self.courses(onset).map_or(f64::INFINITY, |courses| courses.squares);
+        let middle = |place: usize| 0.5 * (self.time[place - 1] + self.time[place]);
+        let places = (ON_A_SIDE..=count - ON_A_SIDE).filter(|place| middle(*place) >= edge);
+        let best = places.min_by(|a, b| squares(middle(*a)).total_cmp(&squares(middle(*b))))?;
+        let onset = least(self.time[best - 2], self.time[best + 1], squares);
+        let found = self.courses(onset)?;
+        let variance = found.squares / (count - UNKNOWNS) as f64;
+        // The derivative by the onset beside those by the five numbers.
+        let slopes = DMatrix::from_fn(count, UNKNOWNS, |row, column| {
+            let u = (self.time[row] - onset) / found.span;
+            match column.checked_sub(1) {
+                Some(column) => terms(u)[column],
+                None => rates(u).iter().zip(&found.numbers).map(|(rate, number)| -rate * number).sum(),
+            }
+        });
+        let covariance = (slopes.transpose() * slopes).cholesky()?.inverse() * variance;
+        let clear = found.numbers[CHANGE].abs() > CLEAR * covariance[(1 + CHANGE, 1 + CHANGE)].sqrt();
+        let deviation = found.span * covariance[(0, 0)].sqrt();
+        (clear && deviation.is_finite()).then_some([onset, deviation])
+    }
+
+    /// The two courses that fit best about an onset; without it they are linear in what is unknown.
+    fn courses(&self, onset: f64) -> Option<Courses> {
+        let count = self.time.len();
         let span = self.time[count - 1] - self.time[0];
-        let largest = self.pressure.iter().fold(0.0_f64, |largest, p| largest.max(p.abs())).max(f64::MIN_POSITIVE);
-        let unknown =
-            |name: &str, unit, start: f64, size: f64| Unknown::new(name, unit, start).between(-1e3 * size, 1e3 * size);
-        let unknowns = [
-            Unknown::new("onset", "s", about - self.time[0]).between(0.0, span),
-            Unknown::new("pressure", "Pa", 0.5 * (before[0] + after[0])),
-            unknown("slope before", "Pa/s", before[1], largest / span),
-            unknown("slope change", "Pa/s", after[1] - before[1], largest / span),
-            unknown("curvature before", "Pa/s^2", before[2], largest / (span * span)),
-            unknown("curvature after", "Pa/s^2", after[2], largest / (span * span)),
-        ];
-        let found = fit(self, &unknowns, &Search::default()).ok()?;
-        let [onset, change] = [0, 3].map(|place| &found.estimates[place]);
-        let clear = change.value.abs() > CLEAR * change.deviation?;
-        clear.then_some([self.time[0] + onset.value, onset.deviation?])
+        // About the mean, so that the roundings of a large pressure do not count.
+        let mean = self.pressure.iter().sum::<f64>() / count as f64;
+        let design =
+            DMatrix::from_fn(count, UNKNOWNS - 1, |row, column| terms((self.time[row] - onset) / span)[column]);
+        let pressures = DVector::from_fn(count, |row, _| self.pressure[row] - mean);
+        let numbers = (design.transpose() * &design).cholesky()?.solve(&(design.transpose() * &pressures));
+        let squares = (pressures - design * &numbers).norm_squared();
+        Some(Courses { numbers: numbers.iter().copied().collect(), squares, span })
     }
 }
 
-impl Model for Bend<'_> {
-    fn residuals(&self) -> usize {
-        self.time.len()
-    }
+/// Two parabolas that meet at an onset.
+struct Courses {
+    /// The pressure there less the mean, the slope before, the change of slope, both curvatures; over the span.
+    numbers: Vec<f64>,
+    /// Sum of squares of the residuals.
+    squares: f64,
+    /// Time in s from the first sample to the last, which times are over.
+    span: f64,
+}
 
-    fn evaluate(&self, values: &[f64]) -> Evaluation {
-        let [onset, level, slope, change, curved, curving] = [0, 1, 2, 3, 4, 5].map(|place| values[place]);
-        let mut evaluation = Evaluation { residuals: Vec::new(), slopes: Vec::new() };
-        for (time, pressure) in self.time.iter().zip(self.pressure) {
-            let u = time - self.time[0] - onset;
-            let after = f64::from(u8::from(u >= 0.0));
-            let (rate, curvature) = (slope + after * change, curved + after * (curving - curved));
-            evaluation.residuals.push(level + u * (rate + u * curvature) - pressure);
-            evaluation.slopes.extend([
-                -rate - 2.0 * u * curvature,
-                1.0,
-                u,
-                after * u,
-                (1.0 - after) * u * u,
-                after * u * u,
-            ]);
+/// What each of the five numbers is multiplied by, at a time from the onset.
+fn terms(u: f64) -> [f64; 5] {
+    let (before, after) = if u < 0.0 { (u * u, 0.0) } else { (0.0, u * u) };
+    [1.0, u, u.max(0.0), before, after]
+}
+
+/// The derivatives of these by the time.
+fn rates(u: f64) -> [f64; 5] {
+    if u < 0.0 { [0.0, 1.0, 0.0, 2.0 * u, 0.0] } else { [0.0, 1.0, 1.0, 0.0, 2.0 * u] }
+}
+
+/// Where a function of one number is least between two, by golden section.
+fn least(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)];
+    let [mut at_a, mut at_b] = [function(a), function(b)];
+    for _ in 0..SECTIONS {
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - golden * (high - low);
+            at_a = function(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + golden * (high - low);
+            at_b = function(b);
         }
-        evaluation
     }
+    0.5 * (low + high)
 }
 
 /// A duty cycle that was commanded, and the one that came of it.

@@ -124,7 +124,8 @@ pub struct TankFit {
 }
 
 impl Tank {
-    /// Points of steady flow from an isothermal tank, one for each of a number of `windows`.
+    /// Points of steady flow from an isothermal tank, one for each of a number of `windows`. Near equal pressures the flow falls
+    /// too fast for a cubic: leave points with a ratio above 0.9 out.
     ///
     /// # Errors
     /// [`ValveError::Unsupported`] for windows of fewer than six samples.
