@@ -17,6 +17,8 @@ pub enum Estimator {
     ExactTwoCycles,
     /// All turns by least squares.
     AllTurns,
+    /// Both frictions as one, cycle by cycle, (32): it gives no Q and c, and so has no row.
+    Equivalent,
     /// All samples by least squares.
     Waveform,
 }
@@ -46,7 +48,7 @@ pub struct Comparison {
     pub turns: Turns,
     /// (32) for each cycle.
     pub equivalent: Vec<Equivalent>,
-    /// One for each estimator that gave an answer.
+    /// One for each estimator that found Q and c.
     pub rows: Vec<Row>,
     /// Those that gave none, and why.
     pub refused: Vec<(Estimator, RingDownError)>,
@@ -68,13 +70,12 @@ pub fn compare(record: &Record, mass: f64, rig: Option<(&Rig, &Initial, Free)>) 
         }
         None => None,
     };
-    let mut comparison = Comparison {
-        equivalent: turns.equivalent_ratios().unwrap_or_default(),
-        turns,
-        rows: Vec::new(),
-        refused: Vec::new(),
-        waveform: None,
-    };
+    let mut comparison =
+        Comparison { turns, equivalent: Vec::new(), rows: Vec::new(), refused: Vec::new(), waveform: None };
+    match comparison.turns.equivalent_ratios() {
+        Ok(ratios) => comparison.equivalent = ratios,
+        Err(error) => comparison.refused.push((Estimator::Equivalent, error)),
+    }
     let turns = &comparison.turns;
     let all = turns.all_turns(mass);
     for (estimator, found) in [

@@ -156,24 +156,17 @@ impl Waveform {
             unknowns.push(Unknown::new("gauge_pressure", "Pa", start.gauge_pressure.0));
             rows.push(&parameter::INITIAL_GAUGE_PRESSURE);
         }
-        for part in [FIRST_PART, 1.0] {
-            let samples = ((part * time.len() as f64) as usize).clamp(4 * unknowns.len(), time.len().max(20));
-            let samples = samples.min(time.len());
-            let model = Trajectory { rig, start: &begin, rows: &rows, time: &time[..samples], length, noise };
-            match fit(&model, &unknowns, &Search::default()) {
-                Ok(fit) if samples == time.len() => return Self::new(fit, rig, &begin, noise, mass, free),
-                Ok(fit) => {
-                    for (unknown, value) in unknowns.iter_mut().zip(fit.values()) {
-                        // A start on a bound stays there.
-                        let held = unknown.bounds[0] == 0.0 && value <= 1e-3 * unknown.start;
-                        unknown.start = if held { 1e-3 * unknown.start } else { value };
-                    }
-                }
-                Err(error) if samples == time.len() => return Err(error.into()),
-                Err(_) => {}
+        let of = |samples: usize| Trajectory { rig, start: &begin, rows: &rows, time: &time[..samples], length, noise };
+        let part = ((FIRST_PART * time.len() as f64) as usize).max(4 * unknowns.len()).min(time.len());
+        if let Ok(fit) = fit(&of(part), &unknowns, &Search::default()) {
+            for (unknown, value) in unknowns.iter_mut().zip(fit.values()) {
+                // A start on a bound stays there.
+                let held = unknown.bounds[0] == 0.0 && value <= 1e-3 * unknown.start;
+                unknown.start = if held { 1e-3 * unknown.start } else { value };
             }
         }
-        Err(RingDownError::Rig { what: "there is nothing to fit" })
+        let fit = fit(&of(time.len()), &unknowns, &Search::default())?;
+        Self::new(fit, rig, &begin, noise, mass, free)
     }
 
     fn new(fit: Fit, rig: &Rig, start: &Initial, noise: f64, mass: f64, free: Free) -> Result<Self, RingDownError> {

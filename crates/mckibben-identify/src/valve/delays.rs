@@ -1,14 +1,14 @@
 //! Delays of a valve's seat from the pressure under a pulse train.
 //!
 //! ```text
-//! about each edge of the command   P = a + s₁ u + q₁ u²  before,  a + s₂ u + q₂ u²  after the onset,   u = t − t_onset
+//! about an edge  P = a + s₁ u + q₁ u² + r₁ u³  before,  a + s₂ u + q₂ u² + r₂ u³  after the onset     u = t − t_onset
 //! delay          = onset − edge                                        opening after energised, closing after released
 //! effective duty = (closing onset − opening onset)/period
 //! paper's way    effective duty = d − (t_open − t_close) f              several frequencies or duties
 //! ```
 //!
 //! Each onset is found by least squares to a fraction of the sample interval, from the samples between the middle of the pause
-//! before the edge and the next edge, then once more from the nearer half of them, so that parabolas are enough. A delay longer
+//! before the edge and the next edge, then once more from the nearer half of them, so that cubics are enough. A delay longer
 //! than half of the pause is not seen. An edge where the course does not change by four deviations counts as missed: a pulse shorter
 //! than `t_open` does not open the valve.
 //!
@@ -24,14 +24,14 @@ use crate::propagation;
 use crate::series;
 use nalgebra::{DMatrix, DVector};
 
-/// The onset, the pressure there, two slopes and two curvatures.
-const UNKNOWNS: usize = 6;
-/// Which of the five beside the onset is the change of slope.
+/// The onset, the pressure there, and two courses of third degree.
+const UNKNOWNS: usize = 8;
+/// Which of the seven beside the onset is the change of slope.
 const CHANGE: usize = 2;
 /// Samples about an edge: the unknowns, and some to tell the scatter.
-const LEAST_SAMPLES: usize = 12;
+const LEAST_SAMPLES: usize = 16;
 /// Of these on either side of the onset.
-const ON_A_SIDE: usize = 4;
+const ON_A_SIDE: usize = 5;
 /// Deviations by which the slope must change at an onset.
 const CLEAR: f64 = 4.0;
 /// Golden sections of three sample intervals: to a millionth of one.
@@ -226,9 +226,9 @@ impl Bend<'_> {
     }
 }
 
-/// Two parabolas that meet at an onset.
+/// Two cubics that meet at an onset.
 struct Courses {
-    /// The pressure there less the mean, the slope before, the change of slope, both curvatures; over the span.
+    /// The pressure there less the mean, the slope before, the change of slope, both curvatures, both third terms; over the span.
     numbers: Vec<f64>,
     /// Sum of squares of the residuals.
     squares: f64,
@@ -236,15 +236,17 @@ struct Courses {
     span: f64,
 }
 
-/// What each of the five numbers is multiplied by, at a time from the onset.
-fn terms(u: f64) -> [f64; 5] {
-    let (before, after) = if u < 0.0 { (u * u, 0.0) } else { (0.0, u * u) };
-    [1.0, u, u.max(0.0), before, after]
+/// What each of the seven numbers is multiplied by, at a time from the onset.
+fn terms(u: f64) -> [f64; UNKNOWNS - 1] {
+    let (before, after) = (u.min(0.0), u.max(0.0));
+    [1.0, u, after, before.powi(2), after.powi(2), before.powi(3), after.powi(3)]
 }
 
 /// The derivatives of these by the time.
-fn rates(u: f64) -> [f64; 5] {
-    if u < 0.0 { [0.0, 1.0, 0.0, 2.0 * u, 0.0] } else { [0.0, 1.0, 1.0, 0.0, 2.0 * u] }
+fn rates(u: f64) -> [f64; UNKNOWNS - 1] {
+    let (before, after) = (u.min(0.0), u.max(0.0));
+    let bent = f64::from(u8::from(u >= 0.0));
+    [0.0, 1.0, bent, 2.0 * before, 2.0 * after, 3.0 * before.powi(2), 3.0 * after.powi(2)]
 }
 
 /// Where a function of one number is least between two, by golden section.
