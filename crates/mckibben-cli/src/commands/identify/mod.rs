@@ -5,6 +5,7 @@
 //! | `force_map` | laws of static force from tensions at held pressures and lengths |
 //! | `trajectories` | any numbers of a scenario from courses in time |
 //! | `loops` | friction and hysteresis from tension over length to and fro |
+//! | `rings` | friction from ring-downs, by every estimator |
 //! | `sought` | the numbers that a study looks for |
 //! | `values` | numbers with their intervals, for a terminal, a page and CSV |
 //! | `outcome` | what every kind of study comes to, and the files that are written of it |
@@ -14,6 +15,7 @@
 mod force_map;
 mod loops;
 mod outcome;
+mod rings;
 mod sought;
 mod trajectories;
 mod values;
@@ -100,10 +102,7 @@ fn identified(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
         Kind::ForceMap => force_map::outcome(&material),
         Kind::Trajectories => trajectories::outcome(&material),
         Kind::Hysteresis => loops::outcome(&material),
-        Kind::RingDown => Err(Failure::input(
-            "ring-downs are not offered on the command line yet",
-            "say kind = \"trajectories\" with the friction in [fit]",
-        )),
+        Kind::RingDown => rings::outcome(&material),
     }
 }
 
