@@ -6,6 +6,7 @@ use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
 use crate::commands::curves::CurvesArguments;
 use crate::commands::gallery::GalleryArguments;
+use crate::commands::identify::IdentifyArguments;
 use crate::commands::init::InitArguments;
 use crate::commands::linearize::LinearizeArguments;
 use crate::commands::presets::PresetsArguments;
@@ -59,6 +60,8 @@ pub enum Command {
     Curves(CurvesArguments),
     /// Linearise a scenario near an operating point: matrices, poles, Bode plot
     Linearize(LinearizeArguments),
+    /// Find the numbers of a muscle from measured data, with their uncertainty
+    Identify(IdentifyArguments),
     /// Reproduce the experiments of the paper
     Reproduce(ReproduceArguments),
     /// Draw every scenario file of a folder and show them on one page

@@ -71,7 +71,7 @@ impl Document {
         match key.path {
             // A polynomial or a table stands in place of the constant.
             path if path == p::EFFECTIVENESS.key => {
-                ![&keys::POLYNOMIAL, &keys::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
+                ![&p::EFFECTIVENESS_POLYNOMIAL, &p::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
             }
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),

@@ -141,34 +141,6 @@ const fn row(
     Parameter { key, symbol, unit, range, default: None, meaning, source: "choice of the experiment", remedy }
 }
 
-/// Coefficients of the polynomial effectiveness.
-pub static POLYNOMIAL: Parameter = row(
-    "actuator.effectiveness.polynomial",
-    "e_k",
-    "",
-    Range::FINITE,
-    [
-        "Coefficients of Eff = e0 + e1 p + e2 p^2 + ..., p being the gauge pressure in `pressure_unit`.",
-        "give finite numbers",
-    ],
-);
-/// Gauge pressures of the effectiveness table.
-pub static EFFECTIVENESS_PRESSURE: Parameter = row(
-    "actuator.effectiveness.gauge_pressure",
-    "P_g",
-    "Pa",
-    Range::FINITE,
-    ["Gauge pressures at which the effectiveness was measured, increasing.", "give finite pressures"],
-);
-/// Values of the effectiveness table.
-pub static EFFECTIVENESS_VALUE: Parameter = row(
-    "actuator.effectiveness.value",
-    "Eff",
-    "",
-    Range::NON_NEGATIVE,
-    ["Effectiveness at each gauge pressure.", "give ratios such as 0.9"],
-);
-
 /// Whole numbers from 1 to the most rows of a sweep.
 const COUNTS: Range = Range { low: 1.0, low_included: true, high: MOST_ROWS as f64, high_included: true };
 
@@ -416,15 +388,15 @@ pub static KEYS: &[Key] = &[
     quantity(&p::BLADDER_FORCE, "\"20 N\"").required(),
     quantity(&p::BLADDER_SCALE, "0.05").required().when(BLADDER, CURVED),
     quantity(&p::EFFECTIVENESS, "0.9"),
-    list(&POLYNOMIAL, "[0.7, 0.003]"),
+    list(&p::EFFECTIVENESS_POLYNOMIAL, "[0.7, 0.003]"),
     key(
         "actuator.effectiveness.pressure_unit",
         Kind::Unit("Pa"),
         "Unit of the polynomial's gauge pressure.",
         "\"psi\"",
     ),
-    list(&EFFECTIVENESS_PRESSURE, "[\"20 psi\", \"60 psi\"]"),
-    list(&EFFECTIVENESS_VALUE, "[0.8, 0.9]"),
+    list(&p::EFFECTIVENESS_PRESSURE, "[\"20 psi\", \"60 psi\"]"),
+    list(&p::EFFECTIVENESS_VALUE, "[0.8, 0.9]"),
     quantity(&p::VISCOUS, "\"0.02 lbf*s/in\""),
     quantity(&p::COULOMB_WIDTH, "\"0.0044 in\""),
     quantity(&p::COULOMB_FORCE, "\"0.5 N\""),

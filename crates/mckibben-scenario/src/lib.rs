@@ -33,6 +33,7 @@
 //! | [`Assumed`] | the numbers in force that no source states |
 //! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |
 //! | [`sweep`] | many scenarios from one file: what varies, by which design, and what is recorded |
+//! | [`Place`], [`Seeds`] | one number by its path, to be set and to be differentiated by |
 //! | [`schema`], [`starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
 
 #![forbid(unsafe_code)]
@@ -48,6 +49,7 @@ mod document;
 pub mod keys;
 mod model;
 mod nearest;
+mod place;
 pub mod presets;
 pub mod quantity;
 mod read;
@@ -70,6 +72,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
+pub use place::{Place, PlaceError, Seeds};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
     Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage,

@@ -6,7 +6,7 @@
 use crate::choice::{
     BladderForm, CommandKind, ControllerKind, ForceLaw, HoseKind, HysteresisLaw, LoadKind, ProcessKind, SetPointTable,
 };
-use crate::keys::{self, BALANCED, EQUILIBRIUM};
+use crate::keys::{BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
@@ -102,12 +102,12 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
     match &actuator.effectiveness {
         Effectiveness::Constant(ratio) => w.number(&p::EFFECTIVENESS, *ratio),
         Effectiveness::Polynomial(coefficients) => {
-            w.list(&keys::POLYNOMIAL, coefficients);
+            w.list(&p::EFFECTIVENESS_POLYNOMIAL, coefficients);
             w.word("actuator.effectiveness.pressure_unit", "Pa");
         }
         Effectiveness::Table { gauge_pressure, value } => {
-            w.list(&keys::EFFECTIVENESS_PRESSURE, gauge_pressure);
-            w.list(&keys::EFFECTIVENESS_VALUE, value);
+            w.list(&p::EFFECTIVENESS_PRESSURE, gauge_pressure);
+            w.list(&p::EFFECTIVENESS_VALUE, value);
         }
     }
     friction(w, &actuator.friction);

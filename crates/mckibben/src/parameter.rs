@@ -534,6 +534,20 @@ parameters! {
 }
 
 parameters! {
+    /// The rows of an effectiveness that is no constant.
+    EFFECTIVENESS_LISTS:
+    EFFECTIVENESS_POLYNOMIAL = "actuator.effectiveness.polynomial", "e_k", "", Range::FINITE, None,
+        "Coefficients of Eff = e0 + e1 p + e2 p^2 + ..., p being the gauge pressure in `pressure_unit`.",
+        "choice of the experiment", "give finite numbers";
+    EFFECTIVENESS_PRESSURE = "actuator.effectiveness.gauge_pressure", "P_g", "Pa", Range::FINITE, None,
+        "Gauge pressures at which the effectiveness was measured, increasing.",
+        "choice of the experiment", "give finite pressures";
+    EFFECTIVENESS_VALUE = "actuator.effectiveness.value", "Eff", "", Range::NON_NEGATIVE, None,
+        "Effectiveness at each gauge pressure.",
+        "choice of the experiment", "give ratios such as 0.9";
+}
+
+parameters! {
     /// The rows of controllers. What has the unit of the controlled quantity is in [`crate::control::Quantity::rows`].
     CONTROL:
     CONTROL_RATE = "controller.rate", "f_s", "Hz", Range::POSITIVE, None,

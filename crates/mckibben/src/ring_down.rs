@@ -47,7 +47,7 @@
 
 use crate::error::Error;
 use crate::parameter::{self, Parameter, Range};
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
 use core::f64::consts::PI;
 
 /// Which constant drop is charged to Coulomb friction.
@@ -61,24 +61,24 @@ pub enum Form {
 
 /// One period of a ring-down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cycle {
+pub struct Cycle<S = f64> {
     /// Amplitude X in m at its beginning.
-    pub amplitude: f64,
+    pub amplitude: S,
     /// Amplitude `X − Δx` in m on the same side one period later.
-    pub next: f64,
+    pub next: S,
 }
 
 /// What a ring-down shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Damping {
+pub struct Damping<S = f64> {
     /// The factor β by which viscous friction alone would shrink the amplitude in one period.
-    pub decay: f64,
+    pub decay: S,
     /// Coulomb friction Q as a length in m.
-    pub coulomb_width: f64,
+    pub coulomb_width: S,
     /// Viscous damping coefficient c in N·s/m.
-    pub viscous: f64,
+    pub viscous: S,
     /// Damping ratio ζ of the viscous part.
-    pub damping_ratio: f64,
+    pub damping_ratio: S,
 }
 
 /// The period of a ring-down.
@@ -96,26 +96,32 @@ static PERIOD: Parameter = Parameter {
 const NAME: &str = "ring_down.amplitude";
 
 impl Form {
-    /// The constant part of a drop in m: `4Q` or `Q(1 + √β)²`.
-    fn weight(self, decay: f64) -> f64 {
+    /// The constant part of a drop over its Coulomb width: 4 or `(1 + √β)²`.
+    fn weight<S: Scalar>(self, decay: S) -> S {
         match self {
-            Self::Paper => 4.0,
+            Self::Paper => S::constant(4.0),
             Self::Exact => {
-                let half = 1.0 + Scalar::sqrt(decay);
+                let half = S::one() + decay.sqrt();
                 half * half
             }
         }
     }
 
     /// The drop Δx in m from an amplitude in m over one period, by the recursion that this form inverts.
-    pub fn drop(self, amplitude: f64, decay: f64, coulomb_width: f64) -> f64 {
-        amplitude * (1.0 - decay) + coulomb_width * self.weight(decay)
+    pub fn drop<S: Scalar>(self, amplitude: S, decay: S, coulomb_width: S) -> S {
+        amplitude * (S::one() - decay) + coulomb_width * self.weight(decay)
     }
 }
 
-impl Cycle {
+/// The amplitude `X′ = √β X − Q(1 + √β)` in m on the other side, half a period after the amplitude X in m.
+pub fn half_cycle<S: Scalar>(amplitude: S, decay: S, coulomb_width: S) -> S {
+    let shrink = decay.sqrt();
+    shrink * amplitude - coulomb_width * (S::one() + shrink)
+}
+
+impl<S: Real> Cycle<S> {
     /// The drop Δx in m.
-    pub fn drop(&self) -> f64 {
+    pub fn drop(&self) -> S {
         self.amplitude - self.next
     }
 
@@ -123,13 +129,25 @@ impl Cycle {
     ///
     /// # Errors
     /// [`Error::Table`] unless both amplitudes are finite and above zero, the second smaller than the first.
-    pub fn equivalent_ratio(&self) -> Result<f64, Error> {
+    pub fn equivalent_ratio(&self) -> Result<S, Error> {
         check([*self].into_iter(), 0)?;
-        Ok(Scalar::ln(self.amplitude / self.next) / (2.0 * PI))
+        Ok((self.amplitude / self.next).ln() / S::constant(2.0 * PI))
     }
 }
 
-impl Damping {
+impl<S: Real> Damping<S> {
+    /// What a decay β, above zero, and a Coulomb width Q in m mean for a `mass` in kg that swings with a `period` in s.
+    pub fn new(decay: S, coulomb_width: S, period: S, mass: S) -> Self {
+        let decrement = -decay.ln();
+        let turn = S::constant(4.0 * PI * PI);
+        Self {
+            decay,
+            coulomb_width,
+            viscous: S::constant(2.0) * mass / period * decrement,
+            damping_ratio: decrement / (turn + decrement * decrement).sqrt(),
+        }
+    }
+
     /// From successive same-side amplitudes in m, the `period` in s and the `mass` in kg.
     ///
     /// Three amplitudes give (27) and (28) themselves; more are fitted by least squares.
@@ -138,7 +156,7 @@ impl Damping {
     /// [`Error::Table`] for fewer than three amplitudes, one that is not finite or not above zero, or amplitudes that
     /// do not fall, or fall so that no damping explains it; [`Error::OutOfRange`] for a period or mass that is not
     /// above zero.
-    pub fn from_peaks(amplitudes: &[f64], period: f64, mass: f64, form: Form) -> Result<Self, Error> {
+    pub fn from_peaks(amplitudes: &[S], period: S, mass: S, form: Form) -> Result<Self, Error> {
         if amplitudes.len() < 3 {
             return Err(fault("it has too few peaks", amplitudes.len() + 1, "give three or more successive peaks"));
         }
@@ -150,7 +168,7 @@ impl Damping {
     ///
     /// # Errors
     /// As [`Damping::from_peaks`], and for fewer than two cycles or cycles of one amplitude.
-    pub fn from_cycles(cycles: &[Cycle], period: f64, mass: f64, form: Form) -> Result<Self, Error> {
+    pub fn from_cycles(cycles: &[Cycle<S>], period: S, mass: S, form: Form) -> Result<Self, Error> {
         if cycles.len() < 2 {
             return Err(fault("it has too few cycles", cycles.len() + 1, "give two or more cycles"));
         }
@@ -158,46 +176,42 @@ impl Damping {
     }
 
     fn identify(
-        cycles: impl Iterator<Item = Cycle> + Clone,
+        cycles: impl Iterator<Item = Cycle<S>> + Clone,
         overlap: usize,
-        period: f64,
-        mass: f64,
+        period: S,
+        mass: S,
         form: Form,
     ) -> Result<Self, Error> {
-        let (period, mass) = (PERIOD.check(period)?, parameter::MASS.check(mass)?);
+        PERIOD.check(period.value())?;
+        parameter::MASS.check(mass.value())?;
         check(cycles.clone(), overlap)?;
-        let count = cycles.clone().count() as f64;
-        let mean = |of: fn(&Cycle) -> f64| cycles.clone().map(|cycle| of(&cycle)).sum::<f64>() / count;
-        let (amplitude, drop) = (mean(|cycle| cycle.amplitude), mean(Cycle::drop));
+        let count = S::constant(cycles.clone().count() as f64);
+        let sum = |of: fn(&Cycle<S>) -> S| cycles.clone().fold(S::zero(), |sum, cycle| sum + of(&cycle));
+        let (amplitude, drop) = (sum(|cycle| cycle.amplitude) / count, sum(Cycle::drop) / count);
         // About the means, so that nothing cancels but what must.
-        let (mut above, mut below) = (0.0, 0.0);
+        let (mut above, mut below) = (S::zero(), S::zero());
         for cycle in cycles {
             let from_mean = cycle.amplitude - amplitude;
-            above += from_mean * (cycle.drop() - drop);
-            below += from_mean * from_mean;
+            above = above + from_mean * (cycle.drop() - drop);
+            below = below + from_mean * from_mean;
         }
-        if below <= 0.0 {
+        if below.value() <= 0.0 {
             return Err(fault("all cycles have one amplitude", 2, "give cycles of different amplitude"));
         }
-        let decay = 1.0 - above / below;
-        if decay <= 0.0 {
+        let decay = S::one() - above / below;
+        if decay.value() <= 0.0 {
             return Err(fault("the drops grow faster than any damping explains", 1, "check the rest position"));
         }
-        let coulomb_width = (drop - amplitude * (1.0 - decay)) / form.weight(decay);
-        let decrement = -Scalar::ln(decay);
-        Ok(Self {
-            decay,
-            coulomb_width,
-            viscous: 2.0 * mass / period * decrement,
-            damping_ratio: decrement / Scalar::sqrt(4.0 * PI * PI + decrement * decrement),
-        })
+        let coulomb_width = (drop - amplitude * (S::one() - decay)) / form.weight(decay);
+        Ok(Self::new(decay, coulomb_width, period, mass))
     }
 }
 
 /// Checks that amplitudes are finite, above zero and falling. `overlap` is 1 where each cycle begins with the peak that
 /// ended the one before, so that entries are counted as the caller gave them.
-fn check(cycles: impl Iterator<Item = Cycle>, overlap: usize) -> Result<(), Error> {
-    for (place, Cycle { amplitude, next }) in cycles.enumerate() {
+fn check<S: Real>(cycles: impl Iterator<Item = Cycle<S>>, overlap: usize) -> Result<(), Error> {
+    for (place, cycle) in cycles.enumerate() {
+        let (amplitude, next) = (cycle.amplitude.value(), cycle.next.value());
         let at_next = if overlap == 1 { place + 2 } else { place + 1 };
         for (value, entry) in [(amplitude, place + 1), (next, at_next)] {
             if !value.is_finite() {

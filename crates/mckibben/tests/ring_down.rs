@@ -1,7 +1,7 @@
 //! The estimators of a ring-down against recursions in closed form, and the oscillator's own solution.
 
-use mckibben::Error;
-use mckibben::ring_down::{Cycle, Damping, Form};
+use mckibben::ring_down::{Cycle, Damping, Form, half_cycle};
+use mckibben::{Dual, Error};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -82,6 +82,38 @@ fn half_of_peak_to_trough_obeys_the_same_recursion() {
     let found = Damping::from_peaks(&swings, 0.2, 1.0, Form::Exact).unwrap();
     close(found.coulomb_width, width, 1e-12, "Q");
     close(found.damping_ratio, ratio, 1e-12, "ζ");
+}
+
+#[test]
+fn two_half_cycles_are_a_cycle_of_the_oscillator() {
+    let (ratio, width): (f64, f64) = (0.05, 1.3e-4);
+    let decay = (-2.0 * PI * ratio / (1.0 - ratio * ratio).sqrt()).exp();
+    let exact = oscillator(7e-3, ratio, width, 2)[1];
+    close(half_cycle(half_cycle(7e-3, decay, width), decay, width), exact, 1e-14, "X");
+    close(7e-3 - Form::Exact.drop(7e-3, decay, width), exact, 1e-14, "X");
+}
+
+#[test]
+fn estimates_carry_the_derivatives_by_the_peaks() {
+    let peaks = peaks(Form::Exact, 1e-2, 0.8, 1e-4, 4);
+    for place in 0..4 {
+        let seeded: Vec<Dual<f64, 1>> = peaks
+            .iter()
+            .enumerate()
+            .map(|(at, peak)| if at == place { Dual::variable(*peak, 0) } else { Dual { value: *peak, slope: [0.0] } })
+            .collect();
+        let constant = |value: f64| Dual { value, slope: [0.0] };
+        let found = Damping::from_peaks(&seeded, constant(0.2), constant(1.5), Form::Exact).unwrap();
+        let moved = |by: f64| {
+            let mut moved = peaks.clone();
+            moved[place] += by;
+            Damping::from_peaks(&moved, 0.2, 1.5, Form::Exact).unwrap()
+        };
+        let (above, below) = (moved(1e-7), moved(-1e-7));
+        close(found.coulomb_width.slope[0], (above.coulomb_width - below.coulomb_width) / 2e-7, 1e-6, "dQ");
+        close(found.viscous.slope[0], (above.viscous - below.viscous) / 2e-7, 1e-6, "dc");
+        close(found.damping_ratio.slope[0], (above.damping_ratio - below.damping_ratio) / 2e-7, 1e-6, "dζ");
+    }
 }
 
 #[test]

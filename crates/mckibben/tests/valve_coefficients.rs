@@ -3,7 +3,7 @@
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};
 use mckibben::valve::{FlowLaw, FlowStandard, Port, Ports, REFERENCE_DENSITY};
-use mckibben::{AbsolutePressure, ActuatorState, Dual, Error};
+use mckibben::{AbsolutePressure, ActuatorState, Dual, Error, Over, parameter};
 
 /// Molar gas constant in J/(mol·K).
 const MOLAR: f64 = 8.314_462_618;
@@ -43,6 +43,25 @@ fn kv_is_iec_60534_in_its_own_units() {
             }
         }
     }
+}
+
+#[test]
+fn a_law_over_dual_numbers_has_the_slopes_of_iso_6358() {
+    let (c, b, r) = (6e-9, 0.3, 0.8_f64);
+    let plain = law(FlowStandard::Iso6358 { sonic_conductance: c, critical_ratio: b }, &air(286.99, 1.4));
+    let of = plain.map(|row, value| match row.key {
+        key if key == parameter::SONIC_CONDUCTANCE.key => Dual::<f64, 2>::variable(value, 0),
+        key if key == parameter::CRITICAL_RATIO.key => Dual::variable(value, 1),
+        _ => Dual::of(value),
+    });
+    let squared_drive = 7e5 * 7e5 / 300.0;
+    let flow = of.mass_flow(Dual::<f64, 2>::of(squared_drive), Dual::of(1.0 - r));
+    // ψ = √(1 − u²), u = (r − b)/(1 − b): dψ/db = −u/ψ · (r − 1)/(1 − b)².
+    let u = (r - b) / (1.0 - b);
+    let (psi, choked) = ((1.0 - u * u).sqrt(), 1.185 * (293.15_f64 * squared_drive).sqrt());
+    assert_close(flow.value, c * choked * psi, 1e-13);
+    assert_close(flow.slope[0], choked * psi, 1e-13);
+    assert_close(flow.slope[1], c * choked * u / psi * (1.0 - r) / (1.0 - b).powi(2), 1e-12);
 }
 
 /// The Python package `fluids`, which follows the standard on its own, asks for Kv 58.6107 m³/h at these conditions (carbon

@@ -4,6 +4,7 @@ pub mod check;
 pub mod completions;
 pub mod curves;
 pub mod gallery;
+pub mod identify;
 pub mod init;
 pub mod linearize;
 pub mod presets;
@@ -28,6 +29,7 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Presets(arguments) => presets::run(arguments),
         Command::Schema(arguments) => schema::run(arguments),
         Command::Curves(arguments) => curves::run(arguments),
+        Command::Identify(arguments) => identify::run(arguments),
         Command::Linearize(arguments) => linearize::run(arguments),
         Command::Gallery(arguments) => gallery::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),

@@ -29,10 +29,14 @@ impl Report {
         put!(out, "<main>\n<header id=\"top\">\n<h1>{}</h1>\n", rich(&self.title));
         paragraphs(&mut out, &self.introduction);
         put!(out, "</header>\n");
-        self.summary_table(&mut out);
-        put!(out, "<section id=\"assumed\">\n<h2>What is assumed</h2>\n");
-        table(&mut out, &self.assumptions);
-        put!(out, "</section>\n");
+        if self.has_findings() {
+            self.summary_table(&mut out);
+        }
+        if !self.assumptions.head.is_empty() {
+            put!(out, "<section id=\"assumed\">\n<h2>What is assumed</h2>\n");
+            table(&mut out, &self.assumptions);
+            put!(out, "</section>\n");
+        }
         for part in &self.sections {
             section(&mut out, part)?;
         }
@@ -40,9 +44,18 @@ impl Report {
         Ok(out)
     }
 
+    fn has_findings(&self) -> bool {
+        self.sections.iter().any(|part| !part.findings.is_empty())
+    }
+
     fn navigation(&self, out: &mut String) {
         put!(out, "<nav aria-label=\"Contents\">\n<ol>\n<li><a href=\"#top\">Top</a></li>\n");
-        put!(out, "<li><a href=\"#summary\">Summary</a></li>\n<li><a href=\"#assumed\">Assumed</a></li>\n");
+        if self.has_findings() {
+            put!(out, "<li><a href=\"#summary\">Summary</a></li>\n");
+        }
+        if !self.assumptions.head.is_empty() {
+            put!(out, "<li><a href=\"#assumed\">Assumed</a></li>\n");
+        }
         for part in &self.sections {
             put!(out, "<li><a href=\"#{}\">{}</a></li>\n", part.id, escaped(part.label));
         }

@@ -19,6 +19,7 @@ mod text;
 pub(crate) use html::escaped;
 
 use crate::plot::Figure;
+use std::borrow::Cow;
 
 /// Everything that is reported.
 #[derive(Clone, Debug, Default)]
@@ -53,7 +54,7 @@ pub struct Section {
     /// What was found.
     pub findings: Vec<Finding>,
     /// The input files, as (name, text).
-    pub files: Vec<(&'static str, &'static str)>,
+    pub files: Vec<(Cow<'static, str>, Cow<'static, str>)>,
 }
 
 /// A figure with its words and its data.

@@ -56,6 +56,18 @@ impl Data {
 }
 
 impl Table {
+    /// The cells as CSV.
+    ///
+    /// # Errors
+    /// When the CSV cannot be made.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut out = csv::Writer::from_writer(Vec::new());
+        for line in std::iter::once(&self.head).chain(&self.rows) {
+            out.write_record(line.iter().map(|cell| plain(cell).replace('−', "-")))?;
+        }
+        out.into_inner().map_err(|error| error.into_error().into())
+    }
+
     /// Aligned columns: words to the left, numbers to the right.
     pub fn to_text(&self) -> String {
         let columns = self.head.len();

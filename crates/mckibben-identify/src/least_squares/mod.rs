@@ -27,6 +27,11 @@ pub trait Model {
     /// at `i · unknowns + j`. A place where the model has no value may hold anything that is not finite; the step there is
     /// shortened.
     fn evaluate(&self, values: &[f64]) -> Evaluation;
+
+    /// How exact the derivatives are, as a part of their size: a direction that is told less than that is not told.
+    fn precision(&self) -> f64 {
+        1e-9
+    }
 }
 
 /// Residuals of a model and their derivatives.
@@ -118,7 +123,7 @@ pub struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        Self { loss: Loss::Squares, known_scales: false, most_steps: 200 }
+        Self { loss: Loss::Squares, known_scales: false, most_steps: 500 }
     }
 }
 
@@ -170,6 +175,46 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
     }
     let values = solver::minimum(model, unknowns, search)?;
     Ok(Fit::new(model, unknowns, search, values))
+}
+
+/// The best of several fits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The fit of the least cost.
+    pub fit: Fit,
+    /// From how many starts it was looked for.
+    pub tried: usize,
+    /// How many of them led to this cost, to a part of 10⁻⁶.
+    pub agreeing: usize,
+}
+
+/// Finds the values that fit best from the start of the unknowns and from more starts, each the values of all unknowns. A start
+/// outside the bounds is taken to the nearest bound.
+///
+/// # Errors
+/// [`FitError`] of the first start, when none of them leads to a minimum.
+pub fn fit_from(
+    model: &impl Model,
+    unknowns: &[Unknown],
+    starts: &[Vec<f64>],
+    search: &Search,
+) -> Result<Found, FitError> {
+    let of = |start: &[f64]| {
+        let moved = |(unknown, start): (&Unknown, &f64)| Unknown {
+            start: start.clamp(unknown.bounds[0], unknown.bounds[1]),
+            ..unknown.clone()
+        };
+        fit(model, &unknowns.iter().zip(start).map(moved).collect::<Vec<_>>(), search)
+    };
+    let first = fit(model, unknowns, search);
+    let fits: Vec<Result<Fit, FitError>> = std::iter::once(first).chain(starts.iter().map(|start| of(start))).collect();
+    let least = fits.iter().flatten().fold(f64::INFINITY, |least, fit| least.min(fit.cost));
+    let agreeing = fits.iter().flatten().filter(|fit| fit.cost <= least * (1.0 + 1e-6)).count();
+    let tried = fits.len();
+    let mut fits = fits.into_iter();
+    let first = fits.next().unwrap_or(Err(FitError::NoStart));
+    let best = fits.flatten().chain(first.clone().ok()).min_by(|a, b| a.cost.total_cmp(&b.cost));
+    best.map_or(first, Ok).map(|fit| Found { fit, tried, agreeing })
 }
 
 /// The residuals of a model with those of the priors behind them.

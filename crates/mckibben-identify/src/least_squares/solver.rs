@@ -13,6 +13,8 @@ const RESOLVED: f64 = 1e-13;
 const SUM_RESOLVED: f64 = 1e-16;
 /// The cosine between residuals and the derivative by an unknown above which the place is no minimum.
 const STATIONARY: f64 = 1e-5;
+/// The step that is left to an unknown, over its size, below which the place is one all the same.
+const STEP_RESOLVED: f64 = 1e-7;
 
 /// The values at the minimum.
 pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
@@ -95,8 +97,8 @@ impl<'a, M: Model> Scaled<'a, M> {
             let size = norm(column().map(|(slope, weight)| slope * weight.sqrt()));
             let [on_least, on_largest] = self.unknowns[unknown].rests(values[unknown]);
             let outwards = (on_least && along > 0.0) || (on_largest && along < 0.0);
-            // A perfect fit has no direction left to be at right angles to.
-            outwards || along.abs() <= STATIONARY * size * length || length <= f64::EPSILON * size
+            // A perfect fit has no direction left to be at right angles to, only the rounding of the model.
+            outwards || along.abs() <= STATIONARY * size * length || along.abs() <= STEP_RESOLVED * size * size
         })
     }
 }

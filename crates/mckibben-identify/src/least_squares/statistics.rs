@@ -8,15 +8,13 @@
 //!
 //! It is exact for a model that is linear in its unknowns and normal errors, and good where the model is nearly linear over
 //! the interval. The singular values of J, its columns times the size of each unknown, tell which combinations of unknowns
-//! the data hardly change: a part of [`LEAST_TOLD`] of the largest is nothing. An unknown with a share in such a combination
+//! the data hardly change: below the model's precision, as a part of the largest, is nothing. An unknown with a share in such a combination
 //! has no interval; one that rests on a bound has none either and takes no part.
 
 use super::{Model, Search, Unknown};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Singular values below this part of the largest mean that the data do not tell.
-pub(super) const LEAST_TOLD: f64 = 1e-9;
 /// Share of an unknown in a direction from which on it is named.
 const NAMED: f64 = 0.1;
 
@@ -55,7 +53,7 @@ pub struct Fit {
     pub residuals: Vec<f64>,
     /// Half the sum that was made least, by squares.
     pub cost: f64,
-    /// Residuals, priors included, less free unknowns.
+    /// Residuals that say something, priors included, less free unknowns.
     pub degrees_of_freedom: usize,
     /// Standard deviation of a residual: 1 would be its scale.
     pub scatter: f64,
@@ -84,11 +82,17 @@ impl Fit {
         let slopes = DMatrix::from_fn(rows, free.len(), |row, place| {
             weights[row].sqrt() * evaluation.slopes[row * columns + free[place]] * sizes[free[place]]
         });
-        let degrees_of_freedom = rows.saturating_sub(free.len());
+        // A residual that is zero and stays so is no measurement: a censored one says nothing.
+        let silent = |row: usize| {
+            let row_slopes = &evaluation.slopes[row * columns..][..columns];
+            evaluation.residuals[row] == 0.0 && row_slopes.iter().all(|slope| *slope == 0.0)
+        };
+        let speaking = (0..rows).filter(|row| !silent(*row)).count();
+        let degrees_of_freedom = speaking.saturating_sub(free.len());
         let squares: f64 =
             evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
         let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();
-        let told = Told::new(slopes);
+        let told = Told::new(slopes, model.precision());
         let spread = if search.known_scales { 1.0 } else { scatter };
         let quantile =
             StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
@@ -134,17 +138,20 @@ fn magnitude(value: f64, unknown: &Unknown) -> f64 {
 struct Told {
     values: DVector<f64>,
     directions: DMatrix<f64>,
+    /// The part of the largest below which a singular value is nothing.
+    least: f64,
 }
 
 impl Told {
-    fn new(slopes: DMatrix<f64>) -> Self {
+    fn new(slopes: DMatrix<f64>, least: f64) -> Self {
         let columns = slopes.ncols();
         match slopes.try_svd(false, true, f64::EPSILON, 0) {
             Some(svd) => Self {
                 directions: svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns)),
                 values: svd.singular_values,
+                least,
             },
-            None => Self { values: DVector::zeros(columns), directions: DMatrix::identity(columns, columns) },
+            None => Self { values: DVector::zeros(columns), directions: DMatrix::identity(columns, columns), least },
         }
     }
 
@@ -153,7 +160,7 @@ impl Told {
     }
 
     fn is_told(&self, direction: usize) -> bool {
-        self.values[direction] > LEAST_TOLD * self.largest()
+        self.values[direction] > self.least * self.largest()
     }
 
     /// Covariance of two unknowns, in their sizes, by the directions that are told.
@@ -163,7 +170,7 @@ impl Told {
     }
 
     fn deviation(&self, place: usize) -> Option<f64> {
-        let untold = |k: usize| !self.is_told(k) && self.directions[(k, place)].abs() > LEAST_TOLD.sqrt();
+        let untold = |k: usize| !self.is_told(k) && self.directions[(k, place)].abs() > self.least.sqrt();
         (!(0..self.values.len()).any(untold)).then(|| self.covariance(place, place).sqrt())
     }
 

@@ -7,7 +7,6 @@
 use super::{alternative, columns, friction};
 use crate::choice::{BladderForm, ForceLaw, ProcessKind};
 use crate::diagnostic::{Class, Diagnostic};
-use crate::keys;
 use crate::presets::{self, Preset};
 use crate::reader::Reader;
 use crate::scenario::{Actuator, Air, Bladder, Effectiveness, Force, Limit, Process, Taper, TonduLopezCoefficients};
@@ -170,12 +169,12 @@ const PRESSURE_UNIT: &str = "actuator.effectiveness.pressure_unit";
 
 fn effectiveness(r: &mut Reader<'_>, preset: Option<&Preset>) -> Effectiveness {
     let constant = [p::EFFECTIVENESS.key];
-    let polynomial = [keys::POLYNOMIAL.key, PRESSURE_UNIT];
-    let table = [keys::EFFECTIVENESS_PRESSURE.key, keys::EFFECTIVENESS_VALUE.key];
+    let polynomial = [p::EFFECTIVENESS_POLYNOMIAL.key, PRESSURE_UNIT];
+    let table = [p::EFFECTIVENESS_PRESSURE.key, p::EFFECTIVENESS_VALUE.key];
     match alternative(r, &[&constant, &polynomial, &table]) {
         Some(1) => {
             let unit = r.unit(PRESSURE_UNIT, "Pa").unwrap_or(1.0);
-            let coefficients = r.list(&keys::POLYNOMIAL).unwrap_or_default();
+            let coefficients = r.list(&p::EFFECTIVENESS_POLYNOMIAL).unwrap_or_default();
             let scaled = coefficients.iter().zip(0_i32..).map(|(coefficient, k)| coefficient / unit.powi(k));
             let scaled: Vec<f64> = scaled.collect();
             // Only a unit of absurd size can do this to a finite coefficient.
@@ -188,10 +187,10 @@ fn effectiveness(r: &mut Reader<'_>, preset: Option<&Preset>) -> Effectiveness {
             Effectiveness::Polynomial(scaled)
         }
         Some(2) => {
-            let gauge_pressure = r.list(&keys::EFFECTIVENESS_PRESSURE);
-            let value = r.list(&keys::EFFECTIVENESS_VALUE);
+            let gauge_pressure = r.list(&p::EFFECTIVENESS_PRESSURE);
+            let value = r.list(&p::EFFECTIVENESS_VALUE);
             let (gauge_pressure, value) =
-                columns(r, &keys::EFFECTIVENESS_PRESSURE, gauge_pressure, keys::EFFECTIVENESS_VALUE.key, value);
+                columns(r, &p::EFFECTIVENESS_PRESSURE, gauge_pressure, p::EFFECTIVENESS_VALUE.key, value);
             Effectiveness::Table { gauge_pressure, value }
         }
         _ => Effectiveness::Constant(r.value(&p::EFFECTIVENESS, preset)),

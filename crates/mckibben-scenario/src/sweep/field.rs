@@ -14,7 +14,7 @@ use crate::scenario::{
 use mckibben::parameter::{self as p, Parameter};
 
 /// The place of a number in a scenario, or `None` when the scenario has no such number.
-pub(super) type Field = fn(&mut Scenario) -> Option<&mut f64>;
+pub(crate) type Field = fn(&mut Scenario) -> Option<&mut f64>;
 
 /// Every quantity and its place.
 static FIELDS: &[(&Parameter, Field)] = &[
@@ -276,7 +276,7 @@ fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
 pub(super) use joint::exchange;
 
 /// The place of a quantity.
-pub(super) fn field_of(parameter: &Parameter) -> Option<Field> {
+pub(crate) fn field_of(parameter: &Parameter) -> Option<Field> {
     let here = FIELDS.iter().find(|(of, _)| of.key == parameter.key).map(|(_, field)| *field);
     here.or_else(|| control::field_of(parameter.key)).or_else(|| joint::field_of(parameter.key))
 }

@@ -21,7 +21,7 @@ mod axis;
 mod design;
 mod directions;
 mod distribution;
-mod field;
+pub(crate) mod field;
 mod permutation;
 mod random;
 mod read;

@@ -154,13 +154,16 @@ impl<S: Scalar> Effectiveness<S> {
 
     /// The same law over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Effectiveness<T> {
-        let mut number = |value| convert.parameter(&parameter::EFFECTIVENESS, value);
         match self {
-            Self::Constant(ratio) => Effectiveness::Constant(number(*ratio)),
-            Self::Polynomial(coefficients) => Effectiveness::Polynomial(coefficients.map(number)),
+            Self::Constant(ratio) => Effectiveness::Constant(convert.parameter(&parameter::EFFECTIVENESS, *ratio)),
+            Self::Polynomial(coefficients) => {
+                let row = &parameter::EFFECTIVENESS_POLYNOMIAL;
+                Effectiveness::Polynomial(coefficients.map(|coefficient| convert.parameter(row, coefficient)))
+            }
             Self::Table(table) => {
-                let pressures = table.gauge_pressure.map(&mut number);
-                let values = table.value.map(number);
+                let mut list = |row, list: [S; MAX_KNOTS]| list.map(|number| convert.parameter(row, number));
+                let pressures = list(&parameter::EFFECTIVENESS_PRESSURE, table.gauge_pressure);
+                let values = list(&parameter::EFFECTIVENESS_VALUE, table.value);
                 Effectiveness::Table(match convert.carry() {
                     Some(carry) => Table {
                         rows: table.rows,

@@ -138,6 +138,23 @@ impl TonduLopez {
     }
 }
 
+impl Coefficients {
+    /// Those of a braid at an initial length in m, with which the law is that of the ideal braid: `a = 3/tan² α₀` and
+    /// `b = 1/sin² α₀` on its radius there.
+    pub fn of(braid: &Braid, initial_length: f64) -> Self {
+        let radius = 0.5 * braid.diameter::<f64>(initial_length);
+        let [pull, push] = factors(braid, initial_length);
+        let area = PI * radius * radius;
+        Self { radius, a: pull / area, b: push / area }
+    }
+}
+
+/// What stands before `(1 − kε)²` and before 1, in m², of the ideal braid.
+fn factors<S: Scalar>(braid: &Braid<S>, initial_length: S) -> [S; 2] {
+    let (per_turns, thread) = (braid.per_turns(), braid.thread_length());
+    [S::constant(3.0) * initial_length * initial_length * per_turns, thread * thread * per_turns]
+}
+
 impl<S: Scalar> TonduLopez<S> {
     fn assemble(braid: &Braid<S>, initial_length: S, end_factor: EndFactor<S>, given: Option<Coefficients<S>>) -> Self {
         let (pull, push) = match given {
@@ -145,11 +162,7 @@ impl<S: Scalar> TonduLopez<S> {
                 let area = S::constant(PI) * radius * radius;
                 (area * a, area * b)
             }
-            None => {
-                let per_turns = braid.per_turns();
-                let (length, thread) = (initial_length, braid.thread_length());
-                (S::constant(3.0) * length * length * per_turns, thread * thread * per_turns)
-            }
+            None => factors(braid, initial_length).into(),
         };
         Self { initial_length, end_factor, given, pull, push }
     }

@@ -48,9 +48,9 @@
 //! `tests/valve_coefficients.rs`: IEC 60534 in its own units, SMC's worked example of ISO 6358, a passage of its own.
 
 use crate::air::Air;
-use crate::convert::Convert;
+use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
-use crate::parameter;
+use crate::parameter::{self, Parameter};
 use crate::scalar::{Over, Real, Scalar};
 use crate::valve::Port;
 use crate::valve::passage::{FlowStandard, Rows};
@@ -189,6 +189,11 @@ impl<S: Scalar> FlowLaw<S> {
         };
         shape.laminar_slope = shape.subsonic(laminar_gap) * shape.per_laminar_gap;
         Self { standard, efficiency, heat_capacity_ratio, gas_constant, laminar_ratio, shape }
+    }
+
+    /// The same law over another scalar; `function` is told which parameter each number is.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> FlowLaw<T> {
+        self.convert(Port::Supply, &mut Anew(function))
     }
 
     /// The same law over another scalar; the passage to `port` is the one that it states.

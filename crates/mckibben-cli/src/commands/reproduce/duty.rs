@@ -71,7 +71,7 @@ pub(super) fn section() -> Result<Section, Failure> {
         ],
         plates: vec![Plate { stem: "fig-10", caption: caption.into(), figure, data }],
         findings,
-        files: vec![files::file(name)?],
+        files: vec![files::shown(name)?],
         ..Section::default()
     })
 }

@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use mckibben::simulation::{Trajectory, simulate};
 use mckibben_scenario::{Document, Experiment};
+use std::borrow::Cow;
 
 macro_rules! files {
     ($($name:literal),* $(,)?) => {
@@ -32,9 +33,14 @@ files![
 ];
 
 /// A file by its name.
-pub(super) fn file(name: &str) -> Result<(&'static str, &'static str), Failure> {
+fn file(name: &str) -> Result<(&'static str, &'static str), Failure> {
     let known = FILES.iter().find(|(known, _)| *known == name).copied();
     known.ok_or_else(|| Failure::stopped(format!("the program holds no scenario file `{name}`")))
+}
+
+/// The same as a report shows it.
+pub(super) fn shown(name: &str) -> Result<(Cow<'static, str>, Cow<'static, str>), Failure> {
+    file(name).map(|(name, text)| (name.into(), text.into()))
 }
 
 /// A parsed file.

@@ -50,7 +50,7 @@ pub(super) fn section() -> Result<Section, Failure> {
         let [slow, fast] = pair;
         pairs.push([slow?, fast?]);
         for name in names {
-            inputs.push(files::file(name)?);
+            inputs.push(files::shown(name)?);
         }
     }
     let hoses = HOSES.map(with_hose).into_iter().collect::<Result<Vec<_>, _>>()?;

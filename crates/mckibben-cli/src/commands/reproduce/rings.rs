@@ -82,7 +82,7 @@ pub(super) fn section() -> Result<Section, Failure> {
         plates: vec![eight.plate("fig-08"), nine.plate("fig-09"), drops(&rings)],
         tables: rings.iter().map(RingDown::table).collect::<Result<_, _>>()?,
         findings,
-        files: vec![files::file("fig-08.toml")?, files::file("fig-09.toml")?],
+        files: vec![files::shown("fig-08.toml")?, files::shown("fig-09.toml")?],
     })
 }
 

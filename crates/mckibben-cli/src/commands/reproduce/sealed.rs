@@ -59,7 +59,7 @@ pub(super) fn section() -> Result<Section, Failure> {
         ],
         tables: vec![numbers(&experiments, &loops)],
         findings: findings(&experiments, &loops, &reduced),
-        files: names.iter().chain(&reduced_names).map(|name| files::file(name)).collect::<Result<_, _>>()?,
+        files: names.iter().chain(&reduced_names).map(|name| files::shown(name)).collect::<Result<_, _>>()?,
     })
 }
 

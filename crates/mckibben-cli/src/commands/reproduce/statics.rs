@@ -41,7 +41,7 @@ pub(super) fn section() -> Result<Section, Failure> {
         plates: vec![plate],
         tables: vec![range],
         findings,
-        files: vec![files::file(name)?],
+        files: vec![files::shown(name)?],
     })
 }
 

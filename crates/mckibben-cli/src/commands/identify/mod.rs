@@ -1,0 +1,131 @@
+//! `mckibben identify`: from measured data to a scenario file that runs, with how sure its numbers are.
+//!
+//! | file | its idea |
+//! |---|---|
+//! | `force_map` | laws of static force from tensions at held pressures and lengths |
+//! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `loops` | friction and hysteresis from tension over length to and fro |
+//! | `rings` | friction from ring-downs, by every estimator |
+//! | `sought` | the numbers that a study looks for |
+//! | `values` | numbers with their intervals, for a terminal, a page and CSV |
+//! | `outcome` | what every kind of study comes to, and the files that are written of it |
+//!
+//! Everything is computed by the crate `mckibben-identify`. Checked by `tests/identify.rs`.
+
+mod force_map;
+mod loops;
+mod outcome;
+mod rings;
+mod sought;
+mod trajectories;
+mod values;
+
+use crate::failure::Failure;
+use crate::terminal;
+use mckibben_identify::study::{Kind, Recording, Severity, Study, StudyError};
+use mckibben_scenario::Document;
+use outcome::Outcome;
+use std::path::PathBuf;
+
+/// What `mckibben identify` is asked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  mckibben identify study.toml
+  mckibben identify study.toml --output muscle-7
+  mckibben identify validation/martens-boblan-2017/dmsp-20-300-study.toml
+
+A study file:
+  [study]
+  kind = \"force-map\"                      # \"hysteresis\" or \"trajectories\"
+  scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
+
+  [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
+  name = \"P_bar\"
+  unit = \"bar\"
+  [columns.length]
+  name = \"L_mm\"
+  unit = \"mm\"
+  [columns.tension]
+  name = \"F\"
+  unit = \"N\"
+  slack = \"0 N\"                           # at or below this no tension was held
+
+  [[run]]
+  file = \"data.csv\"                       # .csv or .parquet
+  set = { \"load.mass\" = \"5 lb\" }          # keys of the scenario that differ in this run
+
+  [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for
+  from = \"0 N*s/m\"
+  to = \"50 N*s/m\"
+
+Exit codes:
+  0  done
+  2  the input is wrong: arguments, the study, its data or scenario; nothing was written
+  3  no fit was found; nothing was written
+  4  a file could not be written")]
+pub struct IdentifyArguments {
+    /// The study file: what was measured, and what is to be found.
+    #[arg(value_name = "STUDY")]
+    pub study: PathBuf,
+    /// The folder for the report, the scenario and the numbers; it is made if it is not there.
+    #[arg(short, long, value_name = "DIR", default_value = "identified")]
+    pub output: PathBuf,
+}
+
+/// What a study is made of, read.
+struct Material {
+    study: Study,
+    /// The scenario file.
+    document: Document,
+    recordings: Vec<Recording>,
+}
+
+/// Fits what the study asks for and writes what was found.
+///
+/// # Errors
+/// The input is wrong, no fit was found, or a file could not be written.
+pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
+    let outcome = identified(arguments)?;
+    let page = outcome.write(&arguments.output)?;
+    let wrote = terminal::styled(terminal::GOOD, "wrote");
+    terminal::print(&format!("{}\n{wrote} {}\n", outcome.told(), page.display()))
+}
+
+fn identified(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
+    let study = Study::load(&arguments.study).map_err(mistake)?;
+    let document = Document::load(&study.scenario)?;
+    document.scenario()?;
+    let recordings = study.recordings().map_err(mistake)?;
+    let material = Material { study, document, recordings };
+    match material.study.kind {
+        Kind::ForceMap => force_map::outcome(&material),
+        Kind::Trajectories => trajectories::outcome(&material),
+        Kind::Hysteresis => loops::outcome(&material),
+        Kind::RingDown => rings::outcome(&material),
+    }
+}
+
+fn mistake(error: StudyError) -> Failure {
+    let place = error.line.map_or(String::new(), |line| format!(", line {line}"));
+    Failure::input(format!("{}{place}: {}", error.file.display(), error.what), error.remedy)
+}
+
+impl Material {
+    /// The scenario of a run: the file's, with what the run says of its own.
+    fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
+        let mut document = self.document.clone();
+        for (key, value) in &recording.set {
+            document.set_text_from(&format!("run `{}`", recording.name), key, value)?;
+        }
+        Ok(document)
+    }
+
+    /// What was found in the data, the graver first.
+    fn notes(&self) -> Vec<String> {
+        let mut notes: Vec<_> = self.recordings.iter().flat_map(|recording| &recording.notes).collect();
+        notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
+        let mark = |severity| if severity == Severity::Warned { "! " } else { "" };
+        notes.into_iter().map(|note| format!("{}{note}", mark(note.severity))).collect()
+    }
+}

@@ -1,0 +1,87 @@
+//! What a study comes to: words for the terminal, a page, a scenario file, and the numbers.
+
+use crate::failure::Failure;
+use crate::output;
+use crate::plot::{PRINT_SCALE, Theme};
+use crate::report::{Report, Section, Table};
+use crate::terminal;
+use std::path::{Path, PathBuf};
+
+/// What was found.
+#[derive(Debug, Default)]
+pub(super) struct Outcome {
+    /// The heading of the page.
+    pub(super) title: String,
+    /// What was done, in a few sentences.
+    pub(super) introduction: Vec<String>,
+    /// The parts of the page.
+    pub(super) sections: Vec<Section>,
+    /// The table that is printed.
+    pub(super) table: Table,
+    /// The values that are printed.
+    pub(super) values: Table,
+    /// What a reader must know before believing them.
+    pub(super) warnings: Vec<String>,
+    /// The scenarios with the values found, each with the name of its file.
+    pub(super) scenarios: Vec<(String, String)>,
+}
+
+impl Outcome {
+    /// For the terminal.
+    pub(super) fn told(&self) -> String {
+        let wide = terminal::width();
+        let mut text = String::new();
+        for paragraph in &self.introduction {
+            text.push_str(&format!("{}\n", terminal::wrap(&paragraph.replace('`', ""), "", wide)));
+        }
+        for table in [&self.table, &self.values] {
+            if !table.head.is_empty() {
+                text.push_str(&format!("\n{}", table.to_text_with_caption().replace('`', "")));
+            }
+        }
+        if !self.warnings.is_empty() {
+            text.push('\n');
+        }
+        for warning in &self.warnings {
+            let words = terminal::wrap(&warning.replace('`', ""), "  ", wide);
+            text.push_str(&format!("{} {}\n", terminal::styled(terminal::NOTABLE, "!"), words.trim_start()));
+        }
+        text
+    }
+
+    /// Writes everything; the page comes last, so that where it stands everything that it refers to stands too.
+    pub(super) fn write(&self, folder: &Path) -> Result<PathBuf, Failure> {
+        std::fs::create_dir_all(folder).map_err(|error| Failure::output(folder, error))?;
+        for plate in self.sections.iter().flat_map(|section| &section.plates) {
+            let at = |ending: &str| folder.join(format!("{}.{ending}", plate.stem));
+            let failed = |ending: &str, error: &dyn std::fmt::Display| Failure::output(&at(ending), error);
+            let svg = plate.figure.to_svg(Theme::Light).map_err(|error| failed("svg", &error))?;
+            output::write(&at("svg"), svg.as_bytes())?;
+            let png = plate.figure.to_png(Theme::Light, PRINT_SCALE).map_err(|error| failed("png", &error))?;
+            output::write(&at("png"), &png)?;
+            let csv = plate.data.to_csv().map_err(|error| failed("csv", &error))?;
+            output::write(&at("csv"), &csv)?;
+        }
+        for (name, text) in &self.scenarios {
+            output::write(&folder.join(name), text.as_bytes())?;
+        }
+        for (table, name) in [(&self.table, "comparison.csv"), (&self.values, "values.csv")] {
+            if !table.head.is_empty() {
+                let path = folder.join(name);
+                let csv = table.to_csv().map_err(|error| Failure::output(&path, error))?;
+                output::write(&path, &csv)?;
+            }
+        }
+        let report = Report {
+            title: self.title.clone(),
+            introduction: self.introduction.clone(),
+            sections: self.sections.clone(),
+            colophon: format!("Made by mckibben {} with `mckibben identify`.", env!("CARGO_PKG_VERSION")),
+            ..Report::default()
+        };
+        let path = folder.join("index.html");
+        let page = report.to_html().map_err(|error| Failure::output(&path, error))?;
+        output::write(&path, page.as_bytes())?;
+        Ok(path)
+    }
+}

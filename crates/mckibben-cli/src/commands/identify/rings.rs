@@ -1,0 +1,135 @@
+//! Ring-downs to friction: every estimator beside the others.
+
+use super::outcome::Outcome;
+use super::{Material, values};
+use crate::failure::Failure;
+use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
+use crate::quantities::quantity;
+use crate::report::{Data, Plate, Section, Table};
+use mckibben::load::Load;
+use mckibben_identify::least_squares::Estimate;
+use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, compare};
+use mckibben_identify::study::{Quantity, Recording};
+use mckibben_scenario::Scenario;
+
+pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
+    let mut warnings = material.notes();
+    let (mut rows, mut plates, mut scenarios) = (Vec::new(), Vec::new(), Vec::new());
+    let stems = ["ring-down-1", "ring-down-2", "ring-down-3", "ring-down-4", "ring-down-5", "ring-down-6"];
+    for (place, recording) in material.recordings.iter().enumerate() {
+        let document = material.document_of(recording)?;
+        let scenario = document.scenario()?;
+        let record = record(recording)?;
+        let found = compared(&scenario, &record).map_err(|why| {
+            Failure::input(format!("the run `{}`: {why}", recording.name), "see `mckibben identify --help`")
+        })?;
+        rows.extend(found.rows.iter().map(|row| cells(&recording.name, row)));
+        let refused = found.refused.iter().map(|(estimator, error)| format!("`{}`, {}: {error}", recording.name, name(*estimator)));
+        warnings.extend(refused);
+        if let Some(stem) = stems.get(place) {
+            plates.push(plate(&recording.name, &record, &found, stem));
+        }
+        if let Some(text) = scenario_of(&scenario, &found) {
+            let file = if material.recordings.len() == 1 { "scenario.toml".to_owned() } else { format!("scenario-{}.toml", recording.name) };
+            scenarios.push((file, text));
+        }
+    }
+    let table = Table {
+        caption: "Friction by every estimator, with 95 % intervals. Q of (12) where the actuator is known; ‘shown’ is that of an equal linear spring."
+            .to_owned(),
+        head: ["run", "estimator", "Q of (12) mm", "Q shown mm", "c N·s/m", "ζ", "scatter"].map(String::from).to_vec(),
+        rows,
+    };
+    let notes = if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.clone() };
+    let files = scenarios.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect();
+    let sections = vec![
+        Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
+        Section { id: "friction", label: "Friction", title: "Every estimator", tables: vec![table.clone()], plates, files, ..Section::default() },
+    ];
+    let introduction = "Two cycles are the first and the last; the waveform is the whole record, by a trajectory with every stop located. Where they \
+                        disagree by more than their intervals, the spring is not linear or friction is not what the estimator takes it for."
+        .to_owned();
+    Ok(Outcome {
+        title: format!("Ring-downs of {}", material.document.source().name()),
+        introduction: vec![introduction],
+        sections,
+        table,
+        values: Table::default(),
+        warnings,
+        scenarios,
+    })
+}
+
+fn record(recording: &Recording) -> Result<Record, Failure> {
+    let Some((times, lengths)) = recording.channel(Quantity::Length) else {
+        let title = format!("the run `{}` has no length over time", recording.name);
+        return Err(Failure::input(title, "add `[columns.time]` and `[columns.length]`"));
+    };
+    Record::new(times, lengths).map_err(|error| Failure::input(format!("the run `{}`: {error}", recording.name), "mend the table"))
+}
+
+/// Every estimator, the waveform's on the scenario's sealed rig; or why there is none.
+fn compared(scenario: &Scenario, record: &Record) -> Result<Comparison, String> {
+    let rig = scenario.rig().map_err(|error| error.to_string())?;
+    let Some(Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. }) = Some(rig.load()) else {
+        return Err("its load has no mass that swings".to_owned());
+    };
+    compare(record, *mass, Some((&rig, &scenario.initial(), Free::ALL))).map_err(|error| error.to_string())
+}
+
+fn name(estimator: Estimator) -> &'static str {
+    match estimator {
+        Estimator::PaperTwoCycles => "two cycles, the paper’s (25)–(31)",
+        Estimator::ExactTwoCycles => "two cycles, exact recursion",
+        Estimator::AllTurns => "all turns",
+        Estimator::Equivalent => "both frictions as one, (32)",
+        Estimator::Waveform => "waveform",
+    }
+}
+
+fn cells(run: &str, row: &Row) -> Vec<String> {
+    let told = |estimate: &Estimate, factor: f64| {
+        let scaled = |value: f64| values::rounded(factor * value, estimate.deviation.map(|deviation| factor * deviation));
+        let interval = estimate.interval.map_or(String::new(), |[low, high]| format!(" ({} to {})", scaled(low), scaled(high)));
+        format!("{}{interval}", scaled(estimate.value))
+    };
+    vec![
+        run.to_owned(),
+        name(row.estimator).to_owned(),
+        row.law_width.as_ref().map_or("–".to_owned(), |width| told(width, 1e3)),
+        told(&row.coulomb_width, 1e3),
+        told(&row.viscous, 1.0),
+        told(&row.damping_ratio, 1.0),
+        row.scatter.map_or("–".to_owned(), |scatter| quantity(scatter, "m")),
+    ]
+}
+
+/// The scenario with the friction of the waveform, or of all turns where there is none.
+fn scenario_of(base: &Scenario, found: &Comparison) -> Option<String> {
+    let best = [Estimator::Waveform, Estimator::AllTurns].into_iter().find_map(|of| found.rows.iter().find(|row| row.estimator == of))?;
+    let mut scenario = base.clone();
+    scenario.actuator.friction.coulomb_width = best.law_width.as_ref()?.value.max(0.0);
+    scenario.actuator.friction.viscous = best.viscous.value.max(0.0);
+    Some(format!("# Friction by `mckibben identify`: {}.\n\n{}", name(best.estimator), scenario.to_toml()))
+}
+
+fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> Plate {
+    let (times, lengths) = (record.time().to_vec(), record.length().to_vec());
+    let (at, turns) = found.turns.turns.iter().map(|turn| (turn.time, turn.length)).unzip();
+    let mut panels = vec![
+        Panel::new(Axis::new("length", "m"))
+            .legend(Legend::Above)
+            .series(Series::dots("measured", times.clone(), lengths.clone()).colour(Colour::Category(1)))
+            .marks(Marks::at("turns", Symbol::Circle, at, turns)),
+    ];
+    let mut data = Data::new(&["time_s", "length_m", "off_m"]);
+    if let Some(waveform) = &found.waveform {
+        let off: Vec<f64> = waveform.fit.residuals.iter().map(|residual| residual * waveform.scatter / waveform.fit.scatter.max(f64::MIN_POSITIVE)).collect();
+        data.rows = times.iter().zip(&lengths).zip(&off).map(|((time, length), off)| vec![*time, *length, *off]).collect();
+        panels.push(Panel::new(Axis::new("waveform off", "m")).horizontal(0.0, "").height_mm(20.0).legend(Legend::Hidden).series(Series::dots("", times, off)));
+    } else {
+        data.rows = times.iter().zip(&lengths).map(|(time, length)| vec![*time, *length, f64::NAN]).collect();
+    }
+    let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
+    Plate { stem, caption: format!("`{run}`: the record with its turns, and how far the fitted waveform is off."), figure, data }
+}

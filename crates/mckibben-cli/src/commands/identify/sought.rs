@@ -1,0 +1,78 @@
+//! The numbers that a study looks for: their places, bounds, priors and starts.
+
+use super::Material;
+use crate::failure::Failure;
+use mckibben_identify::least_squares::Unknown;
+use mckibben_identify::study::SoughtEntry;
+use mckibben_scenario::{Place, quantity as grammar};
+
+/// All of them, in the scenario of the study.
+pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Failure> {
+    let entries = &material.study.sought;
+    if entries.is_empty() {
+        let help = "add for instance `[fit.\"actuator.friction.viscous\"]` with `from` and `to`";
+        return Err(Failure::input("the study does not say what to look for", help));
+    }
+    let mut scenario = material.document.scenario()?;
+    let mut found = (Vec::new(), Vec::new());
+    for entry in entries {
+        let place =
+            Place::find(&entry.path, &mut scenario).map_err(|error| Failure::input(error.to_string(), "mend [fit]"))?;
+        found.1.push(unknown(entry, &place, place.value(&mut scenario).unwrap_or(0.0))?);
+        found.0.push(place);
+    }
+    Ok(found)
+}
+
+/// Bounds are those of the study within those of the parameter.
+fn unknown(entry: &SoughtEntry, place: &Place, first: f64) -> Result<Unknown, Failure> {
+    let row = place.parameter();
+    let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
+        let Some(text) = text else { return Ok(None) };
+        let wrong = |why: String| {
+            Failure::input(
+                format!("\"{text}\" of `{}` in [fit]: {why}", entry.path),
+                format!("give it as in \"1 {}\"", row.unit),
+            )
+        };
+        let read = grammar::parse(text).map_err(|error| wrong(error.message.clone()))?;
+        let (dimension, _) = grammar::parse_unit(row.unit).unwrap_or_default();
+        if read.dimension != dimension {
+            Err(wrong(format!("a value in {} is due", row.unit)))
+        } else {
+            Ok(Some(read.value))
+        }
+    };
+    let (least, largest) = (read(&entry.from)?.unwrap_or(row.range.low), read(&entry.to)?.unwrap_or(row.range.high));
+    let start = read(&entry.start)?.unwrap_or_else(|| first.clamp(least, largest));
+    let prior = match &entry.prior {
+        Some([mean, deviation]) => read(&Some(mean.clone()))?.zip(read(&Some(deviation.clone()))?),
+        None => None,
+    };
+    if prior.is_some_and(|(_, deviation)| deviation <= 0.0) {
+        return Err(Failure::input(
+            format!("the prior of `{}` has a deviation that is not above zero", entry.path),
+            "give one above zero",
+        ));
+    }
+    let unit = if place.path().ends_with(']') { "" } else { row.unit };
+    let unknown = Unknown::new(entry.path.clone(), unit, start).between(least, largest);
+    Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
+}
+
+/// Starts spread evenly over what is bounded on both sides, one sequence for each unknown.
+pub(super) fn more_starts(unknowns: &[Unknown], count: usize) -> Vec<Vec<f64>> {
+    let primes: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
+    let start = |row: usize| {
+        let of = |(place, unknown): (usize, &Unknown)| {
+            let part = ((row + 1) as f64 * primes[place % primes.len()].sqrt()).fract();
+            let [least, largest] = unknown.bounds;
+            match (least.is_finite(), largest.is_finite()) {
+                (true, true) => least + (largest - least) * part,
+                _ => unknown.start * (0.3_f64).powf(1.0 - 2.0 * part),
+            }
+        };
+        unknowns.iter().enumerate().map(of).collect()
+    };
+    (0..count).map(start).collect()
+}

@@ -1,0 +1,210 @@
+//! Courses in time to numbers of a scenario: tables, figures and words.
+
+use super::outcome::Outcome;
+use super::{Material, sought, values};
+use crate::failure::Failure;
+use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
+use crate::progress::Progress;
+use crate::quantities::quantity;
+use crate::report::{Data, Plate, Section, Table};
+use mckibben::parameter;
+use mckibben::simulation::{Trajectory, simulate};
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::least_squares::{Loss, Search};
+use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
+use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
+use mckibben_scenario::{Place, Scenario};
+
+pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
+    let task = task(material)?;
+    let progress = Progress::begin("fitting", None);
+    let found = task.identify().map_err(|error| match error {
+        TrajectoryError::Fit(_) => Failure::stopped(error.to_string()),
+        _ => Failure::input(error.to_string(), "see `mckibben identify --help`"),
+    })?;
+    drop(progress);
+    let mut warnings = material.notes();
+    warnings.extend(values::warnings(&found.found.fit));
+    if found.found.tried > 1 {
+        let (tried, agreeing) = (found.found.tried, found.found.agreeing);
+        warnings.push(format!("{agreeing} of {tried} starts led to this minimum."));
+    }
+    let scenarios = scenarios(&task, &found);
+    let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
+    let sections = sections(&task, &found, &numbers, &warnings, &scenarios)?;
+    Ok(Outcome {
+        title: format!("{} from courses in time", material.document.source().name()),
+        introduction: introduction(&task, &found),
+        sections,
+        table: left(&found),
+        values: numbers,
+        warnings,
+        scenarios,
+    })
+}
+
+fn task(material: &Material) -> Result<Task, Failure> {
+    let (_, unknowns) = sought::all(material)?;
+    let mut runs = Vec::new();
+    for recording in &material.recordings {
+        let document = material.document_of(recording)?;
+        let mut scenario = document.scenario()?;
+        let place = |entry: &SoughtEntry| {
+            Place::find(&entry.path, &mut scenario)
+                .map_err(|error| Failure::input(error.to_string(), format!("of the run `{}`", recording.name)))
+        };
+        let places = material.study.sought.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let given = document.contains(parameter::MIN_LENGTH.key);
+        let courses = courses(recording, scenario.air.atmospheric_pressure);
+        let adjustable = Adjustable::new(scenario, places, given);
+        runs.push(Recorded {
+            name: recording.name.clone(),
+            adjustable,
+            unknowns: (0..unknowns.len()).collect(),
+            courses,
+        });
+    }
+    let starts = sought::more_starts(&unknowns, material.study.more_starts);
+    let loss = material.study.robust.map_or(Loss::Squares, Loss::Huber);
+    Ok(Task {
+        runs,
+        unknowns,
+        starts,
+        horizon: material.study.horizon.clone().map_or(Horizon::Whole, Horizon::Growing),
+        search: Search { loss, ..Search::default() },
+        tolerance: 1e-8,
+    })
+}
+
+fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
+    let of = |quantity: Quantity, observed: Observed, shift: f64| {
+        let (times, values) = recording.channel(quantity)?;
+        let deviation = recording.column(quantity).and_then(|column| column.deviation);
+        Some(Course { observed, times, values: values.into_iter().map(|value| value - shift).collect(), deviation })
+    };
+    [
+        of(Quantity::Length, Observed::Length, 0.0),
+        of(Quantity::GaugePressure, Observed::GaugePressure, 0.0),
+        of(Quantity::AbsolutePressure, Observed::GaugePressure, atmosphere),
+        of(Quantity::Tension, Observed::Tension, 0.0),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn introduction(task: &Task, found: &Identified) -> Vec<String> {
+    let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|course| course.values.len()).sum();
+    let (numbers, runs) = (task.unknowns.len(), task.runs.len());
+    vec![format!(
+        "{numbers} numbers from {readings} readings of {runs} runs, by trajectories with every event located and their exact derivatives. \
+         Condition number {:.1e}.",
+        found.found.fit.condition
+    )]
+}
+
+fn left(found: &Identified) -> Table {
+    let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
+        let unit = left.0.unit();
+        vec![left.0.words().to_owned(), quantity(left.1, unit), quantity(scale.1, unit)]
+    };
+    Table {
+        caption: "What is left of each quantity, root mean square, and by what it was weighed".to_owned(),
+        head: ["quantity", "left", "scale"].map(String::from).to_vec(),
+        rows: found.left.iter().zip(&found.scales).map(row).collect(),
+    }
+}
+
+/// A scenario file for each run whose scenario differs, or one for all.
+fn scenarios(task: &Task, found: &Identified) -> Vec<(String, String)> {
+    let text = |scenario: &Scenario| format!("# By `mckibben identify`.\n\n{}", scenario.to_toml());
+    let texts: Vec<String> = found.scenarios.iter().map(text).collect();
+    match texts.windows(2).all(|pair| pair[0] == pair[1]) {
+        true => texts.into_iter().take(1).map(|text| ("scenario.toml".to_owned(), text)).collect(),
+        false => task.runs.iter().zip(texts).map(|(run, text)| (format!("scenario-{}.toml", run.name), text)).collect(),
+    }
+}
+
+fn sections(
+    task: &Task,
+    found: &Identified,
+    numbers: &Table,
+    warnings: &[String],
+    files: &[(String, String)],
+) -> Result<Vec<Section>, Failure> {
+    let notes =
+        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
+    let mut plates = Vec::new();
+    // A page of the first few runs is enough to see how they fit; the table speaks of all.
+    let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
+    for ((run, scenario), stem) in task.runs.iter().zip(&found.scenarios).zip(stems) {
+        plates.push(plate(run, scenario, stem)?);
+    }
+    Ok(vec![
+        Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
+        Section {
+            id: "numbers",
+            label: "Numbers",
+            title: "What was found",
+            tables: vec![numbers.clone(), left(found), values::correlations(&found.found.fit)],
+            files: files.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
+            ..Section::default()
+        },
+        Section { id: "runs", label: "Runs", title: "Measured and simulated", plates, ..Section::default() },
+    ])
+}
+
+fn simulated(trajectory: &Trajectory, observed: Observed, time: f64) -> f64 {
+    let sample = trajectory.at(time);
+    match observed {
+        Observed::Length => sample.length,
+        Observed::GaugePressure => sample.pressure.0 - trajectory.rig().actuator().air().atmosphere().0,
+        Observed::Tension => sample.tension,
+    }
+}
+
+fn plate(run: &Recorded, scenario: &Scenario, stem: &'static str) -> Result<Plate, Failure> {
+    let failed = |error: mckibben::Error| Failure::stopped(error.to_string());
+    let rig = scenario.rig().map_err(failed)?;
+    let start = rig.start(&scenario.initial()).map_err(failed)?;
+    let last = run.courses.iter().filter_map(|course| course.times.last()).fold(0.0_f64, |last, time| last.max(*time));
+    let trajectory = simulate(&rig, start, last, 1e-8).map_err(failed)?;
+    let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
+    let mut panels = Vec::new();
+    for course in &run.courses {
+        let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
+        let curve = times.iter().map(|time| simulated(&trajectory, course.observed, *time)).collect();
+        let off: Vec<f64> = course
+            .times
+            .iter()
+            .zip(&course.values)
+            .map(|(time, value)| simulated(&trajectory, course.observed, *time) - value)
+            .collect();
+        let unit = course.observed.unit();
+        let panel = Panel::new(Axis::new(course.observed.words(), unit)).legend(if panels.is_empty() {
+            Legend::Above
+        } else {
+            Legend::Hidden
+        });
+        panels.push(
+            panel
+                .series(
+                    Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)),
+                )
+                .series(Series::line("simulated", times, curve)),
+        );
+        let rest = Panel::new(Axis::new("off", unit)).horizontal(0.0, "").height_mm(16.0).legend(Legend::Hidden);
+        data.rows.extend(
+            course
+                .times
+                .iter()
+                .zip(&course.values)
+                .zip(&off)
+                .map(|((time, value), off)| vec![f64::from(course.observed as u8), *time, *value, value + off]),
+        );
+        panels.push(rest.series(Series::dots("", course.times.clone(), off)));
+    }
+    let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
+    let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);
+    Ok(Plate { stem, caption, figure, data })
+}

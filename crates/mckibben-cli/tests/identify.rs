@@ -1,0 +1,143 @@
+//! `mckibben identify`: what it finds in data whose truth is known, what it writes, and what it refuses.
+
+mod common;
+
+use common::{Folder, of_repository};
+use std::path::Path;
+use std::process::Output;
+
+fn identify(folder: &Folder, study: &Path) -> Output {
+    folder.mckibben().arg("identify").arg(study).args(["--output", "out"]).output().expect("the program runs")
+}
+
+fn told(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn read(folder: &Folder, name: &str) -> String {
+    std::fs::read_to_string(folder.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// A column of a CSV file, by the row's first cell.
+fn cell(csv: &str, row: &str, column: &str) -> f64 {
+    let mut lines = csv::Reader::from_reader(csv.as_bytes());
+    let place = lines.headers().expect("a head").iter().position(|head| head == column).expect("a column");
+    let found = lines.records().map(|line| line.expect("a line")).find(|line| &line[0] == row);
+    found.unwrap_or_else(|| panic!("{row} is not in\n{csv}"))[place].parse().expect("a number")
+}
+
+#[test]
+fn measured_muscles_are_fitted_by_every_law() {
+    for (name, largest) in [("dmsp-20-300", "1653.5 N"), ("dmsp-10-250", "542.5 N")] {
+        let folder = Folder::new(&format!("identify-{name}"));
+        let output = identify(&folder, &of_repository(&format!("validation/martens-boblan-2017/{name}-study.toml")));
+        let told = told(&output);
+        assert!(told.contains(largest) && told.contains("held-out lengths"), "{told}");
+        let comparison = read(&folder, "out/comparison.csv");
+        // The figures of docs/force-laws.md, here with the slack points.
+        let in_sample = cell(&comparison, "ideal-braid in a saturating bladder", "rms %");
+        let expected = if name == "dmsp-20-300" { 0.80 } else { 2.0 };
+        assert!((in_sample - expected).abs() < 0.05, "{comparison}");
+        for file in
+            ["index.html", "values.csv", "scenario.toml", "laws.svg", "fit.png", "residuals.csv", "held-out.svg"]
+        {
+            assert!(folder.path("out").join(file).exists(), "{file}");
+        }
+        let page = read(&folder, "out/index.html");
+        assert!(page.contains("is no guide to what lies between and beyond"), "{told}");
+        // The scenario that was found runs.
+        let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    }
+}
+
+#[test]
+fn a_column_in_other_units_is_refused_in_words() {
+    let folder = Folder::new("identify-units");
+    let data = std::fs::read_to_string(of_repository("validation/martens-boblan-2017/dmsp-20-300.csv")).expect("data");
+    folder.file("data.csv", &data);
+    let scenario =
+        std::fs::read_to_string(of_repository("validation/martens-boblan-2017/dmsp-20-300.toml")).expect("a scenario");
+    folder.file("muscle.toml", &scenario);
+    let study = |pressure: &str, tension: &str| {
+        format!(
+            "[study]\nkind = \"force-map\"\nscenario = \"muscle.toml\"\n[columns.gauge_pressure]\nname = \"P_Pa\"\nunit = \"{pressure}\"\n\
+             [columns.length]\nname = \"L_m\"\nunit = \"m\"\n[columns.tension]\nname = \"F_N\"\nunit = \"{tension}\"\nslack = \"0 N\"\n[[run]]\nfile = \"data.csv\"\n"
+        )
+    };
+    for (pressure, tension, words) in [("kPa", "N", "ideal"), ("Pa", "lbf", "the tension is in N, where lbf was said")]
+    {
+        let output = identify(&folder, &folder.file("study.toml", &study(pressure, tension)));
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        let told = error.clone() + &String::from_utf8_lossy(&output.stdout);
+        assert!(told.contains(words), "{told}");
+    }
+    let output = identify(&folder, &folder.file("study.toml", &study("Pa", "lbf")));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!folder.path("out/index.html").exists() || folder.names().contains(&"out".to_owned()));
+}
+
+#[test]
+fn what_the_simulator_recorded_is_found_again() {
+    let folder = Folder::new("identify-runs");
+    let truth = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+                 [command]\nkind = \"pwm\"\nfrequency = \"12 Hz\"\nduty = 0.45\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
+                 [initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.4 s\"\nsample_interval = \"2 ms\"\n";
+    folder.file("truth.toml", truth);
+    let run = |mass: &str, file: &str| {
+        let set = format!("load.mass=\"{mass}\"");
+        let output = folder
+            .mckibben()
+            .args(["simulate", "truth.toml", "--set", &set, "--output", file])
+            .output()
+            .expect("it runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    run("5 lb", "five.csv");
+    run("8 lb", "eight.parquet");
+    // What is looked for starts elsewhere.
+    let other =
+        truth.replace("[supply]", "[actuator.friction]\nviscous = \"6 N*s/m\"\ncoulomb_width = \"0.2 mm\"\n[supply]");
+    folder.file("muscle.toml", &other);
+    let study = "[study]\nkind = \"trajectories\"\nscenario = \"muscle.toml\"\n\
+                 [columns.time]\nname = \"time_s\"\nunit = \"s\"\n[columns.length]\nname = \"length_m\"\nunit = \"m\"\n\
+                 [columns.absolute_pressure]\nname = \"pressure_pa\"\nunit = \"Pa\"\n\
+                 [[run]]\nfile = \"five.csv\"\n[[run]]\nfile = \"eight.parquet\"\nset = { \"load.mass\" = \"8 lb\" }\n\
+                 [fit.\"actuator.friction.viscous\"]\nfrom = \"0.1 N*s/m\"\nto = \"50 N*s/m\"\n[fit.\"actuator.friction.coulomb_width\"]\n";
+    let output = identify(&folder, &folder.file("study.toml", study));
+    let told = told(&output);
+    let values = read(&folder, "out/values.csv");
+    // 0.02 lbf*s/in and 0.0044 in of the preset.
+    for (name, expected) in
+        [("actuator.friction.viscous", 3.502_536_705), ("actuator.friction.coulomb_width", 1.117_6e-4)]
+    {
+        let value = cell(&values, name, "value");
+        assert!((value / expected - 1.0).abs() < 1e-5, "{value} is not {expected}\n{told}");
+    }
+    for file in ["scenario-five.toml", "scenario-eight.toml", "run-1.svg", "run-2.png", "index.html"] {
+        assert!(folder.path("out").join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn mistakes_are_refused_in_words() {
+    let folder = Folder::new("identify-mistakes");
+    folder.file("m.toml", "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"0.1 s\"\n");
+    folder.file("d.csv", "t,L\n0,0.09\n0.1,0.091\n0.2,0.092\n0.3,0.093\n");
+    let head = "[study]\nkind = \"trajectories\"\nscenario = \"m.toml\"\n[columns.time]\nname = \"t\"\nunit = \"s\"\n[columns.length]\nname = \"L\"\nunit = \"m\"\n[[run]]\nfile = \"d.csv\"\n";
+    for (text, words) in [
+        (head.to_owned(), "does not say what to look for"),
+        (format!("{head}[fit.\"actuator.turn\"]\n"), "did you mean `actuator.turns`?"),
+        (format!("{head}[fit.\"actuator.turns\"]\nfrom = \"3 mm\"\n"), "a value in"),
+        (format!("{head}[fit.\"load.mass\"]\nstart = \"3 mm\"\n"), "a value in kg is due"),
+        (head.replace("m.toml", "none.toml"), "cannot be read"),
+        (head.replace("\"L\"", "\"X\""), "column `X`"),
+    ] {
+        let output = identify(&folder, &folder.file("study.toml", &text));
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(words), "`{words}` is not in\n{error}");
+        assert!(!folder.path("out").exists(), "something was written");
+    }
+}

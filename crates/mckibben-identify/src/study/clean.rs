@@ -1,0 +1,381 @@
+//! The rules for dirty data. Whatever is done is told in a [`Note`]; what cannot be put right by rule is refused.
+//!
+//! | found | done |
+//! |---|---|
+//! | no reading in a cell | the cell is left out; more than half of a column is refused |
+//! | no reading in any cell of a row | the row is left out |
+//! | one time twice | readings are averaged, each column by itself |
+//! | a time that goes back | refused: sort the table, or make it two runs |
+//! | an offset that was given | taken off |
+//! | one span of `zero` | the mean over it, less its value, is taken off as an offset |
+//! | two spans of `zero` | the straight line through both is taken off: offset and drift |
+//! | readings at or beyond `saturates` | left out |
+//! | the same extreme value many times on end, nothing said about it | refused: say `saturates`, or that it does not with a larger one |
+//! | a reading [`FAR`] robust deviations from the median of its [`WINDOW`] neighbours | told; left out with `drop_outliers` |
+//! | uneven steps, gaps | told: nothing is resampled, every reading is compared at its own time |
+//! | a gauge pressure below the atmosphere, of a muscle that is not evacuated | told as a likely offset |
+
+use super::file::ColumnEntry;
+use super::table::Table;
+use super::{Column, Quantity, Sheet, StudyError};
+use std::fmt;
+
+/// Robust deviations from which on a reading is an outlier.
+const FAR: f64 = 8.0;
+/// Readings of whose median it is judged.
+const WINDOW: usize = 9;
+/// Equal extreme readings on end from which on a sensor is taken to be at its end, and their least share.
+const STUCK: usize = 8;
+/// A standard deviation over the median distance from the median, for normal errors.
+const OVER_MEDIAN_DISTANCE: f64 = 1.4826;
+
+/// The rules of one column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rules {
+    /// At or below this no tension was held.
+    pub slack: Option<f64>,
+    /// At or above this the sensor is at its end.
+    pub saturates: Option<f64>,
+    /// Standard deviation of a reading.
+    pub deviation: Option<f64>,
+    /// Taken off every reading.
+    pub offset: f64,
+    /// Spans of time in s in which the quantity is known, with its value.
+    pub zeros: Vec<([f64; 2], f64)>,
+    /// Whether outliers are left out.
+    pub drop_outliers: bool,
+}
+
+/// How much a finding matters.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+pub enum Severity {
+    /// Good to know.
+    Told,
+    /// Something was done, or should be looked at.
+    Warned,
+}
+
+/// Something found in the data, and what was done about it.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Note {
+    /// How much it matters.
+    pub severity: Severity,
+    /// The sentence.
+    pub text: String,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.text)
+    }
+}
+
+/// Cleans a table: the columns that a study names, and those that were held.
+pub(super) fn sheet(
+    table: &Table,
+    entries: &[&ColumnEntry],
+    held: &[(Quantity, f64)],
+    notes: &mut Vec<Note>,
+) -> Result<Sheet, StudyError> {
+    let name = table.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let mut work = Work { table, name, notes, lines: table.lines.clone() };
+    let mut columns: Vec<Column> = entries.iter().map(|entry| work.raw(entry)).collect();
+    work.leave_out_empty_rows(&mut columns);
+    if work.lines.is_empty() {
+        return Err(StudyError::new(&table.file, None, "it has no readings", "give a table with rows"));
+    }
+    work.missing(&columns)?;
+    if let Some(time) = columns.iter().position(|column| column.quantity == Quantity::Time) {
+        work.in_order(&mut columns, time)?;
+        work.rate(&columns[time].values);
+        for (place, entry) in entries.iter().enumerate() {
+            let times = columns[time].values.clone();
+            if place != time {
+                work.zero(&mut columns[place], &entry.rules, &times)?;
+                work.outliers(&mut columns[place], &entry.rules);
+            }
+        }
+    }
+    for (column, entry) in columns.iter_mut().zip(entries) {
+        work.ends(column, &entry.rules)?;
+        work.slack(column, &entry.rules);
+        work.vacuum(column);
+    }
+    let rows = work.lines.len();
+    let constant = |(quantity, value): &(Quantity, f64)| Column {
+        quantity: *quantity,
+        values: vec![*value; rows],
+        slack: vec![false; rows],
+        deviation: None,
+    };
+    columns.extend(held.iter().map(constant));
+    Ok(Sheet { columns, rows })
+}
+
+struct Work<'a> {
+    table: &'a Table,
+    name: String,
+    notes: &'a mut Vec<Note>,
+    lines: Vec<usize>,
+}
+
+impl Work<'_> {
+    fn note(&mut self, severity: Severity, text: String) {
+        self.notes.push(Note { severity, text: format!("{}: {text}", self.name) });
+    }
+
+    fn refuse(&self, line: Option<usize>, what: String, remedy: &str) -> StudyError {
+        StudyError::new(&self.table.file, line, what, remedy)
+    }
+
+    /// A column as it stands, in SI, less its offset.
+    fn raw(&mut self, entry: &ColumnEntry) -> Column {
+        let found = self.table.columns.iter().find(|(name, _)| *name == entry.name);
+        let values =
+            found.map(|(_, values)| values.iter().map(|value| value * entry.scale - entry.rules.offset).collect());
+        if entry.rules.offset != 0.0 {
+            let (of, unit) = (entry.quantity.words(), entry.quantity.unit());
+            self.note(Severity::Told, format!("an offset of {:.4e} {unit} was taken off the {of}", entry.rules.offset));
+        }
+        let values: Vec<f64> = values.unwrap_or_default();
+        Column { quantity: entry.quantity, slack: vec![false; values.len()], values, deviation: entry.rules.deviation }
+    }
+
+    fn leave_out_empty_rows(&mut self, columns: &mut [Column]) {
+        let measured = |row: usize| {
+            columns.iter().any(|column| column.quantity != Quantity::Time && column.values[row].is_finite())
+                && columns.iter().all(|column| column.quantity != Quantity::Time || column.values[row].is_finite())
+        };
+        let keep: Vec<bool> = (0..self.lines.len()).map(measured).collect();
+        let gone = keep.iter().filter(|keep| !**keep).count();
+        if gone > 0 {
+            self.note(Severity::Told, format!("{gone} rows without a reading or without a time were left out"));
+            self.retain(columns, &keep);
+        }
+    }
+
+    fn retain(&mut self, columns: &mut [Column], keep: &[bool]) {
+        fn kept<T: Copy>(of: &[T], keep: &[bool]) -> Vec<T> {
+            of.iter().zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| *value).collect()
+        }
+        for column in columns {
+            column.values = kept(&column.values, keep);
+            column.slack = kept(&column.slack, keep);
+        }
+        self.lines = kept(&self.lines, keep);
+    }
+
+    fn missing(&mut self, columns: &[Column]) -> Result<(), StudyError> {
+        for column in columns {
+            let (missing, rows) = (column.values.iter().filter(|value| value.is_nan()).count(), column.values.len());
+            let of = column.quantity.words();
+            if 2 * missing > rows {
+                let what = format!("{missing} of {rows} readings of the {of} are missing");
+                return Err(self.refuse(None, what, "give a table with more than half of them"));
+            }
+            if missing > 0 {
+                self.note(
+                    Severity::Warned,
+                    format!("{missing} of {rows} readings of the {of} are missing and were left out"),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Times that rise; readings at one time are averaged.
+    fn in_order(&mut self, columns: &mut [Column], time: usize) -> Result<(), StudyError> {
+        let times = columns[time].values.clone();
+        if let Some(at) = (1..times.len()).find(|at| times[*at] < times[at - 1]) {
+            let what = format!("the time goes back, from {} s to {} s", times[at - 1], times[at]);
+            return Err(self.refuse(Some(self.lines[at]), what, "sort the table by time, or make it two runs"));
+        }
+        let keep: Vec<bool> = (0..times.len()).map(|row| row == 0 || times[row] != times[row - 1]).collect();
+        let doubles = keep.iter().filter(|keep| !**keep).count();
+        if doubles == 0 {
+            return Ok(());
+        }
+        for column in columns.iter_mut() {
+            let mut row = 0;
+            while row < times.len() {
+                let end = (row + 1..times.len()).find(|next| keep[*next]).unwrap_or(times.len());
+                let read = column.values[row..end].iter().filter(|value| value.is_finite());
+                let count = read.clone().count();
+                if count > 0 {
+                    column.values[row] = read.sum::<f64>() / count as f64;
+                }
+                row = end;
+            }
+        }
+        self.note(
+            Severity::Warned,
+            format!("{doubles} rows have the time of the row before; their readings were averaged"),
+        );
+        self.retain(columns, &keep);
+        Ok(())
+    }
+
+    fn rate(&mut self, times: &[f64]) {
+        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let (Some(usual), Some(largest)) = (median(&steps), steps.iter().copied().reduce(f64::max)) else { return };
+        let rate = 1.0 / usual;
+        self.note(Severity::Told, format!("{} readings, {rate:.6} a second", times.len()));
+        if largest > 5.0 * usual {
+            let at = steps.iter().position(|step| *step == largest).unwrap_or(0);
+            self.note(Severity::Warned, format!("a gap of {largest:.4} s after {:.4} s", times[at]));
+        }
+        let uneven = steps.iter().filter(|step| (*step / usual - 1.0).abs() > 0.1).count();
+        if uneven * 20 > steps.len() {
+            let text = format!("{uneven} of {} steps in time differ from the usual by more than a tenth", steps.len());
+            self.note(Severity::Told, text);
+        }
+    }
+
+    /// Takes off what a quantity reads where it is known.
+    fn zero(&mut self, column: &mut Column, rules: &Rules, times: &[f64]) -> Result<(), StudyError> {
+        let mut known = Vec::new();
+        for (span, value) in &rules.zeros {
+            let within = times
+                .iter()
+                .zip(&column.values)
+                .filter(|(time, reading)| (span[0]..=span[1]).contains(*time) && reading.is_finite());
+            let (sum, at, count) = within
+                .fold((0.0, 0.0, 0.0), |(sum, at, count), (time, reading)| (sum + reading, at + time, count + 1.0));
+            if count == 0.0 {
+                let (of, [from, to]) = (column.quantity.words(), span);
+                let what = format!("there is no reading of the {of} from {from} s to {to} s, where `zero` asks for it");
+                return Err(self.refuse(None, what, "choose a span within the recording"));
+            }
+            known.push((at / count, sum / count - value));
+        }
+        let (of, unit) = (column.quantity.words(), column.quantity.unit());
+        let (first, slope) = match known[..] {
+            [] => return Ok(()),
+            [(_, offset)] => {
+                self.note(Severity::Warned, format!("an offset of {offset:.4e} {unit} was taken off the {of}"));
+                ((0.0, offset), 0.0)
+            }
+            [first, .., last] => {
+                let slope = (last.1 - first.1) / (last.0 - first.0);
+                let text = format!(
+                    "an offset of {:.4e} {unit} and a drift of {slope:.4e} {unit}/s were taken off the {of}",
+                    first.1
+                );
+                self.note(Severity::Warned, text);
+                (first, slope)
+            }
+        };
+        for (value, time) in column.values.iter_mut().zip(times) {
+            *value -= first.1 + slope * (time - first.0);
+        }
+        Ok(())
+    }
+
+    fn outliers(&mut self, column: &mut Column, rules: &Rules) {
+        let values = column.values.clone();
+        let half = WINDOW / 2;
+        let mut found = 0;
+        for at in half..values.len().saturating_sub(half) {
+            let around: Vec<f64> = (at - half..=at + half)
+                .filter(|near| *near != at)
+                .map(|near| values[near])
+                .filter(|value| value.is_finite())
+                .collect();
+            let Some(middle) = median(&around) else { continue };
+            let distances: Vec<f64> = around.iter().map(|value| (value - middle).abs()).collect();
+            let spread = OVER_MEDIAN_DISTANCE * median(&distances).unwrap_or(0.0);
+            if spread > 0.0 && (values[at] - middle).abs() > FAR * spread {
+                found += 1;
+                if rules.drop_outliers {
+                    column.values[at] = f64::NAN;
+                }
+            }
+        }
+        if found > 0 {
+            let done = if rules.drop_outliers {
+                "were left out"
+            } else {
+                "stay: say drop_outliers = true, or a robust search"
+            };
+            self.note(
+                Severity::Warned,
+                format!("{found} readings of the {} look like outliers; they {done}", column.quantity.words()),
+            );
+        }
+    }
+
+    /// Readings at the end of a sensor's range.
+    fn ends(&mut self, column: &mut Column, rules: &Rules) -> Result<(), StudyError> {
+        let of = column.quantity.words();
+        if let Some(end) = rules.saturates {
+            let mut gone = 0;
+            for value in column.values.iter_mut().filter(|value| **value >= end) {
+                *value = f64::NAN;
+                gone += 1;
+            }
+            if gone > 0 {
+                self.note(
+                    Severity::Warned,
+                    format!("{gone} readings of the {of} at the end of the sensor were left out"),
+                );
+            }
+            return Ok(());
+        }
+        let timed = self.table.columns.len() > 1 && column.quantity != Quantity::Time;
+        let largest = column.values.iter().copied().filter(|value| value.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+        let least = column.values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
+        let longest = column.values.split(|value| *value != largest).map(<[f64]>::len).max().unwrap_or(0);
+        let pressed = matches!(column.quantity, Quantity::Tension | Quantity::Length);
+        if timed && pressed && largest > least && longest >= STUCK && 50 * longest >= column.values.len() {
+            let unit = column.quantity.unit();
+            let what = format!(
+                "the {of} reads {largest} {unit}, its largest value, {longest} times on end: the sensor is at its end"
+            );
+            let remedy = format!(
+                "say `saturates = \"{largest} {unit}\"` to leave these readings out, or a larger value to keep them"
+            );
+            return Err(self.refuse(None, what, &remedy));
+        }
+        Ok(())
+    }
+
+    fn slack(&mut self, column: &mut Column, rules: &Rules) {
+        if column.quantity != Quantity::Tension {
+            return;
+        }
+        let end = rules.slack.unwrap_or(0.0);
+        let mut count = 0;
+        for (slack, value) in column.slack.iter_mut().zip(&column.values) {
+            *slack = *value <= end;
+            count += usize::from(*slack);
+        }
+        if count > 0 {
+            let text = format!(
+                "{count} readings of the tension are at or below {end} N: slack, which says only that the muscle does not pull"
+            );
+            self.note(Severity::Told, text);
+        }
+    }
+
+    fn vacuum(&mut self, column: &Column) {
+        let below = column.values.iter().filter(|value| **value < -2e3).count();
+        if column.quantity == Quantity::GaugePressure && below > 0 {
+            let text = format!(
+                "{below} gauge pressures are more than 2 kPa below zero: an offset, or a muscle that is evacuated"
+            );
+            self.note(Severity::Warned, text);
+        }
+    }
+}
+
+/// The median, if there are any.
+fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    match sorted.len() {
+        0 => None,
+        count if count % 2 == 1 => Some(sorted[middle]),
+        _ => Some(0.5 * (sorted[middle - 1] + sorted[middle])),
+    }
+}

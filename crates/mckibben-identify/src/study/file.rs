@@ -1,0 +1,393 @@
+//! The study file, by `serde`; quantities are text with a unit, as in scenario files.
+
+use super::clean::{self, Rules};
+use super::table::{self, Table};
+use super::{Quantity, Recording, StudyError};
+use mckibben_scenario::{Dimension, quantity};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// What is to be found.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Laws of static force from tensions at held pressures and lengths.
+    ForceMap,
+    /// Hysteresis from loops in length at held pressures.
+    Hysteresis,
+    /// Friction from a mass that swings.
+    RingDown,
+    /// Any numbers of a scenario from courses in time.
+    Trajectories,
+}
+
+/// A study file as it was read.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Where it stands.
+    pub path: PathBuf,
+    /// What is to be found.
+    pub kind: Kind,
+    /// The scenario file.
+    pub scenario: PathBuf,
+    /// What the columns measure.
+    pub columns: Vec<ColumnEntry>,
+    /// The runs.
+    pub runs: Vec<RunEntry>,
+    /// The numbers that are looked for, in rising order of their paths; those of a force map follow from its laws.
+    pub sought: Vec<SoughtEntry>,
+    /// More starts than the first.
+    pub more_starts: usize,
+    /// By how many deviations a residual counts in full; beyond it counts less (Huber).
+    pub robust: Option<f64>,
+    /// Times in s up to which trajectories are fitted first, one after the other, before all of them are.
+    pub horizon: Option<Vec<f64>>,
+    /// Whether units that seem wrong are right.
+    pub units_are_right: bool,
+}
+
+/// What a column measures and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnEntry {
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Its name in the table's head.
+    pub name: String,
+    /// Size of its unit in SI.
+    pub scale: f64,
+    /// The rules of its own.
+    pub rules: Rules,
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunEntry {
+    /// Its name.
+    pub name: String,
+    /// Its tables.
+    pub files: Vec<PathBuf>,
+    /// Quantities without a column, in SI.
+    pub held: Vec<(Quantity, f64)>,
+    /// Keys of the scenario that are other here, as TOML.
+    pub set: Vec<(String, String)>,
+}
+
+/// A number that is looked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoughtEntry {
+    /// Its path in the scenario.
+    pub path: String,
+    /// Text of start, bounds and prior (mean and deviation), as far as they are given.
+    pub start: Option<String>,
+    /// The least value.
+    pub from: Option<String>,
+    /// The largest value.
+    pub to: Option<String>,
+    /// Mean and standard deviation of what is known beforehand.
+    pub prior: Option<[String; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    study: Spanned<Head>,
+    #[serde(default)]
+    columns: BTreeMap<String, Spanned<RawColumn>>,
+    #[serde(default)]
+    run: Vec<Spanned<RawRun>>,
+    #[serde(default)]
+    fit: BTreeMap<String, RawSought>,
+    #[serde(default)]
+    search: RawSearch,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    kind: Kind,
+    scenario: PathBuf,
+    #[serde(default)]
+    units_are_right: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawColumn {
+    name: String,
+    unit: Spanned<String>,
+    slack: Option<Spanned<String>>,
+    saturates: Option<Spanned<String>>,
+    deviation: Option<Spanned<String>>,
+    offset: Option<Spanned<String>>,
+    zero: Option<Vec<RawZero>>,
+    #[serde(default)]
+    drop_outliers: bool,
+}
+
+/// A span of time in which a quantity is known.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawZero {
+    from: Spanned<String>,
+    to: Spanned<String>,
+    value: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawRun {
+    name: Option<String>,
+    file: Option<PathBuf>,
+    #[serde(default)]
+    files: Vec<PathBuf>,
+    #[serde(default)]
+    held: BTreeMap<String, Spanned<String>>,
+    #[serde(default)]
+    set: BTreeMap<String, toml::Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSought {
+    start: Option<Text>,
+    from: Option<Text>,
+    to: Option<Text>,
+    prior: Option<RawPrior>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPrior {
+    mean: Text,
+    deviation: Text,
+}
+
+/// A quantity: text with a unit, or a number.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Text {
+    Words(String),
+    Number(f64),
+}
+
+impl Text {
+    fn text(self) -> String {
+        match self {
+            Self::Words(words) => words,
+            Self::Number(number) => number.to_string(),
+        }
+    }
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSearch {
+    #[serde(default)]
+    more_starts: usize,
+    robust: Option<f64>,
+    horizon: Option<Vec<Spanned<String>>>,
+}
+
+impl Study {
+    /// Reads a study file; the scenario and the tables are not opened yet.
+    ///
+    /// # Errors
+    /// The first mistake, with its line.
+    pub fn load(path: &Path) -> Result<Self, StudyError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            StudyError::new(
+                path,
+                None,
+                format!("it cannot be read ({error})"),
+                "give the path of a study file in UTF-8",
+            )
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// The same from text; `path` names it in messages, and files are looked for beside it.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, StudyError> {
+        let within = Within { path, text };
+        let file: File = toml::from_str(text).map_err(|error| {
+            let at = error.span().map(|span| span.start);
+            within.fault(at, error.message().to_owned(), "see `mckibben identify --help` for a study file")
+        })?;
+        let head_at = file.study.span().start;
+        let head = file.study.into_inner();
+        let mut columns = Vec::new();
+        for (name, raw) in file.columns {
+            columns.push(within.column(&name, raw)?);
+        }
+        if file.run.is_empty() {
+            let remedy = "add `[[run]]` with `file = \"data.csv\"`";
+            return Err(within.fault(Some(head_at), "it has no runs", remedy));
+        }
+        let mut runs = Vec::new();
+        for raw in file.run {
+            runs.push(within.run(raw)?);
+        }
+        let sought = file.fit.into_iter().map(|(path, raw)| SoughtEntry {
+            path,
+            start: raw.start.map(Text::text),
+            from: raw.from.map(Text::text),
+            to: raw.to.map(Text::text),
+            prior: raw.prior.map(|prior| [prior.mean.text(), prior.deviation.text()]),
+        });
+        let robust = file.search.robust;
+        if robust.is_some_and(|scale| scale.is_nan() || scale <= 0.0) {
+            return Err(within.fault(
+                None,
+                "`search.robust` is not above zero",
+                "give a number of deviations such as 2.5",
+            ));
+        }
+        let ends = |texts: &Vec<Spanned<String>>| texts.iter().map(|text| within.si(text, Quantity::Time)).collect();
+        let horizon = file.search.horizon.as_ref().map(ends).transpose()?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            kind: head.kind,
+            scenario: beside(path, &head.scenario),
+            columns,
+            runs,
+            sought: sought.collect(),
+            more_starts: file.search.more_starts,
+            robust,
+            horizon,
+            units_are_right: head.units_are_right,
+        })
+    }
+
+    /// Reads the tables of all runs and cleans them.
+    ///
+    /// # Errors
+    /// The first table that cannot be read, or whose data are refused; see [`clean`].
+    pub fn recordings(&self) -> Result<Vec<Recording>, StudyError> {
+        self.runs.iter().map(|run| self.recording(run)).collect()
+    }
+
+    fn recording(&self, run: &RunEntry) -> Result<Recording, StudyError> {
+        let mut recording =
+            Recording { name: run.name.clone(), sheets: Vec::new(), set: run.set.clone(), notes: Vec::new() };
+        let tables = run.files.iter().map(|file| table::read(file)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(entry) = self.columns.iter().find(|entry| !tables.iter().any(|table| table.has(&entry.name))) {
+            let what = format!("no table of the run `{}` has a column `{}`", run.name, entry.name);
+            let heads: Vec<String> = tables.into_iter().flat_map(Table::heads).collect();
+            return Err(StudyError::new(&self.path, None, what, format!("the tables have: {}", heads.join(", "))));
+        }
+        for table in &tables {
+            let entries: Vec<&ColumnEntry> = self.columns.iter().filter(|entry| table.has(&entry.name)).collect();
+            recording.sheets.push(clean::sheet(table, &entries, &run.held, &mut recording.notes)?);
+        }
+        Ok(recording)
+    }
+}
+
+/// A path beside a file.
+fn beside(file: &Path, path: &Path) -> PathBuf {
+    file.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
+}
+
+/// A text whose mistakes are told with their lines.
+struct Within<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl Within<'_> {
+    fn fault(&self, at: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> StudyError {
+        let line = at.map(|at| self.text[..at.min(self.text.len())].matches('\n').count() + 1);
+        StudyError::new(self.path, line, what, remedy)
+    }
+
+    /// A quantity of a dimension, in SI.
+    fn si(&self, text: &Spanned<String>, of: Quantity) -> Result<f64, StudyError> {
+        let at = Some(text.span().start);
+        let read = quantity::parse(text.as_ref()).map_err(|error| {
+            self.fault(
+                at,
+                error.message.clone(),
+                error.help.unwrap_or_else(|| format!("write it as in \"1 {}\"", of.unit())),
+            )
+        })?;
+        if read.dimension != of.dimension() {
+            let what = format!("\"{}\" is no {}", text.as_ref(), of.words());
+            return Err(self.fault(at, what, format!("give it with a unit such as {}", of.unit())));
+        }
+        Ok(read.value)
+    }
+
+    fn maybe(&self, text: Option<&Spanned<String>>, of: Quantity) -> Result<Option<f64>, StudyError> {
+        text.map(|text| self.si(text, of)).transpose()
+    }
+
+    fn quantity(&self, name: &str, at: usize) -> Result<Quantity, StudyError> {
+        Quantity::ALL.into_iter().find(|quantity| quantity.name() == name).ok_or_else(|| {
+            let known = Quantity::ALL.map(Quantity::name).join(", ");
+            self.fault(Some(at), format!("`{name}` is no quantity of a study"), format!("known: {known}"))
+        })
+    }
+
+    fn column(&self, name: &str, raw: Spanned<RawColumn>) -> Result<ColumnEntry, StudyError> {
+        let quantity = self.quantity(name, raw.span().start)?;
+        let raw = raw.into_inner();
+        let at = Some(raw.unit.span().start);
+        let (dimension, scale): (Dimension, f64) = quantity::parse_unit(raw.unit.as_ref()).map_err(|error| {
+            self.fault(
+                at,
+                error.message.clone(),
+                error.help.unwrap_or_else(|| format!("give a unit such as {}", quantity.unit())),
+            )
+        })?;
+        if dimension != quantity.dimension() {
+            let what = format!("`{}` is no unit of {}", raw.unit.as_ref(), quantity.words());
+            return Err(self.fault(at, what, format!("give a unit such as {}", quantity.unit())));
+        }
+        let mut zeros = Vec::new();
+        for zero in raw.zero.unwrap_or_default() {
+            let span = [self.si(&zero.from, Quantity::Time)?, self.si(&zero.to, Quantity::Time)?];
+            if span[0] >= span[1] {
+                let at = Some(zero.from.span().start);
+                return Err(self.fault(at, "a span of `zero` ends before it begins", "give `from` below `to`"));
+            }
+            zeros.push((span, self.maybe(zero.value.as_ref(), quantity)?.unwrap_or(0.0)));
+        }
+        let rules = Rules {
+            slack: self.maybe(raw.slack.as_ref(), quantity)?,
+            saturates: self.maybe(raw.saturates.as_ref(), quantity)?,
+            deviation: self.maybe(raw.deviation.as_ref(), quantity)?,
+            offset: self.maybe(raw.offset.as_ref(), quantity)?.unwrap_or(0.0),
+            zeros,
+            drop_outliers: raw.drop_outliers,
+        };
+        if rules.slack.is_some() && quantity != Quantity::Tension {
+            return Err(self.fault(
+                at,
+                format!("`slack` is of a tension, not of a {}", quantity.words()),
+                "leave it out",
+            ));
+        }
+        Ok(ColumnEntry { quantity, name: raw.name, scale, rules })
+    }
+
+    fn run(&self, raw: Spanned<RawRun>) -> Result<RunEntry, StudyError> {
+        let at = raw.span().start;
+        let raw = raw.into_inner();
+        let files: Vec<PathBuf> = raw.file.into_iter().chain(raw.files).map(|file| beside(self.path, &file)).collect();
+        let Some(first) = files.first() else {
+            return Err(self.fault(Some(at), "a run has no file", "give `file = \"data.csv\"`"));
+        };
+        let stem = first.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let mut held = Vec::new();
+        for (name, value) in raw.held {
+            let quantity = self.quantity(&name, value.span().start)?;
+            held.push((quantity, self.si(&value, quantity)?));
+        }
+        let set = raw.set.into_iter().map(|(key, value)| (key, value.to_string()));
+        Ok(RunEntry { name: raw.name.or(stem).unwrap_or_default(), held, set: set.collect(), files })
+    }
+}

@@ -1,0 +1,188 @@
+//! Measured data: a small file that says what was measured and how, tables in CSV or Parquet, and what was found wrong with them.
+//!
+//! ```toml
+//! [study]
+//! kind = "force-map"                 # or "hysteresis", "ring-down", "trajectories"
+//! scenario = "muscle.toml"           # the muscle and the rig as far as they are known
+//!
+//! [columns.gauge_pressure]           # also length, tension, time, absolute_pressure
+//! name = "P_bar"                     # in the table's head
+//! unit = "bar"
+//! [columns.tension]
+//! name = "F"
+//! unit = "N"
+//! slack = "0 N"                      # at or below this no tension was held
+//! saturates = "500 N"                # at or above this the sensor was at its end
+//! deviation = "0.5 N"                # of one reading, where it is known
+//!
+//! [[run]]
+//! file = "slow.csv"
+//! held = { length = "250 mm" }       # what has no column
+//! set = { "load.mass" = "5 lb" }     # keys of the scenario that differ in this run
+//! ```
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `file` | the file with its mistakes |
+//! | `table` | CSV and Parquet to columns of numbers |
+//! | [`clean`] | the rules by which dirty data are handled or refused, and the notes about them |
+//!
+//! Checked by `tests/study.rs`: every rule by data that break it, and both formats.
+
+pub mod clean;
+mod file;
+mod table;
+
+pub use clean::{Note, Severity};
+pub use file::{ColumnEntry, Kind, RunEntry, SoughtEntry, Study};
+
+use mckibben_scenario::Dimension;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What a column measures.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub enum Quantity {
+    /// Time in s.
+    Time,
+    /// Gauge pressure in the actuator, in Pa.
+    GaugePressure,
+    /// Absolute pressure in the actuator, in Pa; it becomes gauge pressure by the scenario's atmosphere.
+    AbsolutePressure,
+    /// Distance between the attachments in m.
+    Length,
+    /// Tension in N.
+    Tension,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Time, Self::GaugePressure, Self::AbsolutePressure, Self::Length, Self::Tension];
+
+    /// As it is written in a study.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::GaugePressure => "gauge_pressure",
+            Self::AbsolutePressure => "absolute_pressure",
+            Self::Length => "length",
+            Self::Tension => "tension",
+        }
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::GaugePressure => "gauge pressure",
+            Self::AbsolutePressure => "absolute pressure",
+            Self::Length => "length",
+            Self::Tension => "tension",
+        }
+    }
+
+    /// SI unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "s",
+            Self::GaugePressure | Self::AbsolutePressure => "Pa",
+            Self::Length => "m",
+            Self::Tension => "N",
+        }
+    }
+
+    fn dimension(self) -> Dimension {
+        match self {
+            Self::Time => Dimension::TIME,
+            Self::GaugePressure | Self::AbsolutePressure => Dimension::PRESSURE,
+            Self::Length => Dimension::LENGTH,
+            Self::Tension => Dimension::FORCE,
+        }
+    }
+}
+
+/// What is wrong with a study, where, and what to do about it.
+#[derive(Clone, Debug, Eq, Error, PartialEq)]
+pub struct StudyError {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1, where it is one line's.
+    pub line: Option<usize>,
+    /// What is wrong.
+    pub what: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl fmt::Display for StudyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, ", line {line}")?;
+        }
+        write!(f, ": {}; {}", self.what, self.remedy)
+    }
+}
+
+impl StudyError {
+    fn new(file: &Path, line: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { file: file.to_path_buf(), line, what: what.into(), remedy: remedy.into() }
+    }
+}
+
+/// Columns of one table after cleaning, all of one length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// The columns in SI; NaN where there is no reading.
+    pub columns: Vec<Column>,
+    /// Readings in a row.
+    pub rows: usize,
+}
+
+/// One column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Values in SI; NaN where there is no reading.
+    pub values: Vec<f64>,
+    /// Whether no tension was held.
+    pub slack: Vec<bool>,
+    /// Standard deviation of a reading, where it is known.
+    pub deviation: Option<f64>,
+}
+
+impl Sheet {
+    /// A column, if it is there.
+    pub fn column(&self, quantity: Quantity) -> Option<&Column> {
+        self.columns.iter().find(|column| column.quantity == quantity)
+    }
+}
+
+/// One run: its tables, what differs in its scenario, and what was found wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// The name of its file or the one it was given.
+    pub name: String,
+    /// A table for each file.
+    pub sheets: Vec<Sheet>,
+    /// Keys of the scenario that are other here, with their values as TOML.
+    pub set: Vec<(String, String)>,
+    /// What was found and what was done about it.
+    pub notes: Vec<Note>,
+}
+
+impl Recording {
+    /// Times and values of a quantity, where there are both: each at its own rate.
+    pub fn channel(&self, quantity: Quantity) -> Option<(Vec<f64>, Vec<f64>)> {
+        let sheet = self.sheets.iter().find(|sheet| sheet.column(quantity).is_some())?;
+        let (times, values) = (&sheet.column(Quantity::Time)?.values, &sheet.column(quantity)?.values);
+        Some(times.iter().zip(values).filter(|(time, value)| time.is_finite() && value.is_finite()).unzip())
+    }
+
+    /// The column of a quantity.
+    pub fn column(&self, quantity: Quantity) -> Option<&Column> {
+        self.sheets.iter().find_map(|sheet| sheet.column(quantity))
+    }
+}

@@ -1,0 +1,117 @@
+//! Tables: CSV by the crate `csv`, Parquet by the crate `parquet`, to columns of numbers.
+//!
+//! | in a cell | is |
+//! |---|---|
+//! | nothing, `nan`, `NA`, `null`, `-`, a null of Parquet | no reading |
+//! | anything else that is no number | a mistake, with its line |
+//!
+//! A first line of numbers alone is refused: a table has a head. Separators are commas, semicolons or tabs, whichever the head has; with
+//! semicolons a decimal comma is read as a point.
+
+use super::StudyError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+use std::path::{Path, PathBuf};
+
+/// Columns by their names.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    pub(super) file: PathBuf,
+    pub(super) columns: Vec<(String, Vec<f64>)>,
+    /// The line of each row, or its number in a file without lines.
+    pub(super) lines: Vec<usize>,
+}
+
+impl Table {
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.columns.iter().any(|(of, _)| of == name)
+    }
+
+    pub(super) fn heads(self) -> Vec<String> {
+        self.columns.into_iter().map(|(name, _)| name).collect()
+    }
+}
+
+/// Reads a table as the ending of its name says.
+pub(super) fn read(file: &Path) -> Result<Table, StudyError> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    match ending.as_deref() {
+        Some("csv" | "tsv" | "txt") => read_csv(file),
+        Some("parquet") => read_parquet(file),
+        _ => {
+            let what = "its name ends in neither .csv nor .parquet";
+            Err(StudyError::new(file, None, what, "give a table in one of the two formats"))
+        }
+    }
+}
+
+fn unreadable(file: &Path, error: impl std::fmt::Display) -> StudyError {
+    StudyError::new(file, None, format!("it cannot be read ({error})"), "check the path, and that the file is whole")
+}
+
+fn read_csv(file: &Path) -> Result<Table, StudyError> {
+    let text = std::fs::read_to_string(file).map_err(|error| unreadable(file, error))?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let first = text.lines().next().unwrap_or_default();
+    let separator = [';', '\t', ','].into_iter().find(|separator| first.contains(*separator)).unwrap_or(',');
+    let mut reader =
+        csv::ReaderBuilder::new().delimiter(separator as u8).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let heads = reader.headers().map_err(|error| unreadable(file, error))?.clone();
+    if !heads.is_empty() && heads.iter().all(|head| head.parse::<f64>().is_ok()) {
+        let what = "its first line is numbers, where the names of the columns are expected";
+        return Err(StudyError::new(file, Some(1), what, "put a line such as `t_s,L_m,F_N` above them"));
+    }
+    let mut columns: Vec<(String, Vec<f64>)> = heads.iter().map(|head| (head.to_owned(), Vec::new())).collect();
+    let mut lines = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            let line = error.position().map(|position| position.line() as usize);
+            StudyError::new(file, line, "a line has more or fewer cells than the head", "mend or remove the line")
+        })?;
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        for ((name, column), cell) in columns.iter_mut().zip(&record) {
+            let Some(value) = number(cell, separator) else {
+                let what = format!("`{cell}` in the column `{name}` is no number");
+                return Err(StudyError::new(file, Some(line), what, "give a number, or leave the cell empty"));
+            };
+            column.push(value);
+        }
+        lines.push(line);
+    }
+    Ok(Table { file: file.to_path_buf(), columns, lines })
+}
+
+/// The number of a cell; NaN when there is no reading, `None` when it is something else.
+fn number(cell: &str, separator: char) -> Option<f64> {
+    if ["", "nan", "na", "n/a", "null", "none", "-"].contains(&cell.to_ascii_lowercase().as_str()) {
+        return Some(f64::NAN);
+    }
+    let point = if separator == ';' { cell.replace(',', ".") } else { cell.to_owned() };
+    point.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
+fn read_parquet(file: &Path) -> Result<Table, StudyError> {
+    let opened = std::fs::File::open(file).map_err(|error| unreadable(file, error))?;
+    let reader = SerializedFileReader::new(opened).map_err(|error| unreadable(file, error))?;
+    let rows = reader.get_row_iter(None).map_err(|error| unreadable(file, error))?;
+    let (mut columns, mut lines): (Vec<(String, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
+    for (place, row) in rows.enumerate() {
+        let row = row.map_err(|error| unreadable(file, error))?;
+        for (column, (name, field)) in row.get_column_iter().enumerate() {
+            if place == 0 {
+                columns.push((name.clone(), Vec::new()));
+            }
+            let value = match field {
+                Field::Double(value) => *value,
+                Field::Float(value) => f64::from(*value),
+                Field::Int(value) => f64::from(*value),
+                Field::Long(value) => *value as f64,
+                // Words stand beside the numbers: events, names. They are no readings.
+                _ => f64::NAN,
+            };
+            columns[column].1.push(if value.is_finite() { value } else { f64::NAN });
+        }
+        lines.push(place + 1);
+    }
+    Ok(Table { file: file.to_path_buf(), columns, lines })
+}

@@ -1,0 +1,221 @@
+//! Any numbers of a scenario from courses in time: length, gauge pressure and tension as a rig recorded them.
+//!
+//! ```text
+//! r = (y(t_k; θ) − y_k)/s_y        for each reading y_k of each course, at its own time t_k
+//! ```
+//!
+//! The course y(t; θ) is the event-located engine's, and its derivatives by θ are exact: they come with the run in dual numbers, through every
+//! stick, slip and switching of the valve. Runs go side by side on all cores.
+//!
+//! The scale s of a quantity is the deviation of its readings where that is known. Else a first fit weighs each quantity by its span, and a
+//! second by the scatter that the first has left: so a poor pressure sensor does not outweigh a good length sensor.
+//!
+//! A start far off may lie in another valley, since an oscillation of the wrong frequency falls out of step. Then give more starts, or let the
+//! horizon grow: [`Horizon::Growing`] fits a short beginning first and lengthens it, each stage from where the one before has ended.
+//!
+//! Checked by `tests/trajectories.rs`: derivatives against differences, numbers put in come back out of noisy courses, several runs, and a start
+//! from which the growing horizon finds what the whole does not.
+
+mod search;
+
+pub use search::{Horizon, Identified, Task, TrajectoryError};
+
+use crate::adjustable::{Adjustable, Seeded, WIDTH};
+use crate::least_squares::{Evaluation, Model};
+use mckibben::simulation::{Rig, State, simulate};
+use mckibben::{Error, Over};
+use mckibben_scenario::Scenario;
+use rayon::prelude::*;
+
+/// A quantity that a course is of.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub enum Observed {
+    /// Distance between the attachments in m.
+    Length,
+    /// Gauge pressure in Pa.
+    GaugePressure,
+    /// Tension in N.
+    Tension,
+}
+
+impl Observed {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Length, Self::GaugePressure, Self::Tension];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::GaugePressure => "gauge pressure",
+            Self::Tension => "tension",
+        }
+    }
+
+    /// SI unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Length => "m",
+            Self::GaugePressure => "Pa",
+            Self::Tension => "N",
+        }
+    }
+}
+
+/// Readings of one quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// What was read.
+    pub observed: Observed,
+    /// When, in s from the start of the run; rising, the first not below zero.
+    pub times: Vec<f64>,
+    /// The readings in SI.
+    pub values: Vec<f64>,
+    /// Standard deviation of a reading, where it is known.
+    pub deviation: Option<f64>,
+}
+
+/// One run of the rig.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// What it is called.
+    pub name: String,
+    /// Its scenario and the numbers that are looked for in it.
+    pub adjustable: Adjustable,
+    /// Which unknown each of these numbers is.
+    pub unknowns: Vec<usize>,
+    /// Its courses.
+    pub courses: Vec<Course>,
+}
+
+/// All runs, as far as a horizon.
+pub(crate) struct Runs<'a> {
+    pub(crate) runs: &'a [Recorded],
+    /// Scale of each quantity in the order of [`Observed::ALL`].
+    pub(crate) scales: [f64; 3],
+    /// Readings after this time in s do not count.
+    pub(crate) until: f64,
+    pub(crate) tolerance: f64,
+}
+
+impl Recorded {
+    /// The time of the last reading up to a horizon in s.
+    fn duration(&self, until: f64) -> f64 {
+        let times = self.courses.iter().flat_map(|course| &course.times).filter(|time| **time <= until);
+        times.fold(0.0, |last, time| time.max(last))
+    }
+
+    /// The rig of values of its own numbers, and where it starts.
+    fn built(&self, values: &[f64]) -> Result<(Scenario, Rig), Error> {
+        let scenario = self.adjustable.at(values)?;
+        let rig = scenario.rig()?;
+        rig.start(&scenario.initial())?;
+        Ok((scenario, rig))
+    }
+
+    /// Values of its own numbers out of those of all unknowns.
+    fn own(&self, values: &[f64]) -> Vec<f64> {
+        self.unknowns.iter().map(|unknown| values[*unknown]).collect()
+    }
+}
+
+impl Runs<'_> {
+    fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (Observed, f64, f64)> + 'r {
+        run.courses.iter().flat_map(move |course| {
+            let readings =
+                course.times.iter().zip(&course.values).map(|(time, value)| (course.observed, *time, *value));
+            readings.filter(|(_, time, _)| *time <= self.until)
+        })
+    }
+
+    fn scale(&self, course: Observed) -> f64 {
+        self.scales[course as usize]
+    }
+
+    /// Residuals of one run and their derivatives by its own numbers; what has no value is not a number.
+    fn of_run(&self, run: &Recorded, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let own = run.own(values);
+        let count = self.readings(run).count();
+        let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * own.len()]);
+        let Ok((scenario, rig)) = run.built(&own) else { return (residuals, slopes) };
+        for first in run.adjustable.passes() {
+            let mut seeds = run.adjustable.seeds(first);
+            let seeded: Rig<Seeded> = rig.map(|parameter, value| seeds.over(parameter, value));
+            let initial = scenario.initial().map(|parameter, value| seeds.over(parameter, value));
+            let Ok(start) = seeded.begin(&initial) else { return (vec![f64::NAN; count], slopes) };
+            let mut row = 0;
+            let full = self.course(run, &seeded, start, |_, residual, slope: &[f64; WIDTH], scale| {
+                residuals[row] = residual;
+                let own_row = &mut slopes[row * own.len()..][..own.len()];
+                run.adjustable.spread(first, slope, 1.0 / scale, own_row);
+                row += 1;
+            });
+            if full.is_err() {
+                return (vec![f64::NAN; count], slopes);
+            }
+        }
+        (residuals, slopes)
+    }
+
+    /// Runs a rig and visits each reading with its residual and the derivatives of what was simulated.
+    fn course(
+        &self,
+        run: &Recorded,
+        rig: &Rig<Seeded>,
+        start: State<Seeded>,
+        mut visit: impl FnMut(Observed, f64, &[f64; WIDTH], f64),
+    ) -> Result<(), Error> {
+        let duration = run.duration(self.until).max(1e-9);
+        let trajectory = simulate(rig, start, Seeded::of(duration), self.tolerance)?;
+        let atmosphere = rig.actuator().air().atmosphere().0;
+        for (observed, time, value) in self.readings(run) {
+            let sample = trajectory.at(Seeded::of(time));
+            let simulated = match observed {
+                Observed::Length => sample.length,
+                Observed::GaugePressure => sample.pressure.0 - atmosphere,
+                Observed::Tension => sample.tension,
+            };
+            let scale = self.scale(observed);
+            visit(observed, (simulated.value - value) / scale, &simulated.slope, scale);
+        }
+        Ok(())
+    }
+
+    /// Root mean square residual of each quantity, in scales; `None` where there are no readings.
+    pub(crate) fn scatter(&self, residuals: &[f64]) -> [Option<f64>; 3] {
+        let mut sums = [(0.0, 0_u32); 3];
+        let observed = self.runs.iter().flat_map(|run| self.readings(run));
+        for ((observed, ..), residual) in observed.zip(residuals) {
+            let (squares, count) = &mut sums[observed as usize];
+            (*squares, *count) = (*squares + residual * residual, *count + 1);
+        }
+        sums.map(|(squares, count)| (count > 0).then(|| (squares / f64::from(count)).sqrt()))
+    }
+}
+
+impl Model for Runs<'_> {
+    fn precision(&self) -> f64 {
+        // The derivatives of a run are less exact than the run.
+        1e2 * self.tolerance
+    }
+
+    fn residuals(&self) -> usize {
+        self.runs.iter().map(|run| self.readings(run).count()).sum()
+    }
+
+    fn evaluate(&self, values: &[f64]) -> Evaluation {
+        let parts: Vec<(Vec<f64>, Vec<f64>)> = self.runs.par_iter().map(|run| self.of_run(run, values)).collect();
+        let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
+        for (run, (own_residuals, own_slopes)) in self.runs.iter().zip(parts) {
+            let width = run.unknowns.len();
+            for row in 0..own_residuals.len() {
+                let begin = slopes.len();
+                slopes.resize(begin + values.len(), 0.0);
+                for (unknown, slope) in run.unknowns.iter().zip(&own_slopes[row * width..][..width]) {
+                    slopes[begin + unknown] = *slope;
+                }
+            }
+            residuals.extend(own_residuals);
+        }
+        Evaluation { residuals, slopes }
+    }
+}

@@ -1,0 +1,324 @@
+//! Delays of a valve's seat from the pressure under a pulse train.
+//!
+//! ```text
+//! about an edge  P = a + s₁ u + q₁ u² + r₁ u³  before,  a + s₂ u + q₂ u² + r₂ u³  after the onset     u = t − t_onset
+//! delay          = onset − edge                                        opening after energised, closing after released
+//! effective duty = (closing onset − opening onset)/period
+//! paper's way    effective duty = d − (t_open − t_close) f              several frequencies or duties
+//! ```
+//!
+//! Each onset is found by least squares to a fraction of the sample interval, from the samples between the middle of the pause
+//! before the edge and the next edge, then once more from the nearer half of them, so that cubics are enough. A delay longer
+//! than half of the pause is not seen. An edge where the course does not change by four deviations counts as missed: a pulse shorter
+//! than `t_open` does not open the valve.
+//!
+//! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit. The paper's
+//! way tells only the difference of the delays. A seat that takes its time makes an onset where the two courses cross.
+//!
+//! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10; the solenoid is [`mckibben::valve::Solenoid`]. Checked by
+//! `tests/valve.rs`.
+
+use super::ValveError;
+use crate::least_squares::{Estimate, Evaluation, Model, Search, Unknown, fit};
+use crate::propagation;
+use crate::series;
+use nalgebra::{DMatrix, DVector};
+
+/// The onset, the pressure there, and two courses of third degree.
+const UNKNOWNS: usize = 8;
+/// Which of the seven beside the onset is the change of slope.
+const CHANGE: usize = 2;
+/// Samples about an edge: the unknowns, and some to tell the scatter.
+const LEAST_SAMPLES: usize = 16;
+/// Of these on either side of the onset.
+const ON_A_SIDE: usize = 5;
+/// Deviations by which the slope must change at an onset.
+const CLEAR: f64 = 4.0;
+/// Golden sections of three sample intervals: to a millionth of one.
+const SECTIONS: usize = 30;
+
+/// When the coil is energised and released.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PulseTrain {
+    /// Times in s and whether the coil is energised from then on, by turns.
+    edges: Vec<(f64, bool)>,
+}
+
+impl PulseTrain {
+    /// Times in s at which the coil is energised, and at which it is released.
+    ///
+    /// # Errors
+    /// [`ValveError::Unsupported`] unless the times are finite and come by turns.
+    pub fn new(energised: &[f64], released: &[f64]) -> Result<Self, ValveError> {
+        let all = energised.iter().map(|time| (*time, true)).chain(released.iter().map(|time| (*time, false)));
+        let mut edges: Vec<(f64, bool)> = all.collect();
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let in_turn = edges.windows(2).all(|pair| pair[0].1 != pair[1].1 && pair[0].0 < pair[1].0);
+        match in_turn && edges.iter().all(|edge| edge.0.is_finite()) {
+            true => Ok(Self { edges }),
+            false => Err(ValveError::Unsupported {
+                what: "the coil is not energised and released by turns",
+                remedy: "give each time at which it is energised once, and the time of its release",
+            }),
+        }
+    }
+
+    /// A number of `pulses` at a `frequency` in Hz with a commanded `duty`, the first at t = 0.
+    ///
+    /// # Errors
+    /// [`ValveError::Unsupported`] for a frequency that is not above zero or a duty that is not between 0 and 1.
+    pub fn pwm(frequency: f64, duty: f64, pulses: usize) -> Result<Self, ValveError> {
+        if !(frequency > 0.0 && frequency.is_finite() && duty > 0.0 && duty < 1.0) {
+            return Err(ValveError::Unsupported {
+                what: "the frequency is not above zero or the duty not between 0 and 1",
+                remedy: "give hertz, and the duty as a fraction: 50 % is 0.5",
+            });
+        }
+        let time = |pulse: usize, part: f64| (pulse as f64 + part) / frequency;
+        let [energised, released] =
+            [0.0, duty].map(|part| (0..pulses).map(|pulse| time(pulse, part)).collect::<Vec<_>>());
+        Self::new(&energised, &released)
+    }
+}
+
+/// When the pressure began to change its course.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onset {
+    /// When the coil was energised or released, in s.
+    pub edge: f64,
+    /// Whether it was energised.
+    pub energised: bool,
+    /// When the course changed, in s.
+    pub time: f64,
+    /// Standard deviation of that in s.
+    pub deviation: f64,
+}
+
+/// Delays of a seat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Delays {
+    /// From energised to the opening, t_open in s.
+    pub opening: Estimate,
+    /// From released to the closing, t_close in s.
+    pub closing: Estimate,
+    /// Share of a period in which the valve is open; `None` without two pulses that can be seen.
+    pub effective_duty: Option<Estimate>,
+    /// The onsets in order of time.
+    pub onsets: Vec<Onset>,
+    /// Edges without an onset.
+    pub missed: usize,
+}
+
+impl Delays {
+    /// Of a pulse train and the `pressure` in Pa, gauge or absolute, at each `time` in s.
+    ///
+    /// # Errors
+    /// [`ValveError::Series`] for samples that are no series, [`ValveError::NoOnset`] when the pressure answers to no edge.
+    pub fn find(time: &[f64], pressure: &[f64], train: &PulseTrain) -> Result<Self, ValveError> {
+        series::check(time, pressure, "the pressure", LEAST_SAMPLES)?;
+        let last = time[time.len() - 1];
+        let edges = &train.edges;
+        let mut onsets = Vec::new();
+        let mut missed = 0;
+        for (place, (edge, energised)) in edges.iter().enumerate() {
+            let from = match place.checked_sub(1) {
+                Some(before) => 0.5 * (edges[before].0 + edge),
+                None => time[0],
+            };
+            let to = edges.get(place + 1).map_or(last, |next| next.0);
+            let found = onset(time, pressure, [from, *edge, to]);
+            match found {
+                Some([time, deviation]) => onsets.push(Onset { edge: *edge, energised: *energised, time, deviation }),
+                None => missed += 1,
+            }
+        }
+        let delay = |energised: bool, name: &'static str| {
+            let seen: Vec<&Onset> = onsets.iter().filter(|onset| onset.energised == energised).collect();
+            match seen[..] {
+                [] => Err(ValveError::NoOnset {
+                    coil: if energised { "energised" } else { "released" },
+                    edges: edges.iter().filter(|edge| edge.1 == energised).count(),
+                }),
+                [only] => Ok(propagation::estimate((name, "s"), only.time - only.edge, only.deviation, LEAST_SAMPLES)),
+                _ => {
+                    let delays: Vec<f64> = seen.iter().map(|onset| onset.time - onset.edge).collect();
+                    Ok(propagation::mean((name, "s"), &delays))
+                }
+            }
+        };
+        let (opening, closing) = (delay(true, "opening_delay")?, delay(false, "closing_delay")?);
+        // Opening, closing, and the next opening: one whole period.
+        let duty = |three: &[Onset]| {
+            let whole = three[0].energised && !three[1].energised && three[2].energised;
+            whole.then(|| (three[1].time - three[0].time) / (three[2].time - three[0].time))
+        };
+        let duties: Vec<f64> = onsets.windows(3).filter_map(duty).collect();
+        let effective_duty = (!duties.is_empty()).then(|| propagation::mean(("effective_duty", ""), &duties));
+        Ok(Self { opening, closing, effective_duty, onsets, missed })
+    }
+}
+
+/// Time in s and its deviation of the onset between the beginning of a window and its end, after an edge.
+fn onset(time: &[f64], pressure: &[f64], [from, edge, to]: [f64; 3]) -> Option<[f64; 2]> {
+    let mut window = [from, to];
+    let mut found = None;
+    for _ in 0..2 {
+        let range = series::between(time, window[0], window[1]);
+        let bend = Bend { time: &time[range.clone()], pressure: &pressure[range] };
+        let [instant, deviation] = bend.fit(edge)?;
+        found = Some([instant, deviation]);
+        let reach = 0.5 * (instant - window[0]).min(window[1] - instant);
+        window = [instant - reach, instant + reach];
+        let narrow = series::between(time, window[0], window[1]);
+        if narrow.len() < 2 * LEAST_SAMPLES {
+            break;
+        }
+    }
+    found
+}
+
+/// Samples whose course changes once.
+struct Bend<'a> {
+    time: &'a [f64],
+    pressure: &'a [f64],
+}
+
+impl Bend<'_> {
+    /// When it does, after an edge, and the deviation of that; `None` when it does not.
+    fn fit(&self, edge: f64) -> Option<[f64; 2]> {
+        let count = self.time.len();
+        if count < LEAST_SAMPLES {
+            return None;
+        }
+        let squares = |onset: f64| self.courses(onset).map_or(f64::INFINITY, |courses| courses.squares);
+        let middle = |place: usize| 0.5 * (self.time[place - 1] + self.time[place]);
+        let places = (ON_A_SIDE..=count - ON_A_SIDE).filter(|place| middle(*place) >= edge);
+        let best = places.min_by(|a, b| squares(middle(*a)).total_cmp(&squares(middle(*b))))?;
+        let onset = least(self.time[best - 2], self.time[best + 1], squares);
+        let found = self.courses(onset)?;
+        let variance = found.squares / (count - UNKNOWNS) as f64;
+        // The derivative by the onset beside those by the five numbers.
+        let slopes = DMatrix::from_fn(count, UNKNOWNS, |row, column| {
+            let u = (self.time[row] - onset) / found.span;
+            match column.checked_sub(1) {
+                Some(column) => terms(u)[column],
+                None => rates(u).iter().zip(&found.numbers).map(|(rate, number)| -rate * number).sum(),
+            }
+        });
+        let covariance = (slopes.transpose() * slopes).cholesky()?.inverse() * variance;
+        let clear = found.numbers[CHANGE].abs() > CLEAR * covariance[(1 + CHANGE, 1 + CHANGE)].sqrt();
+        let deviation = found.span * covariance[(0, 0)].sqrt();
+        (clear && deviation.is_finite()).then_some([onset, deviation])
+    }
+
+    /// The two courses that fit best about an onset; without it they are linear in what is unknown.
+    fn courses(&self, onset: f64) -> Option<Courses> {
+        let count = self.time.len();
+        let span = self.time[count - 1] - self.time[0];
+        // About the mean, so that the roundings of a large pressure do not count.
+        let mean = self.pressure.iter().sum::<f64>() / count as f64;
+        let design =
+            DMatrix::from_fn(count, UNKNOWNS - 1, |row, column| terms((self.time[row] - onset) / span)[column]);
+        let pressures = DVector::from_fn(count, |row, _| self.pressure[row] - mean);
+        let numbers = (design.transpose() * &design).cholesky()?.solve(&(design.transpose() * &pressures));
+        let squares = (pressures - design * &numbers).norm_squared();
+        Some(Courses { numbers: numbers.iter().copied().collect(), squares, span })
+    }
+}
+
+/// Two cubics that meet at an onset.
+struct Courses {
+    /// The pressure there less the mean, the slope before, the change of slope, both curvatures, both third terms; over the span.
+    numbers: Vec<f64>,
+    /// Sum of squares of the residuals.
+    squares: f64,
+    /// Time in s from the first sample to the last, which times are over.
+    span: f64,
+}
+
+/// What each of the seven numbers is multiplied by, at a time from the onset.
+fn terms(u: f64) -> [f64; UNKNOWNS - 1] {
+    let (before, after) = (u.min(0.0), u.max(0.0));
+    [1.0, u, after, before.powi(2), after.powi(2), before.powi(3), after.powi(3)]
+}
+
+/// The derivatives of these by the time.
+fn rates(u: f64) -> [f64; UNKNOWNS - 1] {
+    let (before, after) = (u.min(0.0), u.max(0.0));
+    let bent = f64::from(u8::from(u >= 0.0));
+    [0.0, 1.0, bent, 2.0 * before, 2.0 * after, 3.0 * before.powi(2), 3.0 * after.powi(2)]
+}
+
+/// Where a function of one number is least between two, by golden section.
+fn least(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)];
+    let [mut at_a, mut at_b] = [function(a), function(b)];
+    for _ in 0..SECTIONS {
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - golden * (high - low);
+            at_a = function(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + golden * (high - low);
+            at_b = function(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// A duty cycle that was commanded, and the one that came of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DutyPoint {
+    /// Frequency in Hz.
+    pub frequency: f64,
+    /// Commanded duty, 0 to 1.
+    pub commanded: f64,
+    /// Effective duty, 0 to 1.
+    pub effective: f64,
+}
+
+/// `t_open − t_close` in s of duties at several frequencies or duties, by least squares: what they lack over the frequency.
+///
+/// # Errors
+/// [`ValveError::TooFewPoints`] for less than two, [`ValveError::Implausible`] for a duty outside 0 to 1 or a frequency that is not
+/// above zero.
+pub fn delay_difference(points: &[DutyPoint]) -> Result<Estimate, ValveError> {
+    if points.len() < 2 {
+        return Err(ValveError::TooFewPoints { points: points.len(), least: 2 });
+    }
+    for (place, point) in points.iter().enumerate() {
+        let wrong = |what, value, unit, problem, remedy| {
+            Err(ValveError::Implausible { what, point: place + 1, value, unit, problem, remedy })
+        };
+        for (what, duty) in [("commanded duty", point.commanded), ("effective duty", point.effective)] {
+            if !(0.0..=1.0).contains(&duty) {
+                return wrong(what, duty, "", "outside 0 to 1", "give it as a fraction: 50 % is 0.5");
+            }
+        }
+        if !(point.frequency > 0.0 && point.frequency.is_finite()) {
+            return wrong("frequency", point.frequency, "Hz", "not above zero", "give it in hertz");
+        }
+    }
+    let start = points.iter().map(|point| (point.commanded - point.effective) / point.frequency).sum::<f64>();
+    let unknown = Unknown::new("delay_difference", "s", start / points.len() as f64);
+    Ok(fit(&Deficit(points), &[unknown], &Search::default())?.estimates[0].clone())
+}
+
+/// Effective duties by the difference of the delays.
+struct Deficit<'a>(&'a [DutyPoint]);
+
+impl Model for Deficit<'_> {
+    fn residuals(&self) -> usize {
+        self.0.len()
+    }
+
+    fn evaluate(&self, values: &[f64]) -> Evaluation {
+        let residual = |point: &DutyPoint| point.commanded - values[0] * point.frequency - point.effective;
+        Evaluation {
+            residuals: self.0.iter().map(residual).collect(),
+            slopes: self.0.iter().map(|point| -point.frequency).collect(),
+        }
+    }
+}

@@ -1,0 +1,318 @@
+//! A tank that is charged or discharged through a valve: C and b from its pressure alone, or its volume where the valve is known.
+//!
+//! ```text
+//! isothermal       ṁ = (V/RT) dP/dt          as ISO 6358-2 does, in a tank stuffed with metal wool
+//! any process      P(t) of the simulated tank
+//! ```
+//!
+//! [`Tank::isothermal_flow`] makes points of steady flow for [`FlowCurve`](super::FlowCurve): the slope of a cubic through the samples
+//! of each of a number of windows that share none, so that their errors are independent. [`Tank::fit`] fits the trajectory, with exact
+//! derivatives. A tank is simulated as an actuator that is held at one length: the external volume makes up the rest.
+//!
+//! C and V cannot both be found from a pressure: a tank twice as large behind twice the valve has the same. The temperature at the
+//! start is that of the tank's wall.
+//!
+//! Source: ISO 6358-2:2019 names the two tests; the isothermal tank is that of EP 1847812. Checked by `tests/valve.rs`.
+
+use super::ValveError;
+use super::steady::{LAMINAR_RATIO, SteadyPoint, check_pressure};
+use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit};
+use crate::series::{self, Polynomial};
+use mckibben::air::{Air, Process};
+use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
+use mckibben::friction::Friction;
+use mckibben::load::Load;
+use mckibben::parameter::{self, Parameter};
+use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, simulate};
+use mckibben::valve::{
+    Command, ExhaustTemperature, FlowLaw, FlowStandard, Request, Solenoid, Supply, Valve, ValveKind,
+};
+use mckibben::{AbsolutePressure, Actuator, Braid, Dual, GaugePressure, Over, Scalar};
+
+/// Samples that it takes.
+const LEAST_SAMPLES: usize = 8;
+/// Samples of a window, for a cubic and some to spare.
+const LEAST_IN_WINDOW: usize = 6;
+/// Relative tolerance of the trajectories.
+const TOLERANCE: f64 = 1e-9;
+/// A braid so thin that it is nothing beside the tank: thread length and length in m, turns.
+const BRAID: (f64, f64, f64) = (0.1, 0.08, 1e4);
+
+/// Pressure over time in a tank, from the valve's opening on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TankRecord {
+    time: Vec<f64>,
+    pressure: Vec<f64>,
+}
+
+impl TankRecord {
+    /// Samples of the absolute `pressure` in Pa at each `time` in s; the valve is open from the first on.
+    ///
+    /// # Errors
+    /// [`ValveError::Series`] for fewer than eight samples, a number that is not finite, or times out of order;
+    /// [`ValveError::Implausible`] for a pressure that is no absolute one.
+    pub fn new(time: Vec<f64>, pressure: Vec<f64>) -> Result<Self, ValveError> {
+        series::check(&time, &pressure, "the pressure", LEAST_SAMPLES)?;
+        for (place, value) in pressure.iter().enumerate() {
+            check_pressure("pressure", place, *value, "Pa")?;
+        }
+        Ok(Self { time, pressure })
+    }
+}
+
+/// Where the air comes from or goes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transfer {
+    /// From a supply at an absolute pressure and a temperature in K.
+    Charge {
+        /// Absolute pressure of the supply.
+        supply: AbsolutePressure,
+        /// Its temperature in K.
+        temperature: f64,
+    },
+    /// To the surroundings of the air.
+    Discharge,
+}
+
+/// A rigid volume behind a valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tank {
+    /// Volume in m³, the line to the valve included; where it is sought, a guess.
+    pub volume: f64,
+    /// Temperature of the air in K when the valve opens.
+    pub temperature: f64,
+    /// The gas, its surroundings, and how heat goes between it and the wall.
+    pub air: Air,
+    /// What happens.
+    pub transfer: Transfer,
+}
+
+/// What is unknown beside the pressure at the first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sought {
+    /// C and b of the valve, from guesses in m³/(s·Pa) and 1.
+    Valve {
+        /// A guess of C in m³/(s·Pa).
+        sonic_conductance: f64,
+        /// A guess of b.
+        critical_ratio: f64,
+    },
+    /// The volume, with a valve that is known.
+    Volume {
+        /// How the size of the valve is stated.
+        standard: FlowStandard,
+        /// The factor on its flow.
+        efficiency: f64,
+    },
+}
+
+/// The trajectory that fits best.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TankFit {
+    /// C in m³/(s·Pa), where it was sought.
+    pub sonic_conductance: Option<Estimate>,
+    /// b, where it was sought.
+    pub critical_ratio: Option<Estimate>,
+    /// Volume in m³, where it was sought.
+    pub volume: Option<Estimate>,
+    /// Heat transfer h A in W/K, where it was sought.
+    pub heat_transfer: Option<Estimate>,
+    /// Standard deviation of a sample about the trajectory in Pa.
+    pub scatter: f64,
+    /// The least squares behind it.
+    pub fit: Fit,
+}
+
+impl Tank {
+    /// Points of steady flow from an isothermal tank, one for each of a number of `windows`. Near equal pressures the flow falls
+    /// too fast for a cubic: leave points with a ratio above 0.9 out.
+    ///
+    /// # Errors
+    /// [`ValveError::Unsupported`] for windows of fewer than six samples.
+    pub fn isothermal_flow(&self, record: &TankRecord, windows: usize) -> Result<Vec<SteadyPoint>, ValveError> {
+        let size = record.time.len() / windows.max(1);
+        if size < LEAST_IN_WINDOW {
+            return Err(ValveError::Unsupported {
+                what: "a window has fewer than six samples, too few for a slope",
+                remedy: "ask for fewer windows, or sample faster",
+            });
+        }
+        let point = |(time, pressure): (&[f64], &[f64])| {
+            let middle = 0.5 * (time[0] + time[size - 1]);
+            let cubic = Polynomial::fit(time, pressure, middle, 3)?;
+            let (inside, rate) = (AbsolutePressure(cubic.coefficients[0]), cubic.coefficients[1]);
+            let flow = self.air.mass(AbsolutePressure(rate), self.volume, self.temperature);
+            Some(match self.transfer {
+                Transfer::Charge { supply, temperature } => {
+                    SteadyPoint { upstream: supply, downstream: inside, temperature, mass_flow: flow }
+                }
+                Transfer::Discharge => SteadyPoint {
+                    upstream: inside,
+                    downstream: self.air.atmosphere(),
+                    temperature: self.temperature,
+                    mass_flow: -flow,
+                },
+            })
+        };
+        Ok(record.time.chunks_exact(size).zip(record.pressure.chunks_exact(size)).filter_map(point).collect())
+    }
+
+    /// Fits the simulated pressure to a record; with `heat`, the heat transfer too, of air with an energy balance.
+    ///
+    /// # Errors
+    /// [`ValveError::Unsupported`] for heat without an energy balance, [`ValveError::CriticalRatio`] for a b outside 0 to 1,
+    /// [`ValveError::Physics`] for a number outside its range, [`ValveError::Fit`] when nothing fits.
+    pub fn fit(&self, record: &TankRecord, sought: Sought, heat: bool) -> Result<TankFit, ValveError> {
+        let rig = self.rig(sought)?;
+        let mut unknowns = vec![Unknown::new("pressure", "Pa", record.pressure[0]).between(1.0, f64::INFINITY)];
+        let mut rows = vec![&parameter::INITIAL_GAUGE_PRESSURE];
+        match sought {
+            Sought::Valve { sonic_conductance, critical_ratio } => {
+                rows.extend([&parameter::SONIC_CONDUCTANCE, &parameter::CRITICAL_RATIO]);
+                unknowns.push(
+                    Unknown::new("sonic_conductance", "m^3/(s*Pa)", sonic_conductance)
+                        .between(1e-3 * sonic_conductance, 1e3 * sonic_conductance),
+                );
+                unknowns.push(Unknown::new("critical_ratio", "", critical_ratio).between(-0.5, 0.95));
+            }
+            Sought::Volume { .. } => {
+                rows.push(&parameter::EXTERNAL_VOLUME);
+                unknowns
+                    .push(Unknown::new("volume", "m^3", self.volume).between(1e-3 * self.volume, 1e3 * self.volume));
+            }
+        }
+        if heat {
+            let Process::EnergyBalance { heat_transfer, .. } = self.air.process() else {
+                return Err(ValveError::Unsupported {
+                    what: "heat transfer is sought of air whose process has none",
+                    remedy: "give the air an energy balance with a guess of h A",
+                });
+            };
+            rows.push(&parameter::HEAT_TRANSFER);
+            unknowns.push(Unknown::new("heat_transfer", "W/K", heat_transfer).between(0.0, f64::INFINITY));
+        }
+        let noise = series::noise(&record.time, &record.pressure).max(f64::EPSILON * record.pressure[0]);
+        let trajectory = Trajectory { tank: self, rig: &rig, rows: &rows, record, noise };
+        let fit = fit(&trajectory, &unknowns, &Search::default())?;
+        let of = |name: &str| fit.estimates.iter().find(|estimate| estimate.name == name).cloned();
+        if let Some(ratio) = of("critical_ratio") {
+            let reaches = ratio.interval.unwrap_or([ratio.value; 2]);
+            if ratio.on_bound || reaches[1] < 0.0 {
+                return Err(ValveError::CriticalRatio { value: ratio.value });
+            }
+        }
+        Ok(TankFit {
+            sonic_conductance: of("sonic_conductance"),
+            critical_ratio: of("critical_ratio"),
+            volume: of("volume"),
+            heat_transfer: of("heat_transfer"),
+            scatter: fit.scatter * noise,
+            fit,
+        })
+    }
+
+    /// Absolute pressure in Pa at times in s after the valve has opened on a tank at an absolute pressure.
+    ///
+    /// # Errors
+    /// [`ValveError::Physics`] for a number outside its range.
+    pub fn pressures(
+        &self,
+        from: AbsolutePressure,
+        standard: FlowStandard,
+        efficiency: f64,
+        times: &[f64],
+    ) -> Result<Vec<f64>, ValveError> {
+        let rig = self.rig(Sought::Volume { standard, efficiency })?;
+        let start = rig.start(&self.initial(from))?;
+        let last = times.iter().copied().fold(0.0, f64::max);
+        let run = simulate(&rig, start, last, TOLERANCE)?;
+        Ok(times.iter().map(|time| run.at(*time).pressure.0).collect())
+    }
+
+    fn initial(&self, pressure: AbsolutePressure) -> Initial {
+        Initial {
+            gauge_pressure: pressure.gauge(self.air.atmosphere()),
+            temperature: self.temperature,
+            length: InitialLength::At(BRAID.1),
+            velocity: 0.0,
+        }
+    }
+
+    /// The tank with its valve as a rig.
+    fn rig(&self, sought: Sought) -> Result<Rig, ValveError> {
+        let (standard, efficiency) = match sought {
+            Sought::Valve { sonic_conductance, critical_ratio } => {
+                (FlowStandard::Iso6358 { sonic_conductance, critical_ratio }, 1.0)
+            }
+            Sought::Volume { standard, efficiency } => (standard, efficiency),
+        };
+        let air = self.air;
+        let (supply, request) = match self.transfer {
+            Transfer::Charge { supply, temperature } => {
+                (Supply::new(supply.gauge(air.atmosphere()), temperature, &air)?, Request::Fill)
+            }
+            Transfer::Discharge => (Supply::new(GaugePressure(0.0), self.temperature, &air)?, Request::Exhaust),
+        };
+        let law = FlowLaw::new(standard, efficiency, LAMINAR_RATIO, &air)?;
+        let valve = Valve::new(law, supply, ExhaustTemperature::Actuator, &air);
+        let braid = Braid::new(BRAID.0, BRAID.2)?;
+        let limits = LengthLimits::new(&braid, None, 0.5 * (BRAID.0 + BRAID.1), 1e5, 0.0)?;
+        let law =
+            Effective { law: Characteristic::from(IdealBraid { braid }), effectiveness: Effectiveness::Constant(1.0) };
+        let actuator = Actuator::new(law, limits, Friction::NONE, self.volume, air)?.with_valve(valve);
+        let solenoid = Solenoid::new(ValveKind::ThreeWay, 0.0, 0.0)?;
+        let actuation = Actuation { solenoid, command: Command::Constant(request) };
+        Ok(Rig::new(actuator, Some(actuation), Load::Isometric)?)
+    }
+}
+
+/// As many directions as there are unknowns at most.
+type D = Dual<f64, 4>;
+
+/// The tank's pressure over time, by the unknowns.
+struct Trajectory<'a> {
+    tank: &'a Tank,
+    rig: &'a Rig,
+    /// The row of each unknown; the pressure at the start comes first.
+    rows: &'a [&'static Parameter],
+    record: &'a TankRecord,
+    noise: f64,
+}
+
+impl Trajectory<'_> {
+    /// Pressures at the times; `None` where the physics ends.
+    fn pressures(&self, values: &[f64]) -> Option<Vec<D>> {
+        let atmosphere = self.tank.air.atmosphere().0;
+        let number = |row: &'static Parameter, value: f64| {
+            let place = self.rows.iter().position(|free| std::ptr::eq(*free, row));
+            place.map_or(D::of(value), |place| match place {
+                0 => D::variable(values[0], 0) - D::of(atmosphere),
+                _ => D::variable(values[place], place),
+            })
+        };
+        let rig = self.rig.map(number);
+        let initial = self.tank.initial(AbsolutePressure(values[0])).map(number);
+        let start = rig.begin(&initial).ok()?;
+        let time = &self.record.time;
+        let run = simulate(&rig, start, D::constant(time[time.len() - 1] - time[0]), TOLERANCE).ok()?;
+        Some(time.iter().map(|at| run.at(D::constant(at - time[0])).pressure.0).collect())
+    }
+}
+
+impl Model for Trajectory<'_> {
+    fn residuals(&self) -> usize {
+        self.record.time.len()
+    }
+
+    fn evaluate(&self, values: &[f64]) -> Evaluation {
+        let (samples, unknowns) = (self.record.time.len(), values.len());
+        let Some(pressures) = self.pressures(values) else {
+            return Evaluation { residuals: vec![f64::NAN; samples], slopes: vec![f64::NAN; samples * unknowns] };
+        };
+        let residual = |(at, measured): (&D, &f64)| (at.value - measured) / self.noise;
+        Evaluation {
+            residuals: pressures.iter().zip(&self.record.pressure).map(residual).collect(),
+            slopes: pressures.iter().flat_map(|at| at.slope[..unknowns].iter().map(|s| s / self.noise)).collect(),
+        }
+    }
+}

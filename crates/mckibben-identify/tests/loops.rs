@@ -1,0 +1,124 @@
+//! Loops: weights, friction and damping put in come back out, and what has no hysteresis leaves the loop.
+
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::least_squares::{Search, Unknown};
+use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
+use mckibben_scenario::{Hysteresis, Place, Scenario};
+
+const REACH: [f64; 4] = [0.1e-3, 0.3e-3, 0.8e-3, 2e-3];
+const RATIO: [f64; 4] = [0.4, 0.15, 0.08, 0.03];
+
+fn muscle(ratio: [f64; 4]) -> Scenario {
+    let text = "[actuator]\npreset = \"colbrunn-2001\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
+                [initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"1 s\"\n";
+    let mut scenario = Scenario::from_str(text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    let friction = &mut scenario.actuator.friction;
+    (friction.coulomb_width, friction.viscous) = (0.05e-3, 20.0);
+    friction.hysteresis = Some(Hysteresis::MaxwellSlip { reach: REACH.to_vec(), stiffness_ratio: ratio.to_vec() });
+    scenario
+}
+
+/// A slow machine to and fro between turns that come closer, at a gauge pressure that breathes about a value in Pa.
+fn pulled(scenario: &Scenario, gauge: f64, noise: f64) -> Loop {
+    let turns = [84e-3, 94e-3, 85e-3, 92e-3, 86e-3, 90e-3, 87e-3];
+    let mut samples = Vec::new();
+    let mut time = 0.0;
+    for pair in turns.windows(2) {
+        let steps = ((pair[1] - pair[0]).abs() / 0.05e-3) as i32;
+        for step in 0..steps {
+            let length = pair[0] + (pair[1] - pair[0]) * f64::from(step) / f64::from(steps);
+            samples.push(Sample {
+                time,
+                length,
+                gauge_pressure: gauge * (1.0 + 0.02 * (0.3 * time).sin()),
+                tension: 0.0,
+            });
+            time += 0.02;
+        }
+    }
+    let drawn = Loop::new("slow", samples.clone()).expect("a loop");
+    let actuator = scenario.driven().expect("an actuator").actuator;
+    let found = tensions(&drawn, &actuator);
+    let weyl = |place: usize, root: f64| ((place as f64 + 1.0) * root.sqrt()).fract() - 0.5;
+    for (place, (of, tension)) in found.into_iter().enumerate() {
+        let sum: f64 = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]
+            .iter()
+            .map(|root| weyl(place, *root))
+            .sum();
+        let sample = samples.iter_mut().find(|sample| sample.time == of.time).expect("the sample");
+        sample.tension = tension + noise * sum;
+    }
+    Loop::new("slow", samples).expect("a loop")
+}
+
+const SOUGHT: [&str; 6] = [
+    "actuator.friction.hysteresis.stiffness_ratio[0]",
+    "actuator.friction.hysteresis.stiffness_ratio[1]",
+    "actuator.friction.hysteresis.stiffness_ratio[2]",
+    "actuator.friction.hysteresis.stiffness_ratio[3]",
+    "actuator.friction.coulomb_width",
+    "actuator.friction.viscous",
+];
+const TRUTH: [f64; 6] = [RATIO[0], RATIO[1], RATIO[2], RATIO[3], 0.05e-3, 20.0];
+
+fn fit(noise: f64) -> LoopFit {
+    let mut start = muscle([0.1; 4]);
+    let places = SOUGHT.map(|path| Place::find(path, &mut start).expect("a number")).to_vec();
+    let first = [0.1, 0.1, 0.1, 0.1, 0.1e-3, 5.0];
+    let unknowns = (0..6)
+        .map(|place| Unknown::new(SOUGHT[place], "", first[place]).between(1e-6 * first[place], 1e3 * first[place]));
+    let loops = [2e5, 4e5].map(|gauge| pulled(&muscle(RATIO), gauge, noise)).to_vec();
+    let task = LoopTask {
+        adjustable: Adjustable::new(start, places, false),
+        unknowns: unknowns.collect(),
+        starts: Vec::new(),
+        loops,
+        deviation: None,
+        search: Search::default(),
+    };
+    task.identify().unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn weights_friction_and_damping_come_back_out() {
+    let found = fit(0.0);
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(TRUTH) {
+        assert!((estimate.value / truth - 1.0).abs() < 1e-7, "{}: {} is not {truth}", estimate.name, estimate.value);
+    }
+    let noisy = fit(0.2);
+    for (estimate, truth) in noisy.found.fit.estimates.iter().zip(TRUTH) {
+        let off = (estimate.value - truth).abs() / estimate.deviation.expect("a deviation");
+        assert!(off < 4.0, "{}: {off} deviations", estimate.name);
+    }
+    assert!((noisy.left / 0.2 - 1.0).abs() < 0.1, "{}", noisy.left);
+}
+
+#[test]
+fn without_hysteresis_the_loop_is_left() {
+    let mut start = muscle(RATIO);
+    start.actuator.friction.hysteresis = None;
+    let path = "actuator.friction.coulomb_width";
+    let place = Place::find(path, &mut start).expect("a number");
+    let task = LoopTask {
+        adjustable: Adjustable::new(start, vec![place], false),
+        unknowns: vec![Unknown::new(path, "m", 1e-4).between(0.0, 1e-2)],
+        starts: Vec::new(),
+        loops: vec![pulled(&muscle(RATIO), 4e5, 0.0)],
+        deviation: None,
+        search: Search::default(),
+    };
+    let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+    // Coulomb friction is as wide as all elements together where they slip, and turns too sharply.
+    assert!(found.left > 0.5, "{} N", found.left);
+}
+
+#[test]
+fn what_is_no_loop_is_refused() {
+    let sample = |time: f64, length: f64| Sample { time, length, gauge_pressure: 1e5, tension: 10.0 };
+    let one_way = vec![sample(0.0, 0.09), sample(0.1, 0.091), sample(0.2, 0.091), sample(0.3, 0.092)];
+    assert!(matches!(Loop::new("up", one_way), Err(LoopError::NoTurn { .. })));
+    let back = vec![sample(0.0, 0.09), sample(0.0, 0.091)];
+    assert_eq!(Loop::new("a", back), Err(LoopError::BadSample { name: "a".into(), sample: 2 }));
+    let bad = vec![sample(0.0, f64::NAN)];
+    assert_eq!(Loop::new("a", bad), Err(LoopError::BadSample { name: "a".into(), sample: 1 }));
+}

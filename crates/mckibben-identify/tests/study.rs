@@ -1,0 +1,251 @@
+//! Studies: every rule for dirty data by data that break it, both formats, and every mistake with its place.
+
+use mckibben_identify::study::{Kind, Quantity, Recording, Severity, Study, StudyError};
+use std::path::PathBuf;
+
+/// A folder that is gone afterwards.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mckibben-study-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        Self(path)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.0.join(name), text).expect("a file");
+    }
+
+    fn study(&self, text: &str) -> Result<Study, StudyError> {
+        Study::parse(text, &self.0.join("study.toml"))
+    }
+
+    /// One run of a table in s, mm and N, with more lines for the columns.
+    fn recording(&self, table: &str, length: &str, tension: &str) -> Result<Recording, StudyError> {
+        self.write("data.csv", table);
+        let text = format!(
+            "[study]\nkind = \"trajectories\"\nscenario = \"m.toml\"\n[columns.time]\nname = \"t\"\nunit = \"s\"\n\
+             [columns.length]\nname = \"L\"\nunit = \"mm\"\n{length}\n[columns.tension]\nname = \"F\"\nunit = \"N\"\n{tension}\n[[run]]\nfile = \"data.csv\"\n"
+        );
+        self.study(&text)?.recordings().map(|mut all| all.remove(0))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn notes(recording: &Recording) -> String {
+    recording.notes.iter().map(|note| format!("{:?} {note}\n", note.severity)).collect()
+}
+
+/// A table whose readings are given by their row.
+fn table(rows: usize, line: impl Fn(usize) -> String) -> String {
+    (0..rows).fold("t,L,F\n".to_owned(), |text, row| text + &line(row) + "\n")
+}
+
+fn even(row: usize) -> String {
+    format!("{},{},{}", 0.01 * row as f64, 90.0 + (0.7 * row as f64).sin(), 20.0 + (0.9 * row as f64).cos())
+}
+
+#[test]
+fn a_clean_table_is_read_to_si() {
+    let folder = Folder::new("clean");
+    let recording =
+        folder.recording(&table(40, even), "", "deviation = \"0.5 N\"").unwrap_or_else(|error| panic!("{error}"));
+    let (times, lengths) = recording.channel(Quantity::Length).expect("a course");
+    assert_eq!((times.len(), times[1], lengths[0]), (40, 0.01, 0.09));
+    assert_eq!(recording.column(Quantity::Tension).expect("one").deviation, Some(0.5));
+    assert!(recording.notes.iter().all(|note| note.severity == Severity::Told), "{}", notes(&recording));
+    assert!(notes(&recording).contains("40 readings, 100"), "{}", notes(&recording));
+}
+
+#[test]
+fn semicolons_and_decimal_commas() {
+    let folder = Folder::new("comma");
+    let text = table(20, even).replace(',', ";").replace('.', ",");
+    let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(recording.channel(Quantity::Length).expect("a course").1[0], 0.09);
+}
+
+#[test]
+fn missing_readings_are_left_out_and_told() {
+    let folder = Folder::new("missing");
+    let text = table(40, |row| match row {
+        3 => "0.03,,20".to_owned(),
+        5 => "0.05,NaN,n/a".to_owned(),
+        7 => ",90,20".to_owned(),
+        _ => even(row),
+    });
+    let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(recording.channel(Quantity::Length).expect("a course").0.len(), 37);
+    assert_eq!(recording.channel(Quantity::Tension).expect("a course").0.len(), 38);
+    assert!(notes(&recording).contains("2 rows without a reading or without a time"), "{}", notes(&recording));
+    assert!(notes(&recording).contains("1 of 38 readings of the length"), "{}", notes(&recording));
+    let most = table(40, |row| if row < 30 { format!("{},,20", 0.01 * row as f64) } else { even(row) });
+    let error = folder.recording(&most, "", "").expect_err("too few").to_string();
+    assert!(error.contains("30 of 40 readings of the length are missing"), "{error}");
+}
+
+#[test]
+fn one_time_twice_is_averaged_and_a_time_that_goes_back_is_refused() {
+    let folder = Folder::new("times");
+    let text = table(20, |row| if row == 4 { "0.03,95,31".to_owned() } else { even(row) });
+    let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    let (times, lengths) = recording.channel(Quantity::Length).expect("a course");
+    assert_eq!(times.len(), 19);
+    let expected = 0.5e-3 * (95.0 + 90.0 + 2.1_f64.sin());
+    assert!((lengths[3] - expected).abs() < 1e-12, "{} is not {expected}", lengths[3]);
+    assert!(notes(&recording).contains("averaged"), "{}", notes(&recording));
+    let back = table(20, |row| if row == 6 { "0.01,90,20".to_owned() } else { even(row) });
+    let error = folder.recording(&back, "", "").expect_err("back");
+    assert_eq!(error.line, Some(8));
+    assert!(error.to_string().contains("the time goes back"), "{error}");
+}
+
+#[test]
+fn offsets_and_drift_are_taken_off_where_the_quantity_is_known() {
+    let folder = Folder::new("zero");
+    // 2 N too much at the start and 3 N too much at the end.
+    let text = table(101, |row| {
+        let time = 0.01 * row as f64;
+        let pull = if (0.2..0.8).contains(&time) { 40.0 + (time - 0.5) } else { 0.0 };
+        format!("{time},{},{}", 90.0 + time, pull + 2.0 + time)
+    });
+    let zeros = "zero = [{ from = \"0 s\", to = \"0.1 s\" }, { from = \"0.9 s\", to = \"1 s\" }]";
+    let recording = folder.recording(&text, "offset = \"1 mm\"", zeros).unwrap_or_else(|error| panic!("{error}"));
+    let (_, tensions) = recording.channel(Quantity::Tension).expect("a course");
+    assert!(
+        tensions[0].abs() < 1e-9 && (tensions[50] - 40.0).abs() < 1e-9 && tensions[100].abs() < 1e-9,
+        "{tensions:?}"
+    );
+    assert_eq!(recording.channel(Quantity::Length).expect("a course").1[0], 0.089);
+    assert!(
+        notes(&recording).contains("an offset of 2.05") && notes(&recording).contains("a drift of 1.0"),
+        "{}",
+        notes(&recording)
+    );
+    let one = folder
+        .recording(&text, "", "zero = [{ from = \"0 s\", to = \"0.1 s\", value = \"1 N\" }]")
+        .unwrap_or_else(|error| panic!("{error}"));
+    let (_, tensions) = one.channel(Quantity::Tension).expect("a course");
+    assert!((tensions[5] - 1.0).abs() < 1e-9, "{}", tensions[5]);
+    let error =
+        folder.recording(&text, "", "zero = [{ from = \"5 s\", to = \"6 s\" }]").expect_err("no reading").to_string();
+    assert!(error.contains("from 5 s to 6 s"), "{error}");
+}
+
+#[test]
+fn outliers_are_told_or_left_out() {
+    let folder = Folder::new("outliers");
+    let text = table(60, |row| if row == 30 { "0.3,190,20".to_owned() } else { even(row) });
+    let told = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert!(notes(&told).contains("1 readings of the length look like outliers"), "{}", notes(&told));
+    assert_eq!(told.channel(Quantity::Length).expect("a course").0.len(), 60);
+    let dropped = folder.recording(&text, "drop_outliers = true", "").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(dropped.channel(Quantity::Length).expect("a course").0.len(), 59);
+}
+
+#[test]
+fn a_sensor_at_its_end_is_refused_unless_it_is_said() {
+    let folder = Folder::new("end");
+    let text = table(60, |row| format!("{},{},{}", 0.01 * row as f64, 90.0, (20.0 + row as f64).min(50.0)));
+    let error = folder.recording(&text, "", "").expect_err("saturated").to_string();
+    assert!(error.contains("30 times on end") && error.contains("saturates = \"50 N\""), "{error}");
+    let said = folder.recording(&text, "", "saturates = \"50 N\"").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(said.channel(Quantity::Tension).expect("a course").0.len(), 30);
+    let kept = folder.recording(&text, "", "saturates = \"60 N\"").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(kept.channel(Quantity::Tension).expect("a course").0.len(), 60);
+}
+
+#[test]
+fn gaps_and_slack_are_told() {
+    let folder = Folder::new("gaps");
+    let text = table(40, |row| {
+        let time = 0.01 * row as f64 + if row > 20 { 1.0 } else { 0.0 };
+        format!("{time},{},{}", 90.0 + 0.1 * row as f64, if row < 5 { 0.2 } else { 10.0 + row as f64 })
+    });
+    let recording = folder.recording(&text, "", "slack = \"0.5 N\"").unwrap_or_else(|error| panic!("{error}"));
+    assert!(notes(&recording).contains("a gap of 1.0100 s"), "{}", notes(&recording));
+    let tension = recording.column(Quantity::Tension).expect("one");
+    assert_eq!(tension.slack.iter().filter(|slack| **slack).count(), 5);
+}
+
+#[test]
+fn parquet_is_read_as_csv_is() {
+    use parquet::data_type::DoubleType;
+    use parquet::file::writer::SerializedFileWriter;
+    use parquet::schema::parser::parse_message_type;
+    let folder = Folder::new("parquet");
+    let schema = parse_message_type("message run { required double t; required double L; required double F; }")
+        .expect("a schema");
+    let file = std::fs::File::create(folder.0.join("data.parquet")).expect("a file");
+    let mut writer = SerializedFileWriter::new(file, schema.into(), Default::default()).expect("a writer");
+    let mut group = writer.next_row_group().expect("a group");
+    for column in [[0.0, 0.01, 0.02], [90.0, 91.0, f64::NAN], [1.0, 2.0, 3.0]] {
+        let mut pages = group.next_column().expect("a column").expect("a column");
+        pages.typed::<DoubleType>().write_batch(&column, None, None).expect("numbers");
+        pages.close().expect("closed");
+    }
+    group.close().expect("closed");
+    writer.close().expect("closed");
+    let text = "[study]\nkind = \"force-map\"\nscenario = \"m.toml\"\n[columns.time]\nname = \"t\"\nunit = \"s\"\n[columns.length]\nname = \"L\"\nunit = \"mm\"\n\
+                [[run]]\nfile = \"data.parquet\"\nheld = { gauge_pressure = \"2 bar\" }\nset = { \"load.mass\" = \"5 lb\" }\n";
+    let study = folder.study(text).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.kind, Kind::ForceMap);
+    let recording = study.recordings().unwrap_or_else(|error| panic!("{error}")).remove(0);
+    assert_eq!(recording.channel(Quantity::Length).expect("a course"), (vec![0.0, 0.01], vec![0.09, 0.091]));
+    assert_eq!(recording.column(Quantity::GaugePressure).expect("held").values, vec![2e5; 2]);
+    assert_eq!(recording.set, [("load.mass".to_owned(), "\"5 lb\"".to_owned())]);
+}
+
+#[test]
+fn mistakes_are_shown_where_they_are() {
+    let folder = Folder::new("mistakes");
+    let head = "[study]\nkind = \"force-map\"\nscenario = \"m.toml\"\n";
+    let run = "[[run]]\nfile = \"data.csv\"\n";
+    for (text, line, words) in [
+        ("[study]\nkind = \"force\"\nscenario = \"m.toml\"\n".to_owned() + run, Some(2), "force-map"),
+        ("[study]\nkind = \"force-map\"\nscenari = \"m.toml\"\n".to_owned() + run, Some(3), "scenario"),
+        (format!("{head}[columns.lenght]\nname = \"L\"\nunit = \"mm\"\n{run}"), None, "`lenght` is no quantity"),
+        (format!("{head}[columns.length]\nname = \"L\"\nunit = \"psi\"\n{run}"), Some(6), "no unit of length"),
+        (
+            format!("{head}[columns.tension]\nname = \"F\"\nunit = \"N\"\nslack = \"1 mm\"\n{run}"),
+            Some(7),
+            "is no tension",
+        ),
+        (head.to_owned(), Some(1), "no runs"),
+        (format!("{head}[[run]]\nname = \"a\"\n"), None, "has no file"),
+        (format!("{head}[search]\nrobust = -1\n{run}"), None, "not above zero"),
+    ] {
+        let error = folder.study(&text).expect_err(&text);
+        assert!(error.to_string().contains(words), "{error}");
+        if line.is_some() {
+            assert_eq!(error.line, line, "{error}");
+        }
+    }
+    let columns = "[columns.length]\nname = \"L\"\nunit = \"mm\"\n";
+    for (table, words) in [
+        ("1,2\n3,4\n", "first line is numbers"),
+        ("t,L\n0,nine\n", "`nine` in the column `L` is no number"),
+        ("t,L\n0,9,3\n", "more or fewer cells"),
+        ("t,M\n0,9\n", "has a column `L`"),
+        ("t,L\n", "no readings"),
+    ] {
+        folder.write("data.csv", table);
+        let study = folder.study(&format!("{head}{columns}{run}")).unwrap_or_else(|error| panic!("{error}"));
+        let error = study.recordings().expect_err(table).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let missing = folder
+        .study(&format!("{head}{columns}[[run]]\nfile = \"none.csv\"\n"))
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert!(missing.recordings().expect_err("missing").to_string().contains("cannot be read"));
+    let other = folder
+        .study(&format!("{head}{columns}[[run]]\nfile = \"data.xlsx\"\n"))
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert!(other.recordings().expect_err("format").to_string().contains(".parquet"));
+}

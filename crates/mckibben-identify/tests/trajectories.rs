@@ -1,0 +1,166 @@
+//! Courses in time: numbers put in come back out, with honest intervals, and what cannot be found says so.
+
+use mckibben::simulation::simulate;
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::least_squares::{Search, Unknown};
+use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
+use mckibben_scenario::{Place, Scenario};
+
+/// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
+fn scenario(supply: f64) -> Scenario {
+    let text = format!(
+        "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"{supply} psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+         [command]\nkind = \"pwm\"\nfrequency = \"12 Hz\"\nduty = 0.45\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
+         [initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.4 s\"\n"
+    );
+    Scenario::from_str(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Nearly normal, of unit variance, the same in every run: twelve Weyl sequences together.
+fn noise(place: usize) -> f64 {
+    let part = |root: f64| ((place as f64 + 1.0) * root.sqrt()).fract() - 0.5;
+    [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0].map(part).iter().sum()
+}
+
+/// A run as a rig would record it, with noise in m and Pa.
+fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2]) -> Recorded {
+    let experiment = truth.experiment().unwrap_or_else(|error| panic!("{error}"));
+    let run = simulate(&experiment.rig, experiment.start, 0.4, 1e-10).expect("a run");
+    let times: Vec<f64> = (1..=200).map(|step| 0.002 * f64::from(step)).collect();
+    let [length, pressure] = deviations;
+    let lengths = times.iter().enumerate().map(|(place, time)| run.at(*time).length + length * noise(place));
+    let gauge = |time: f64| run.at(time).pressure.0 - truth.air.atmospheric_pressure;
+    let pressures = times.iter().enumerate().map(|(place, time)| gauge(*time) + pressure * noise(place + 1000));
+    let course = |observed, values: Vec<f64>| Course { observed, times: times.clone(), values, deviation: None };
+    let courses =
+        vec![course(Observed::Length, lengths.collect()), course(Observed::GaugePressure, pressures.collect())];
+    let mut base = truth.clone();
+    let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
+    Recorded {
+        name: format!("{} Pa", truth.supply.map_or(0.0, |supply| supply.gauge_pressure)),
+        adjustable: Adjustable::new(base, places, false),
+        unknowns: (0..sought.len()).collect(),
+        courses,
+    }
+}
+
+/// Looks for numbers from `factor` times their true values.
+fn task(runs: Vec<Recorded>, sought: &[&str], factor: f64) -> Task {
+    let mut base = runs[0].adjustable.base().clone();
+    let unknown = |path: &&str| {
+        let value = Place::find(path, &mut base).expect("a number").value(&mut base).expect("a value");
+        Unknown::new(*path, "", factor * value).between(0.05 * value, 20.0 * value)
+    };
+    let unknowns = sought.iter().map(unknown).collect();
+    Task { runs, unknowns, starts: Vec::new(), horizon: Horizon::Whole, search: Search::default(), tolerance: 1e-9 }
+}
+
+const SOUGHT: [&str; 4] =
+    ["actuator.friction.viscous", "actuator.friction.coulomb_width", "valve.flow_area", "valve.opening_delay"];
+
+fn truth_of(task: &Task) -> Vec<f64> {
+    let mut base = task.runs[0].adjustable.base().clone();
+    task.unknowns
+        .iter()
+        .map(|unknown| Place::find(&unknown.name, &mut base).expect("one").value(&mut base).expect("a value"))
+        .collect()
+}
+
+fn identified(task: &Task) -> Identified {
+    task.identify().unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn numbers_put_in_come_back_out() {
+    let runs = [100.0, 70.0].map(|psi| recorded(&scenario(psi), &SOUGHT, [0.0; 2]));
+    let task = task(runs.to_vec(), &SOUGHT, 1.3);
+    let found = identified(&task);
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
+        // The recording is good to a relative 1e-10 a step, the fit to 1e-9.
+        assert!((estimate.value / truth - 1.0).abs() < 1e-5, "{}: {} is not {truth}", estimate.name, estimate.value);
+    }
+    assert!(found.found.fit.untold.is_empty());
+    assert_eq!(found.scenarios.len(), 2);
+    found.scenarios[1].experiment().expect("a scenario that runs");
+}
+
+#[test]
+fn noise_is_told_apart_by_quantity_and_the_truth_is_within_reach() {
+    let deviations = [5e-5, 2e3];
+    let runs = [100.0, 70.0].map(|psi| recorded(&scenario(psi), &SOUGHT, deviations));
+    let task = task(runs.to_vec(), &SOUGHT, 1.2);
+    let found = identified(&task);
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
+        let off = (estimate.value - truth).abs() / estimate.deviation.expect("a deviation");
+        assert!(off < 4.0, "{}: {off} deviations", estimate.name);
+        assert!(estimate.deviation.expect("one") < 0.2 * truth, "{estimate:?}");
+    }
+    for ((observed, left), deviation) in found.left.iter().zip(deviations) {
+        // Of 400 readings: a twentieth is one and a half deviations.
+        assert!((left / deviation - 1.0).abs() < 0.1, "{observed:?}: {left}, not {deviation}");
+    }
+}
+
+/// Length and pressure alone do not tell mass, turns, flow and friction: all of them scale with 1/n² together.
+#[test]
+fn what_scales_together_is_named() {
+    let sought = ["load.mass", "actuator.turns", "actuator.friction.viscous", "valve.flow_area"];
+    let mut truth = scenario(100.0);
+    // Whatever else has a size of its own is taken away: hose, taut braid.
+    truth.actuator.friction.coulomb_width = 0.0;
+    truth.actuator.external_volume = 1e-12;
+    let run = recorded(&truth, &sought, [0.0; 2]);
+    let found =
+        identified(&Task { search: Search { most_steps: 400, ..Search::default() }, ..task(vec![run], &sought, 1.0) });
+    let names: Vec<&str> =
+        found.found.fit.untold.iter().flat_map(|direction| &direction.shares).map(|(name, _)| name.as_str()).collect();
+    for name in sought {
+        assert!(names.contains(&name), "{name} is not among {names:?}; condition {}", found.found.fit.condition);
+    }
+    assert!(found.found.fit.estimates.iter().all(|estimate| estimate.interval.is_none()));
+}
+
+#[test]
+fn a_growing_horizon_finds_what_the_whole_does_not() {
+    // A sealed muscle swings: with turns that are far off the oscillation falls out of step.
+    let text = "[actuator]\npreset = \"colbrunn-2001\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
+                [initial]\ngauge_pressure = \"60 psi\"\nlength = \"88 mm\"\n[run]\nduration = \"0.4 s\"\n";
+    let truth = Scenario::from_str(text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    let sought = ["load.mass", "actuator.friction.viscous"];
+    let mut far = task(vec![recorded(&truth, &sought, [0.0; 2])], &sought, 1.0);
+    far.unknowns[0].start *= 6.0;
+    let value = truth_of(&far);
+    let whole = far.identify().map(|found| found.found.fit.values());
+    let lost = whole.as_ref().map_or(true, |values| (values[0] / value[0] - 1.0).abs() > 0.01);
+    assert!(lost, "the whole is found from afar too: {whole:?}");
+    far.horizon = Horizon::Growing(vec![0.03, 0.08, 0.2]);
+    let values = identified(&far).found.fit.values();
+    for (found, value) in values.iter().zip(value) {
+        assert!((found / value - 1.0).abs() < 1e-4, "{found} is not {value}");
+    }
+}
+
+#[test]
+fn what_cannot_be_fitted_says_why() {
+    let run = recorded(&scenario(100.0), &SOUGHT, [0.0; 2]);
+    let with = |change: fn(&mut Task)| {
+        let mut task = task(vec![run.clone()], &SOUGHT, 1.1);
+        change(&mut task);
+        task.identify().expect_err("bad")
+    };
+    assert_eq!(with(|task| task.runs[0].courses.clear()), TrajectoryError::NoReadings);
+    let error = with(|task| task.runs[0].courses[1].times[3] = 0.0);
+    assert!(error.to_string().contains("gauge pressure of the run"), "{error}");
+    let error = with(|task| task.runs[0].courses[0].values[3] = f64::NAN);
+    assert!(error.to_string().contains("not finite"), "{error}");
+    let error = with(|task| task.unknowns[0].start = -1.0);
+    assert!(
+        matches!(error, TrajectoryError::AtStart { .. }) && error.to_string().contains("actuator.friction.viscous"),
+        "{error}"
+    );
+    let sought = ["actuator.wall_thickness"];
+    let mut silent = task(vec![recorded(&scenario(100.0), &sought, [0.0; 2])], &sought, 1.0);
+    silent.unknowns[0] = Unknown::new(sought[0], "m", 0.0);
+    let error = silent.identify().expect_err("silent").to_string();
+    assert!(error.contains("`actuator.wall_thickness` does nothing"), "{error}");
+}

@@ -1,0 +1,265 @@
+//! One number of a scenario by its path: to be set, and to be differentiated by.
+//!
+//! A path is a key as the file has it, `actuator.friction.viscous`, or an entry of a list, counted from zero:
+//! `actuator.friction.hysteresis.stiffness_ratio[2]`. The value is in SI, whatever units the file was written in; of the
+//! coefficients that a file gives over its own units, in those of the plain [`Scenario`].
+//!
+//! ```
+//! use mckibben::Dual;
+//! use mckibben_scenario::{Document, Place, Scenario, Seeds};
+//!
+//! let text = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"1 s\"";
+//! let mut scenario = Scenario::from_str(text, "muscle.toml")?;
+//! let turns = Place::find("actuator.turns", &mut scenario)?;
+//! assert!(turns.set(&mut scenario, 2.0)?);
+//!
+//! // The static force goes with 1/n².
+//! let actuator = scenario.driven()?.actuator;
+//! let mut seeds = Seeds::new([turns]);
+//! let seeded = actuator.map(|parameter, value| seeds.over::<1>(parameter, value));
+//! let force = seeded.static_force(Dual::of(0.09), Dual::of(3e5));
+//! assert!((force.slope[0] + force.value).abs() < 1e-12 * force.value);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Checked by `tests/place.rs`: for every key, the derivative that is seeded is that of setting the value.
+
+use crate::keys::KEYS;
+use crate::nearest::nearest;
+use crate::scenario::{Effectiveness, Force, Hysteresis, Scenario};
+use crate::sweep::field::{Field, field_of};
+use mckibben::parameter::{self as p, Parameter};
+use mckibben::{Dual, Error, Over};
+use std::fmt;
+
+/// A number of a scenario.
+#[derive(Clone, Copy)]
+pub struct Place {
+    parameter: &'static Parameter,
+    at: At,
+}
+
+#[derive(Clone, Copy)]
+enum At {
+    Single(Field),
+    /// A list, and which of its entries.
+    Entry(List, usize),
+}
+
+type List = fn(&mut Scenario) -> Option<&mut [f64]>;
+
+/// The lists whose entries are numbers of the model.
+static LISTS: &[(&Parameter, List)] = &[
+    (&p::EFFECTIVENESS_POLYNOMIAL, |s| match &mut s.actuator.effectiveness {
+        Effectiveness::Polynomial(coefficients) => Some(coefficients),
+        _ => None,
+    }),
+    (&p::EFFECTIVENESS_VALUE, |s| match &mut s.actuator.effectiveness {
+        Effectiveness::Table { value, .. } => Some(value),
+        _ => None,
+    }),
+    (&p::SAROSI_COEFFICIENTS, |s| match &mut s.actuator.force {
+        Force::Sarosi(coefficients) => Some(coefficients),
+        _ => None,
+    }),
+    (&p::MEMBRANE_MODULUS, |s| match &mut s.actuator.force {
+        Force::MartensBoblan { modulus, .. } => Some(modulus),
+        _ => None,
+    }),
+    (&p::BOLEN_SHAPE, |s| match &mut s.actuator.force {
+        Force::Bolen { shape, .. } => Some(shape),
+        _ => None,
+    }),
+    (&p::PRESSURE_COEFFICIENTS, |s| match &mut s.actuator.force {
+        Force::Polynomial { pressure, .. } => Some(pressure),
+        _ => None,
+    }),
+    (&p::PASSIVE_COEFFICIENTS, |s| match &mut s.actuator.force {
+        Force::Polynomial { passive, .. } => Some(passive),
+        _ => None,
+    }),
+    (&p::MAP_TENSION, |s| match &mut s.actuator.force {
+        Force::Map { tension, .. } => Some(tension),
+        _ => None,
+    }),
+    (&p::HYSTERESIS_REACH, |s| match &mut s.actuator.friction.hysteresis {
+        Some(Hysteresis::MaxwellSlip { reach, .. }) => Some(reach),
+        _ => None,
+    }),
+    (&p::HYSTERESIS_STIFFNESS_RATIO, |s| match &mut s.actuator.friction.hysteresis {
+        Some(Hysteresis::MaxwellSlip { stiffness_ratio, .. }) => Some(stiffness_ratio),
+        _ => None,
+    }),
+];
+
+/// Why a path is no number of a scenario.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct PlaceError {
+    path: String,
+    why: String,
+    remedy: String,
+}
+
+impl fmt::Display for PlaceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` {}; {}", self.path, self.why, self.remedy)
+    }
+}
+
+impl std::error::Error for PlaceError {}
+
+impl Place {
+    /// The number at a path.
+    ///
+    /// # Errors
+    /// When there is no such key, when it is no number, or when this scenario has no such number.
+    pub fn find(path: &str, scenario: &mut Scenario) -> Result<Self, PlaceError> {
+        let fault = |why: String, remedy: String| PlaceError { path: path.to_owned(), why, remedy };
+        let (key, index) = match path.strip_suffix(']').and_then(|path| path.split_once('[')) {
+            Some((key, digits)) => {
+                let index = digits.parse::<usize>().map_err(|_| {
+                    fault(format!("has `{digits}` for a place in its list"), "count from 0, as in `[0]`".to_owned())
+                })?;
+                (key, Some(index))
+            }
+            None => (path, None),
+        };
+        let list = LISTS.iter().find(|(row, _)| row.key == key);
+        let place = match (list, index) {
+            (Some((row, list)), Some(index)) => Self { parameter: row, at: At::Entry(*list, index) },
+            (Some(_), None) => {
+                let remedy = format!("name one of its entries, as in `{key}[0]`");
+                return Err(fault("is a list".to_owned(), remedy));
+            }
+            (None, index) => {
+                let row = KEYS.iter().find(|row| row.path == key).and_then(|row| row.parameter());
+                match (row.and_then(|row| Some((row, field_of(row)?))), index) {
+                    (Some((row, field)), None) => Self { parameter: row, at: At::Single(field) },
+                    (Some(_), Some(_)) => {
+                        return Err(fault("is no list".to_owned(), format!("write `{key}`")));
+                    }
+                    (None, _) => {
+                        let known = KEYS.iter().map(|row| row.path);
+                        let remedy = match nearest(key, known) {
+                            Some(near) if near != key => format!("did you mean `{near}`?"),
+                            _ => "name a quantity of the actuator, its air, valve, load or start".to_owned(),
+                        };
+                        return Err(fault("is no number that can be set one by one".to_owned(), remedy));
+                    }
+                }
+            }
+        };
+        match place.slot(scenario) {
+            Some(_) => Ok(place),
+            None => {
+                let remedy = "choose the law or part that has it, or another key".to_owned();
+                Err(fault("is no number of this scenario".to_owned(), remedy))
+            }
+        }
+    }
+
+    /// Its row in the table of parameters.
+    pub fn parameter(&self) -> &'static Parameter {
+        self.parameter
+    }
+
+    /// Its path.
+    pub fn path(&self) -> String {
+        match self.at {
+            At::Single(_) => self.parameter.key.to_owned(),
+            At::Entry(_, index) => format!("{}[{index}]", self.parameter.key),
+        }
+    }
+
+    /// The value in a scenario, if that has such a number.
+    pub fn value(&self, scenario: &mut Scenario) -> Option<f64> {
+        self.slot(scenario).copied()
+    }
+
+    /// Sets the value; `false` when the scenario has no such number.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when the value is outside the parameter's range.
+    pub fn set(&self, scenario: &mut Scenario, value: f64) -> Result<bool, Error> {
+        let value = self.parameter.check(value)?;
+        Ok(self.slot(scenario).map(|slot| *slot = value).is_some())
+    }
+
+    fn slot<'s>(&self, scenario: &'s mut Scenario) -> Option<&'s mut f64> {
+        match self.at {
+            At::Single(field) => field(scenario),
+            At::Entry(list, index) => list(scenario)?.get_mut(index),
+        }
+    }
+}
+
+impl fmt::Debug for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Place({})", self.path())
+    }
+}
+
+impl PartialEq for Place {
+    fn eq(&self, other: &Self) -> bool {
+        self.path() == other.path()
+    }
+}
+
+/// Seeds of derivatives by some numbers, for the functions `map` of the core's parts: give each part once.
+#[derive(Clone, Debug)]
+pub struct Seeds {
+    places: Vec<Place>,
+    /// How many entries of its list have passed, for each place.
+    passed: Vec<usize>,
+    /// Whether its number has been met.
+    met: Vec<bool>,
+    /// Shares of a number in another that follows from it.
+    followers: Vec<(&'static Parameter, usize, f64)>,
+}
+
+impl Seeds {
+    /// One direction for each place, in their order.
+    pub fn new(places: impl IntoIterator<Item = Place>) -> Self {
+        let places: Vec<Place> = places.into_iter().collect();
+        Self { passed: vec![0; places.len()], met: vec![false; places.len()], followers: Vec::new(), places }
+    }
+
+    /// The same where a parameter follows from one of the places, at a rate.
+    #[must_use]
+    pub fn with_follower(mut self, parameter: &'static Parameter, place: usize, rate: f64) -> Self {
+        self.followers.push((parameter, place, rate));
+        self
+    }
+
+    /// The places whose numbers have not been met: the scenario has them, but not the parts that were mapped. A wall of no
+    /// thickness is no part.
+    pub fn missed(&self) -> impl Iterator<Item = &Place> {
+        self.places.iter().zip(&self.met).filter(|(_, met)| !**met).map(|(place, _)| place)
+    }
+
+    /// The number with its derivatives. Directions from `K` on are left out.
+    pub fn over<const K: usize>(&mut self, parameter: &'static Parameter, value: f64) -> Dual<f64, K> {
+        let mut dual = Dual::of(value);
+        for (direction, place) in
+            self.places.iter().enumerate().filter(|(_, place)| place.parameter.key == parameter.key)
+        {
+            let met = match place.at {
+                At::Single(_) => true,
+                At::Entry(_, index) => {
+                    self.passed[direction] += 1;
+                    self.passed[direction] == index + 1
+                }
+            };
+            self.met[direction] |= met;
+            if let Some(slope) = dual.slope.get_mut(direction).filter(|_| met) {
+                *slope = 1.0;
+            }
+        }
+        for (follower, direction, rate) in &self.followers {
+            if let Some(slope) = dual.slope.get_mut(*direction).filter(|_| follower.key == parameter.key) {
+                *slope = *rate;
+            }
+        }
+        dual
+    }
+}
