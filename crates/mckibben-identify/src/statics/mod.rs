@@ -86,7 +86,8 @@ impl ForceMap {
             if point.length <= 0.0 {
                 return bad("a length that is not above zero");
             }
-            if !point.slack && !(point.tension.is_finite() && point.tension > 0.0) {
+            let is_tension = point.tension.is_finite() && point.tension > 0.0;
+            if !point.slack && !is_tension {
                 return bad("a tension that is not above zero, and is not marked as slack");
             }
         }

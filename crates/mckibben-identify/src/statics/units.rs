@@ -68,10 +68,9 @@ pub fn suspect(map: &ForceMap, scenario: &Scenario) -> Result<Option<Suspicion>,
     let atmosphere = scenario.air.atmospheric_pressure;
     let shifted =
         map.points().iter().map(|point| Point { gauge_pressure: point.gauge_pressure - atmosphere, ..*point });
-    if let Ok(shifted) = ForceMap::new(shifted.collect()) {
-        if let Some(left) = median(&shifted, &ideal)?.filter(|left| (CONVINCING[0]..=CONVINCING[1]).contains(left)) {
-            causes.push(("the pressure is absolute, where gauge was said".to_owned(), left));
-        }
+    let shifted = ForceMap::new(shifted.collect()).ok().map(|shifted| median(&shifted, &ideal)).transpose()?.flatten();
+    if let Some(left) = shifted.filter(|left| (CONVINCING[0]..=CONVINCING[1]).contains(left)) {
+        causes.push(("the pressure is absolute, where gauge was said".to_owned(), left));
     }
     causes.sort_by(|(_, a), (_, b)| (a.ln().abs()).total_cmp(&b.ln().abs()));
     Ok(Some(Suspicion { ratio, causes }))
