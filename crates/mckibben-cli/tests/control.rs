@@ -89,6 +89,21 @@ fn the_fixed_step_engine_closes_the_same_loop() {
 }
 
 #[test]
+fn the_fixed_step_engine_closes_the_loop_of_a_joint() {
+    let folder = Folder::new("control-joint-steps");
+    let (_, located) = run(&folder, "joint-bang-bang", &[]);
+    let fixed = ["--set", "run.engine=fixed-step", "--set", "run.step=0.1 ms"];
+    let (summary, stepped) = run(&folder, "joint-bang-bang", &fixed);
+    assert_eq!(located["set_point_rad"], stepped["set_point_rad"]);
+    assert!(summary.contains("rms error") && summary.contains("changes of what the valve is asked"), "{summary}");
+    let difference =
+        |name: &str| located[name].iter().zip(&stepped[name]).map(|(a, b)| (a - b).abs()).fold(0.0f64, f64::max);
+    // Far below a count of the sensor, 1.7 mrad.
+    assert!(difference("angle_rad") < 1e-4, "{}", difference("angle_rad"));
+    assert!(difference("antagonist_pressure_pa") < 50.0, "{}", difference("antagonist_pressure_pa"));
+}
+
+#[test]
 fn static_curves_need_no_controller_and_linear_models_refuse_one() {
     let folder = Folder::new("control-others");
     let file = of_repository("examples/control/pid.toml");

@@ -402,7 +402,7 @@ fn a_joint_is_refused_by_what_takes_one_actuator() {
     for (arguments, word) in [
         (
             vec!["simulate", control, "--set", "run.engine=fixed-step"],
-            "the fixed-step engine does not take the controller",
+            "the fixed-step engine cannot choose its step under a controller",
         ),
         (vec!["curves", name], "an antagonistic joint is not supported here yet"),
     ] {
