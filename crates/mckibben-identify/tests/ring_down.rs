@@ -186,7 +186,7 @@ fn ring_down(rig: &Rig, time: &[f64]) -> Vec<f64> {
 #[test]
 fn intervals_of_the_waveform_hold_the_truth_in_95_of_100_trials() {
     let rig = muscle(VISCOUS, WIDTH);
-    let time = times(0.9, 0.01);
+    let time = times(0.75, 0.01);
     let exact = ring_down(&rig, &time);
     // A guess: other friction, another pressure.
     let guess = muscle(2.0, 3e-4);
@@ -304,6 +304,22 @@ fn a_rig_that_cannot_ring_down_is_refused() {
     let turns = Turns::find(&record).expect("turns");
     assert!(matches!(turns.all_turns(-1.0), Err(RingDownError::Physics(mckibben::Error::OutOfRange { .. }))));
     assert!(matches!(turns.two_cycles(0.0, Form::Exact), Err(RingDownError::Physics(_))));
+}
+
+#[test]
+fn a_record_that_begins_before_the_release_has_no_waveform() {
+    let (rig, time) = (muscle(VISCOUS, WIDTH), times(1.4, 1e-3));
+    let later: Vec<f64> = time.iter().map(|time| (time - 0.3).max(0.0)).collect();
+    let start = Initial { velocity: 0.0, ..released() };
+    let state = rig.start(&start).expect("a start");
+    let run = simulate(&rig, state, 1.4, 1e-10).expect("the run reaches its end");
+    let length: Vec<f64> = later.iter().map(|time| run.at(*time).length).collect();
+    let record = Record::new(time, Noise::new(7).added_to(&length, 2e-5)).expect("a record");
+    let comparison = compare(&record, 2.72, Some((&rig, &start, Free::ALL))).expect("a comparison");
+    assert_eq!(comparison.refused, [(Estimator::Waveform, RingDownError::Held { time: 0.0 })]);
+    assert_eq!(comparison.rows.len(), 3);
+    let other = compare(&record, 2.7, Some((&rig, &start, Free::ALL))).expect_err("two masses");
+    assert!(other.to_string().contains("2.72 kg hang from the rig"), "{other}");
 }
 
 fn of_muscle() -> Record {

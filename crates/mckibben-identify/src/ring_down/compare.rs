@@ -8,6 +8,9 @@ use crate::least_squares::Estimate;
 use mckibben::ring_down::Form;
 use mckibben::simulation::{Initial, InitialLength, Rig};
 
+/// Part of a period before the first turn from which on the mass must have been held.
+const MOST_BEFORE: f64 = 0.6;
+
 /// How friction was estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
@@ -60,11 +63,17 @@ pub struct Comparison {
 /// sample and what is unknown of that.
 ///
 /// # Errors
-/// Those of [`Turns::find`]; a single estimator that fails is among the refused.
+/// Those of [`Turns::find`]; [`RingDownError::Mass`] for a rig with another mass, [`RingDownError::Physics`] for a start outside the
+/// physics. A single estimator that fails is among the refused.
 pub fn compare(record: &Record, mass: f64, rig: Option<(&Rig, &Initial, Free)>) -> Result<Comparison, RingDownError> {
     let turns = Turns::find(record)?;
     let restoring = match rig {
         Some((rig, start, _)) => {
+            if let Some(hung) = rig.load().inertia().map(|inertia| inertia.mass)
+                && hung != mass
+            {
+                return Err(RingDownError::Mass { given: mass, hung });
+            }
             let start = Initial { length: InitialLength::At(record.length()[0]), ..*start };
             Some(Restoring::at_rest(rig, &start)?)
         }
@@ -92,7 +101,13 @@ pub fn compare(record: &Record, mass: f64, rig: Option<(&Rig, &Initial, Free)>) 
         }
     }
     let Some((rig, start, free)) = rig else { return Ok(comparison) };
-    match Waveform::fit(record, rig, start, free, all.as_ref().ok()) {
+    // Between the release and the first turn there is half a period at most.
+    let (time, swing) = (record.time()[0], MOST_BEFORE * turns.period);
+    let waveform = match turns.turns[0].time - time > swing {
+        true => Err(RingDownError::Held { time }),
+        false => Waveform::fit(record, rig, start, free, all.as_ref().ok()),
+    };
+    match waveform {
         Ok(waveform) => {
             comparison.rows.push(Row {
                 estimator: Estimator::Waveform,

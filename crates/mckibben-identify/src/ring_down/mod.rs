@@ -10,18 +10,16 @@
 //! | [`Estimator::Waveform`] | every sample, least squares on the simulated trajectory | the actuator is known |
 //!
 //! ```no_run
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let (time, length, rig, initial) = todo_measurements();
-//! use mckibben_identify::ring_down::{Free, Record, compare};
-//! let record = Record::new(time, length)?;
-//! let comparison = compare(&record, 2.7, Some((&rig, &initial, Free::ALL)))?;
-//! for row in &comparison.rows {
-//!     println!("{:?} {:?}", row.estimator, row.viscous.interval);
+//! use mckibben::simulation::{Initial, Rig};
+//! use mckibben_identify::ring_down::{Free, Record, RingDownError, compare};
+//!
+//! fn friction(time: Vec<f64>, length: Vec<f64>, rig: &Rig, start: &Initial) -> Result<(), RingDownError> {
+//!     let comparison = compare(&Record::new(time, length)?, 2.7, Some((rig, start, Free::ALL)))?;
+//!     for row in &comparison.rows {
+//!         println!("{:?}: c = {} N s/m, {:?}", row.estimator, row.viscous.value, row.viscous.interval);
+//!     }
+//!     Ok(())
 //! }
-//! # Ok(()) }
-//! # fn todo_measurements() -> (Vec<f64>, Vec<f64>, mckibben::simulation::Rig, mckibben::simulation::Initial) {
-//! #     unimplemented!()
-//! # }
 //! ```
 //!
 //! What the first three show is the Q of an equal linear spring. The friction of (12) is `Q k_sec` while the mass feels the
@@ -88,6 +86,20 @@ pub enum RingDownError {
         turns: usize,
         /// When the last was, in s.
         time: f64,
+    },
+    /// The record begins before the release.
+    #[error("the mass is still held at {time} s; begin the record at its release")]
+    Held {
+        /// The first time of the record in s.
+        time: f64,
+    },
+    /// Two masses for one.
+    #[error("the mass is given as {given} kg, but {hung} kg hang from the rig; give the same")]
+    Mass {
+        /// As given in kg.
+        given: f64,
+        /// The rig's in kg.
+        hung: f64,
     },
     /// The samples are too far apart to see a peak.
     #[error("there are {samples} samples in a cycle of {period} s; sample at least twenty times a cycle")]

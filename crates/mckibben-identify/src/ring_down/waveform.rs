@@ -48,7 +48,8 @@ pub struct Waveform {
     pub damping_ratio: Estimate,
     /// Q in m of an equal linear spring, to compare with what turns show.
     pub shown_width: Estimate,
-    /// Standard deviation of a sample about the trajectory in m.
+    /// Standard deviation of a sample about the trajectory in m. Well above [`Record::noise`], it says that the model is not the
+    /// actuator's, and then the intervals are too narrow.
     pub scatter: f64,
     /// The least squares behind it: all unknowns, correlations, and what the record does not tell.
     pub fit: Fit,

@@ -12,7 +12,7 @@
 //! than half of the pause is not seen. An edge where the course does not change by four deviations counts as missed: a pulse shorter
 //! than `t_open` does not open the valve.
 //!
-//! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit. The paper's
+//! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit with the fewest samples. The paper's
 //! way tells only the difference of the delays. A seat that takes its time makes an onset where the two courses cross.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10; the solenoid is [`mckibben::valve::Solenoid`]. Checked by
@@ -139,7 +139,12 @@ impl Delays {
                     coil: if energised { "energised" } else { "released" },
                     edges: edges.iter().filter(|edge| edge.1 == energised).count(),
                 }),
-                [only] => Ok(propagation::estimate((name, "s"), only.time - only.edge, only.deviation, LEAST_SAMPLES)),
+                [only] => Ok(propagation::estimate(
+                    (name, "s"),
+                    only.time - only.edge,
+                    only.deviation,
+                    LEAST_SAMPLES - UNKNOWNS,
+                )),
                 _ => {
                     let delays: Vec<f64> = seen.iter().map(|onset| onset.time - onset.edge).collect();
                     Ok(propagation::mean((name, "s"), &delays))

@@ -32,7 +32,7 @@ const EXACT: f64 = 1e-9;
 pub struct FlowCurve {
     /// C in m³/(s·Pa) of the reference atmosphere, from all points.
     pub sonic_conductance: Estimate,
-    /// b, from all points.
+    /// b, from all points. A passage with a b near zero may come out below zero, as far as its interval reaches zero.
     pub critical_ratio: Estimate,
     /// C from the choked points alone; without an interval when there is only one.
     pub choked_conductance: Estimate,
