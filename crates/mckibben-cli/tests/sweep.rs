@@ -496,8 +496,11 @@ fn samples_and_trajectories_are_those_of_simulate() {
     }
 }
 
+/// Three keys with their values.
+type Varied = [(&'static str, &'static str); 3];
+
 /// A pressure, a length and a mass of air under control, and what varies of each.
-const CONTROLLED: [(&str, &str, [(&str, &str); 3]); 3] = [
+const CONTROLLED: [(&str, &str, Varied); 3] = [
     (
         "kind = \"pid\"\nlength = \"88 mm\"\nproportional_band = \"8 mm\"\nintegral_time = \"0.2 s\"\npulse_frequency = \"50 Hz\"",
         "length",

@@ -20,7 +20,7 @@ fn muscle(ratio: [f64; 4]) -> Scenario {
 
 /// A slow machine to and fro between turns that come closer, at a gauge pressure that breathes about a value in Pa.
 fn pulled(scenario: &Scenario, gauge: f64, noise: f64) -> Loop {
-    let turns = [84e-3, 94e-3, 85e-3, 92e-3, 86e-3, 90e-3, 87e-3];
+    let turns: [f64; 7] = [84e-3, 94e-3, 85e-3, 92e-3, 86e-3, 90e-3, 87e-3];
     let mut samples = Vec::new();
     let mut time = 0.0;
     for pair in turns.windows(2) {

@@ -9,12 +9,13 @@
 
 use super::record::Record;
 use super::{Decrement, RingDownError};
+use crate::adjustable::Seeded;
 use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit};
 use crate::propagation::{Measured, Slope};
 use crate::series::Polynomial;
 use mckibben::parameter::{self, Parameter};
 use mckibben::simulation::{Initial, InitialLength, Rig, simulate};
-use mckibben::{AbsolutePressure, Dual, Over, Scalar};
+use mckibben::{AbsolutePressure, Over, Scalar};
 
 /// Relative tolerance of the trajectories: far below any sensor's noise.
 const TOLERANCE: f64 = 1e-8;
@@ -224,8 +225,8 @@ struct Trajectory<'a> {
     noise: f64,
 }
 
-/// As many directions as there are unknowns at most.
-type D = Dual<f64, 5>;
+/// More directions than there are unknowns; the engine is compiled for these anyway.
+type D = Seeded;
 
 impl Trajectory<'_> {
     /// Lengths at the times; `None` where the physics ends.

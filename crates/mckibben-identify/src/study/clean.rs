@@ -11,7 +11,7 @@
 //! | two spans of `zero` | the straight line through both is taken off: offset and drift |
 //! | readings at or beyond `saturates` | left out |
 //! | the same extreme value many times on end, nothing said about it | refused: say `saturates`, or that it does not with a larger one |
-//! | a reading [`FAR`] robust deviations from the median of its [`WINDOW`] neighbours | told; left out with `drop_outliers` |
+//! | a reading 8 robust deviations from the median of the 8 beside it | told; left out with `drop_outliers` |
 //! | uneven steps, gaps | told: nothing is resampled, every reading is compared at its own time |
 //! | a gauge pressure below the atmosphere, of a muscle that is not evacuated | told as a likely offset |
 

@@ -16,6 +16,7 @@
 
 use super::ValveError;
 use super::steady::{LAMINAR_RATIO, SteadyPoint, check_pressure};
+use crate::adjustable::Seeded;
 use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit};
 use crate::series::{self, Polynomial};
 use mckibben::air::{Air, Process};
@@ -27,7 +28,7 @@ use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, simulate};
 use mckibben::valve::{
     Command, ExhaustTemperature, FlowLaw, FlowStandard, Request, Solenoid, Supply, Valve, ValveKind,
 };
-use mckibben::{AbsolutePressure, Actuator, Braid, Dual, GaugePressure, Over, Scalar};
+use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure, Over, Scalar};
 
 /// Samples that it takes.
 const LEAST_SAMPLES: usize = 8;
@@ -266,8 +267,8 @@ impl Tank {
     }
 }
 
-/// As many directions as there are unknowns at most.
-type D = Dual<f64, 4>;
+/// More directions than there are unknowns; the engine is compiled for these anyway.
+type D = Seeded;
 
 /// The tank's pressure over time, by the unknowns.
 struct Trajectory<'a> {

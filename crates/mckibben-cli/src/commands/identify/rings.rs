@@ -24,13 +24,20 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
             Failure::input(format!("the run `{}`: {why}", recording.name), "see `mckibben identify --help`")
         })?;
         rows.extend(found.rows.iter().map(|row| cells(&recording.name, row)));
-        let refused = found.refused.iter().map(|(estimator, error)| format!("`{}`, {}: {error}", recording.name, name(*estimator)));
+        let refused = found
+            .refused
+            .iter()
+            .map(|(estimator, error)| format!("`{}`, {}: {error}", recording.name, name(*estimator)));
         warnings.extend(refused);
         if let Some(stem) = stems.get(place) {
             plates.push(plate(&recording.name, &record, &found, stem));
         }
         if let Some(text) = scenario_of(&scenario, &found) {
-            let file = if material.recordings.len() == 1 { "scenario.toml".to_owned() } else { format!("scenario-{}.toml", recording.name) };
+            let file = if material.recordings.len() == 1 {
+                "scenario.toml".to_owned()
+            } else {
+                format!("scenario-{}.toml", recording.name)
+            };
             scenarios.push((file, text));
         }
     }
@@ -40,11 +47,20 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         head: ["run", "estimator", "Q of (12) mm", "Q shown mm", "c N·s/m", "ζ", "scatter"].map(String::from).to_vec(),
         rows,
     };
-    let notes = if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.clone() };
+    let notes =
+        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.clone() };
     let files = scenarios.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect();
     let sections = vec![
         Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
-        Section { id: "friction", label: "Friction", title: "Every estimator", tables: vec![table.clone()], plates, files, ..Section::default() },
+        Section {
+            id: "friction",
+            label: "Friction",
+            title: "Every estimator",
+            tables: vec![table.clone()],
+            plates,
+            files,
+            ..Section::default()
+        },
     ];
     let introduction = "Two cycles are the first and the last; the waveform is the whole record, by a trajectory with every stop located. Where they \
                         disagree by more than their intervals, the spring is not linear or friction is not what the estimator takes it for."
@@ -65,7 +81,8 @@ fn record(recording: &Recording) -> Result<Record, Failure> {
         let title = format!("the run `{}` has no length over time", recording.name);
         return Err(Failure::input(title, "add `[columns.time]` and `[columns.length]`"));
     };
-    Record::new(times, lengths).map_err(|error| Failure::input(format!("the run `{}`: {error}", recording.name), "mend the table"))
+    Record::new(times, lengths)
+        .map_err(|error| Failure::input(format!("the run `{}`: {error}", recording.name), "mend the table"))
 }
 
 /// Every estimator, the waveform's on the scenario's sealed rig; or why there is none.
@@ -89,8 +106,10 @@ fn name(estimator: Estimator) -> &'static str {
 
 fn cells(run: &str, row: &Row) -> Vec<String> {
     let told = |estimate: &Estimate, factor: f64| {
-        let scaled = |value: f64| values::rounded(factor * value, estimate.deviation.map(|deviation| factor * deviation));
-        let interval = estimate.interval.map_or(String::new(), |[low, high]| format!(" ({} to {})", scaled(low), scaled(high)));
+        let scaled =
+            |value: f64| values::rounded(factor * value, estimate.deviation.map(|deviation| factor * deviation));
+        let interval =
+            estimate.interval.map_or(String::new(), |[low, high]| format!(" ({} to {})", scaled(low), scaled(high)));
         format!("{}{interval}", scaled(estimate.value))
     };
     vec![
@@ -106,7 +125,9 @@ fn cells(run: &str, row: &Row) -> Vec<String> {
 
 /// The scenario with the friction of the waveform, or of all turns where there is none.
 fn scenario_of(base: &Scenario, found: &Comparison) -> Option<String> {
-    let best = [Estimator::Waveform, Estimator::AllTurns].into_iter().find_map(|of| found.rows.iter().find(|row| row.estimator == of))?;
+    let best = [Estimator::Waveform, Estimator::AllTurns]
+        .into_iter()
+        .find_map(|of| found.rows.iter().find(|row| row.estimator == of))?;
     let mut scenario = base.clone();
     scenario.actuator.friction.coulomb_width = best.law_width.as_ref()?.value.max(0.0);
     scenario.actuator.friction.viscous = best.viscous.value.max(0.0);
@@ -124,12 +145,29 @@ fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> 
     ];
     let mut data = Data::new(&["time_s", "length_m", "off_m"]);
     if let Some(waveform) = &found.waveform {
-        let off: Vec<f64> = waveform.fit.residuals.iter().map(|residual| residual * waveform.scatter / waveform.fit.scatter.max(f64::MIN_POSITIVE)).collect();
-        data.rows = times.iter().zip(&lengths).zip(&off).map(|((time, length), off)| vec![*time, *length, *off]).collect();
-        panels.push(Panel::new(Axis::new("waveform off", "m")).horizontal(0.0, "").height_mm(20.0).legend(Legend::Hidden).series(Series::dots("", times, off)));
+        let off: Vec<f64> = waveform
+            .fit
+            .residuals
+            .iter()
+            .map(|residual| residual * waveform.scatter / waveform.fit.scatter.max(f64::MIN_POSITIVE))
+            .collect();
+        data.rows =
+            times.iter().zip(&lengths).zip(&off).map(|((time, length), off)| vec![*time, *length, *off]).collect();
+        panels.push(
+            Panel::new(Axis::new("waveform off", "m"))
+                .horizontal(0.0, "")
+                .height_mm(20.0)
+                .legend(Legend::Hidden)
+                .series(Series::dots("", times, off)),
+        );
     } else {
         data.rows = times.iter().zip(&lengths).map(|(time, length)| vec![*time, *length, f64::NAN]).collect();
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
-    Plate { stem, caption: format!("`{run}`: the record with its turns, and how far the fitted waveform is off."), figure, data }
+    Plate {
+        stem,
+        caption: format!("`{run}`: the record with its turns, and how far the fitted waveform is off."),
+        figure,
+        data,
+    }
 }
