@@ -66,8 +66,10 @@ fn a_column_in_other_units_is_refused_in_words() {
              [columns.length]\nname = \"L_m\"\nunit = \"m\"\n[columns.tension]\nname = \"F_N\"\nunit = \"{tension}\"\nslack = \"0 N\"\n[[run]]\nfile = \"data.csv\"\n"
         )
     };
-    for (pressure, tension, words) in [("kPa", "N", "ideal"), ("Pa", "lbf", "the tension is in N, where lbf was said")]
-    {
+    for (pressure, tension, words) in [
+        ("kPa", "N", "the gauge pressure is in Pa, where kPa was said"),
+        ("Pa", "lbf", "the tension is in N, where lbf was said"),
+    ] {
         let output = identify(&folder, &folder.file("study.toml", &study(pressure, tension)));
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         let told = error.clone() + &String::from_utf8_lossy(&output.stdout);

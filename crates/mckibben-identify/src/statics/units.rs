@@ -9,18 +9,24 @@ use mckibben::Error;
 use mckibben_scenario::{Force, Scenario};
 
 /// Median of measured over ideal force of muscles as they are: outside it something is wrong.
-const USUAL: [f64; 2] = [0.4, 1.4];
+const USUAL: [f64; 2] = [0.4, 1.7];
 /// The same where a unit has been put right: what convinces.
-const CONVINCING: [f64; 2] = [0.7, 1.15];
+const CONVINCING: [f64; 2] = [0.6, 1.4];
 
 /// Units that are taken for another, and the factor by which the true value is the larger.
-const CONFUSED: [(What, &str, &str, f64); 10] = [
+const CONFUSED: [(What, &str, &str, f64); 16] = [
     (What::Pressure, "psi", "bar", 0.068_947_572_931_683_6),
     (What::Pressure, "bar", "psi", 14.503_773_773_020_92),
     (What::Pressure, "psi", "kPa", 6.894_757_293_168_36),
     (What::Pressure, "kPa", "psi", 0.145_037_737_730_209_2),
     (What::Pressure, "bar", "kPa", 100.0),
     (What::Pressure, "kPa", "bar", 0.01),
+    (What::Pressure, "Pa", "kPa", 1e-3),
+    (What::Pressure, "kPa", "Pa", 1e3),
+    (What::Pressure, "Pa", "bar", 1e-5),
+    (What::Pressure, "bar", "Pa", 1e5),
+    (What::Pressure, "MPa", "bar", 10.0),
+    (What::Pressure, "bar", "MPa", 0.1),
     (What::Tension, "lbf", "N", 4.448_221_615_260_5),
     (What::Tension, "N", "lbf", 0.224_808_943_099_710_5),
     (What::Tension, "kgf", "N", 9.806_65),
