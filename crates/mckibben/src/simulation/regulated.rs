@@ -7,6 +7,7 @@
 //!
 //! Checked by `tests/regulated_rig.rs` against the closed form of the regulator.
 
+#[cfg(feature = "alloc")]
 use super::joint::{Driven, JointRig};
 use super::rig::{Actuation, Rig};
 use super::system::GuardForm;
@@ -49,6 +50,7 @@ impl<R: Real> Rig<R> {
     }
 }
 
+#[cfg(feature = "alloc")]
 impl<R: Real> JointRig<R> {
     /// The same of one of the actuators of a joint.
     pub(super) fn regulator_clock(&self, actuator: usize, pressure: R) -> Option<RegulatorClock<R>> {

@@ -322,6 +322,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for a tendon in series.
+    #[cfg(feature = "alloc")]
     pub(crate) fn check_no_tendon(&self) -> Result<(), Error> {
         match self.tendon {
             None => Ok(()),
