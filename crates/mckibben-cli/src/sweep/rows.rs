@@ -69,8 +69,8 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
                         let kin = Kin::of(sweep, row, &experiment, step);
                         let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
                         match known {
-                            Some((_, members)) => members.push((index, experiment)),
-                            None => groups.push((kin, vec![(index, experiment)])),
+                            Some((_, members)) => members.push((index, *experiment)),
+                            None => groups.push((kin, vec![(index, *experiment)])),
                         }
                     }
                 }
@@ -86,7 +86,7 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
 
 /// What a row describes.
 enum Built {
-    Open(Experiment),
+    Open(Box<Experiment>),
     Controlled(Box<ControlledExperiment>),
     Joint(Box<JointExperiment>),
     ControlledJoint(Box<ControlledJointExperiment>),
@@ -112,7 +112,7 @@ fn describe(scenario: &Scenario) -> Result<Built, Error> {
         (true, true) => scenario.controlled_joint_experiment()?.map(|of| Built::ControlledJoint(Box::new(of))),
         (false, false) => None,
     };
-    built.map_or_else(|| scenario.experiment().map(Built::Open), Ok)
+    built.map_or_else(|| scenario.experiment().map(|of| Built::Open(Box::new(of))), Ok)
 }
 
 /// What rows of the fixed-step engine share that go through time side by side: their times, and the words of the sweep,
