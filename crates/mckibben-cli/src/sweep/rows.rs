@@ -116,7 +116,7 @@ fn describe(scenario: &Scenario) -> Result<Built, Error> {
         (true, true) => scenario.controlled_joint_experiment()?.map(|of| Built::ControlledJoint(Box::new(of))),
         (false, false) => None,
     };
-    built.map_or_else(|| scenario.experiment().map(|open| Built::Open(Box::new(open))), Ok)
+    built.map_or_else(|| scenario.experiment().map(|of| Built::Open(Box::new(of))), Ok)
 }
 
 /// What rows of the fixed-step engine share that go through time side by side: their times, and the words of the sweep,
