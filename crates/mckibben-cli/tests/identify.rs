@@ -36,7 +36,7 @@ fn measured_muscles_are_fitted_by_every_law() {
         assert!(told.contains(largest) && told.contains("held-out lengths"), "{told}");
         let comparison = read(&folder, "out/comparison.csv");
         // The figures of docs/force-laws.md, here with the slack points.
-        let in_sample = cell(&comparison, "ideal-braid in a saturating bladder", "rms %");
+        let in_sample = cell(&comparison, "ideal-braid + saturating bladder", "rms %");
         let expected = if name == "dmsp-20-300" { 0.80 } else { 2.0 };
         assert!((in_sample - expected).abs() < 0.05, "{comparison}");
         for file in
@@ -45,7 +45,8 @@ fn measured_muscles_are_fitted_by_every_law() {
             assert!(folder.path("out").join(file).exists(), "{file}");
         }
         let page = read(&folder, "out/index.html");
-        assert!(page.contains("is no guide to what lies between and beyond"), "{told}");
+        // The membrane is nearest both ways for the thicker muscle; for the other, what is nearest in sample goes astray.
+        assert_eq!(page.contains("is no guide to what lies between and beyond"), name == "dmsp-10-250", "{told}");
         // The scenario that was found runs.
         let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));

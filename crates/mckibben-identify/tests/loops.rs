@@ -108,8 +108,9 @@ fn without_hysteresis_the_loop_is_left() {
         search: Search::default(),
     };
     let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
-    // Coulomb friction is as wide as all elements together where they slip, and turns too sharply.
-    assert!(found.left > 0.5, "{} N", found.left);
+    // Coulomb friction can be as wide as all elements together, but turns too sharply; with them less than 1 µN is left.
+    assert!(found.left > 0.1, "{} N", found.left);
+    assert!(fit(0.0).left < 1e-6);
 }
 
 #[test]

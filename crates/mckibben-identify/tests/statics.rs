@@ -80,7 +80,7 @@ fn what_was_put_in_comes_back_out() {
     (elsewhere.actuator.thread_length, elsewhere.actuator.turns) = (0.33, 3.0);
     let map = map_of(&truth, 0.0);
     assert!(map.points().iter().any(|point| point.slack), "nothing is slack");
-    let found = fit("ideal-braid in a saturating bladder", &map, &elsewhere);
+    let found = fit("ideal-braid + saturating bladder", &map, &elsewhere);
     let expected = [base.actuator.thread_length, base.actuator.turns, 250.0, 0.03];
     for (value, expected) in found.fit.values().into_iter().zip(expected) {
         assert!((value / expected - 1.0).abs() < 1e-8, "{value} is not {expected}");
@@ -88,7 +88,7 @@ fn what_was_put_in_comes_back_out() {
     assert!(found.errors.worst < 1e-10 && found.fit.untold.is_empty(), "{:?}", found.errors);
 
     // With noise the truth lies within the intervals widened to 4 deviations, and the scatter is the noise.
-    let found = fit("ideal-braid in a saturating bladder", &map_of(&truth, 2.0), &elsewhere);
+    let found = fit("ideal-braid + saturating bladder", &map_of(&truth, 2.0), &elsewhere);
     for (estimate, expected) in found.fit.estimates.iter().zip(expected) {
         let off = (estimate.value - expected).abs() / estimate.deviation.expect("a deviation");
         assert!(off < 4.0, "{}: {off} deviations", estimate.name);
@@ -101,18 +101,18 @@ fn what_was_put_in_comes_back_out() {
 fn a_slack_muscle_is_no_zero() {
     let base = muscle(0.3, 0.02);
     let map = map_of(&in_bladder(&base), 0.0);
-    let censored = fit("ideal-braid in a saturating bladder", &map, &base).fit.values();
+    let censored = fit("ideal-braid + saturating bladder", &map, &base).fit.values();
     // Taken as zeros the slack points bend the law; the law pushes there by up to a quarter of the largest tension.
     let zeros = map.points().iter().map(|point| Point { tension: point.tension.max(1e-9), slack: false, ..*point });
     let zeros = ForceMap::new(zeros.collect()).expect("a map");
-    let bent = fit("ideal-braid in a saturating bladder", &zeros, &base).fit.values();
+    let bent = fit("ideal-braid + saturating bladder", &zeros, &base).fit.values();
     assert!((censored[2] / 250.0 - 1.0).abs() < 1e-7, "{}", censored[2]);
     assert!((bent[2] / 250.0 - 1.0).abs() > 0.05, "{}", bent[2]);
     // A law that pulls where the muscle was slack is wrong there.
     let slack: Vec<Point> =
         map.points().iter().filter(|point| point.slack).map(|point| Point { length: 0.296, ..*point }).collect();
     let wrong = map.points().iter().copied().chain(slack).collect();
-    let pulled = fit("ideal-braid in a saturating bladder", &ForceMap::new(wrong).expect("a map"), &base);
+    let pulled = fit("ideal-braid + saturating bladder", &ForceMap::new(wrong).expect("a map"), &base);
     assert!(pulled.fit.cost > 1e-6, "{}", pulled.fit.cost);
 }
 
@@ -128,8 +128,8 @@ fn measured_muscles_are_fitted_as_an_independent_solver_does() {
     for (file, name, expected) in [
         ("dmsp-20-300.csv", "ideal-braid", [0.130_977_719_092, 0.069_790_101_953_7]),
         ("dmsp-10-250.csv", "ideal-braid", [0.206_855_001_308, 0.090_823_443_987_4]),
-        ("dmsp-20-300.csv", "ideal-braid in a saturating bladder", [0.015_312_619_727, 0.008_008_745_552_4]),
-        ("dmsp-10-250.csv", "ideal-braid in a saturating bladder", [0.044_246_112_142, 0.019_805_023_456_8]),
+        ("dmsp-20-300.csv", "ideal-braid + saturating bladder", [0.015_312_619_727, 0.008_008_745_552_4]),
+        ("dmsp-10-250.csv", "ideal-braid + saturating bladder", [0.044_246_112_142, 0.019_805_023_456_8]),
         ("dmsp-20-300.csv", "sarosi", [0.010_856_258_671, 0.003_746_968_869_5]),
         ("dmsp-10-250.csv", "sarosi", [0.007_771_637_097, 0.002_030_921_037_3]),
     ] {
@@ -140,7 +140,7 @@ fn measured_muscles_are_fitted_as_an_independent_solver_does() {
     }
 }
 
-/// Root mean square errors of the braid in a saturating bladder at lengths that the fit has not seen, by SciPy.
+/// Root mean square errors of the braid + saturating bladder at lengths that the fit has not seen, by SciPy.
 #[test]
 fn held_out_lengths_are_those_of_an_independent_solver() {
     for (file, expected) in [
@@ -149,7 +149,7 @@ fn held_out_lengths_are_those_of_an_independent_solver() {
     ] {
         let (map, base) = measured(file);
         let held = map.only(|point| !point.slack).expect("points");
-        let candidate = named(candidates::all(&base, &held).expect("places"), "ideal-braid in a saturating bladder");
+        let candidate = named(candidates::all(&base, &held).expect("places"), "ideal-braid + saturating bladder");
         let first: Vec<f64> = candidate.unknowns.iter().map(|unknown| unknown.start).collect();
         let out = candidate.held_out(&held, Grouping::Lengths, &first, None, &Search::default()).expect("groups");
         for (fold, expected) in out.folds.iter().zip(expected) {
@@ -189,7 +189,7 @@ fn every_candidate_is_fitted_and_polynomials_go_astray() {
             figures.push((candidate.name, fit.errors.root_mean_square, out.map(|errors| errors.root_mean_square)));
         }
         let of = |name: &str| figures.iter().find(|(of, ..)| of == name).expect("a candidate");
-        let (polynomial, braid) = (of("polynomial"), of("ideal-braid in a saturating bladder of its own rest"));
+        let (polynomial, braid) = (of("polynomial"), of("ideal-braid + saturating bladder + rest"));
         assert!(polynomial.2 > braid.2, "{figures:?}");
     }
 }
@@ -204,7 +204,7 @@ fn effectiveness_at_each_pressure() {
         let expected = 0.7 + 4e-7 * ratio.gauge_pressure;
         assert!((ratio.value - expected).abs() < 1e-12, "{ratio:?}");
     }
-    let found = fit("ideal-braid with effectiveness", &map, &truth);
+    let found = fit("ideal-braid + effectiveness", &map, &truth);
     let values = found.fit.values();
     assert!((values[1] - 0.7).abs() < 1e-8 && (values[2] / 4e-7 - 1.0).abs() < 1e-7, "{values:?}");
 }

@@ -64,6 +64,14 @@ fn a_clean_table_is_read_to_si() {
 }
 
 #[test]
+fn words_beside_the_numbers_are_no_readings() {
+    let folder = Folder::new("words");
+    let text = table(20, even).replace("t,L,F", "t,L,F,valve").replace('\n', ",hold\n").replace("valve,hold", "valve");
+    let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(recording.channel(Quantity::Tension).expect("a course").0.len(), 20);
+}
+
+#[test]
 fn semicolons_and_decimal_commas() {
     let folder = Folder::new("comma");
     let text = table(20, even).replace(',', ";").replace('.', ",");

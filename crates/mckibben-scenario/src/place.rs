@@ -5,7 +5,7 @@
 //! coefficients that a file gives over its own units, in those of the plain [`Scenario`].
 //!
 //! ```
-//! use mckibben::Dual;
+//! use mckibben::{Dual, Over};
 //! use mckibben_scenario::{Document, Place, Scenario, Seeds};
 //!
 //! let text = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"1 s\"";

@@ -383,7 +383,4 @@ fn mistakes_in_a_joint_are_shown_where_they_are() {
         "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"1 s\"\n[antagonist]\nactuator.turns = 3",
     );
     assert!(error.contains("[antagonist] has no meaning"), "{error}");
-    let sweep = format!("{JOINT}[sweep.vary]\n\"command.duty\" = [0.2, 0.4]\n");
-    let error = Document::parse(&sweep, "joint.toml").expect("TOML").sweep().expect_err("refused").to_string();
-    assert!(error.contains("a sweep does not take an antagonistic joint"), "{error}");
 }

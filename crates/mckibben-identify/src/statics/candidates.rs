@@ -7,11 +7,11 @@
 //! | candidate | looked for |
 //! |---|---|
 //! | `ideal-braid` | b, n |
-//! | `ideal-braid` with effectiveness | b and the coefficients of the effectiveness over pressure, the turns as given |
-//! | `ideal-braid` in a bladder, in three forms | b, n, K₀ and, unless it is linear, s |
-//! | `ideal-braid` in a saturating bladder of its own rest | b, n, K₀, s and the length L₀ from which contraction counts |
+//! | `ideal-braid + effectiveness` | b and the coefficients of the effectiveness over pressure, the turns as given |
+//! | `ideal-braid +` a bladder of three forms | b, n, K₀ and, unless it is linear, s |
+//! | `ideal-braid + saturating bladder + rest` | b, n, K₀, s and the length L₀ from which contraction counts |
 //! | `tondu-lopez` | a, b, k |
-//! | `tondu-lopez` in a bladder, in three forms | a, b, k, K₀ and, unless it is linear, s |
+//! | `tondu-lopez +` a bladder of three forms | a, b, k, K₀ and, unless it is linear, s |
 //! | `extensible-braid` | b, n, K |
 //! | `martens-boblan` | b, n and the modulus over the length, with fewer coefficients than there are lengths |
 //! | `bolen` | largest force and the three numbers of the shape, which take up the largest contraction |
@@ -110,7 +110,7 @@ impl Draft {
 
     /// As many coefficients as pressures let: a constant, a slope and a curvature.
     fn effectiveness(base: &Scenario, sizes: &Sizes) -> Self {
-        let mut draft = Self::of(base, "ideal-braid with effectiveness", Force::IdealBraid).seek_braid();
+        let mut draft = Self::of(base, "ideal-braid + effectiveness", Force::IdealBraid).seek_braid();
         // The turns and the effectiveness are one factor.
         draft.unknowns.pop();
         draft.scenario.actuator.effectiveness = Effectiveness::Polynomial(vec![0.9, 0.0, 0.0]);
@@ -132,7 +132,7 @@ impl Draft {
             BladderForm::Saturating => "saturating",
             BladderForm::Exponential => "exponential",
         };
-        let name = format!("{} in a {word} bladder", self.name).replace("a exp", "an exp");
+        let name = format!("{} + {word} bladder", self.name);
         let (unknowns, starts) = (self.unknowns.clone(), Vec::new());
         let draft = Self { name, scenario, unknowns, starts };
         let force = Unknown::new("K0", "N", 0.1 * sizes.tension).between(0.0, 10.0 * sizes.tension);
@@ -146,7 +146,7 @@ impl Draft {
 
     /// With the length looked for at which the bladder is at rest, at or above the longest at which it pulled.
     fn of_its_own_rest(self, longest: f64) -> Self {
-        let name = format!("{} of its own rest", self.name);
+        let name = format!("{} + rest", self.name);
         let rest = self.scenario.actuator.max_length.max(1.001 * longest);
         let mut draft = Self { name, ..self }
             .seek("actuator.max_length", Unknown::new("L0", "m", rest).between(longest, 1.3 * longest));

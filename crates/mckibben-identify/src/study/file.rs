@@ -273,7 +273,8 @@ impl Study {
     fn recording(&self, run: &RunEntry) -> Result<Recording, StudyError> {
         let mut recording =
             Recording { name: run.name.clone(), sheets: Vec::new(), set: run.set.clone(), notes: Vec::new() };
-        let tables = run.files.iter().map(|file| table::read(file)).collect::<Result<Vec<_>, _>>()?;
+        let named: Vec<&str> = self.columns.iter().map(|entry| entry.name.as_str()).collect();
+        let tables = run.files.iter().map(|file| table::read(file, &named)).collect::<Result<Vec<_>, _>>()?;
         if let Some(entry) = self.columns.iter().find(|entry| !tables.iter().any(|table| table.has(&entry.name))) {
             let what = format!("no table of the run `{}` has a column `{}`", run.name, entry.name);
             let heads: Vec<String> = tables.into_iter().flat_map(Table::heads).collect();

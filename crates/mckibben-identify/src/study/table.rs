@@ -3,7 +3,7 @@
 //! | in a cell | is |
 //! |---|---|
 //! | nothing, `nan`, `NA`, `null`, `-`, a null of Parquet | no reading |
-//! | anything else that is no number | a mistake, with its line |
+//! | anything else that is no number | a mistake, with its line; no reading in a column that the study does not name |
 //!
 //! A first line of numbers alone is refused: a table has a head. Separators are commas, semicolons or tabs, whichever the head has; with
 //! semicolons a decimal comma is read as a point.
@@ -32,11 +32,11 @@ impl Table {
     }
 }
 
-/// Reads a table as the ending of its name says.
-pub(super) fn read(file: &Path) -> Result<Table, StudyError> {
+/// Reads a table as the ending of its name says; `named` are the columns that must hold numbers.
+pub(super) fn read(file: &Path, named: &[&str]) -> Result<Table, StudyError> {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     match ending.as_deref() {
-        Some("csv" | "tsv" | "txt") => read_csv(file),
+        Some("csv" | "tsv" | "txt") => read_csv(file, named),
         Some("parquet") => read_parquet(file),
         _ => {
             let what = "its name ends in neither .csv nor .parquet";
@@ -49,7 +49,7 @@ fn unreadable(file: &Path, error: impl std::fmt::Display) -> StudyError {
     StudyError::new(file, None, format!("it cannot be read ({error})"), "check the path, and that the file is whole")
 }
 
-fn read_csv(file: &Path) -> Result<Table, StudyError> {
+fn read_csv(file: &Path, named: &[&str]) -> Result<Table, StudyError> {
     let text = std::fs::read_to_string(file).map_err(|error| unreadable(file, error))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let first = text.lines().next().unwrap_or_default();
@@ -70,11 +70,12 @@ fn read_csv(file: &Path) -> Result<Table, StudyError> {
         })?;
         let line = record.position().map_or(0, |position| position.line() as usize);
         for ((name, column), cell) in columns.iter_mut().zip(&record) {
-            let Some(value) = number(cell, separator) else {
+            let value = number(cell, separator);
+            if value.is_none() && named.contains(&name.as_str()) {
                 let what = format!("`{cell}` in the column `{name}` is no number");
                 return Err(StudyError::new(file, Some(line), what, "give a number, or leave the cell empty"));
-            };
-            column.push(value);
+            }
+            column.push(value.unwrap_or(f64::NAN));
         }
         lines.push(line);
     }

@@ -224,14 +224,16 @@ fn introduction(
             percent(best.fit.errors)
         ));
         if nearest.candidate.name != best.candidate.name {
-            let beyond = nearest.held(by).map_or("no fit at all".to_owned(), percent);
+            let beyond = match nearest.held(by) {
+                Some(errors) => format!("At {} that it has not seen it errs by {}", by.name(), percent(errors)),
+                None => format!("Without one of the {} it is not determined at all", by.name()),
+            };
             words.push(format!(
-                "Nearest in its own sample is `{}`: {} with {} numbers. At {} that it has not seen it errs by {beyond}: what is nearest \
-                 in sample is no guide to what lies between and beyond.",
+                "Nearest in its own sample is `{}`: {} with {} numbers. {beyond}: what is nearest in sample is no guide to what lies \
+                 between and beyond.",
                 nearest.candidate.name,
                 percent(nearest.fit.errors),
-                nearest.numbers(),
-                by.name()
+                nearest.numbers()
             ));
         }
     }
@@ -288,7 +290,12 @@ fn sections(
     let mut plates = vec![compared(judged)];
     let pair: Vec<&Judged> =
         [Some(best), nearest.filter(|of| of.candidate.name != best.candidate.name)].into_iter().flatten().collect();
-    plates.extend(astray(&pair));
+    let polynomial = judged.iter().find(|of| of.candidate.name == "polynomial");
+    let three = pair
+        .iter()
+        .copied()
+        .chain(polynomial.filter(|of| !pair.iter().any(|in_pair| in_pair.candidate.name == of.candidate.name)));
+    plates.extend(astray(&three.collect::<Vec<_>>()));
     let mut sections = vec![
         Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
         Section {
@@ -330,6 +337,15 @@ fn sections(
     sections
 }
 
+/// The largest error in percent that a figure shows, so that one law gone astray does not press all others into a corner.
+const EDGE: f64 = 30.0;
+const BEYOND: &str = "What lies beyond 30 % is drawn there; the tables have the numbers.";
+
+fn at_the_edge(error: f64) -> f64 {
+    // What is no number stays none.
+    if error > EDGE { EDGE } else { error }
+}
+
 /// Errors of every law side by side.
 fn compared(judged: &[Judged]) -> Plate {
     let places: Vec<f64> = (0..judged.len()).map(|place| (judged.len() - 1 - place) as f64).collect();
@@ -355,13 +371,14 @@ fn compared(judged: &[Judged]) -> Plate {
         .map(|place| vec![place as f64, columns[0].1[place], columns[1].1[place], columns[2].1[place]])
         .collect();
     for (colour, (label, errors)) in columns.into_iter().enumerate() {
-        panel = panel.series(Series::points(label, errors, places.clone()).colour(Colour::Category(colour)));
+        let shown = errors.into_iter().map(at_the_edge).collect();
+        panel = panel.series(Series::points(label, shown, places.clone()).colour(Colour::Category(colour)));
     }
     let x = Axis::new("root mean square error", "%").starting_at(0.0);
     let figure = Figure { width_mm: 170.0, x, panels: vec![panel], ..Figure::default() };
-    let caption =
-        "Root mean square errors in percent of the largest tension; in brackets how many numbers were fitted."
-            .to_owned();
+    let caption = format!(
+        "Root mean square errors in percent of the largest tension; in brackets how many numbers were fitted. {BEYOND}"
+    );
     Plate { stem: "laws", caption, figure, data }
 }
 
@@ -379,14 +396,16 @@ fn astray(pair: &[&Judged]) -> Option<Plate> {
             .map(|fold| fold.errors.map_or(f64::NAN, |errors| 100.0 * errors.root_mean_square))
             .collect();
         data.rows.extend(x.iter().zip(&y).map(|(x, y)| vec![law as f64, *x, *y]));
-        let series = Series::line(of.candidate.name.clone(), x, y).colour(Colour::Category(law));
+        let shown = y.into_iter().map(at_the_edge).collect();
+        let series = Series::line(of.candidate.name.clone(), x, shown).colour(Colour::Category(law));
         panel = panel.series(Series { style: Style::LineAndPoints, ..series });
     }
     let figure =
         Figure { width_mm: 120.0, x: Axis::new("length left out", "m"), panels: vec![panel], ..Figure::default() };
-    let caption = "Each length in turn was left out of the fit: the root mean square error at that length. The ends are beyond what was \
-                   fitted, the middle is between."
-        .to_owned();
+    let caption = format!(
+        "Each length in turn was left out of the fit: the root mean square error at that length. The ends are beyond what was fitted, \
+         the middle is between. {BEYOND}"
+    );
     Some(Plate { stem: "held-out", caption, figure, data })
 }
 
