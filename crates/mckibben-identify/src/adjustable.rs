@@ -26,8 +26,8 @@ fn least_over_thread() -> f64 {
 }
 
 impl Adjustable {
-    /// A scenario and its numbers. The least length of the actuator follows from a thread length that is looked for, unless
-    /// it was given (`min_length_given`).
+    /// A scenario and its numbers. The least length of the actuator follows from a thread length that is looked for,
+    /// unless it was given (`min_length_given`).
     pub fn new(base: Scenario, places: Vec<Place>, min_length_given: bool) -> Self {
         let is = |row: &parameter::Parameter| places.iter().position(|place| place.parameter().key == row.key);
         let thread =

@@ -4,19 +4,21 @@
 //! r_k = (F(L_k, v_k, P_k, memory_k; θ) − F_k)/s        memory_{k+1}: that of the law, taken on from L_k to L_{k+1}
 //! ```
 //!
-//! Length and pressure are taken as they were measured, so the tension follows at once: statics, effectiveness, viscous and dry friction, and a
-//! hysteresis whose memory goes with the length from sample to sample, which is exact while the length goes one way between two of them. Its
-//! derivatives by the numbers that are looked for are exact. A loop starts relaxed, which its first turn forgets: the readings before the first
-//! turn of the length do not count.
+//! Length and pressure are taken as they were measured, so the tension follows at once: statics, effectiveness,
+//! viscous and dry friction, and a hysteresis whose memory goes with the length from sample to sample, which is exact
+//! while the length goes one way between two of them. Its derivatives by the numbers that are looked for are exact. A
+//! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
-//! The velocity is that of the straight line from the sample before; where it is zero, dry friction has no direction and the reading does not
-//! count. Noise in length turns the direction about when the machine is slow: thin such a recording until a step is many times the noise.
+//! The velocity is that of the straight line from the sample before; where it is zero, dry friction has no direction
+//! and the reading does not count. Noise in length turns the direction about when the machine is slow: thin such a
+//! recording until a step is many times the noise.
 //!
-//! With a Maxwell-slip law of given reaches its stiffness ratios are the weights of a play-operator sum (generalised Prandtl–Ishlinskii), in which
-//! the tension is linear: bounds of zero keep them from pushing.
+//! With a Maxwell-slip law of given reaches its stiffness ratios are the weights of a play-operator sum (generalised
+//! Prandtl–Ishlinskii), in which the tension is linear: bounds of zero keep them from pushing.
 //!
-//! Source: B. Armstrong-Hélouvry's and F. Al-Bender's Maxwell-slip model as in the core's `friction`; the fit is derived here.
-//! Checked by `tests/loops.rs`: weights, Coulomb width and damping put in come back out, and a law without hysteresis leaves the loop.
+//! Source: B. Armstrong-Hélouvry's and F. Al-Bender's Maxwell-slip model as in the core's `friction`; the fit is
+//! derived here. Checked by `tests/loops.rs`: weights, Coulomb width and damping put in come back out, and a law
+//! without hysteresis leaves the loop.
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};

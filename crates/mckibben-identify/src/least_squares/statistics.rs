@@ -6,10 +6,11 @@
 //! interval = value ± t(0.975, m − n) √C_jj
 //! ```
 //!
-//! It is exact for a model that is linear in its unknowns and normal errors, and good where the model is nearly linear over
-//! the interval. The singular values of J, its columns times the size of each unknown, tell which combinations of unknowns
-//! the data hardly change: below the model's precision, as a part of the largest, is nothing. An unknown with a share in such a combination
-//! has no interval; one that rests on a bound has none either and takes no part.
+//! It is exact for a model that is linear in its unknowns and normal errors, and good where the model is nearly
+//! linear over the interval. The singular values of J, its columns times the size of each unknown, tell which
+//! combinations of unknowns the data hardly change: below the model's precision, as a part of the largest, is
+//! nothing. An unknown with a share in such a combination has no interval; one that rests on a bound has none either
+//! and takes no part.
 
 use super::{Model, Search, Unknown};
 use nalgebra::{DMatrix, DVector};

@@ -1,8 +1,8 @@
 //! Every law of static force with the numbers of it that a force map tells.
 //!
-//! What a map cannot tell apart is not looked for apart: the radius of Tondu & Lopez stands before both of its coefficients, so it
-//! keeps the value that the geometry gives it; the effectiveness stands before 1/n², so either the turns are looked for or the
-//! effectiveness.
+//! What a map cannot tell apart is not looked for apart: the radius of Tondu & Lopez stands before both of its
+//! coefficients, so it keeps the value that the geometry gives it; the effectiveness stands before 1/n², so either
+//! the turns are looked for or the effectiveness.
 //!
 //! | candidate | looked for |
 //! |---|---|

@@ -4,8 +4,8 @@
 //! Eff(P) = Σ F_i F(L_i, P) / Σ F(L_i, P)²         over the points at P that hold a tension; F by the law at effectiveness 1
 //! ```
 //!
-//! which is least squares of one unknown, with its 95 % interval by the scatter about it. It goes with the geometry as it was
-//! given: a braid of fitted turns has a factor `1/n²` in it and leaves none to be told.
+//! which is least squares of one unknown, with its 95 % interval by the scatter about it. It goes with the geometry
+//! as it was given: a braid of fitted turns has a factor `1/n²` in it and leaves none to be told.
 
 use super::held_out::Grouping;
 use super::{ForceMap, force};

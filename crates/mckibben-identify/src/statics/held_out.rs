@@ -1,8 +1,8 @@
-//! Errors where the fit has not looked: each group of points is left out in turn, and the law that was fitted to the others is
-//! held to it.
+//! Errors where the fit has not looked: each group of points is left out in turn, and the law that was fitted to the
+//! others is held to it.
 //!
-//! Groups are lengths, pressures or runs. Up to 24 different lengths or pressures are a group each; more are cut
-//! into five ranges with as many points each. What a law says between measured lengths is shown by leaving out one in the
+//! Groups are lengths, pressures or runs. Up to 24 different lengths or pressures are a group each; more are cut into
+//! five ranges with as many points each. What a law says between measured lengths is shown by leaving out one in the
 //! middle, and what it says beyond them by leaving out the first or the last.
 
 use super::{Candidate, Errors, ForceMap, Point};
@@ -102,8 +102,8 @@ impl HeldOut {
 }
 
 impl Candidate {
-    /// Leaves each group out in turn, and looks for the law also from `values`, those of all points; `None` when there is but
-    /// one group.
+    /// Leaves each group out in turn, and looks for the law also from `values`, those of all points; `None` when
+    /// there is but one group.
     pub fn held_out(
         &self,
         map: &ForceMap,

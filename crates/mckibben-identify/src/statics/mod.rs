@@ -5,8 +5,8 @@
 //! r_i = max(F(L_i, P_i), 0)/s             where it was slack: the law may not pull there, and how far below zero it is, nobody knows
 //! ```
 //!
-//! Slack points are censored in this one-sided way: one where the law pushes counts for nothing, neither in the sum nor in the
-//! degrees of freedom.
+//! Slack points are censored in this one-sided way: one where the law pushes counts for nothing, neither in the sum
+//! nor in the degrees of freedom.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -114,7 +114,8 @@ impl ForceMap {
         self.largest
     }
 
-    /// The points for which something holds, in parts of the same largest tension; `None` when none of them holds a tension.
+    /// The points for which something holds, in parts of the same largest tension; `None` when none of them holds a
+    /// tension.
     pub fn only(&self, keep: impl Fn(&Point) -> bool) -> Option<Self> {
         let points: Vec<Point> = self.points.iter().copied().filter(|point| keep(point)).collect();
         points.iter().any(|point| !point.slack).then_some(Self { points, largest: self.largest })

@@ -1,7 +1,8 @@
 //! Whether a force map is that of the muscle in other units than it says.
 //!
-//! A braid of known geometry pulls `P_g (3L² − b²)/(4πn²)` or somewhat less. When measured over ideal force is far from that, and a
-//! unit that labs confuse brings it back, it is the likelier explanation. A fit would hide it: its turns take up any factor.
+//! A braid of known geometry pulls `P_g (3L² − b²)/(4πn²)` or somewhat less. When measured over ideal force is far
+//! from that, and a unit that labs confuse brings it back, it is the likelier explanation. A fit would hide it: its
+//! turns take up any factor.
 
 use super::effectiveness::ratios;
 use super::{ForceMap, Point};

@@ -1,4 +1,5 @@
-//! Measured data: a small file that says what was measured and how, tables in CSV or Parquet, and what was found wrong with them.
+//! Measured data: a small file that says what was measured and how, tables in CSV or Parquet, and what was found
+//! wrong with them.
 //!
 //! ```toml
 //! [study]

@@ -5,8 +5,8 @@
 //! | nothing, `nan`, `NA`, `null`, `-`, a null of Parquet | no reading |
 //! | anything else that is no number | a mistake, with its line; no reading in a column that the study does not name |
 //!
-//! A first line of numbers alone is refused: a table has a head. Separators are commas, semicolons or tabs, whichever the head has; with
-//! semicolons a decimal comma is read as a point.
+//! A first line of numbers alone is refused: a table has a head. Separators are commas, semicolons or tabs, whichever
+//! the head has; with semicolons a decimal comma is read as a point.
 
 use super::StudyError;
 use parquet::file::reader::{FileReader, SerializedFileReader};

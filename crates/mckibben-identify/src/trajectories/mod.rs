@@ -4,17 +4,20 @@
 //! r = (y(t_k; θ) − y_k)/s_y        for each reading y_k of each course, at its own time t_k
 //! ```
 //!
-//! The course y(t; θ) is the event-located engine's, and its derivatives by θ are exact: they come with the run in dual numbers, through every
-//! stick, slip and switching of the valve. Runs go side by side on all cores.
+//! The course y(t; θ) is the event-located engine's, and its derivatives by θ are exact: they come with the run in
+//! dual numbers, through every stick, slip and switching of the valve. Runs go side by side on all cores.
 //!
-//! The scale s of a quantity is the deviation of its readings where that is known. Else a first fit weighs each quantity by its span, and a
-//! second by the scatter that the first has left: so a poor pressure sensor does not outweigh a good length sensor.
+//! The scale s of a quantity is the deviation of its readings where that is known. Else a first fit weighs each
+//! quantity by its span, and a second by the scatter that the first has left: so a poor pressure sensor does not
+//! outweigh a good length sensor.
 //!
-//! A start far off may lie in another valley, since an oscillation of the wrong frequency falls out of step. Then give more starts, or let the
-//! horizon grow: [`Horizon::Growing`] fits a short beginning first and lengthens it, each stage from where the one before has ended.
+//! A start far off may lie in another valley, since an oscillation of the wrong frequency falls out of step. Then
+//! give more starts, or let the horizon grow: [`Horizon::Growing`] fits a short beginning first and lengthens it,
+//! each stage from where the one before has ended.
 //!
-//! Checked by `tests/trajectories.rs`: derivatives against differences, numbers put in come back out of noisy courses, several runs, and a start
-//! from which the growing horizon finds what the whole does not.
+//! Checked by `tests/trajectories.rs`: numbers put in come back out of noisy courses, several runs, what cannot be told
+//! apart, and a start from which the growing horizon finds what the whole does not. That derivatives are those of
+//! differences is held by the scenario crate's `tests/place.rs`.
 
 mod search;
 
