@@ -16,8 +16,8 @@
 //! With a Maxwell-slip law of given reaches its stiffness ratios are the weights of a play-operator sum (generalised
 //! Prandtl–Ishlinskii), in which the tension is linear: bounds of zero keep them from pushing.
 //!
-//! Source: B. Armstrong-Hélouvry's and F. Al-Bender's Maxwell-slip model as in the core's `friction`; the fit is
-//! derived here. Checked by `tests/loops.rs`: weights, Coulomb width and damping put in come back out, and a law
+//! Source: the Maxwell-slip model as in the core's `friction`; the fit is derived here.
+//! Checked by `tests/loops.rs`: weights, Coulomb width and damping put in come back out, and a law
 //! without hysteresis leaves the loop.
 
 use crate::adjustable::{Adjustable, Seeded};
