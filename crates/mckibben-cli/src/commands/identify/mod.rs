@@ -125,7 +125,7 @@ impl Material {
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<_> = self.recordings.iter().flat_map(|recording| &recording.notes).collect();
         notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
-        let mark = |severity| if severity == Severity::Warned { "! " } else { "" };
+        let mark = |severity| if severity == Severity::Warned { outcome::WARNED } else { "" };
         notes.into_iter().map(|note| format!("{}{note}", mark(note.severity))).collect()
     }
 }

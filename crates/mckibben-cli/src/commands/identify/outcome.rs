@@ -7,6 +7,9 @@ use crate::report::{Report, Section, Table};
 use crate::terminal;
 use std::path::{Path, PathBuf};
 
+/// How a sentence begins that is a warning, among those that are good to know.
+pub(super) const WARNED: &str = "! ";
+
 /// What was found.
 #[derive(Debug, Default)]
 pub(super) struct Outcome {
@@ -20,7 +23,7 @@ pub(super) struct Outcome {
     pub(super) table: Table,
     /// The values that are printed.
     pub(super) values: Table,
-    /// What a reader must know before believing them.
+    /// What a reader should know before believing them; warnings begin with [`WARNED`].
     pub(super) warnings: Vec<String>,
     /// The scenarios with the values found, each with the name of its file.
     pub(super) scenarios: Vec<(String, String)>,
@@ -43,8 +46,12 @@ impl Outcome {
             text.push('\n');
         }
         for warning in &self.warnings {
-            let words = terminal::wrap(&warning.replace('`', ""), "  ", wide);
-            text.push_str(&format!("{} {}\n", terminal::styled(terminal::NOTABLE, "!"), words.trim_start()));
+            let (mark, words) = match warning.strip_prefix(WARNED) {
+                Some(words) => (terminal::styled(terminal::NOTABLE, "!"), words),
+                None => (" ".to_owned(), warning.as_str()),
+            };
+            let words = terminal::wrap(&words.replace('`', ""), "  ", wide);
+            text.push_str(&format!("{mark} {}\n", words.trim_start()));
         }
         text
     }

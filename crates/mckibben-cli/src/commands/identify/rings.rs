@@ -1,6 +1,6 @@
 //! Ring-downs to friction: every estimator beside the others.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, WARNED};
 use super::{Material, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
@@ -27,7 +27,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         let refused = found
             .refused
             .iter()
-            .map(|(estimator, error)| format!("`{}`, {}: {error}", recording.name, name(*estimator)));
+            .map(|(estimator, error)| format!("{WARNED}`{}`, {}: {error}", recording.name, name(*estimator)));
         warnings.extend(refused);
         if let Some(stem) = stems.get(place) {
             plates.push(plate(&recording.name, &record, &found, stem));

@@ -1,5 +1,6 @@
 //! Numbers with their intervals.
 
+use super::outcome::WARNED;
 use crate::quantities::digits;
 use crate::report::Table;
 use mckibben_identify::least_squares::{Estimate, Fit};
@@ -67,7 +68,7 @@ pub(super) fn correlations(fit: &Fit) -> Table {
 
 /// What a reader must know of a fit before believing its numbers.
 pub(super) fn warnings(fit: &Fit) -> Vec<String> {
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = Vec::new();
     for direction in &fit.untold {
         let share = |(name, share): &(String, f64)| format!("`{name}` ({share:+.2})");
         let shares: Vec<String> = direction.shares.iter().map(share).collect();
@@ -92,7 +93,7 @@ pub(super) fn warnings(fit: &Fit) -> Vec<String> {
         warnings
             .push(format!("the condition number is {:.1e}: the numbers are told, but only together.", fit.condition));
     }
-    warnings
+    warnings.into_iter().map(|warning| format!("{WARNED}{warning}")).collect()
 }
 
 #[cfg(test)]
