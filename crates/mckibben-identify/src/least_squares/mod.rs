@@ -28,6 +28,16 @@ pub trait Model {
     /// shortened.
     fn evaluate(&self, values: &[f64]) -> Evaluation;
 
+    /// The residuals alone, for places that are only tried.
+    fn residuals_at(&self, values: &[f64]) -> Vec<f64> {
+        self.evaluate(values).residuals
+    }
+
+    /// The relative change of the sum of squares below which it is the model's own rounding.
+    fn rounding(&self) -> f64 {
+        1e-16
+    }
+
     /// How exact the derivatives are, as a part of their size: a direction that is told less than that is not told.
     fn precision(&self) -> f64 {
         1e-9
@@ -215,6 +225,14 @@ pub fn fit_from(
     let first = fits.next().unwrap_or(Err(FitError::NoStart));
     let best = fits.flatten().chain(first.clone().ok()).min_by(|a, b| a.cost.total_cmp(&b.cost));
     best.map_or(first, Ok).map(|fit| Found { fit, tried, agreeing })
+}
+
+/// The residuals of a model with those of the priors behind them, without derivatives.
+fn tried(model: &impl Model, unknowns: &[Unknown], values: &[f64]) -> Vec<f64> {
+    let mut residuals = model.residuals_at(values);
+    let priors = unknowns.iter().zip(values).filter_map(|(unknown, value)| Some((value, unknown.prior?)));
+    residuals.extend(priors.map(|(value, [mean, deviation])| (value - mean) / deviation));
+    residuals
 }
 
 /// The residuals of a model with those of the priors behind them.

@@ -9,8 +9,6 @@ use std::convert::Infallible;
 
 /// Change of an unknown, over its size, below which a search has come to its end.
 const RESOLVED: f64 = 1e-13;
-/// The same of the sum: as far as it can be told.
-const SUM_RESOLVED: f64 = 1e-16;
 /// The cosine between residuals and the derivative by an unknown above which the place is no minimum.
 const STATIONARY: f64 = 1e-5;
 /// The step that is left to an unknown, over its size, below which the place is one all the same.
@@ -26,7 +24,7 @@ pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search)
     }
     let method = TrustRegionReflective::new()
         .with_absolute_scaled_gradient_tolerance(0.0)
-        .with_relative_cost_change_tolerance(SUM_RESOLVED)
+        .with_relative_cost_change_tolerance(model.rounding())
         .with_relative_step_tolerance(RESOLVED);
     macro_rules! run {
         ($problem:expr) => {
@@ -70,7 +68,7 @@ impl<'a, M: Model> Scaled<'a, M> {
     }
 
     fn residuals_at(&self, at: &[f64]) -> Vec<f64> {
-        super::with_priors(self.model, self.unknowns, &self.values(at)).residuals
+        super::tried(self.model, self.unknowns, &self.values(at))
     }
 
     fn evaluate(&self, at: &[f64]) -> Evaluation {

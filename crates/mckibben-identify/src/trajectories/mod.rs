@@ -23,10 +23,10 @@ mod search;
 
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 
-use crate::adjustable::{Adjustable, Seeded, WIDTH};
+use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{Evaluation, Model};
 use mckibben::simulation::{Rig, State, simulate};
-use mckibben::{Error, Over};
+use mckibben::{Error, Real};
 use mckibben_scenario::Scenario;
 use rayon::prelude::*;
 
@@ -146,10 +146,9 @@ impl Runs<'_> {
             let initial = scenario.initial().map(|parameter, value| seeds.over(parameter, value));
             let Ok(start) = seeded.begin(&initial) else { return (vec![f64::NAN; count], slopes) };
             let mut row = 0;
-            let full = self.course(run, &seeded, start, |_, residual, slope: &[f64; WIDTH], scale| {
-                residuals[row] = residual;
-                let own_row = &mut slopes[row * own.len()..][..own.len()];
-                run.adjustable.spread(first, slope, 1.0 / scale, own_row);
+            let full = self.course(run, &seeded, start, |residual| {
+                residuals[row] = residual.value;
+                run.adjustable.spread(first, &residual.slope, 1.0, &mut slopes[row * own.len()..][..own.len()]);
                 row += 1;
             });
             if full.is_err() {
@@ -159,26 +158,37 @@ impl Runs<'_> {
         (residuals, slopes)
     }
 
-    /// Runs a rig and visits each reading with its residual and the derivatives of what was simulated.
-    fn course(
+    /// Residuals of one run alone.
+    fn tried(&self, run: &Recorded, values: &[f64]) -> Vec<f64> {
+        let mut residuals = Vec::new();
+        let built = run.built(&run.own(values)).and_then(|(scenario, rig)| Ok((rig.start(&scenario.initial())?, rig)));
+        let full = built.and_then(|(start, rig)| self.course(run, &rig, start, |residual| residuals.push(residual)));
+        match full {
+            Ok(()) => residuals,
+            Err(_) => vec![f64::NAN; self.readings(run).count()],
+        }
+    }
+
+    /// Runs a rig and visits each reading with its residual, over any scalar.
+    fn course<R: Real>(
         &self,
         run: &Recorded,
-        rig: &Rig<Seeded>,
-        start: State<Seeded>,
-        mut visit: impl FnMut(Observed, f64, &[f64; WIDTH], f64),
+        rig: &Rig<R>,
+        start: State<R>,
+        mut visit: impl FnMut(R),
     ) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
-        let trajectory = simulate(rig, start, Seeded::of(duration), self.tolerance)?;
+        let trajectory = simulate(rig, start, R::constant(duration), self.tolerance)?;
         let atmosphere = rig.actuator().air().atmosphere().0;
         for (observed, time, value) in self.readings(run) {
-            let sample = trajectory.at(Seeded::of(time));
+            let sample = trajectory.at(R::constant(time));
             let simulated = match observed {
                 Observed::Length => sample.length,
                 Observed::GaugePressure => sample.pressure.0 - atmosphere,
                 Observed::Tension => sample.tension,
             };
             let scale = self.scale(observed);
-            visit(observed, (simulated.value - value) / scale, &simulated.slope, scale);
+            visit((simulated - R::constant(value)) / R::constant(scale));
         }
         Ok(())
     }
@@ -196,6 +206,15 @@ impl Runs<'_> {
 }
 
 impl Model for Runs<'_> {
+    fn residuals_at(&self, values: &[f64]) -> Vec<f64> {
+        self.runs.par_iter().map(|run| self.tried(run, values)).collect::<Vec<_>>().concat()
+    }
+
+    fn rounding(&self) -> f64 {
+        // The steps of a run change with its numbers, and its error with them.
+        1e-1 * self.tolerance
+    }
+
     fn precision(&self) -> f64 {
         // The derivatives of a run are less exact than the run.
         1e2 * self.tolerance
