@@ -250,6 +250,7 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
         ("gas work", audit.gas_work, "by the gauge pressure"),
         ("to the load", audit.load, "kinetic and potential, or the work on a prescribed motion"),
         ("stored", audit.braid_storage, "in the taut braid"),
+        ("stored", audit.tendon_storage, "in the tendon in series"),
         ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
         ("bladder", audit.bladder_storage, "stored in the bladder"),
         ("viscous", audit.viscous, "dissipated by viscous friction"),

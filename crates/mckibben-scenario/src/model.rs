@@ -37,17 +37,11 @@ impl Experiment {
     /// needs, with its error.
     ///
     /// # Errors
-    /// As [`step_for_accuracy`], when no step is given; [`Error::Unsupported`] then for a tendon in series.
+    /// As [`step_for_accuracy`], when no step is given.
     pub fn step(&self) -> Result<(f64, Option<StepError>), Error> {
         let run = &self.run;
         if let Some(step) = run.step {
             return Ok((step, None));
-        }
-        if self.rig.tendon().is_some() {
-            return Err(Error::Unsupported {
-                what: "a step for an accuracy is found beside the event-located engine, which takes no tendon in series",
-                remedy: "give run.step, such as \"0.1 ms\"",
-            });
         }
         let times = (run.duration, run.sample_interval);
         let chosen = step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
@@ -277,12 +271,6 @@ impl Scenario {
             rig.check_fixed_steps()?;
         }
         let Some(tendon) = self.tendon else { return Ok(rig) };
-        if self.run.engine == Engine::EventLocated {
-            return Err(Error::Unsupported {
-                what: "the event-located engine takes no tendon in series yet",
-                remedy: "set run.engine = \"fixed-step\" and give run.step, or leave out [tendon]",
-            });
-        }
         rig.with_tendon(load::SeriesTendon::new(tendon.stiffness, tendon.rest_length)?)
     }
 

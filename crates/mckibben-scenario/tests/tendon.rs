@@ -1,6 +1,6 @@
 //! A tendon in series in a scenario: what is read, written and built, and mistakes.
 
-use mckibben_scenario::{Document, Scenario, SeriesTendon};
+use mckibben_scenario::{Document, Engine, Scenario, SeriesTendon};
 
 const TENDON: &str = "[tendon]\nstiffness = \"12 N/mm\"\n";
 const LOAD: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n";
@@ -31,7 +31,6 @@ fn it_is_read_built_and_written() {
 
 #[test]
 fn mistakes_are_told() {
-    let located = RUN.replace("fixed-step", "event-located");
     let moved = "[load]\nkind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"\n";
     let joint = "[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\npulley_radius = \"15 mm\"\n\
                  rest_length = \"8 cm\"\n[antagonist]\n";
@@ -39,14 +38,22 @@ fn mistakes_are_told() {
         (mistakes(&["[tendon]\n", LOAD, RUN]), "tendon.stiffness"),
         (mistakes(&[&TENDON.replace("12", "0"), LOAD, RUN]), "tendon.stiffness"),
         (mistakes(&[TENDON, "rest_length = \"-1 mm\"\n", LOAD, RUN]), "tendon.rest_length"),
-        (mistakes(&[TENDON, LOAD, &located]), "fixed-step"),
         (mistakes(&[TENDON, moved, RUN]), "isometric"),
         (document(&[TENDON, joint, RUN]).joint_experiment().expect_err("a mistake").to_string(), "leave out [tendon]"),
     ];
     for (said, word) in cases {
         assert!(said.contains(word), "{word}:\n{said}");
     }
-    let without = RUN.replace("step = \"0.1 ms\"\n", "");
-    let told = document(&[TENDON, LOAD, &without]).experiment().expect("an experiment").step().expect_err("no step");
-    assert!(told.to_string().contains("run.step"), "{told}");
+}
+
+/// Without an engine its events are located; fixed steps find their step beside that.
+#[test]
+fn both_engines_take_it() {
+    let of = |run: &str| document(&[TENDON, LOAD, run]).experiment().unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(of("[run]\nduration = \"1 s\"\n").run.engine, Engine::EventLocated);
+    let without = "[run]\nduration = \"0.2 s\"\nengine = \"fixed-step\"\nsample_interval = \"1 ms\"\naccuracy = 1e-2\n";
+    let moving = LOAD.to_owned() + "[initial]\ngauge_pressure = \"40 psi\"\nvelocity = \"0.1 m/s\"\n";
+    let (step, error) = document(&[TENDON, &moving, without]).experiment().expect("an experiment").step().expect("a step");
+    let error = error.expect("measured");
+    assert!(step <= 1e-3 && error.greatest() <= 1e-2, "{step} s: {error:?}");
 }

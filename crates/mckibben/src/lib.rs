@@ -75,4 +75,4 @@ pub use braid::Braid;
 pub use dual::Dual;
 pub use error::{Error, Requirement};
 pub use pressure::{AbsolutePressure, GaugePressure};
-pub use scalar::{Mask, Over, Real, Scalar, Work};
+pub use scalar::{Differentiable, Mask, Over, Real, Scalar, Work};

@@ -162,6 +162,17 @@ impl<S: Scalar> Over<S> for S {
     }
 }
 
+/// A scalar over `S` that can take one derivative more.
+pub trait Differentiable<S: Scalar>: Over<S> {
+    /// The scalar with a derivative.
+    type Dual: Over<S>;
+
+    /// A number that changes by `slope`.
+    fn along(self, slope: Self) -> Self::Dual;
+    /// A number and how it changes.
+    fn split(dual: Self::Dual) -> [Self; 2];
+}
+
 #[cfg(feature = "std")]
 macro_rules! mathematics {
     ($type:ident: $($method:ident => $libm:path),*) => {

@@ -49,5 +49,6 @@ mod solenoid;
 mod spool_rig;
 mod stiff;
 mod stops;
+mod tendon_located;
 mod tendon_rig;
 mod work;

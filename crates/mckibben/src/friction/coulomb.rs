@@ -101,6 +101,11 @@ impl<S: Scalar> Coulomb<S> {
         self.acts
     }
 
+    /// Whether the force falls with velocity.
+    pub(crate) fn falls(&self) -> bool {
+        self.acts && self.stribeck.is_some()
+    }
+
     /// The force `F_c` in N, in motion fast enough, by what presses the threads together.
     #[inline(always)]
     pub fn kinetic<T: Over<S>>(&self, pressing: Pressing<T>) -> T {

@@ -192,6 +192,16 @@ impl<S: Scalar> LuGre<S> {
 }
 
 impl<R: Real> LuGre<R> {
+    /// Whether the bristles are damped.
+    pub(crate) fn is_damped(&self) -> bool {
+        self.damping_time.value() > 0.0
+    }
+
+    /// Whether the force depends on the velocity otherwise than by its sign.
+    pub(crate) fn falls(&self) -> bool {
+        self.is_damped() || self.excess.value() > 0.0
+    }
+
     /// The branch at the velocity of the memory, without the damping of the bristles.
     pub(super) fn branch(&self, memory: &Memory<R>, direction: f64) -> Branch<R> {
         let (ratio, sign) = (self.ratio(), R::constant(direction));

@@ -50,7 +50,7 @@ pub struct StepError {
     pub compared: f64,
     /// Error of the length.
     pub length: f64,
-    /// Error of the velocity.
+    /// Error of the velocity; of the load's with a tendon in series.
     pub velocity: f64,
     /// Error of the pressure.
     pub pressure: f64,
@@ -120,7 +120,10 @@ impl Reference {
         let mut errors = [0.0_f64; 4];
         for (time, _) in times.steps(step) {
             stepper.advance_to(time)?;
-            let (ours, theirs) = (stepper.state().to_array(), reference(time));
+            let (mut ours, theirs) = (stepper.state().to_array(), reference(time));
+            if self.trajectory.rig().tendon().is_some() {
+                ours[1] = stepper.sample().load_velocity;
+            }
             for n in 0..4 {
                 errors[n] = errors[n].max((ours[n] - theirs[n]).abs() / self.scales[n]);
             }

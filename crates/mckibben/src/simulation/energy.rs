@@ -5,6 +5,7 @@
 //!          + ΔU                                    the bladder
 //!          + Δ(½ M v²) − W Δx                      the load (or −∫ F dx when its motion is given)
 //!          + Δ(½ K_braid (x − L_max)²)             the taut braid
+//!          + Δ(½ T²/k)                             a tendon in series
 //!          + ∫ c v² dt + ∫ Q k_sec |v| dt          friction
 //!          + ∫ k_sec Σ w r |v| dt, slipping         hysteresis: what its elements or bristles dissipate,
 //!          + ∫ k_sec Σ w z v dt, not slipping       and what they store
@@ -37,6 +38,8 @@ pub struct EnergyAudit {
     pub load: f64,
     /// Energy that the taut braid gained.
     pub braid_storage: f64,
+    /// Energy that a tendon in series gained.
+    pub tendon_storage: f64,
     /// Dissipated by viscous friction.
     pub viscous: f64,
     /// Dissipated by Coulomb friction.
@@ -67,7 +70,8 @@ impl EnergyAudit {
 
     /// Where the work of the gas is known to have gone, in J.
     pub(super) fn accounted(&self) -> f64 {
-        let stored = self.load + self.bladder_storage + self.braid_storage + self.hysteresis_storage;
+        let stored =
+            self.load + self.bladder_storage + self.braid_storage + self.tendon_storage + self.hysteresis_storage;
         self.effectiveness_loss + stored + self.dissipated()
     }
 
@@ -78,7 +82,8 @@ impl EnergyAudit {
 
     /// Sum of the magnitudes of all terms in J, to which the residual is to be compared.
     pub fn turnover(&self) -> f64 {
-        let stored = [self.load, self.bladder_storage, self.braid_storage, self.hysteresis_storage];
+        let stored =
+            [self.load, self.bladder_storage, self.braid_storage, self.tendon_storage, self.hysteresis_storage];
         let others = [self.gas_work, self.effectiveness_loss, self.dissipated()];
         stored.iter().chain(&others).map(|term| term.abs()).sum()
     }
@@ -98,6 +103,7 @@ impl EnergyAudit {
             bladder_storage: self.bladder_storage + other.bladder_storage,
             load: self.load + other.load,
             braid_storage: self.braid_storage + other.braid_storage,
+            tendon_storage: self.tendon_storage + other.tendon_storage,
             viscous: self.viscous + other.viscous,
             coulomb: self.coulomb + other.coulomb,
             slip: self.slip + other.slip,
@@ -181,8 +187,14 @@ impl<R: Real> Trajectory<R> {
         audit.air_gain += self.hose_gain().value();
         audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
             let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();
-            kinetic(end.velocity) - kinetic(start.velocity) - (inertia.pull * (end.length - start.length)).value()
+            let fallen = (inertia.pull * (end.load_distance - start.load_distance)).value();
+            kinetic(end.load_velocity) - kinetic(start.load_velocity) - fallen
         });
+        if let Some(tendon) = rig.tendon() {
+            let stored = |tension: R| (R::constant(0.5) * tension * tension / tendon.stiffness()).value();
+            audit.tendon_storage = stored(end.tension) - stored(start.tension);
+            audit.load = rig.load().inertia().map_or(0.0, |_| audit.load);
+        }
         audit
     }
 }

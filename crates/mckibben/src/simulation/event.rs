@@ -25,7 +25,7 @@ use super::arc::{Arc, Bernstein, POINTS};
 use super::system::{GuardForm, Guards, HybridSystem};
 use crate::dual::Dual;
 use crate::root;
-use crate::scalar::{Over, Real};
+use crate::scalar::{Differentiable, Real};
 
 /// Events in a row without progress in time that are taken for chatter.
 pub(crate) const MAX_EVENTS_IN_AN_INSTANT: u32 = 100;
@@ -96,7 +96,7 @@ fn differentiable<R: Real, const N: usize, S: HybridSystem<R, N>>(
     place - (shift - R::constant(shift.value()))
 }
 
-fn value<R: Real, T: Over<R>, const N: usize, S: HybridSystem<R, N>>(
+fn value<R: Real, T: Differentiable<R>, const N: usize, S: HybridSystem<R, N>>(
     system: &S,
     mode: &S::Mode,
     guard: S::Guard,

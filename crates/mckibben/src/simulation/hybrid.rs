@@ -6,7 +6,8 @@
 //! |---|---|---|
 //! | sliding | lengthening, shortening, stuck, held, frictionless | the velocity comes to zero; the load breaks away |
 //!
-//! The bristles of LuGre's law are a state behind those of the air line; they bend while the ends move.
+//! The bristles of LuGre's law are a state behind those of the air line; they bend while the ends move. With a tendon in series
+//! the load's distance is the last state ([`tendon_mode`](super::tendon_mode)).
 //!
 //! At rest, a tension between `F_s + F_limit − Q k_sec` and `F_s + F_limit + Q k_sec` can be held, and any from zero up
 //! when the actuator rests on its shortest length. The load sticks while its pull lies between.
@@ -16,21 +17,21 @@ use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
 use super::plumbing::{LineMode, Plumbing, Room};
 use super::rig::{Rig, State};
 use super::system::{GuardForm, Guards, HybridSystem};
+use super::tendon_mode::Tether;
 use super::timetable::Progress;
 use super::zones::{Places, Through};
-#[cfg(feature = "alloc")]
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::friction::{LuGre, Rubbing};
 use crate::load::{Inertia, Load};
-use crate::scalar::{Over, Real};
+use crate::scalar::{Differentiable, Over, Real};
 use crate::valve::Openings;
 
-const LENGTH: usize = 0;
-const VELOCITY: usize = 1;
+pub(super) const LENGTH: usize = 0;
+pub(super) const VELOCITY: usize = 1;
 pub(super) const PRESSURE: usize = 2;
-const AIR_MASS: usize = 3;
+pub(super) const AIR_MASS: usize = 3;
 
 /// The mode with what its clocks remember.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,8 @@ pub struct Phase<R = f64> {
     /// `P V/m` of an isothermal process, which nothing changes.
     isothermal: Option<R>,
     line: LineMode,
+    /// Whether a tendon in series hangs loose.
+    pub(super) loose: bool,
     /// What the hysteresis remembers, where there is one.
     pub(super) trace: Option<Trace<R>>,
 }
@@ -57,12 +60,13 @@ impl<R: Real> Phase<R> {
 /// A rig with the tolerance to which its events are told from rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct RigSystem<'a, R: Real = f64> {
-    rig: &'a Rig<R>,
-    member: Member<'a, R>,
+    pub(super) rig: &'a Rig<R>,
+    pub(super) member: Member<'a, R>,
     plumbing: Option<Plumbing<'a, R>>,
-    inertia: Option<Inertia<R>>,
+    tether: Option<Tether<R>>,
+    pub(super) inertia: Option<Inertia<R>>,
     /// `1/M`, or zero when the motion is given.
-    per_mass: R,
+    pub(super) per_mass: R,
 }
 
 impl<'a, R: Real> RigSystem<'a, R> {
@@ -70,10 +74,15 @@ impl<'a, R: Real> RigSystem<'a, R> {
     pub fn new(rig: &'a Rig<R>, relative_tolerance: f64) -> Self {
         let inertia = rig.load().inertia();
         let pull = inertia.map_or(0.0, |inertia| inertia.pull.value().abs());
+        let member = Member::new(rig.actuator(), relative_tolerance, pull);
+        let plumbing = Plumbing::new(rig);
+        let before =
+            plumbing.map_or(4, |plumbing| plumbing.states) + usize::from(rig.actuator().friction().lugre().is_some());
         Self {
             rig,
-            member: Member::new(rig.actuator(), relative_tolerance, pull),
-            plumbing: Plumbing::new(rig),
+            member,
+            plumbing,
+            tether: Tether::new(rig, before, &member),
             inertia,
             per_mass: inertia.map_or(R::zero(), |inertia| R::one() / inertia.mass),
         }
@@ -96,9 +105,15 @@ impl<'a, R: Real> RigSystem<'a, R> {
         [longest, longest * USUAL_RATE, atmosphere, air_mass]
     }
 
-    /// How many states the rig has with its line and its bristles.
+    /// How many states the rig has with its line, its bristles and a load on a tendon.
     pub fn states(&self) -> usize {
-        self.line_states() + usize::from(self.lugre().is_some())
+        self.line_states() + usize::from(self.lugre().is_some()) + usize::from(self.tether.is_some())
+    }
+
+    /// The tendon in series, if there is one.
+    #[inline(always)]
+    pub(super) fn tether<const N: usize>(&self) -> Option<&Tether<R>> {
+        if Room::<N>::FOR_LINE { self.tether.as_ref() } else { None }
     }
 
     /// How many states the rig has with its line.
@@ -119,7 +134,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// LuGre's law, the deflection of its bristles, and velocity and direction of sliding, where the ends move.
     #[inline(always)]
-    fn bent<T: Over<R>, const N: usize>(
+    pub(super) fn bent<T: Over<R>, const N: usize>(
         &self,
         state: &[T; N],
         velocity: T,
@@ -133,7 +148,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
     #[inline(always)]
     fn rubbing<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> Rubbing<T> {
         let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
-        match self.bent(state, state[VELOCITY], &phase.mode) {
+        // On a tendon the velocity is the load's; who asks then asks for rest.
+        let velocity = if self.tether::<N>().is_some() { T::zero() } else { state[VELOCITY] };
+        match self.bent(state, velocity, &phase.mode) {
             Some((law, [bent, velocity, direction])) => {
                 Rubbing { width: Some(law.width_at(bent, velocity, direction)), ..rubbing }
             }
@@ -149,8 +166,8 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// The force of the hysteresis over the secant stiffness in m, and the part of it that dissipates, in magnitude.
     #[cfg(feature = "alloc")]
-    pub(super) fn widths<const N: usize>(&self, state: &[R; N], phase: &Phase<R>) -> [R; 2] {
-        match self.bent(state, state[VELOCITY], &phase.mode) {
+    pub(super) fn widths<const N: usize>(&self, time: R, state: &[R; N], phase: &Phase<R>) -> [R; 2] {
+        match self.bent(state, self.velocity(time, state, phase), &phase.mode) {
             Some((law, [bent, velocity, direction])) => {
                 [law.width_at(bent, velocity, direction), law.dissipating(bent, velocity, direction)]
             }
@@ -165,6 +182,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
         state[..4].copy_from_slice(&rig.to_array());
         if let Some(plumbing) = &self.plumbing {
             plumbing.start(&self.member, &mut state);
+        }
+        if let Some(tether) = self.tether::<N>() {
+            self.hang(tether, &mut state);
         }
         state
     }
@@ -182,18 +202,31 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// The air in the actuator.
-    #[cfg(feature = "alloc")]
-    pub(super) fn chamber<const N: usize>(&self, state: &[R; N], mode: &Mode) -> Chamber<R> {
+    pub(super) fn chamber<T: Over<R>, const N: usize>(&self, state: &[T; N], mode: &Mode) -> Chamber<T> {
         let slack = mode.extent == Extent::Slack;
         self.rig.actuator().chamber(state[LENGTH], state[VELOCITY], state[PRESSURE], state[AIR_MASS], slack)
     }
 
     /// Flow into the actuator at a time in s.
-    #[cfg(feature = "alloc")]
-    pub(super) fn inflow<const N: usize>(&self, time: R, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
+    pub(super) fn inflow<T: Over<R>, const N: usize>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> Flow<T> {
         let (through, chamber) = (phase.through(time), self.chamber(state, &phase.mode));
         match &self.plumbing {
             Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, (through, &phase.line)),
+            None => self.member.flow(&chamber, through),
+        }
+    }
+
+    /// The same, with the rates of the line's states.
+    pub(super) fn line_rates<T: Over<R>, const N: usize>(
+        &self,
+        time: T,
+        state: &[T; N],
+        phase: &Phase<R>,
+        rates: &mut [T; N],
+    ) -> Flow<T> {
+        let (through, chamber) = (phase.through(time), self.chamber(state, &phase.mode));
+        match &self.plumbing {
+            Some(plumbing) => plumbing.rates(&self.member, &chamber, state, (through, &phase.line), rates),
             None => self.member.flow(&chamber, through),
         }
     }
@@ -262,6 +295,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
             openings: self.rig.timetable().openings(&progress),
             isothermal: self.member.isothermal_content(state[LENGTH], [state[PRESSURE], state[AIR_MASS]]),
             line: LineMode::AT_REST,
+            loose: false,
             trace: self.member.trace(self.rig.actuator().limits().actuator_length(state[LENGTH])),
         };
         self.enter_ports(state, &mut phase.mode);
@@ -269,8 +303,12 @@ impl<'a, R: Real> RigSystem<'a, R> {
             phase.line = plumbing.enter(&self.member, state, phase.through(R::zero()));
             plumbing.pass_set_points(R::zero(), state, &mut phase.line);
         }
-        self.enter_extent(state, &mut phase.mode);
-        self.enter_sliding(R::zero(), state, &mut phase);
+        if let Some(tether) = self.tether::<N>() {
+            self.begin_tethered(tether, R::zero(), state, &mut phase);
+        } else {
+            self.enter_extent(state, &mut phase.mode);
+            self.enter_sliding(R::zero(), state, &mut phase);
+        }
         self.follow(state, &mut phase, false);
         phase
     }
@@ -279,6 +317,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
     #[inline(always)]
     pub fn tension<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
+        if let Some(tension) = self.tethered_tension(state, phase) {
+            return tension;
+        }
         if mode.sliding == Sliding::Stuck {
             return self.inertia.map_or(T::zero(), |inertia| T::of(inertia.pull));
         }
@@ -289,12 +330,12 @@ impl<'a, R: Real> RigSystem<'a, R> {
     }
 
     /// The least and the largest tension in N that can be held at rest.
-    fn holdable<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> (T, T) {
+    pub(super) fn holdable<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> (T, T) {
         self.rig.holdable(state[LENGTH], state[PRESSURE], self.rubbing(state, phase))
     }
 
     /// Takes the memory of the hysteresis on to a state, and to the branch that follows.
-    fn follow<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>, slips: bool) {
+    pub(super) fn follow<const N: usize>(&self, state: &[R; N], phase: &mut Phase<R>, slips: bool) {
         if phase.trace.is_some() {
             let length = self.rig.actuator().limits().actuator_length(state[LENGTH]);
             self.member.follow(&mut phase.trace, length, phase.mode.sliding, slips);
@@ -390,7 +431,10 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     }
 
     #[inline(always)]
-    fn rates<T: Over<R>>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> [T; N] {
+    fn rates<T: Differentiable<R>>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> [T; N] {
+        if let Some(tether) = self.tether::<N>() {
+            return self.tethered_rates(tether, time, state, phase);
+        }
         let (mode, through) = (&phase.mode, phase.through(time));
         let mut ends = [state[LENGTH], state[VELOCITY], T::zero()];
         match self.rig.load() {
@@ -437,10 +481,12 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         let rate = |pressure| seeded_at(valve, pressure)[valve];
         let settling = self.member.pressure_settling_rate(state[valve], supply, &phase.mode, rate);
         let mut fastest = (self.member.damping(&phase.mode) * self.per_mass.value()).max(settling);
+        let settles = |place: usize| -seeded_at(place, Dual::variable(state[place], 0))[place].slope[0].value();
         if self.bristles(state).is_some() {
-            let place = self.line_states();
-            let settles = |place: usize| -seeded_at(place, Dual::variable(state[place], 0))[place].slope[0].value();
-            fastest = fastest.max(settles(place)).max(settles(VELOCITY));
+            fastest = fastest.max(settles(self.line_states())).max(settles(VELOCITY));
+        }
+        if self.tether::<N>().is_some() {
+            fastest = settling.max(settles(LENGTH));
         }
         if Room::<N>::FOR_LINE
             && let Some(plumbing) = &self.plumbing
@@ -476,6 +522,9 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         if let (Some(bent), Some(law)) = (self.bristles(state), self.lugre()) {
             scales[self.line_states()] = bent.value().abs() + law.reach().value();
         }
+        if let Some(tether) = self.tether::<N>() {
+            tether.scales(&mut scales);
+        }
         scales
     }
 
@@ -486,36 +535,24 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     }
 
     fn pass_instant(&self, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
-        let (timetable, counted) = (self.rig.timetable(), phase.progress.openings_counted());
-        let ports = timetable.pass_seats(&mut phase.progress, time);
-        if ports != phase.mode.ports || phase.progress.openings_counted() != counted {
-            phase.openings = timetable.openings(&phase.progress);
-            if ports != phase.mode.ports {
-                phase.mode.ports = ports;
-                self.enter_ports(state, &mut phase.mode);
-            }
-            if let Some(plumbing) = &self.plumbing {
-                let through = Through { mode: &phase.mode, shares: phase.openings.at(time) };
-                plumbing.pass_seats(&self.member, state, through, &mut phase.line);
-            }
-            return Ok(EventKind::Valve);
+        let kind = self.pass_due(time, state, phase);
+        if let Some(tether) = self.tether::<N>() {
+            self.settle_end(tether, time, state, phase);
         }
-        if let Some(plumbing) = &self.plumbing
-            && plumbing.pass_set_points(time, state, &mut phase.line)
-        {
-            return Ok(EventKind::SetPoint);
-        }
-        phase.progress.corners_passed += 1;
-        self.project(time, state, phase);
-        self.enter_extent(state, &mut phase.mode);
-        self.enter_sliding(time, state, phase);
-        self.follow(state, phase, false);
-        Ok(EventKind::Corner)
+        Ok(kind)
     }
 
     fn guards(&self, phase: &Phase<R>) -> Guards<Guard> {
         let mode = &phase.mode;
         let mut guards = Guards::new();
+        if self.tether::<N>().is_some() {
+            self.tethered_guards(phase, &mut guards);
+            self.member.piece_guards(mode, self.places(), &mut |guard, form| guards.add(guard, form));
+            if let Some(plumbing) = &self.plumbing {
+                plumbing.guards(&phase.line, &mut guards);
+            }
+            return guards;
+        }
         let above = |index, bound: R| GuardForm::Above { index, bound: bound.value() };
         let below = |index, bound: R| GuardForm::Below { index, bound: bound.value() };
         let moves = !matches!(self.rig.load(), Load::Isometric) && mode.sliding != Sliding::Stuck;
@@ -554,8 +591,13 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         guards
     }
 
-    fn guard<T: Over<R>>(&self, guard: Guard, time: T, state: &[T; N], phase: &Phase<R>) -> T {
+    fn guard<T: Differentiable<R>>(&self, guard: Guard, time: T, state: &[T; N], phase: &Phase<R>) -> T {
         let mode = &phase.mode;
+        if let Some(tether) = self.tether::<N>()
+            && let Some(value) = self.tethered_guard(tether, (guard, time), state, phase)
+        {
+            return value;
+        }
         let [length, velocity, _] = ends(state);
         if Room::<N>::FOR_LINE
             && let Some(plumbing) = &self.plumbing
@@ -582,8 +624,18 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
     }
 
     fn cross(&self, guard: Guard, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> Result<EventKind, Error> {
-        let kind = self.pass_guard(guard, time, state, phase)?;
+        let of_tether = match self.tether::<N>() {
+            Some(_) => self.cross_tethered((guard, time), state, phase)?,
+            None => None,
+        };
+        let kind = match of_tether {
+            Some(kind) => kind,
+            None => self.pass_guard(guard, time, state, phase)?,
+        };
         self.follow(state, phase, guard == Guard::Slip);
+        if let Some(tether) = self.tether::<N>() {
+            self.settle_end(tether, time, state, phase);
+        }
         Ok(kind)
     }
 
@@ -591,6 +643,9 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         if let Load::Prescribed(motion) = self.rig.load() {
             let [length, velocity, _] = motion.at(time, phase.progress.corners_passed);
             (state[LENGTH], state[VELOCITY]) = (length, velocity);
+        }
+        if let Some(tether) = self.tether::<N>() {
+            self.keep_balance(tether, state, phase);
         }
         if let Some(content) = phase.isothermal {
             state[PRESSURE] = content * state[AIR_MASS] / self.rig.actuator().volume(state[LENGTH]);
@@ -610,6 +665,35 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
 }
 
 impl<R: Real> RigSystem<'_, R> {
+    /// Passes what is due at an instant.
+    fn pass_due<const N: usize>(&self, time: R, state: &mut [R; N], phase: &mut Phase<R>) -> EventKind {
+        let (timetable, counted) = (self.rig.timetable(), phase.progress.openings_counted());
+        let ports = timetable.pass_seats(&mut phase.progress, time);
+        if ports != phase.mode.ports || phase.progress.openings_counted() != counted {
+            phase.openings = timetable.openings(&phase.progress);
+            if ports != phase.mode.ports {
+                phase.mode.ports = ports;
+                self.enter_ports(state, &mut phase.mode);
+            }
+            if let Some(plumbing) = &self.plumbing {
+                let through = Through { mode: &phase.mode, shares: phase.openings.at(time) };
+                plumbing.pass_seats(&self.member, state, through, &mut phase.line);
+            }
+            return EventKind::Valve;
+        }
+        if let Some(plumbing) = &self.plumbing
+            && plumbing.pass_set_points(time, state, &mut phase.line)
+        {
+            return EventKind::SetPoint;
+        }
+        phase.progress.corners_passed += 1;
+        self.project(time, state, phase);
+        self.enter_extent(state, &mut phase.mode);
+        self.enter_sliding(time, state, phase);
+        self.follow(state, phase, false);
+        EventKind::Corner
+    }
+
     /// What follows when a guard has come down through zero; the memory of the hysteresis is taken on after it.
     fn pass_guard<const N: usize>(
         &self,
@@ -676,7 +760,7 @@ impl<R: Real> RigSystem<'_, R> {
     }
 
     /// The velocity in m/s by which zero must be passed before it is a turn: what a few steps may err.
-    fn rest_band(&self) -> f64 {
+    pub(super) fn rest_band(&self) -> f64 {
         10.0 * self.member.band * self.slow()
     }
 

@@ -283,6 +283,7 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::SupplyDown | Guard::SupplyUp | Guard::ExhaustDown | Guard::ExhaustUp => T::one(),
             Guard::PieceDown | Guard::PieceUp | Guard::MapDown | Guard::MapUp => T::one(),
             Guard::PressDown | Guard::PressUp => T::one(),
+            Guard::TendonLoose | Guard::TendonTight => T::one(),
             Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
             Guard::RegimeDown | Guard::RegimeUp | Guard::CutOut | Guard::CutIn => T::one(),
             Guard::RegulatorUp | Guard::RegulatorDown | Guard::RateLimit => T::one(),

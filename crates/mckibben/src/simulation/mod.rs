@@ -51,6 +51,7 @@ mod series_tendon;
 #[cfg(feature = "alloc")]
 mod stored;
 pub mod system;
+mod tendon_mode;
 mod tendon_step;
 pub(crate) mod timetable;
 #[cfg(feature = "alloc")]

@@ -100,6 +100,10 @@ pub enum EventKind {
     Rebound,
     /// The length fell back below its longest.
     Untaut,
+    /// A tendon in series came loose.
+    TendonLoose,
+    /// A tendon in series pulls again.
+    TendonTight,
     /// The tension came to zero: a tendon cannot push.
     TensionZero,
     /// The tension rose from zero.
@@ -145,6 +149,8 @@ impl EventKind {
             Self::Taut => "taut",
             Self::Rebound => "rebound",
             Self::Untaut => "untaut",
+            Self::TendonLoose => "tendon-loose",
+            Self::TendonTight => "tendon-tight",
             Self::TensionZero => "tension-zero",
             Self::TensionBack => "tension-back",
             Self::Flow => "flow",
@@ -188,6 +194,10 @@ pub enum Guard {
     BreakLonger,
     /// The actuator exceeds what friction can hold and shortens.
     BreakShorter,
+    /// The stretch of a tendon in series falls to zero.
+    TendonLoose,
+    /// The stretch of a tendon in series rises from zero.
+    TendonTight,
     /// The sum of forces comes down to zero.
     TensionZero,
     /// The sum of forces rises from zero.

@@ -29,9 +29,9 @@ use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
 const FIRST: usize = 4;
-/// The most states that a rig with a line and bristles may have.
+/// The most states that a rig with a line, bristles and a load on a tendon may have.
 #[cfg(feature = "alloc")]
-pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 3;
+pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 4;
 /// Part of the flow at the speed of sound from the surroundings below which an error in a flow counts absolutely.
 const SLOW: f64 = 0.1;
 /// Part of a bound between two regimes by which it is passed at least: their slopes agree there.
@@ -260,14 +260,13 @@ impl<'a, R: Real> Plumbing<'a, R> {
     }
 
     /// Flow into the actuator from hose or valve and through the leak.
-    #[cfg(feature = "alloc")]
-    pub(super) fn inflow<const N: usize>(
+    pub(super) fn inflow<T: Over<R>, const N: usize>(
         &self,
         member: &Member<'_, R>,
-        own: &Chamber<R>,
-        state: &[R; N],
-        (through, line): (Through<'_, R>, &LineMode),
-    ) -> Flow<R> {
+        own: &Chamber<T>,
+        state: &[T; N],
+        (through, line): (Through<'_, T>, &LineMode),
+    ) -> Flow<T> {
         let inflow = self.out_of_hose(own, state, line).map(split).unwrap_or_else(|| {
             let [supply, exhaust] = self.passages(member, own, state, through);
             supply.and(exhaust)

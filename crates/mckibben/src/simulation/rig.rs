@@ -203,7 +203,7 @@ impl Rig {
         Ok(Self { line, ..self }.with_transport())
     }
 
-    /// The same rig with an elastic tendon between actuator and load: the fixed-step engine takes it.
+    /// The same rig with an elastic tendon between actuator and load: both engines take it.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for a prescribed motion.
@@ -327,8 +327,8 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         match self.tendon {
             None => Ok(()),
             Some(_) => Err(Error::Unsupported {
-                what: "of a rig with a tendon in series only the fixed-step engine knows, without a controller",
-                remedy: "set run.engine = \"fixed-step\" and give run.step, or leave out [tendon]",
+                what: "controllers, linear models, modular actuators and batches take no rig with a tendon in series",
+                remedy: "simulate it with a command, or leave out [tendon]",
             }),
         }
     }

@@ -11,7 +11,7 @@
 
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::scalar::{Over, Real};
+use crate::scalar::{Differentiable, Over, Real};
 use core::fmt::Debug;
 
 /// The largest number of guards that a mode may have.
@@ -88,7 +88,7 @@ pub trait HybridSystem<R: Real, const N: usize> {
     }
 
     /// Time derivatives of the states by the formulas of `mode`.
-    fn rates<T: Over<R>>(&self, time: T, state: &[T; N], mode: &Self::Mode) -> [T; N];
+    fn rates<T: Differentiable<R>>(&self, time: T, state: &[T; N], mode: &Self::Mode) -> [T; N];
 
     /// The fastest rate in 1/s at which a state settles by itself, zero when none does: the largest negative diagonal term
     /// of the Jacobian, unless the system knows better.
@@ -117,7 +117,7 @@ pub trait HybridSystem<R: Real, const N: usize> {
     fn guards(&self, mode: &Self::Mode) -> Guards<Self::Guard>;
 
     /// Value of a guard, positive while the mode lasts.
-    fn guard<T: Over<R>>(&self, guard: Self::Guard, time: T, state: &[T; N], mode: &Self::Mode) -> T;
+    fn guard<T: Differentiable<R>>(&self, guard: Self::Guard, time: T, state: &[T; N], mode: &Self::Mode) -> T;
 
     /// Crosses a guard that has come down through zero: the mode and, where it is reset, the state after it.
     ///

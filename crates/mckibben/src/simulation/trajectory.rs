@@ -7,6 +7,7 @@ use super::plumbing::MOST;
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
 use super::stored::Stored;
+use super::tendon_mode;
 use super::zones::Places;
 use crate::air::Flow;
 use crate::error::Error;
@@ -40,7 +41,7 @@ pub struct Trajectory<R: Real = f64> {
 /// The run of a rig with `N` states.
 type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
 
-/// A run of a rig alone, or with an air line or bristles.
+/// A run of a rig alone, or with an air line, bristles or a tendon in series.
 #[derive(Clone, Debug)]
 enum Run<R: Real> {
     Rig(Of<R, 4>),
@@ -100,9 +101,10 @@ impl<R: Real> Trajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-        rig.check_no_tendon()?;
+        tendon_mode::check(&rig, start.length)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = match rig.has_plumbing() || rig.actuator().friction().lugre().is_some() {
+        let beside = rig.actuator().friction().lugre().is_some() || rig.tendon().is_some();
+        let run = match rig.has_plumbing() || beside {
             false => Run::Rig(begin(&system, start)),
             true => Run::Line(Box::new(begin(&system, start))),
         };
@@ -248,7 +250,7 @@ impl<R: Real> Trajectory<R> {
         let system = self.system();
         with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
             let flow = system.exchange(time, state, phase);
-            visit(weight, &sample(&system, time, state, phase), phase, &flow, system.widths(state, phase));
+            visit(weight, &sample(&system, time, state, phase), phase, &flow, system.widths(time, state, phase));
         }));
     }
 
@@ -273,6 +275,12 @@ fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
 fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
     let (mode, Places { valve, supply, .. }) = (&phase.mode, system.places());
     let (tension, flow) = (system.tension(state, phase), system.inflow(time, state, phase));
-    let sample = system.member().sample_with(time, &four(*state), tension, mode, flow);
-    sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]))
+    let mut own = four(*state);
+    own[1] = system.velocity(time, state, phase);
+    let sample = system.member().sample_with(time, &own, tension, mode, flow);
+    let sample = sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]));
+    match system.far_end(state) {
+        Some([load_distance, load_velocity]) => Sample { load_distance, load_velocity, ..sample },
+        None => sample,
+    }
 }

@@ -4,6 +4,7 @@
 pub(crate) mod joint;
 pub(crate) mod laws;
 pub(crate) mod random;
+pub(crate) mod tendon;
 
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
