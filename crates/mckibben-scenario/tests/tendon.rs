@@ -53,7 +53,8 @@ fn both_engines_take_it() {
     assert_eq!(of("[run]\nduration = \"1 s\"\n").run.engine, Engine::EventLocated);
     let without = "[run]\nduration = \"0.2 s\"\nengine = \"fixed-step\"\nsample_interval = \"1 ms\"\naccuracy = 1e-2\n";
     let moving = LOAD.to_owned() + "[initial]\ngauge_pressure = \"40 psi\"\nvelocity = \"0.1 m/s\"\n";
-    let (step, error) = document(&[TENDON, &moving, without]).experiment().expect("an experiment").step().expect("a step");
+    let (step, error) =
+        document(&[TENDON, &moving, without]).experiment().expect("an experiment").step().expect("a step");
     let error = error.expect("measured");
     assert!(step <= 1e-3 && error.greatest() <= 1e-2, "{step} s: {error:?}");
 }
