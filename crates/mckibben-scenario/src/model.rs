@@ -158,9 +158,6 @@ impl Scenario {
         let output = opposite_output(self, &second).map_err(failed)?;
         let antagonist = second.driven_by(output).map_err(|error| (Part::Antagonist, error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
-        if self.run.engine == Engine::EventLocated {
-            rig.check_located().map_err(failed)?;
-        }
         let starts = [self.initial, second.initial];
         let initial = JointInitial {
             gauge_pressure: starts.map(|start| GaugePressure(start.gauge_pressure)),

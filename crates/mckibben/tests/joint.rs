@@ -297,6 +297,7 @@ fn pairs() -> impl Strategy<Value = (Pair, f64, f64)> {
             };
             let tendons = [pulley(&first.paper, rest, radius), pulley(&second.paper, other_rest, other)];
             let pair = Pair {
+                solenoids: [None, None],
                 papers: [first.paper, second.paper],
                 limb: Limb { mass, distance, inertia, gravity: GRAVITY, hanging_angle: hanging },
                 tendons,
@@ -357,12 +358,4 @@ fn what_cannot_be_is_refused_with_a_reason() {
     assert!(error.contains("initial.angle = 4 rad contradicts"), "{error}");
     let error = told(pair().with(|pair| pair.tendons[0].arm = MomentArm::Pulley(f64::NAN)));
     assert!(error.contains("load.pulley_radius"), "{error}");
-}
-
-#[test]
-fn bristles_have_no_states_in_a_joint_and_it_says_so() {
-    let law = mckibben::friction::LuGre::new(1e-4, 5e-5).expect("a law");
-    let bristles = |rig: &mut Paper| rig.hysteresis = Some(mckibben::friction::Hysteresis::LuGre(law));
-    let error = Pair::of(Paper::sealed().with(bristles)).try_run(0.1, 1e-8).expect_err("no run");
-    assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains("bouc-wen"), "{error}");
 }

@@ -11,7 +11,7 @@ use mckibben::simulation::{
     Actuation, ControlledJoint, ControlledJointStepper, Driven, EventKind, InitialAngle, JointEvent, JointInitial,
     JointRig, JointStepper, Method, simulate_joint, simulate_joint_controlled,
 };
-use mckibben::valve::{Command, FlowStandard, Request, Solenoid, ValveKind};
+use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
 
 const RADIUS: f64 = 0.015;
@@ -38,10 +38,16 @@ fn joint() -> Joint {
 }
 
 fn rig(papers: &[Paper; 2]) -> JointRig {
+    ramped(papers, [0.0; 2])
+}
+
+/// On seats that take times in s to open and to close.
+fn ramped(papers: &[Paper; 2], [rise, fall]: [f64; 2]) -> JointRig {
+    let ramp = Ramp::new(rise, fall).expect("a ramp");
     let driven = papers.each_ref().map(|paper| Driven {
         actuator: paper.actuator(),
         actuation: paper.command.clone().map(|command| Actuation {
-            solenoid: Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid"),
+            solenoid: Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid").with_ramp(ramp),
             command,
         }),
     });
@@ -198,6 +204,26 @@ fn fixed_steps_come_to_the_same_run() {
         });
         assert!(errors[1] < 1e-4 && errors[1] < (0.5 * errors[0]).max(1e-6), "{errors:?}");
     }
+}
+
+/// Seats that take their time close the loop by both engines, to the same run and to that of what was asked.
+#[test]
+fn slow_seats_are_controlled_by_both_engines() {
+    let papers = [paper(), paper()];
+    let rig = ramped(&papers, [6e-3, 9e-3]);
+    let start = rig.start(&initial(&papers)).expect("a start");
+    let (law, with) = (swing(), (sampling(33.0, 1), JointSensors::perfect()));
+    let closed = simulate_joint_controlled(&rig, start, 0.4, 1e-10, &law, with).expect("a run").trajectory;
+    let open = simulate_joint(closed.rig(), start, 0.4, 1e-10).expect("a run");
+    assert_within(closed.at(0.4).angle, open.at(0.4).angle, 1e-7);
+    let errors = [250, 1_000].map(|steps| {
+        let mut stepper = ControlledJointStepper::new(&rig, start, Method::Rk4, &law, with).expect("a stepper");
+        for step in 1..=steps {
+            stepper.advance_to(0.4 * f64::from(step) / f64::from(steps)).expect("a step");
+        }
+        (stepper.sample().angle - open.at(0.4).angle).abs()
+    });
+    assert!(errors[1] < 1e-5 && errors[1] < (0.5 * errors[0]).max(1e-7), "{errors:?}");
 }
 
 #[test]

@@ -26,6 +26,7 @@ mod issue_taut_chatter;
 mod joint;
 mod joint_circuit;
 mod joint_control;
+mod joint_located;
 mod joint_stepper;
 mod laws;
 mod leg;

@@ -53,7 +53,7 @@ impl<R: Real> Phase<R> {
     /// What the valve lets through at a time in s.
     #[inline(always)]
     pub(super) fn through<T: Over<R>>(&self, time: T) -> Through<'_, T> {
-        Through { mode: &self.mode, shares: self.openings.at(time) }
+        Through { mode: &self.mode, shares: self.openings.at(time), feed: None }
     }
 }
 
@@ -123,7 +123,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     #[inline(always)]
     fn lugre(&self) -> Option<&LuGre<R>> {
-        self.rig.actuator().friction().lugre()
+        self.member.lugre()
     }
 
     /// Deflection in m of the bristles, if there are such.
@@ -147,15 +147,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
     /// How the threads rub.
     #[inline(always)]
     fn rubbing<T: Over<R>, const N: usize>(&self, state: &[T; N], phase: &Phase<R>) -> Rubbing<T> {
-        let rubbing = self.member.rubbing(state[LENGTH], &phase.mode, &phase.trace);
         // On a tendon the velocity is the load's; who asks then asks for rest.
         let velocity = if self.tether::<N>().is_some() { T::zero() } else { state[VELOCITY] };
-        match self.bent(state, velocity, &phase.mode) {
-            Some((law, [bent, velocity, direction])) => {
-                Rubbing { width: Some(law.width_at(bent, velocity, direction)), ..rubbing }
-            }
-            None => rubbing,
-        }
+        self.member.rubbing([state[LENGTH], velocity], &phase.mode, (&phase.trace, self.bristles(state)))
     }
 
     /// The sum of (12), before it is kept from pushing.
@@ -604,7 +598,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         {
             if matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp) {
                 let ends = [length, velocity, state[plumbing.places().valve]];
-                return self.member.guard(guard, ends, mode, &phase.trace);
+                return self.member.guard(guard, ends, mode, (&phase.trace, None));
             }
             if let Some(value) = plumbing.guard(guard, &self.member, state, (phase.through(time), &phase.line)) {
                 return value;
@@ -619,7 +613,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             Guard::BreakShorter => pull() - self.holdable(state, phase).0 + band,
             Guard::TensionZero => self.signed_force(state, phase) + band,
             Guard::TensionBack => band - self.signed_force(state, phase),
-            _ => self.member.guard(guard, ends(state), mode, &phase.trace),
+            _ => self.member.guard(guard, ends(state), mode, (&phase.trace, None)),
         }
     }
 
@@ -676,7 +670,7 @@ impl<R: Real> RigSystem<'_, R> {
                 self.enter_ports(state, &mut phase.mode);
             }
             if let Some(plumbing) = &self.plumbing {
-                let through = Through { mode: &phase.mode, shares: phase.openings.at(time) };
+                let through = Through { mode: &phase.mode, shares: phase.openings.at(time), feed: None };
                 plumbing.pass_seats(&self.member, state, through, &mut phase.line);
             }
             return EventKind::Valve;

@@ -26,7 +26,7 @@ use crate::actuator::Actuator;
 use crate::air::Flow;
 use crate::air::Process;
 use crate::force::Statics;
-use crate::friction::{Branch, Hysteresis, Memory, Rubbing};
+use crate::friction::{Branch, Hysteresis, LuGre, Memory, Rubbing};
 use crate::scalar::{Over, Real};
 
 /// Temperature in K at which the scale of the air mass is taken.
@@ -137,17 +137,37 @@ impl<'a, R: Real> Member<'a, R> {
         trace.branch = hysteresis.branch(&trace.memory, trace.direction);
     }
 
-    /// How the threads rub at an actuator length.
+    /// LuGre's law, if that is the friction.
     #[inline(always)]
-    pub(super) fn rubbing<T: Over<R>>(&self, length: T, mode: &Mode, trace: &Option<Trace<R>>) -> Rubbing<T> {
-        let width = trace.as_ref().map(|trace| trace.width(length));
-        Rubbing { direction: T::constant(mode.sliding.direction()), width, touch: mode.touch() }
+    pub(super) fn lugre(&self) -> Option<&'a LuGre<R>> {
+        self.actuator.friction().lugre()
     }
 
-    /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing.
+    /// How the threads rub at an actuator length and velocity, with bristles bent so far in m if there are such.
     #[inline(always)]
-    pub(super) fn signed_force<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
-        self.signed_force_rubbing(ends, mode, self.rubbing(ends[0], mode, trace))
+    pub(super) fn rubbing<T: Over<R>>(
+        &self,
+        [length, velocity]: [T; 2],
+        mode: &Mode,
+        (trace, bent): (&Option<Trace<R>>, Option<T>),
+    ) -> Rubbing<T> {
+        let direction = T::constant(mode.sliding.direction());
+        let width = match (bent, self.lugre()) {
+            (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, direction)),
+            _ => trace.as_ref().map(|trace| trace.width(length)),
+        };
+        Rubbing { direction, width, touch: mode.touch() }
+    }
+
+    /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing, by what the hysteresis remembers.
+    #[inline(always)]
+    pub(super) fn signed_force<T: Over<R>>(
+        &self,
+        ends: [T; 3],
+        mode: &Mode,
+        remembered: (&Option<Trace<R>>, Option<T>),
+    ) -> T {
+        self.signed_force_rubbing(ends, mode, self.rubbing([ends[0], ends[1]], mode, remembered))
     }
 
     /// The same as the threads rub.
@@ -162,11 +182,16 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// Tension in N while the ends move: what the load feels.
     #[inline(always)]
-    pub(super) fn tension<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
+    pub(super) fn tension<T: Over<R>>(
+        &self,
+        ends: [T; 3],
+        mode: &Mode,
+        remembered: (&Option<Trace<R>>, Option<T>),
+    ) -> T {
         if mode.extent == Extent::Slack || mode.clamped {
             return T::zero();
         }
-        self.signed_force(ends, mode, trace)
+        self.signed_force(ends, mode, remembered)
     }
 
     /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air, with what the valve lets
@@ -183,18 +208,9 @@ impl<'a, R: Real> Member<'a, R> {
         [self.actuator.pressure_rate(&chamber, &flow), flow.net()]
     }
 
-    /// The sample of length, velocity, pressure and air mass with the tension (N) that goes with them.
+    /// The sample of length, velocity, pressure and air mass with the tension (N) and the flow that go with them.
     #[cfg(feature = "alloc")]
-    pub(super) fn sample(&self, time: R, state: &[R; 4], tension: R, mode: &Mode) -> Sample<R> {
-        let [length, velocity, pressure, mass] = *state;
-        let slack = mode.extent == Extent::Slack;
-        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
-        self.sample_with(time, state, tension, mode, self.flow(&chamber, Through { mode, shares: None }))
-    }
-
-    /// The same with a given flow into the actuator.
-    #[cfg(feature = "alloc")]
-    pub(super) fn sample_with(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
+    pub(super) fn sample(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
         let [length, velocity, pressure, mass] = *state;
         let slack = mode.extent == Extent::Slack;
         let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
@@ -228,9 +244,9 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Decides anew whether the force is kept from pushing.
-    pub(super) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, trace: &Option<Trace<R>>) {
+    pub(super) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
         let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
-        mode.clamped = moves && self.signed_force(ends, mode, trace).value() < 0.0;
+        mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
 
     /// The guards that end an extent: by length, and by the force of the taut braid.
@@ -254,7 +270,13 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
-    pub(super) fn guard<T: Over<R>>(&self, guard: Guard, ends: [T; 3], mode: &Mode, trace: &Option<Trace<R>>) -> T {
+    pub(super) fn guard<T: Over<R>>(
+        &self,
+        guard: Guard,
+        ends: [T; 3],
+        mode: &Mode,
+        remembered: (&Option<Trace<R>>, Option<T>),
+    ) -> T {
         let limits = self.actuator.limits();
         let [length, velocity, pressure] = ends;
         let (shortest, longest) = (T::of(limits.min_length()), T::of(limits.max_length()));
@@ -273,9 +295,9 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::Untaut => length - longest,
             Guard::Rebound => limits.taut_force(length, velocity) + band,
             Guard::Retaut => band - limits.taut_force(length, velocity),
-            Guard::TensionZero => self.signed_force(ends, mode, trace) + band,
-            Guard::TensionBack => band - self.signed_force(ends, mode, trace),
-            Guard::Slip => trace.as_ref().and_then(Trace::end).map_or(T::one(), |end| within(length, end)),
+            Guard::TensionZero => self.signed_force(ends, mode, remembered) + band,
+            Guard::TensionBack => band - self.signed_force(ends, mode, remembered),
+            Guard::Slip => remembered.0.as_ref().and_then(Trace::end).map_or(T::one(), |end| within(length, end)),
             Guard::MapShorter | Guard::MapLonger => {
                 self.map_length_limit(guard, mode).map_or(T::one(), |limit| within(length, limit))
             }

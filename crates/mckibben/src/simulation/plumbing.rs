@@ -99,7 +99,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
         let reservoir = place(line.supply.is_some_and(|supply| supply.reservoir().is_some()));
         let regulator = place(line.supply.is_some_and(|supply| supply.regulator().is_some()));
         // No supply that changes feeds a regulated port: it stands in its place.
-        let regulated = RegulatedPort::new(rig, states);
+        let regulated = RegulatedPort::new(rig.actuation(), rig.actuator(), states);
         states += usize::from(regulated.is_some());
         Some(Self { line, volumes, flows, reservoir, regulator, regulated, states })
     }
@@ -206,7 +206,7 @@ impl<'a, R: Real> Plumbing<'a, R> {
         member: &Member<'_, R>,
         own: &Chamber<T>,
         state: &[T; N],
-        Through { mode, shares }: Through<'_, T>,
+        Through { mode, shares, .. }: Through<'_, T>,
     ) -> [Flow<T>; 2] {
         let Some(valve) = member.actuator.valve() else { return [Flow::none(); 2] };
         let Ends { chamber, supply } = self.ends(valve, own, state);
@@ -450,10 +450,8 @@ impl<'a, R: Real> Plumbing<'a, R> {
             Guard::RegulatorDown => regulate(if line.poppet == Poppet::Rests { -1.0 } else { 1.0 }, -1.0),
             Guard::RateLimit => self.regulated?.guard(state, &line.port),
             Guard::SupplyDown | Guard::SupplyUp => {
-                let (up, zone) = (guard == Guard::SupplyUp, through.mode.supply_zone?);
-                let (pressure, feed) = (state[self.places().valve], self.feed(member.actuator.valve()?, state));
-                let bound = T::of(member.zone_ratio(zone, up)?) * feed;
-                Some(if up { bound - pressure } else { pressure - bound })
+                let feed = self.feed(member.actuator.valve()?, state);
+                member.supply_guard(guard, through.mode, [state[self.places().valve], feed])
             }
             _ => None,
         }

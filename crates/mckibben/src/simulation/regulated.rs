@@ -11,6 +11,8 @@
 use super::joint::{Driven, JointRig};
 use super::rig::{Actuation, Rig};
 use super::system::GuardForm;
+use crate::actuator::Actuator;
+use crate::dual::Dual;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::{Over, Real};
 use crate::valve::{Approach, Command, Port, Regulator, RegulatorClock, Valve, is_due};
@@ -65,12 +67,12 @@ fn clock<R: Real>(valve: &Valve<R>, pressure: R) -> RegulatorClock<R> {
 }
 
 impl<'a, R: Real> RegulatedPort<'a, R> {
-    /// The port of a rig's regulator, if it has one.
-    pub(super) fn new(rig: &'a Rig<R>, place: usize) -> Option<Self> {
-        let Actuation { solenoid, command } = rig.actuation()?;
+    /// The port of the regulator that drives an actuator, if there is one.
+    pub(super) fn new(actuation: Option<&'a Actuation<R>>, actuator: &Actuator<R>, place: usize) -> Option<Self> {
+        let Actuation { solenoid, command } = actuation?;
         let regulator = *solenoid.regulator()?;
         let delay = regulator.dead_time() + solenoid.transport();
-        Some(Self { regulator, command, delay, atmosphere: rig.actuator().air().atmosphere().0, place })
+        Some(Self { regulator, command, delay, atmosphere: actuator.air().atmosphere().0, place })
     }
 
     /// The regulated pressure at the start, with a pressure in the actuator.
@@ -100,6 +102,13 @@ impl<'a, R: Real> RegulatedPort<'a, R> {
     /// The absolute pressure in Pa that is in force.
     fn set_point(&self, mode: &PortMode) -> Option<R> {
         self.command.set_point(mode.passed.checked_sub(1)?).map(|(_, gauge)| gauge + self.atmosphere)
+    }
+
+    /// How fast in 1/s the pressure settles.
+    pub(super) fn settling_rate<const N: usize>(&self, state: &[R; N], mode: &PortMode) -> f64 {
+        let mut seeded = state.map(Dual::<R, 1>::of);
+        seeded[self.place] = Dual::variable(state[self.place], 0);
+        -self.rate(&seeded, mode).slope[0].value()
     }
 
     /// `dp/dt` in Pa/s.

@@ -178,11 +178,7 @@ impl<R: Real> RigSystem<'_, R> {
 
     /// The actuator's force in N at a length, velocity and pressure, with its bristles bent so far.
     fn pull<T: Over<R>>(&self, ends: [T; 3], bent: Option<T>, phase: &Phase<R>) -> T {
-        let mut rubbing = self.member.rubbing(ends[0], &phase.mode, &phase.trace);
-        if let (Some(law), Some(bent)) = (self.rig.actuator().friction().lugre(), bent) {
-            rubbing = Rubbing { width: Some(law.width_at(bent, ends[1], rubbing.direction)), ..rubbing };
-        }
-        self.member.signed_force_rubbing(ends, &phase.mode, rubbing)
+        self.member.signed_force(ends, &phase.mode, (&phase.trace, bent))
     }
 
     /// The actuator's force less the tendon's in N, as the end begins to slide.

@@ -277,7 +277,7 @@ fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[
     let (tension, flow) = (system.tension(state, phase), system.inflow(time, state, phase));
     let mut own = four(*state);
     own[1] = system.velocity(time, state, phase);
-    let sample = system.member().sample_with(time, &own, tension, mode, flow);
+    let sample = system.member().sample(time, &own, tension, mode, flow);
     let sample = sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]));
     match system.far_end(state) {
         Some([load_distance, load_velocity]) => Sample { load_distance, load_velocity, ..sample },

@@ -8,7 +8,7 @@ use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::force::Piece;
 use crate::scalar::{Over, Real};
-use crate::valve::{FlowZone, Port};
+use crate::valve::{Beyond, FlowZone, Port};
 
 /// Rate of settling for which two pressures that would meet in a second count.
 pub(super) const MEETING: f64 = 4.0;
@@ -33,6 +33,8 @@ const GUARDS: [Guard; 12] = [
 pub(super) struct Through<'a, T> {
     pub(super) mode: &'a Mode,
     pub(super) shares: Option<[T; 2]>,
+    /// Absolute pressure in Pa beyond the port to the supply, where a regulator makes it.
+    pub(super) feed: Option<T>,
 }
 
 /// Places among the states of the pressures that an actuator's air depends on.
@@ -56,8 +58,12 @@ impl Places {
 impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode, each to its share where they are not whole.
     #[inline(always)]
-    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, Through { mode, shares }: Through<'_, T>) -> Flow<T> {
+    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, through: Through<'_, T>) -> Flow<T> {
         let Some(valve) = self.actuator.valve() else { return Flow::none() };
+        let Through { mode, shares, feed } = through;
+        if let (Some(feed), Some(zone)) = (feed, mode.supply_zone) {
+            return valve.flow_in_zone_from(Port::Supply, &Beyond::at(feed, T::one()), zone, chamber);
+        }
         if let Some([supply, exhaust]) = shares {
             let through = |port, zone: Option<FlowZone>, share| {
                 zone.map_or(Flow::none(), |zone| valve.flow_in_zone(port, zone, chamber).through(share))
@@ -106,8 +112,15 @@ impl<R: Real> Member<'_, R> {
     }
 
     /// The same over the pressure beyond the supply's port.
-    pub(super) fn zone_ratio(&self, zone: FlowZone, up: bool) -> Option<R> {
+    fn zone_ratio(&self, zone: FlowZone, up: bool) -> Option<R> {
         self.zone_bound_from(Port::Supply, R::one(), zone, up)
+    }
+
+    /// Value of a guard of the supply's flow law at a pressure, with the one that feeds the valve.
+    pub(super) fn supply_guard<T: Over<R>>(&self, guard: Guard, mode: &Mode, [pressure, feed]: [T; 2]) -> Option<T> {
+        let up = guard == Guard::SupplyUp;
+        let bound = T::of(self.zone_ratio(mode.supply_zone?, up)?) * feed;
+        Some(if up { bound - pressure } else { pressure - bound })
     }
 
     fn zone_bound_from(&self, port: Port, beyond: R, zone: FlowZone, up: bool) -> Option<R> {

@@ -2,14 +2,18 @@
 
 use super::{GRAVITY, Paper};
 use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
-use mckibben::simulation::{Actuation, Driven, InitialAngle, JointInitial, JointRig, JointTrajectory, simulate_joint};
-use mckibben::valve::Solenoid;
+use mckibben::simulation::{
+    Actuation, Driven, InitialAngle, InitialLength, JointInitial, JointRig, JointTrajectory, simulate_joint,
+};
+use mckibben::valve::{Command, Solenoid};
 use mckibben::{Error, GaugePressure};
 
 /// A joint in plain numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
     pub(crate) papers: [Paper; 2],
+    /// In place of the papers' own.
+    pub(crate) solenoids: [Option<Solenoid>; 2],
     pub(crate) limb: Limb,
     pub(crate) tendons: [Tendon; 2],
     pub(crate) torque: f64,
@@ -25,6 +29,7 @@ impl Pair {
         let pulley = Tendon { arm: MomentArm::Pulley(0.015), rest_length: 0.082 };
         Self {
             papers: [paper.clone(), paper],
+            solenoids: [None, None],
             limb: Limb { mass: 0.3, distance: 0.0, inertia: 1e-3, gravity: GRAVITY, hanging_angle: 0.0 },
             tendons: [pulley; 2],
             torque: 0.0,
@@ -41,12 +46,16 @@ impl Pair {
     }
 
     pub(crate) fn rig(&self) -> Result<JointRig, Error> {
-        let driven = self.papers.each_ref().map(|paper| Driven {
-            actuator: paper.actuator(),
-            actuation: paper.command.clone().map(|command| Actuation {
-                solenoid: Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid"),
-                command,
-            }),
+        let driven = [0, 1].map(|i| {
+            let paper = &self.papers[i];
+            let seats = || Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid");
+            Driven {
+                actuator: paper.actuator(),
+                actuation: paper
+                    .command
+                    .clone()
+                    .map(|command| Actuation { solenoid: self.solenoids[i].unwrap_or_else(seats), command }),
+            }
         });
         JointRig::new(driven, Joint::new(self.limb, self.tendons, self.torque, self.damping, self.stops)?)
     }
@@ -68,4 +77,20 @@ impl Pair {
     pub(crate) fn run(&self, duration: f64, tolerance: f64) -> JointTrajectory {
         self.try_run(duration, tolerance).expect("the run reaches its end")
     }
+}
+
+/// The paper's rig under a command, and the joint that it is with a slack antagonist, a limb of inertia M r² and the constant
+/// torque −M g r.
+pub(crate) fn on_a_line(command: Command) -> (Paper, Pair) {
+    let (mass, radius, rest) = (2.0, 0.02, 0.09);
+    let paper = Paper::driven(command).mass(mass).with(|rig| rig.length = InitialLength::Equilibrium);
+    let pair = Pair::of(paper.clone()).with(|pair| {
+        pair.papers[1] = Paper::sealed();
+        pair.limb = Limb { mass, distance: 0.0, inertia: mass * radius * radius, gravity: GRAVITY, hanging_angle: 0.0 };
+        let slack = Tendon { arm: MomentArm::Pulley(1e-3), rest_length: 0.02 };
+        pair.tendons = [Tendon { arm: MomentArm::Pulley(radius), rest_length: rest }, slack];
+        pair.torque = -mass * GRAVITY * radius;
+        pair.angle = InitialAngle::Equilibrium;
+    });
+    (paper, pair)
 }

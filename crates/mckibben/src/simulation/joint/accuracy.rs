@@ -47,7 +47,7 @@ pub fn joint_step_for_accuracy(
     let times = SampleTimes::new(compared, interval);
     let expected: Vec<[f64; 6]> = reference.samples(interval).map(|sample| sample.state().to_array()).collect();
     let system = JointSystem::new(rig, tolerance);
-    let usual = system.scales(&start.to_array(), &system.begin(&start.to_array()));
+    let usual: [f64; 6] = system.scales(&start.to_array(), &system.begin(&start.to_array()));
     let scales: [f64; 6] = core::array::from_fn(|n| {
         let values = expected.iter().map(|state| state[n]);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));

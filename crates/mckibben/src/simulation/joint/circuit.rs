@@ -10,6 +10,7 @@
 //!
 //! Checked by `tests/joint_circuit.rs`.
 
+use super::Driven;
 use super::energy::JointAudit;
 use super::trajectory::JointTrajectory;
 use crate::scalar::Real;
@@ -78,15 +79,19 @@ impl<R: Real> JointTrajectory<R> {
             let audit = CircuitAudit { work: work.actuators[i], ..CircuitAudit::default() };
             Some((actuator, valve, Exergy::new(actuator, valve), audit))
         };
+        let regulates =
+            |driven: &Driven<R>| driven.actuation.as_ref().is_some_and(|it| it.solenoid.regulator().is_some());
+        let regulated = self.rig().driven().each_ref().map(regulates);
         let mut accounts = [begin(0), begin(1)];
         if accounts.iter().all(Option::is_none) {
             return None;
         }
-        self.visit(|weight, sample, phase| {
+        self.visit(|weight, sample, phase, of_actuators| {
             for (i, account) in accounts.iter_mut().enumerate() {
                 if let Some((actuator, valve, exergy, audit)) = account {
-                    // The valves of a joint are whole or shut.
-                    let flows = (Through { mode: &phase.mode.actuators[i], shares: None }, None);
+                    let shares = phase.openings[i].at(sample.time);
+                    let through = Through { mode: &phase.mode.actuators[i], shares, feed: None };
+                    let flows = (through, regulated[i].then_some(&of_actuators[i].0));
                     audit.add(exergy, (actuator, valve), weight.value(), &sample.actuators[i], flows);
                 }
             }

@@ -10,11 +10,11 @@ use crate::simulation::system::HybridSystem;
 
 impl<R: Real> JointSystem<'_, R> {
     /// What follows when a guard has come down through zero; the memories of the hysteresis are taken on after it.
-    pub(super) fn pass_guard(
+    pub(super) fn pass_guard<const N: usize>(
         &self,
         guard: JointGuard,
         time: R,
-        state: &mut [R; 6],
+        state: &mut [R; N],
         phase: &mut JointPhase<R>,
     ) -> Result<JointEventKind, Error> {
         let JointPhase { mode, traces, .. } = phase;
@@ -60,12 +60,12 @@ impl<R: Real> JointSystem<'_, R> {
     }
 
     /// Crosses a guard of an actuator.
-    fn cross_member(
+    fn cross_member<const N: usize>(
         &self,
         i: usize,
         guard: Guard,
         time: R,
-        state: &mut [R; 6],
+        state: &mut [R; N],
         phase: &mut JointPhase<R>,
     ) -> Result<JointEventKind, Error> {
         let JointPhase { mode, traces, .. } = phase;
@@ -94,16 +94,22 @@ impl<R: Real> JointSystem<'_, R> {
             Guard::Slack | Guard::Tight => {
                 let slack = guard == Guard::Slack;
                 mode.actuators[i].extent = if slack { Extent::Slack } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state, pieces), &mut mode.actuators[i], &traces[i]);
+                let remembered = self.remembered(i, state, traces);
+                self.members[i].enter_clamp(self.ends(i, state, pieces), &mut mode.actuators[i], remembered);
                 of_member(if slack { EventKind::Slack } else { EventKind::Tight })
             }
             Guard::Taut | Guard::Untaut => {
                 let taut = guard == Guard::Taut;
                 mode.actuators[i].extent = if taut { Extent::Taut } else { Extent::Free };
-                self.members[i].enter_clamp(self.ends(i, state, pieces), &mut mode.actuators[i], &traces[i]);
+                let remembered = self.remembered(i, state, traces);
+                self.members[i].enter_clamp(self.ends(i, state, pieces), &mut mode.actuators[i], remembered);
                 of_member(if taut { EventKind::Taut } else { EventKind::Untaut })
             }
             Guard::Slip => of_member(EventKind::Slip),
+            Guard::RateLimit => {
+                phase.port[i].settle();
+                of_member(EventKind::Regulator)
+            }
             _ => match Member::<R>::cross(guard, &mut mode.actuators[i]) {
                 Some(kind) => of_member(kind),
                 None => Err(self.stuck(time, state, phase)),

@@ -14,8 +14,6 @@ use super::trajectory::JointTrajectory;
 use crate::load::SIGN;
 use crate::scalar::Real;
 use crate::simulation::energy::EnergyAudit;
-use crate::simulation::member::Trace;
-use crate::simulation::mode::Extent;
 
 /// Where the work of both gases went, in J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,18 +57,14 @@ impl<R: Real> JointTrajectory<R> {
     pub fn audit(&self) -> JointAudit {
         let joint = self.rig().joint();
         let mut audit = JointAudit::default();
-        self.visit(|weight, sample, phase| {
+        self.visit(|weight, sample, phase, of_actuators| {
             let (weight, mode) = (weight.value(), &phase.mode);
             for i in 0..2 {
                 let actuator = &self.rig().driven()[i].actuator;
                 let of = &mut audit.actuators[i];
                 let (sample, mode) = (&sample.actuators[i], &phase.mode.actuators[i]);
-                let slack = mode.extent == Extent::Slack;
-                let ends = [sample.length, sample.velocity, sample.pressure.0, sample.air_mass];
-                let chamber = actuator.chamber(ends[0], ends[1], ends[2], ends[3], slack);
-                let flow = actuator.flow(&chamber, mode.ports.supply, mode.ports.exhaust);
-                of.load +=
-                    of.add(actuator, weight, sample, mode, (&flow, Trace::widths(&phase.traces[i], sample.length)));
+                let (flow, widths) = &of_actuators[i];
+                of.load += of.add(actuator, weight, sample, mode, (flow, *widths));
             }
             let speed = sample.angular_velocity;
             audit.damping += weight * (joint.damping() * speed * speed).value();

@@ -18,6 +18,7 @@
 
 #[cfg(feature = "alloc")]
 mod accuracy;
+mod beside;
 #[cfg(feature = "alloc")]
 mod circuit;
 #[cfg(feature = "alloc")]
@@ -66,7 +67,6 @@ use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
-use crate::valve::Solenoid;
 
 /// An actuator and what drives its valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -254,23 +254,6 @@ impl<S: Real> JointRig<S> {
 
     fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
         Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None }
-    }
-
-    /// That the event-located engine can take the valves: it takes seats that jump.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] for seats that take their time, a proportional spool or a pressure regulator.
-    pub fn check_located(&self) -> Result<(), Error> {
-        let jumps = |solenoid: &Solenoid<S>| solenoid.has_seats() && solenoid.ramp().is_none();
-        let taken = |driven: &Driven<S>| driven.actuation.as_ref().is_none_or(|drive| jumps(&drive.solenoid));
-        if self.driven.iter().all(taken) {
-            return Ok(());
-        }
-        Err(Error::Unsupported {
-            what: "the event-located engine takes only valves of a joint whose seats jump: without a ramp, no proportional \
-                   spool, no pressure regulator",
-            remedy: "set run.engine = \"fixed-step\" and give run.step, or choose such a valve",
-        })
     }
 
     /// The state at a start that has been checked, over any scalar with one value.

@@ -8,21 +8,29 @@
 //! | contact | none, pressed, rebound at either stop | the angle passes a stop; the stop's torque passes zero |
 //! | piece of each moment arm | 0, 1, … | the angle passes a row of its table |
 //!
-//! Sliding is decided once for the joint, in [`turning`](super::turning).
+//! States and modes of regulated ports and of bristles are in [`beside`](super::beside). Sliding is decided once for the joint, in [`turning`](super::turning).
 
-use super::JointRig;
+use super::beside::Beside;
 use super::mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
 #[cfg(feature = "alloc")]
 use super::trajectory::JointSample;
+use super::{JointRig, JointState};
+#[cfg(feature = "alloc")]
+use crate::air::Flow;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::load::{Joint, Leverage, SIGN};
-use crate::scalar::{Over, Real};
+#[cfg(feature = "alloc")]
+use crate::pressure::AbsolutePressure;
+use crate::scalar::{Differentiable, Over, Real};
 use crate::simulation::member::{Member, Trace};
 use crate::simulation::mode::{EventKind, Extent, Guard, Mode, Sliding};
+use crate::simulation::regulated::PortMode;
+#[cfg(feature = "alloc")]
+use crate::simulation::sample::Sample;
 use crate::simulation::system::{GuardForm, Guards, HybridSystem};
 use crate::simulation::timetable::Progress;
-use crate::simulation::zones::{Places, Through};
+use crate::valve::Openings;
 
 pub(super) const ANGLE: usize = 0;
 pub(super) const VELOCITY: usize = 1;
@@ -43,6 +51,8 @@ pub struct JointPhase<R = f64> {
     /// Which formulas hold.
     pub mode: JointMode,
     progress: [Progress<R>; 2],
+    pub(super) openings: [Openings<R>; 2],
+    pub(super) port: [PortMode; 2],
     /// `P V/m` of isothermal processes, which nothing changes.
     isothermal: [Option<R>; 2],
     /// What the hysteresis of each actuator remembers.
@@ -57,6 +67,7 @@ pub(super) type Traces<R> = [Option<Trace<R>>; 2];
 pub struct JointSystem<'a, R: Real = f64> {
     rig: &'a JointRig<R>,
     pub(super) members: [Member<'a, R>; 2],
+    pub(super) beside: Beside<'a, R>,
     /// Angles at which each actuator is at its shortest and at its longest, and its braid straight.
     pub(super) limits: [[R; 3]; 2],
     /// Usual moment arms in m.
@@ -89,6 +100,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
         Self {
             rig,
             members,
+            beside: Beside::new(rig),
             limits,
             arms,
             per_inertia: R::one() / joint.inertia(),
@@ -106,8 +118,17 @@ impl<'a, R: Real> JointSystem<'a, R> {
         self.rig.joint()
     }
 
+    /// The states at the start: the joint's six and those beside, zero in places that have no meaning.
+    #[cfg(feature = "alloc")]
+    pub fn start<const N: usize>(&self, start: JointState<R>) -> [R; N] {
+        let mut state = [R::zero(); N];
+        state[..6].copy_from_slice(&start.to_array());
+        self.start_beside(&mut state);
+        state
+    }
+
     /// The phase at t = 0 in a state.
-    pub fn begin(&self, state: &[R; 6]) -> JointPhase<R> {
+    pub fn begin<const N: usize>(&self, state: &[R; N]) -> JointPhase<R> {
         let mut progress = [Progress::none(); 2];
         let ports = [0, 1].map(|i| self.rig.timetable(i).pass(&mut progress[i], R::zero()));
         let arm_pieces = self.joint().pieces(state[ANGLE]);
@@ -125,7 +146,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
                 sliding: Sliding::Frictionless,
                 clamped: false,
             };
-            self.members[i].enter_ports(pressure, None, &mut mode);
+            self.members[i].enter_ports(pressure, self.feed(i, state), &mut mode);
             mode
         });
         let isothermal = [0, 1]
@@ -140,14 +161,16 @@ impl<'a, R: Real> JointSystem<'a, R> {
         let traces =
             [0, 1].map(|i| self.members[i].trace(self.members[i].actuator.limits().actuator_length(lengths[i])));
         self.enter_turning(state, &mut mode, &traces);
-        let mut phase = JointPhase { mode, progress, isothermal, traces };
+        let openings = [0, 1].map(|i| self.rig.timetable(i).openings(&progress[i]));
+        let mut phase = JointPhase { mode, progress, openings, port: [PortMode::AT_REST; 2], isothermal, traces };
+        while self.pass_set_points(R::zero(), state, &mut phase.port).is_some() {}
         self.follow(state, &mut phase, None);
         phase
     }
 
     /// Takes the memories of the hysteresis on to a state, and to the branches that follow; `slips` says which actuator's
     /// is at the end of its branch.
-    fn follow(&self, state: &[R; 6], phase: &mut JointPhase<R>, slips: Option<usize>) {
+    fn follow<const N: usize>(&self, state: &[R; N], phase: &mut JointPhase<R>, slips: Option<usize>) {
         let lengths = self.leverage(state[ANGLE], phase.mode.arm_pieces).lengths;
         for (i, length) in lengths.into_iter().enumerate() {
             let member = &self.members[i];
@@ -164,13 +187,13 @@ impl<'a, R: Real> JointSystem<'a, R> {
 
     /// Length, velocity and pressure of an actuator.
     #[inline(always)]
-    pub(super) fn ends<T: Over<R>>(&self, i: usize, state: &[T; 6], pieces: [usize; 2]) -> [T; 3] {
+    pub(super) fn ends<T: Over<R>, const N: usize>(&self, i: usize, state: &[T; N], pieces: [usize; 2]) -> [T; 3] {
         let leverage = self.leverage(state[ANGLE], pieces);
         [leverage.lengths[i], leverage.slopes()[i] * state[VELOCITY], state[PRESSURE[i]]]
     }
 
     /// Tensions in N of both actuators in a mode.
-    pub fn tensions(&self, state: &[R; 6], phase: &JointPhase<R>) -> [R; 2] {
+    pub fn tensions<const N: usize>(&self, state: &[R; N], phase: &JointPhase<R>) -> [R; 2] {
         let JointPhase { mode, traces, .. } = phase;
         if mode.turning != Turning::Stuck {
             return self.sliding_tensions(state, mode, traces);
@@ -179,23 +202,41 @@ impl<'a, R: Real> JointSystem<'a, R> {
     }
 
     #[inline(always)]
-    fn sliding_tensions<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> [T; 2] {
-        let of =
-            |i: usize| self.members[i].tension(self.ends(i, state, mode.arm_pieces), &mode.actuators[i], &traces[i]);
+    fn sliding_tensions<T: Over<R>, const N: usize>(
+        &self,
+        state: &[T; N],
+        mode: &JointMode,
+        traces: &Traces<R>,
+    ) -> [T; 2] {
+        let of = |i: usize| {
+            let ends = self.ends(i, state, mode.arm_pieces);
+            self.members[i].tension(ends, &mode.actuators[i], self.remembered(i, state, traces))
+        };
         [of(0), of(1)]
     }
 
     /// The sample of a state in a mode.
     #[cfg(feature = "alloc")]
-    pub(super) fn sample(&self, time: R, state: &[R; 6], phase: &JointPhase<R>) -> JointSample<R> {
+    pub(super) fn sample<const N: usize>(&self, time: R, state: &[R; N], phase: &JointPhase<R>) -> JointSample<R> {
         let (mode, tensions) = (&phase.mode, self.tensions(state, phase));
         let actuators = [0, 1].map(|i| {
             let [length, velocity, pressure] = self.ends(i, state, mode.arm_pieces);
             let of_member = [length, velocity, pressure, state[PRESSURE[i] + 1]];
-            self.members[i].sample(time, &of_member, tensions[i], &mode.actuators[i])
+            let flow = self.flow(i, time, state, phase);
+            let sample = self.members[i].sample(time, &of_member, tensions[i], &mode.actuators[i], flow);
+            Sample { supply_pressure: self.feed(i, state).map(AbsolutePressure), ..sample }
         });
         let torque = self.leverage(state[ANGLE], mode.arm_pieces).torque_of(actuators.map(|actuator| actuator.tension));
         JointSample { time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
+    }
+
+    /// The flow into an actuator at a time in s.
+    #[cfg(feature = "alloc")]
+    pub(super) fn flow<const N: usize>(&self, i: usize, time: R, state: &[R; N], phase: &JointPhase<R>) -> Flow<R> {
+        let [length, velocity, pressure] = self.ends(i, state, phase.mode.arm_pieces);
+        let slack = phase.mode.actuators[i].extent == Extent::Slack;
+        let chamber = self.members[i].actuator.chamber(length, velocity, pressure, state[PRESSURE[i] + 1], slack);
+        self.members[i].flow(&chamber, self.through(i, time, state, phase))
     }
 
     /// Torque in N·m of everything but the actuators.
@@ -212,7 +253,7 @@ impl<'a, R: Real> JointSystem<'a, R> {
         }
     }
 
-    fn contact_at(&self, state: &[R; 6]) -> Contact {
+    fn contact_at<const N: usize>(&self, state: &[R; N]) -> Contact {
         let velocity = state[VELOCITY];
         for end in End::BOTH {
             let Some(stop) = self.joint().stops().ends[end.index()] else { continue };
@@ -249,36 +290,48 @@ impl<'a, R: Real> JointSystem<'a, R> {
         Some((self.limits[i][limit], lasts_above == (SIGN[i] > 0.0)))
     }
 
-    fn rates_of_member<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode) -> [T; 2] {
-        let [length, velocity, pressure] = self.ends(i, state, mode.arm_pieces);
-        let velocity = if mode.turning == Turning::Stuck { T::zero() } else { velocity };
-        self.members[i].air_rates(
-            [length, velocity, pressure, state[PRESSURE[i] + 1]],
-            Through { mode: &mode.actuators[i], shares: None },
-        )
+    fn rates_of_member<T: Over<R>, const N: usize>(
+        &self,
+        i: usize,
+        time: T,
+        state: &[T; N],
+        phase: &JointPhase<R>,
+    ) -> [T; 2] {
+        let [length, velocity, pressure] = self.ends(i, state, phase.mode.arm_pieces);
+        let velocity = if phase.mode.turning == Turning::Stuck { T::zero() } else { velocity };
+        self.members[i]
+            .air_rates([length, velocity, pressure, state[PRESSURE[i] + 1]], self.through(i, time, state, phase))
     }
 }
 
-impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
+impl<R: Real, const N: usize> HybridSystem<R, N> for JointSystem<'_, R> {
     type Mode = JointPhase<R>;
     type Guard = JointGuard;
     type Kind = JointEventKind;
 
-    fn rates<T: Over<R>>(&self, _time: T, state: &[T; 6], phase: &JointPhase<R>) -> [T; 6] {
+    fn states(&self) -> usize {
+        self.states_of::<N>()
+    }
+
+    fn rates<T: Differentiable<R>>(&self, time: T, state: &[T; N], phase: &JointPhase<R>) -> [T; N] {
         let mode = &phase.mode;
-        let [agonist, antagonist] = [0, 1].map(|i| self.rates_of_member(i, state, mode));
+        let [agonist, antagonist] = [0, 1].map(|i| self.rates_of_member(i, time, state, phase));
+        let leverage = self.leverage(state[ANGLE], mode.arm_pieces);
         let [velocity, acceleration] = if mode.turning == Turning::Stuck {
             [T::zero(); 2]
         } else {
             let tensions = self.sliding_tensions(state, mode, &phase.traces);
-            let leverage = self.leverage(state[ANGLE], mode.arm_pieces);
             let load = self.load_torque(state[ANGLE], state[VELOCITY], mode.contact);
             [state[VELOCITY], (leverage.torque_of(tensions) + load) * T::of(self.per_inertia)]
         };
-        [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
+        let mut rates = [T::zero(); N];
+        let six = [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]];
+        rates[..6].copy_from_slice(&six);
+        self.rates_beside(state, (velocity, leverage.slopes()), phase, &mut rates);
+        rates
     }
 
-    fn settling_rate(&self, _time: R, state: &[R; 6], phase: &JointPhase<R>) -> f64 {
+    fn settling_rate(&self, time: R, state: &[R; N], phase: &JointPhase<R>) -> f64 {
         let mode = &phase.mode;
         let mut damping = 0.0;
         if mode.turning != Turning::Stuck {
@@ -292,18 +345,30 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
                 damping += arm * arm * self.members[i].damping(&mode.actuators[i]);
             }
         }
-        (0..2).fold(damping * self.per_inertia.value(), |fastest, i| {
+        let slope = |place: usize| {
+            let mut seeded = state.map(Dual::<R, 1>::of);
+            seeded[place] = Dual::variable(state[place], 0);
+            self.rates(Dual::of(time), &seeded, phase)[place].slope[0].value()
+        };
+        let settling = (damping * self.per_inertia.value()).max(self.settling_beside(state, phase, slope));
+        (0..2).fold(settling, |fastest, i| {
             let rate = |pressure: Dual<R, 1>| {
                 let mut seeded = state.map(Dual::<R, 1>::of);
                 seeded[PRESSURE[i]] = pressure;
-                self.rates_of_member(i, &seeded, mode)[0]
+                self.rates_of_member(i, Dual::of(time), &seeded, phase)[0]
             };
-            fastest.max(self.members[i].pressure_settling_rate(state[PRESSURE[i]], None, &mode.actuators[i], rate))
+            fastest.max(self.members[i].pressure_settling_rate(
+                state[PRESSURE[i]],
+                self.feed(i, state),
+                &mode.actuators[i],
+                rate,
+            ))
         })
     }
 
-    fn scales(&self, state: &[R; 6], phase: &JointPhase<R>) -> [f64; 6] {
-        let [angle, velocity, pressure, mass, other_pressure, other_mass] = state.map(|value| value.value().abs());
+    fn scales(&self, state: &[R; N], phase: &JointPhase<R>) -> [f64; N] {
+        let [angle, velocity, pressure, mass, other_pressure, other_mass]: [f64; 6] =
+            core::array::from_fn(|n| state[n].value().abs());
         let mode = &phase.mode;
         // Where a stop or a taut braid is stiff, an angle counts by the torque that an error in it makes.
         let mut scale =
@@ -314,29 +379,40 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             }
         }
         let [first, second] = &self.members;
-        [
+        // What has no meaning never errs.
+        let mut scales = [1.0; N];
+        scales[..6].copy_from_slice(&[
             scale,
             velocity + self.slow(),
             pressure + 0.1 * first.atmosphere,
             mass + 0.1 * first.air_mass,
             other_pressure + 0.1 * second.atmosphere,
             other_mass + 0.1 * second.air_mass,
-        ]
+        ]);
+        self.scales_beside(state, &mut scales);
+        scales
     }
 
     fn next_instant(&self, phase: &JointPhase<R>, until: R) -> Option<R> {
         let next = [0, 1].map(|i| self.rig.timetable(i).next(&phase.progress[i], until));
-        next.into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+        let set_point = self.next_set_point::<N>(phase, until);
+        next.into_iter().chain([set_point]).flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
-    fn pass_instant(&self, time: R, state: &mut [R; 6], phase: &mut JointPhase<R>) -> Result<JointEventKind, Error> {
+    fn pass_instant(&self, time: R, state: &mut [R; N], phase: &mut JointPhase<R>) -> Result<JointEventKind, Error> {
         // Of two seats that move in one instant the agonist's is first; the other's is the next event, at the same time.
-        let due = |i: usize| self.rig.timetable(i).next(&phase.progress[i], time).is_some();
-        let i = usize::from(!due(0));
+        let due = |i: &usize| self.rig.timetable(*i).next(&phase.progress[*i], time).is_some();
+        let Some(i) = [0, 1].into_iter().find(due) else {
+            let actuator = self.pass_set_points(time, state, &mut phase.port);
+            return Ok(JointEventKind { actuator, kind: EventKind::SetPoint });
+        };
         let ports = self.rig.timetable(i).pass_seats(&mut phase.progress[i], time);
+        phase.openings[i] = self.rig.timetable(i).openings(&phase.progress[i]);
         let member = &mut phase.mode.actuators[i];
-        member.ports = ports;
-        self.members[i].enter_ports(state[PRESSURE[i]], None, member);
+        if ports != member.ports {
+            member.ports = ports;
+            self.members[i].enter_ports(state[PRESSURE[i]], self.feed(i, state), member);
+        }
         Ok(JointEventKind { actuator: Some(i), kind: EventKind::Valve })
     }
 
@@ -401,12 +477,15 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             if mode.actuators[i].extent != Extent::Slack && phase.traces[i].as_ref().and_then(Trace::end).is_some() {
                 add(Guard::Slip, GuardForm::Function);
             }
-            self.members[i].each_other_guard(&mode.actuators[i], Places::direct(PRESSURE[i]), add);
+            self.members[i].each_other_guard(&mode.actuators[i], self.places::<N>(i), add);
+            if let Some(form) = self.rate_limit::<N>(i, phase) {
+                add(Guard::RateLimit, form);
+            }
         }
         guards
     }
 
-    fn guard<T: Over<R>>(&self, guard: JointGuard, _time: T, state: &[T; 6], phase: &JointPhase<R>) -> T {
+    fn guard<T: Differentiable<R>>(&self, guard: JointGuard, _time: T, state: &[T; N], phase: &JointPhase<R>) -> T {
         let mode = &phase.mode;
         let joint = self.joint();
         let (angle, velocity) = (state[ANGLE], state[VELOCITY]);
@@ -416,6 +495,11 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
             T::constant(SIGN[end.index()]) * (angle - stop)
         };
         let press = |end: End| joint.stop_torque(end.index(), angle, velocity);
+        if let JointGuard::Of(i, guard) = guard
+            && let Some(value) = self.guard_beside((i, guard), state, phase)
+        {
+            return value;
+        }
         match guard {
             JointGuard::Of(i, guard) => match self.limit_angle(i, guard) {
                 Some((limit, true)) => angle - T::of(limit),
@@ -424,7 +508,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
                     guard,
                     self.ends(i, state, mode.arm_pieces),
                     &mode.actuators[i],
-                    &phase.traces[i],
+                    self.remembered(i, state, &phase.traces),
                 ),
             },
             JointGuard::ArmDown(i) | JointGuard::ArmUp(i) => {
@@ -447,7 +531,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         &self,
         guard: JointGuard,
         time: R,
-        state: &mut [R; 6],
+        state: &mut [R; N],
         phase: &mut JointPhase<R>,
     ) -> Result<JointEventKind, Error> {
         let kind = self.pass_guard(guard, time, state, phase)?;
@@ -456,7 +540,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         Ok(kind)
     }
 
-    fn project(&self, _time: R, state: &mut [R; 6], phase: &JointPhase<R>) {
+    fn project(&self, _time: R, state: &mut [R; N], phase: &JointPhase<R>) {
         let lengths = self.leverage(state[ANGLE], phase.mode.arm_pieces).lengths;
         for i in 0..2 {
             if let Some(content) = phase.isothermal[i] {
@@ -466,7 +550,7 @@ impl<R: Real> HybridSystem<R, 6> for JointSystem<'_, R> {
         }
     }
 
-    fn stuck(&self, time: R, state: &[R; 6], _phase: &JointPhase<R>) -> Error {
+    fn stuck(&self, time: R, state: &[R; N], _phase: &JointPhase<R>) -> Error {
         Error::Stopped {
             time: time.value(),
             reason: "no step is short enough for the tolerance",

@@ -1,14 +1,17 @@
 //! A stored run of a joint: samples at any time and the log of events.
 
+use super::beside::{MOST, PLAIN};
 use super::mode::{JointEventKind, JointMode};
 use super::system::{JointPhase, JointSystem};
 use super::{JointRig, JointState};
+use crate::air::Flow;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
-use crate::simulation::integrator::{Counts, PieceOf};
+use crate::simulation::integrator::{Counts, Piece};
 use crate::simulation::sample::{Sample, SampleTimes};
 use crate::simulation::stored::Stored;
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// A change of mode.
@@ -53,8 +56,41 @@ impl<R: Real> JointSample<R> {
 pub struct JointTrajectory<R: Real = f64> {
     rig: JointRig<R>,
     relative_tolerance: f64,
-    stored: Stored<R, JointPhase<R>, JointEventKind, 6>,
+    run: Run<R>,
     events: Vec<JointEvent<R>>,
+}
+
+/// The run of a joint with `N` states.
+type Of<R, const N: usize> = Stored<R, JointPhase<R>, JointEventKind, N>;
+
+/// A run of a joint with its six states, or more beside.
+#[derive(Clone, Debug)]
+enum Run<R: Real> {
+    Plain(Of<R, PLAIN>),
+    Beside(Box<Of<R, MOST>>),
+}
+
+/// Does the same with a run of either kind.
+macro_rules! with_run {
+    ($run:expr, $stored:ident => $do:expr) => {
+        match $run {
+            Run::Plain($stored) => $do,
+            Run::Beside($stored) => $do,
+        }
+    };
+}
+
+/// The run of a system with `N` states at its start.
+fn begin<R: Real, const N: usize>(system: &JointSystem<'_, R>, start: JointState<R>) -> Of<R, N> {
+    let state = system.start(start);
+    Stored::begin(state, system.begin(&state))
+}
+
+/// Writes what ended a piece into a log.
+fn log<R: Real, const N: usize>(events: &mut Vec<JointEvent<R>>, piece: &Piece<R, JointPhase<R>, JointEventKind, N>) {
+    if let Some((kind, after)) = piece.event {
+        events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
+    }
 }
 
 /// Simulates a joint from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
@@ -93,36 +129,30 @@ impl<R: Real> JointTrajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: JointRig<R>, start: JointState<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-        if rig.driven().iter().any(|driven| driven.actuator.friction().lugre().is_some()) {
-            return Err(Error::Unsupported {
-                what: "an antagonistic joint has no states for the bristles of LuGre's law yet",
-                remedy: "set hysteresis.law = \"bouc-wen\" with gamma = 0, which is the same law at one velocity, or \
-                         \"maxwell-slip\"",
-            });
-        }
-        let state = start.to_array();
-        rig.check_located()?;
-        let phase = JointSystem::new(&rig, relative_tolerance).begin(&state);
-        Ok(Self { rig, relative_tolerance, stored: Stored::begin(state, phase), events: Vec::new() })
+        let system = JointSystem::new(&rig, relative_tolerance);
+        let run = match system.beside.states {
+            PLAIN => Run::Plain(begin(&system, start)),
+            _ => Run::Beside(Box::new(begin(&system, start))),
+        };
+        Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
 
     /// Goes on to `until` s.
     pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64)) -> Result<(), Error> {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
         let events = &mut self.events;
-        let mut see = |piece: &PieceOf<R, JointSystem<'_, R>, 6>| {
-            if let Some((kind, after)) = piece.event {
-                events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
-            }
-        };
-        self.stored.extend(&system, until, self.relative_tolerance, &mut see, watch)
+        with_run!(&mut self.run, stored => {
+            stored.extend(&system, until, self.relative_tolerance, &mut |piece| log(events, piece), watch)
+        })
     }
 
     /// The sample at the time that has been reached.
     pub(super) fn reached(&self) -> JointSample<R> {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
-        let (time, state, phase) = self.stored.reached();
-        system.sample(*time, state, phase)
+        with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.reached();
+            system.sample(*time, state, phase)
+        })
     }
 
     /// The rig, to be told more.
@@ -144,20 +174,22 @@ impl<R: Real> JointTrajectory<R> {
 
     /// Steps, evaluations and events.
     pub fn counts(&self) -> Counts {
-        self.stored.counts()
+        with_run!(&self.run, stored => stored.counts())
     }
 
     /// End of the trajectory in s.
     pub fn duration(&self) -> R {
-        self.stored.duration()
+        with_run!(&self.run, stored => stored.duration())
     }
 
     /// The sample at `time` in s, by dense output; at the instant of an event, after it. Times before the start and
     /// after the end give the first and the last sample.
     pub fn at(&self, time: R) -> JointSample<R> {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
-        let (time, state, phase) = self.stored.at(&system, self.stored.begun(time.value()), time);
-        system.sample(time, &state, &phase)
+        with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.at(&system, stored.begun(time.value()), time);
+            system.sample(time, &state, &phase)
+        })
     }
 
     /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
@@ -167,22 +199,26 @@ impl<R: Real> JointTrajectory<R> {
         let mut place = 0;
         (0..=times.last()).map(move |index| {
             let time = times.time(index);
-            place = self.stored.begun_after(place, time);
-            let (time, state, phase) = self.stored.at(&system, place, R::constant(time));
-            system.sample(time, &state, &phase)
+            with_run!(&self.run, stored => {
+                place = stored.begun_after(place, time);
+                let (time, state, phase) = stored.at(&system, place, R::constant(time));
+                system.sample(time, &state, &phase)
+            })
         })
     }
 
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointMode)) {
-        self.visit(|weight, sample, phase| visit(weight, sample, &phase.mode));
+        self.visit(|weight, sample, phase, _| visit(weight, sample, &phase.mode));
     }
 
-    pub(super) fn visit(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointPhase<R>)) {
+    /// The same with the phase, and of each actuator the flow and the widths of its hysteresis.
+    pub(super) fn visit(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointPhase<R>, [(Flow<R>, [R; 2]); 2])) {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
-        self.stored.quadrature(&system, |weight, time, state, phase| {
-            visit(weight, &system.sample(time, state, phase), phase);
-        });
+        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
+            let of = [0, 1].map(|i| (system.flow(i, time, state, phase), system.widths(i, state, phase)));
+            visit(weight, &system.sample(time, state, phase), phase, of);
+        }));
     }
 }

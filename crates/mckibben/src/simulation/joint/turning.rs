@@ -13,7 +13,12 @@ use crate::simulation::mode::Extent;
 
 impl<R: Real> JointSystem<'_, R> {
     /// Tensions in N of both actuators while the joint sticks: of what each can hold, the share that balances the joint.
-    pub(super) fn shared_tensions(&self, state: &[R; 6], mode: &JointMode, traces: &Traces<R>) -> [R; 2] {
+    pub(super) fn shared_tensions<const N: usize>(
+        &self,
+        state: &[R; N],
+        mode: &JointMode,
+        traces: &Traces<R>,
+    ) -> [R; 2] {
         let held = [0, 1].map(|i| self.holdable(i, state, mode, traces));
         let (least, most) = self.torques_at_rest(state, mode, traces);
         let width = most - least;
@@ -24,18 +29,30 @@ impl<R: Real> JointSystem<'_, R> {
     }
 
     /// The least and the largest tension in N that an actuator can hold at rest.
-    fn holdable<T: Over<R>>(&self, i: usize, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> (T, T) {
+    fn holdable<T: Over<R>, const N: usize>(
+        &self,
+        i: usize,
+        state: &[T; N],
+        mode: &JointMode,
+        traces: &Traces<R>,
+    ) -> (T, T) {
         if mode.actuators[i].extent == Extent::Slack {
             return (T::zero(), T::zero());
         }
         let [length, _, pressure] = self.ends(i, state, mode.arm_pieces);
         let above = T::constant(SIGN[i]) * (state[ANGLE] - T::of(self.limits[i][0]));
-        let rubbing = self.members[i].rubbing(length, &mode.actuators[i], &traces[i]);
+        let remembered = self.remembered(i, state, traces);
+        let rubbing = self.members[i].rubbing([length, T::zero()], &mode.actuators[i], remembered);
         self.members[i].actuator.holdable(length, pressure, above.le(T::zero()), rubbing)
     }
 
     /// The least and the largest torque in N·m on the joint at rest.
-    pub(super) fn torques_at_rest<T: Over<R>>(&self, state: &[T; 6], mode: &JointMode, traces: &Traces<R>) -> (T, T) {
+    pub(super) fn torques_at_rest<T: Over<R>, const N: usize>(
+        &self,
+        state: &[T; N],
+        mode: &JointMode,
+        traces: &Traces<R>,
+    ) -> (T, T) {
         let [(least, most), (other_least, other_most)] = [0, 1].map(|i| self.holdable(i, state, mode, traces));
         let load = self.load_torque(state[ANGLE], T::zero(), mode.contact);
         let leverage = self.leverage(state[ANGLE], mode.arm_pieces);
@@ -51,24 +68,30 @@ impl<R: Real> JointSystem<'_, R> {
     }
 
     /// Whether an actuator rests, or could rest, on its shortest length.
-    fn on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode) -> bool {
+    fn on_the_shortest<const N: usize>(&self, i: usize, state: &[R; N], mode: &JointMode) -> bool {
         mode.actuators[i].extent != Extent::Slack && state[ANGLE].value() == self.limits[i][0].value()
     }
 
     /// Sets how the joint turns, and with it how both actuators slide.
-    pub(super) fn turn(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>, turning: Turning) {
+    pub(super) fn turn<const N: usize>(
+        &self,
+        state: &[R; N],
+        mode: &mut JointMode,
+        traces: &Traces<R>,
+        turning: Turning,
+    ) {
         mode.turning = turning;
         let pieces = mode.arm_pieces;
         for i in 0..2 {
             let member = &mut mode.actuators[i];
             member.sliding = turning.sliding(self.has_direction(i), SIGN[i]);
-            self.members[i].enter_clamp(self.ends(i, state, pieces), member, &traces[i]);
+            self.members[i].enter_clamp(self.ends(i, state, pieces), member, self.remembered(i, state, traces));
         }
     }
 
     /// Sets the joint turning the way that the sign of `heading` says; an actuator on its shortest length that this would
     /// shorten falls slack.
-    pub(super) fn head(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>, heading: f64) {
+    pub(super) fn head<const N: usize>(&self, state: &[R; N], mode: &mut JointMode, traces: &Traces<R>, heading: f64) {
         for i in 0..2 {
             if heading * SIGN[i] < 0.0 && self.on_the_shortest(i, state, mode) {
                 mode.actuators[i].extent = Extent::Slack;
@@ -83,7 +106,7 @@ impl<R: Real> JointSystem<'_, R> {
     }
 
     /// How a joint turns in a state that may be at rest: from there it sticks if the torque can be held.
-    pub(super) fn enter_turning(&self, state: &[R; 6], mode: &mut JointMode, traces: &Traces<R>) {
+    pub(super) fn enter_turning<const N: usize>(&self, state: &[R; N], mode: &mut JointMode, traces: &Traces<R>) {
         let velocity = state[VELOCITY].value();
         if velocity != 0.0 {
             return self.head(state, mode, traces, velocity);
@@ -108,7 +131,13 @@ impl<R: Real> JointSystem<'_, R> {
 
     /// Whether the joint, arriving where an actuator is at its shortest, comes to rest there: the torque can be held, and
     /// it turns too slowly to be told from rest, or would bounce less than the tolerance of its angle.
-    pub(super) fn rests_on_the_shortest(&self, i: usize, state: &[R; 6], mode: &JointMode, traces: &Traces<R>) -> bool {
+    pub(super) fn rests_on_the_shortest<const N: usize>(
+        &self,
+        i: usize,
+        state: &[R; N],
+        mode: &JointMode,
+        traces: &Traces<R>,
+    ) -> bool {
         let with = |extent| {
             let mut mode = *mode;
             mode.actuators[i].extent = extent;
