@@ -26,7 +26,7 @@
 use super::hybrid::{AIR_MASS, LENGTH, PRESSURE, Phase, RigSystem, VELOCITY};
 use super::member::Member;
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
-use super::rig::Rig;
+use super::rig::{Rig, State};
 use super::system::{GuardForm, Guards};
 use crate::air::Flow;
 use crate::dual::Dual;
@@ -56,35 +56,40 @@ pub(super) struct Tether<R> {
     scale: f64,
 }
 
-/// That the event-located engine can take the tendon of a rig, if there is one, from a length in m on.
-#[cfg(feature = "alloc")]
-pub(super) fn check<R: Real>(rig: &Rig<R>, length: R) -> Result<(), Error> {
-    if rig.tendon().is_none() {
-        return Ok(());
+impl<R: Real> Rig<R> {
+    /// That the event-located engine can take the rig's tendon, if there is one, from a start on.
+    ///
+    /// # Errors
+    /// [`Error::Inconsistent`] below the shortest length; [`Error::Unsupported`] for friction that depends on the velocity
+    /// without viscous friction.
+    pub fn check_located(&self, start: &State<R>) -> Result<(), Error> {
+        if self.tendon().is_none() {
+            return Ok(());
+        }
+        let (friction, shortest) = (self.actuator().friction(), self.actuator().limits().min_length().value());
+        if start.length.value() < shortest {
+            return Err(Error::Inconsistent {
+                parameter: &parameter::INITIAL_LENGTH,
+                value: start.length.value(),
+                requirement: Requirement {
+                    relation: "must be at least",
+                    other: parameter::MIN_LENGTH.key,
+                    value: shortest,
+                    unit: parameter::MIN_LENGTH.unit,
+                },
+                remedy: "start longer: with a tendon in series it is the tendon that hangs loose, and not the actuator",
+            });
+        }
+        let falls = friction.coulomb().falls() || friction.lugre().is_some_and(|law| law.is_damped());
+        if friction.viscous().value() == 0.0 && falls {
+            return Err(Error::Unsupported {
+                what: "the event-located engine takes friction that depends on the velocity in series with a tendon only \
+                       beside viscous friction: without, an end that has no mass would jump",
+                remedy: "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"",
+            });
+        }
+        Ok(())
     }
-    let (friction, shortest) = (rig.actuator().friction(), rig.actuator().limits().min_length().value());
-    if length.value() < shortest {
-        return Err(Error::Inconsistent {
-            parameter: &parameter::INITIAL_LENGTH,
-            value: length.value(),
-            requirement: Requirement {
-                relation: "must be at least",
-                other: parameter::MIN_LENGTH.key,
-                value: shortest,
-                unit: parameter::MIN_LENGTH.unit,
-            },
-            remedy: "start longer: with a tendon in series it is the tendon that hangs loose, and not the actuator",
-        });
-    }
-    let falls = friction.coulomb().falls() || friction.lugre().is_some_and(|law| law.is_damped());
-    if friction.viscous().value() == 0.0 && falls {
-        return Err(Error::Unsupported {
-            what: "the event-located engine takes friction that depends on the velocity in series with a tendon only beside \
-                   viscous friction: without, an end that has no mass would jump",
-            remedy: "give friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"",
-        });
-    }
-    Ok(())
 }
 
 impl<R: Real> Tether<R> {
@@ -474,7 +479,7 @@ impl<R: Real> RigSystem<'_, R> {
             quantity: "velocity of the actuator's end",
             value: velocity,
             unit: "m/s",
-            remedy: "raise friction.viscous or friction.stribeck_velocity, lower friction.static_ratio, or set \
+            remedy: "raise actuator.friction.viscous or stribeck_velocity, lower static_ratio, or set \
                      run.engine = \"fixed-step\"",
         })
     }

@@ -7,7 +7,6 @@ use super::plumbing::MOST;
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
 use super::stored::Stored;
-use super::tendon_mode;
 use super::zones::Places;
 use crate::air::Flow;
 use crate::error::Error;
@@ -101,7 +100,7 @@ impl<R: Real> Trajectory<R> {
     /// Nothing yet, at t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-        tendon_mode::check(&rig, start.length)?;
+        rig.check_located(&start)?;
         let system = RigSystem::new(&rig, relative_tolerance);
         let beside = rig.actuator().friction().lugre().is_some() || rig.tendon().is_some();
         let run = match rig.has_plumbing() || beside {

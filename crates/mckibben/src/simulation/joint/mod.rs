@@ -98,7 +98,6 @@ pub struct JointState<S = f64> {
 }
 
 impl<S: Scalar> JointState<S> {
-    #[cfg(feature = "alloc")]
     pub(crate) fn to_array(self) -> [S; 6] {
         let Self { angle, angular_velocity, pressure, air_mass } = self;
         [angle, angular_velocity, pressure[0].0, air_mass[0], pressure[1].0, air_mass[1]]

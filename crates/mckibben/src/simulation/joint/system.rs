@@ -119,7 +119,6 @@ impl<'a, R: Real> JointSystem<'a, R> {
     }
 
     /// The states at the start: the joint's six and those beside, zero in places that have no meaning.
-    #[cfg(feature = "alloc")]
     pub fn start<const N: usize>(&self, start: JointState<R>) -> [R; N] {
         let mut state = [R::zero(); N];
         state[..6].copy_from_slice(&start.to_array());

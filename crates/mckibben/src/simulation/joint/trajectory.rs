@@ -66,7 +66,7 @@ type Of<R, const N: usize> = Stored<R, JointPhase<R>, JointEventKind, N>;
 /// A run of a joint with its six states, or more beside.
 #[derive(Clone, Debug)]
 enum Run<R: Real> {
-    Plain(Of<R, PLAIN>),
+    Plain(Box<Of<R, PLAIN>>),
     Beside(Box<Of<R, MOST>>),
 }
 
@@ -131,7 +131,7 @@ impl<R: Real> JointTrajectory<R> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         let system = JointSystem::new(&rig, relative_tolerance);
         let run = match system.beside.states {
-            PLAIN => Run::Plain(begin(&system, start)),
+            PLAIN => Run::Plain(Box::new(begin(&system, start))),
             _ => Run::Beside(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
