@@ -36,8 +36,7 @@ fn a_load_on_a_tendon_is_simulated_drawn_and_swept() {
     }
 
     let text = std::fs::read_to_string(&file).expect("the example");
-    let vary =
-        "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"tendon.stiffness\" = [\"16 kN/m\", \"40 kN/m\"]\n";
+    let vary = "engine = \"event-located\"\n[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"tendon.stiffness\" = [\"16 kN/m\", \"40 kN/m\"]\n";
     let swept = folder.file("swept.toml", &(text + vary)).display().to_string();
     run(&folder, &["sweep", &swept, "-o", "swept.csv"]);
     let lines = std::fs::read_to_string(folder.path("swept.csv")).expect("written");
