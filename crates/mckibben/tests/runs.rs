@@ -30,6 +30,7 @@ mod joint_stepper;
 mod laws;
 mod leg;
 mod line_rig;
+mod line_step;
 mod line_study;
 mod line_supply;
 mod linearize;

@@ -16,9 +16,9 @@ use crate::load::{Line, Load};
 use crate::pressure::AbsolutePressure;
 use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::course::Course;
-use crate::simulation::fixed_step::{Walk, check_plumbing, stepped};
-use crate::simulation::hosed::Stepped as States;
+use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
+use crate::simulation::piped::{PIPED, PLAIN, Stepped as States, of_rig, volume};
 use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
 use crate::simulation::timetable::{Progress, Timetable};
@@ -28,12 +28,6 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 use pulp::{Simd, WithSimd};
-
-/// That a batch can take a row.
-fn check_row(rig: &Rig) -> Result<(), Error> {
-    check_plumbing(rig)?;
-    rig.check_no_tendon()
-}
 
 /// How far beyond the time that is asked for instants are looked up, in spans of the same length.
 const SPANS_AHEAD: f64 = 64.0;
@@ -56,13 +50,20 @@ impl Span {
     }
 }
 
-/// Rows side by side.
+/// Rows side by side, with the states of a rig alone or with room for those of a line: most rows need not carry that.
 #[derive(Debug)]
-pub(super) struct Block<W: Wide> {
+pub(super) enum Block<W: Wide> {
+    Plain(Box<Rows<W, PLAIN>>),
+    Piped(Box<Rows<W, PIPED>>),
+}
+
+/// Rows with `N` states each.
+#[derive(Debug)]
+pub(super) struct Rows<W: Wide, const N: usize> {
     rigs: Rigs<W>,
     method: Method,
     time: f64,
-    state: States<W>,
+    state: States<W, N>,
     held: Held<W>,
     /// How many elements of the memory are in use.
     elements: usize,
@@ -87,6 +88,7 @@ enum Rigs<W: Wide> {
 
 impl<W: Wide> Rigs<W> {
     fn new(rig: Rig<W>) -> Self {
+        // One with an air line is not taken for ideal.
         match rig.ideal() {
             Some(ideal) => Self::Ideal(Box::new(ideal)),
             None => Self::Any(Box::new(rig)),
@@ -133,6 +135,15 @@ impl<R> Lane<R> {
 impl<W: Wide> Block<W> {
     /// At most as many rows of the same form as there are lanes, at t = 0.
     pub(super) fn new(rows: &[&Row], method: Method) -> Self {
+        match rows.iter().any(|row| row.rig.is_piped()) {
+            false => Self::Plain(Box::new(Rows::new(rows, method))),
+            true => Self::Piped(Box::new(Rows::new(rows, method))),
+        }
+    }
+}
+
+impl<W: Wide, const N: usize> Rows<W, N> {
+    fn new(rows: &[&Row], method: Method) -> Self {
         let lane = |row: &&Row| Lane {
             rig: narrow(&row.rig),
             actuation: row.rig.actuation().cloned(),
@@ -140,14 +151,15 @@ impl<W: Wide> Block<W> {
             progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: check_row(&row.rig).err(),
+            fault: row.rig.check_no_tendon().err(),
         };
         let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
         // Lanes without a row hold no number.
-        let start = |number: usize| {
-            W::from_lanes(|lane| W::Lane::constant(rows.get(lane).map_or(f64::NAN, |row| stepped(row.start)[number])))
-        };
-        let (rig, state) = (gather(&rigs), [start(0), start(1), start(2), start(3), start(4)]);
+        let starts: Vec<_> = rows.iter().map(|row| stepped(&row.rig, row.start)).collect();
+        let start =
+            |place: usize| W::from_lanes(|lane| W::Lane::constant(starts.get(lane).map_or(f64::NAN, |it| it[place])));
+        let (rig, state) = (gather(&rigs), core::array::from_fn(start));
+        let runs = |lane: usize| rows.get(lane).is_some_and(|row| compressor_starts(&row.rig, &starts[lane]));
         let actuator = rig.actuator();
         let elements = actuator.friction().hysteresis().map_or(0, Hysteresis::count);
         let memory = Memory::relaxed(actuator.limits().actuator_length(state[0]));
@@ -156,9 +168,9 @@ impl<W: Wide> Block<W> {
             method,
             time: 0.0,
             state,
-            held: Held { memory, ..Held::nothing() },
+            held: Held { memory, compressor: W::mask(runs), ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_row(&row.rig).is_ok())),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_no_tendon().is_ok())),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,
@@ -180,6 +192,7 @@ impl<W: Wide> Block<W> {
             stuck: W::holds(held.stuck, index),
             slack: W::holds(held.slack, index),
             taut: W::holds(held.taut, index),
+            compressor: W::holds(held.compressor, index),
             line: Line {
                 time: number(&held.line.time),
                 length: number(&held.line.length),
@@ -187,8 +200,7 @@ impl<W: Wide> Block<W> {
             },
             memory: self.memory_of(index),
         };
-        let [length, velocity, pressure, mass, hose] = &self.state;
-        let state = [number(length), number(velocity), number(pressure), number(mass), number(hose)];
+        let state = whole(&self.state, index);
         let Lane { progress, ports, .. } = self.lanes[index];
         Walk { course: Course { time: self.time, state, held }, progress, ports }
     }
@@ -204,7 +216,7 @@ impl<W: Wide> Block<W> {
     }
 
     /// Takes a lane back; its state into that of the block at the end of a step.
-    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut States<W>) {
+    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut States<W, N>) {
         let Course { state, held: of_lane, .. } = &walk.course;
         for (wide, number) in end.iter_mut().zip(state) {
             wide.put(index, *number);
@@ -217,6 +229,7 @@ impl<W: Wide> Block<W> {
         set(&mut held.stuck, of_lane.stuck);
         set(&mut held.slack, of_lane.slack);
         set(&mut held.taut, of_lane.taut);
+        set(&mut held.compressor, of_lane.compressor);
         held.sliding.put(index, of_lane.sliding);
         held.line.time.put(index, of_lane.line.time);
         held.line.length.put(index, of_lane.line.length);
@@ -247,16 +260,15 @@ impl<W: Wide> Block<W> {
 
     /// The lanes of `which` by themselves from where they are to `until`.
     #[inline(never)]
-    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut States<W>) {
+    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut States<W, N>) {
         for index in 0..self.lanes.len() {
             if !W::holds(which, index) {
                 continue;
             }
             let mut walk = self.walk(index);
             let lane = &self.lanes[index];
-            let at = |number: usize| end[number].lane(index);
             // The step of all lanes knows whole passages only.
-            let known = (!W::holds(self.under_way, index)).then(|| [at(0), at(1), at(2), at(3), at(4)]);
+            let known = (!W::holds(self.under_way, index)).then(|| whole(end, index));
             match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until, known) {
                 Ok(()) => self.take_back(index, &walk, end),
                 Err(fault) => self.stop(index, fault, end),
@@ -266,7 +278,7 @@ impl<W: Wide> Block<W> {
     }
 
     /// Gives a lane its fault; it holds no number from here on.
-    fn stop(&mut self, index: usize, fault: Error, end: &mut States<W>) {
+    fn stop(&mut self, index: usize, fault: Error, end: &mut States<W, N>) {
         let lane = &mut self.lanes[index];
         (lane.fault, lane.next) = (Some(fault), f64::INFINITY);
         self.alive = self.alive & !W::mask(|lane| lane == index);
@@ -348,15 +360,18 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     fn samples(&self) -> Vec<Result<Sample, Error>> {
         let time = W::constant(self.time);
-        let (observed, line) = match &self.rigs {
-            Rigs::Ideal(rig) => (rig.observe(time, &self.state, &self.held), rig.line()),
-            Rigs::Any(rig) => (rig.observe(time, &self.state, &self.held), rig.line()),
+        let (observed, air, supply) = match &self.rigs {
+            Rigs::Ideal(rig) => (rig.observe(time, &self.state, &self.held), None, None),
+            Rigs::Any(rig) => {
+                (rig.observe(time, &self.state, &self.held), rig.hose_content(&self.state), rig.feed(&self.state))
+            }
         };
-        let hose_air = line.hose.as_ref().map(|hose| hose.content(self.state[4]));
+        let hose = air.map(|air| [self.state[volume(0)], air]);
         let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
             Some(fault) => Err(fault.clone()),
             None => {
-                let sample = Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air));
+                let sample =
+                    Sample::of_lane(self.time, of_rig(&self.state), &observed, index, (lane.ports, hose, supply));
                 Ok(match W::holds(self.under_way, index) {
                     false => sample,
                     true => self.under_way(index, sample),
@@ -367,30 +382,40 @@ impl<W: Wide> Block<W> {
     }
 }
 
+/// All states of a lane; those that no row has room for are zero.
+fn whole<W: Wide, const N: usize>(states: &States<W, N>, lane: usize) -> States<W::Lane> {
+    let mut of_lane = [W::Lane::zero(); PIPED];
+    for (number, wide) in of_lane.iter_mut().zip(states) {
+        *number = wide.lane(lane);
+    }
+    of_lane
+}
+
 /// The end of a step for each lane, and where something happens before it.
-struct Stepped<W: Wide> {
-    end: States<W>,
+struct Stepped<W: Wide, const N: usize> {
+    end: States<W, N>,
     sliding: W,
     happens: W::Mask,
 }
 
 /// One step of the method, compiled once for wherever it is taken.
-struct Take<'a, W: Wide, L> {
-    block: &'a Block<W>,
+struct Take<'a, W: Wide, L, const N: usize> {
+    block: &'a Rows<W, N>,
     rig: &'a Rig<W, L>,
     step: W::Lane,
 }
 
-impl<W: Wide, L: Statics<W>> WithSimd for Take<'_, W, L> {
-    type Output = Stepped<W>;
+impl<W: Wide, L: Statics<W>, const N: usize> WithSimd for Take<'_, W, L, N> {
+    type Output = Stepped<W, N>;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Stepped<W> {
-        let (Block { method, state, held, .. }, rig) = (self.block, self.rig);
+    fn with_simd<S: Simd>(self, _: S) -> Stepped<W, N> {
+        let (Rows { method, state, held, .. }, rig) = (self.block, self.rig);
         let (time, step) = (W::constant(self.block.time), W::constant(self.step.value()));
         let end = rig.take(*method, time, state, step, held);
-        let [sliding, extent] = rig.keeps(held, &end);
-        let ceases = sliding.smaller(extent).lt(W::zero()) & W::zero().lt(step);
-        let sliding = if rig.load().inertia().is_none() { rig.slides(held, &end).0 } else { held.sliding };
+        let [sliding, extent, compressor] = rig.keeps(held, &end);
+        let least = if N > PLAIN { sliding.smaller(extent).smaller(compressor) } else { sliding.smaller(extent) };
+        let ceases = least.lt(W::zero()) & W::zero().lt(step);
+        let sliding = if rig.load().inertia().is_none() { rig.slides(held, &of_rig(&end)).0 } else { held.sliding };
         Stepped { end, sliding, happens: ceases | !rig.admissible(&end) }
     }
 }
@@ -425,7 +450,10 @@ impl<W: Wide> Compiled for Advance<'_, W> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        self.0.advance(simd, self.1);
+        match self.0 {
+            Block::Plain(rows) => rows.advance(simd, self.1),
+            Block::Piped(rows) => rows.advance(simd, self.1),
+        }
     }
 }
 
@@ -437,6 +465,9 @@ impl<W: Wide> Compiled for Samples<'_, W> {
     type Output = Vec<Result<Sample, Error>>;
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Self::Output {
-        self.0.samples()
+        match self.0 {
+            Block::Plain(rows) => rows.samples(),
+            Block::Piped(rows) => rows.samples(),
+        }
     }
 }

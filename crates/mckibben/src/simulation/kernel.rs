@@ -17,11 +17,12 @@
 //! overshoots the port. With this γ the first stage goes at most 0.59 of the way.
 //!
 //! Masks and selects stand where branches would, and everything is inlined, so that all of it becomes part of the kernel
-//! that calls it and is compiled for that kernel's instructions. With a hose the step is that of [`hosed`](super::hosed).
+//! that calls it and is compiled for that kernel's instructions. With a hose or a supply that changes the step is that of
+//! [`piped`](super::piped).
 //!
 //! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
 
-use super::hosed::{Stepped, of_rig};
+use super::piped::{PLAIN, Stepped, of_rig};
 use super::rig::Rig;
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
@@ -58,6 +59,8 @@ pub struct Held<S: Scalar> {
     pub slack: S::Mask,
     /// Where the taut braid pulls.
     pub taut: S::Mask,
+    /// Where the compressor runs.
+    pub compressor: S::Mask,
     /// The straight line that a prescribed motion by a table is on.
     pub line: Line<S>,
     /// What the hysteresis remembers of where the part began.
@@ -76,6 +79,7 @@ impl<S: Scalar> Held<S> {
             stuck: nowhere,
             slack: nowhere,
             taut: nowhere,
+            compressor: nowhere,
             line: Line::resting(S::zero()),
             memory: Memory::relaxed(S::zero()),
         }
@@ -176,14 +180,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// What a sample shows beside the state at a time in s.
     #[inline(always)]
-    pub(crate) fn observe(&self, time: S, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
+    pub(crate) fn observe<const N: usize>(&self, time: S, state: &Stepped<S, N>, held: &Held<S>) -> Observed<S> {
         let actuator = self.actuator();
-        let [length, velocity, pressure, ..] = *state;
+        let [length, velocity, pressure, _] = of_rig(state);
         let (chamber, mut flow) = self.contents(time, of_rig(state), held, actuator.limits().is_slack(length));
-        if L::MAY_HAVE_LINE
-            && let Some(hose) = &self.line().hose
-        {
-            flow = self.through_hose(hose, &chamber, state[4]);
+        if N > PLAIN && self.is_piped() {
+            flow = self.into_actuator(time, state, &chamber, held);
         }
         let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, velocity, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);
@@ -207,7 +209,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
         let (first, slopes) = self.rates_with_slopes(time, &state, held);
-        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), step);
+        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), reach(step));
         let k1 = matrix.solve(first);
         let second = self.rates(time + step, &ahead(&state, step, &k1), held);
         let second = ahead(&second, S::constant(-2.0), &k1);
@@ -216,7 +218,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             None => matrix.solve(second),
             Some(held) => {
                 let (rates, slopes) = self.rates_with_slopes(time, &state, &held);
-                Matrix::new(&slopes, self.settling_rate(time, &state, &rates, &held), step).solve(second)
+                Matrix::new(&slopes, self.settling_rate(time, &state, &rates, &held), reach(step)).solve(second)
             }
         };
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
@@ -326,6 +328,12 @@ pub(super) fn ahead<S: Scalar, const N: usize>(state: &[S; N], step: S, slope: &
     end
 }
 
+/// γh.
+#[inline(always)]
+pub(super) fn reach<S: Scalar>(step: S) -> S {
+    step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2)
+}
+
 /// What the matrix of the stable method is made of.
 pub(super) struct Slopes<S> {
     /// Of the acceleration, by length and by velocity.
@@ -347,8 +355,7 @@ pub(super) struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     #[inline(always)]
-    pub(super) fn new(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], step: S) -> Self {
-        let reach = step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
+    pub(super) fn new(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], reach: S) -> Self {
         let velocity_by_length = reach * slopes.acceleration[0];
         let velocity_by_velocity = reach * slopes.acceleration[1];
         let tangent = slopes.pressure_rate.smaller(S::zero());
