@@ -416,7 +416,11 @@ impl<W: Wide, L: Statics<W>, const N: usize> WithSimd for Take<'_, W, L, N> {
         let least = if N > PLAIN { sliding.smaller(extent).smaller(compressor) } else { sliding.smaller(extent) };
         let ceases = least.lt(W::zero()) & W::zero().lt(step);
         let sliding = if rig.load().inertia().is_none() { rig.slides(held, &of_rig(&end)).0 } else { held.sliding };
-        Stepped { end, sliding, happens: ceases | !rig.admissible(&end) }
+        let mut holds = rig.admissible(&end);
+        if *method == Method::Stable {
+            holds = holds & rig.leaves_air(state, &end);
+        }
+        Stepped { end, sliding, happens: ceases | !holds }
     }
 }
 

@@ -26,6 +26,9 @@ pub(crate) const MARGINS: usize = 3;
 const SLIDING: usize = 0;
 const EXTENT: usize = 1;
 const COMPRESSOR: usize = 2;
+/// Part of pressure and air mass that a stable step may leave at least: from the paper's supply to the atmosphere at a constant
+/// temperature it is more than this.
+const LEAST_LEFT: f64 = 0.125;
 /// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
 /// Part of a step that the last secant moves a turn by: what is left of its error is of the order of the square.
@@ -52,12 +55,18 @@ impl<R: Real> Course<R> {
         }
         self.arrive(rig, until, self.take(rig, method, self.step_to(until)));
         self.stretch(rig);
+        if rig.keeps_compressor(&self.held, &self.state).lt(R::zero()) {
+            self.held.compressor = !self.held.compressor;
+        }
     }
 
     /// Takes the whole step, or says where in it something ceases to hold.
     fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time, end: Option<Stepped<R>>) -> Option<Turn<R>> {
         let step = self.step_to(until);
-        let end = end.unwrap_or_else(|| self.take(rig, method, step));
+        let end = match end {
+            Some(end) => self.tenable(rig, method, step, end),
+            None => self.take(rig, method, step),
+        };
         let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
         if R::zero().lt(step) && ceases.contains(&true) {
             return Some(self.locate(rig, method, step, end, ceases));
@@ -80,7 +89,16 @@ impl<R: Real> Course<R> {
     }
 
     fn take(&self, rig: &Rig<R>, method: Method, step: R) -> Stepped<R> {
-        rig.take(method, R::of_time(self.time), &self.state, step, &self.held)
+        let end = rig.take(method, R::of_time(self.time), &self.state, step, &self.held);
+        self.tenable(rig, method, step, end)
+    }
+
+    /// The end of a step, or of another where the stable method would take more air than there is.
+    fn tenable(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>) -> Stepped<R> {
+        if method == Method::Rk4 || rig.leaves_air(&self.state, &end) {
+            return end;
+        }
+        rig.take_firm(R::of_time(self.time), &self.state, step, &self.held)
     }
 
     /// Decides anew what follows an instant.
@@ -291,6 +309,14 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let when_slack = S::select(slack, falling, S::zero());
         let from_rest = S::select(longer, S::one(), S::select(shorter, -S::one(), when_slack));
         (S::select(at_rest, from_rest, by_velocity), at_rest & !(longer | shorter | slack))
+    }
+
+    /// Where a step from one state to another leaves pressure and air enough to be believed.
+    #[inline(always)]
+    pub(crate) fn leaves_air<const N: usize>(&self, from: &Stepped<S, N>, to: &Stepped<S, N>) -> S::Mask {
+        let least = S::constant(LEAST_LEFT);
+        let holds = (least * from[2]).lt(to[2]) & (least * from[3]).lt(to[3]);
+        if N > PLAIN { holds & self.line_is_admissible(to) } else { holds }
     }
 
     /// Where the state is one that the laws hold for.

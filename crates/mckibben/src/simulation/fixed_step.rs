@@ -56,6 +56,13 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
         State::from_array(of_rig(&self.walk.course.state))
     }
 
+    /// The states of the air line at that time, in the order of its parts: the pressures (Pa, absolute) of the hose's volumes
+    /// from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and regulator.
+    /// As far as there are such parts.
+    pub fn line(&self) -> impl Iterator<Item = R> {
+        self.rig.states_of_line().map(|(place, ..)| self.walk.course.state[place])
+    }
+
     /// Which passages are open at that time.
     pub fn ports(&self) -> Ports {
         self.walk.ports

@@ -16,6 +16,10 @@
 //! pressure, the steeper of the tangent and the secant of the flow's part to the port's pressure, so that no flow
 //! overshoots the port. With this γ the first stage goes at most 0.59 of the way.
 //!
+//! The second stage may still ask for more air than there is, where a passage empties the actuator many times over within
+//! the step. A part that would leave less than an eighth of the pressure or of the air is taken by one stage with γ = 1
+//! instead, which leaves some whatever the step.
+//!
 //! Masks and selects stand where branches would, and everything is inlined, so that all of it becomes part of the kernel
 //! that calls it and is compiled for that kernel's instructions. With a hose or a supply that changes the step is that of
 //! [`piped`](super::piped).
@@ -222,6 +226,18 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             }
         };
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
+    }
+
+    /// One part of a step by the linearly implicit Euler method, of order 1: the air goes along the steeper of tangent and
+    /// secant, so that it comes nearer to the port and never beyond, and its mass goes with it,
+    /// `|Δm| ≤ |ṁ|/s ≤ m |P_port − P|/(κP)`.
+    #[inline(always)]
+    pub(super) fn step_firm(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
+        let (first, slopes) = self.rates_with_slopes(time, &state, held);
+        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), step);
+        let mut slope = matrix.solve(first);
+        slope[3] = first[3] * matrix.pressure_pivot;
+        ahead(&state, step, &slope)
     }
 
     /// Time derivatives of the four states, and those of their slopes that the stable method uses.

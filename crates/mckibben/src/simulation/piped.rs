@@ -138,6 +138,31 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         end
     }
 
+    /// One part of a step in which the stable method would take more air than there is: by one stage with γ = 1.
+    pub(crate) fn take_firm<const N: usize>(
+        &self,
+        time: S,
+        state: &Stepped<S, N>,
+        step: S,
+        held: &Held<S>,
+    ) -> Stepped<S, N> {
+        let method = Method::Stable;
+        let midway = held.midway(method, time, step);
+        let come_to = held.come_to(time + step);
+        let held = midway.as_ref().or(come_to.as_ref()).unwrap_or(held);
+        let mut end = if N > PLAIN && self.is_piped() {
+            S::apart(Firm(Piped { rig: self, method, time, state, step, held }))
+        } else {
+            let mut end = *state;
+            [end[0], end[1], end[2], end[3]] = self.step_firm(time, of_rig(state), step, held);
+            end
+        };
+        if let Load::Prescribed(motion) = self.load() {
+            [end[0], end[1], _] = motion.on_line(time + step, &held.line);
+        }
+        end
+    }
+
     /// Flow of the leak into the actuator, if it has one.
     #[inline(always)]
     pub(super) fn leak<T: Over<S>>(&self, chamber: &Chamber<T>) -> Option<Flow<T>> {
@@ -263,6 +288,20 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Work for Piped<'_, S, L, N> {
             Method::Rk4 => self.rk4(),
             Method::Stable => self.stable(),
         }
+    }
+}
+
+/// The same by one stage with γ = 1.
+struct Firm<'a, S: Scalar, L, const N: usize>(Piped<'a, S, L, N>);
+
+impl<S: Scalar, L: Statics<S>, const N: usize> Work for Firm<'_, S, L, N> {
+    type Output = Stepped<S, N>;
+
+    #[inline(always)]
+    fn done(self) -> Stepped<S, N> {
+        let Self(of) = self;
+        let (first, chain) = of.rates_and_chain(of.held, of.step);
+        along(of.state, of.step, &chain.solve(&first), of.rig.states_in_use())
     }
 }
 
