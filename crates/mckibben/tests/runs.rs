@@ -8,6 +8,8 @@ mod accuracy;
 mod air;
 #[cfg(feature = "batch")]
 mod batch;
+#[cfg(feature = "batch")]
+mod batch_control;
 mod bouc_wen;
 mod circuit;
 mod closed_loop;

@@ -102,16 +102,6 @@ pub(crate) struct Walk<R: Real> {
 }
 
 impl<R: Real<Time = R>> Walk<R> {
-    /// Everything that is known at the time that has been reached.
-    pub(super) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
-        let Course { time, state, held } = &self.course;
-        let sample = Sample::new(*time, &of_rig(state), &rig.observe(*time, state, held), self.ports);
-        let hose = rig.hose_content(state);
-        let sample = hose.map_or(sample, |air| sample.with_line([state[volume(0)], air], None));
-        let supply = rig.feed(state).or_else(|| held.openings.pressure(*time));
-        Sample { supply_pressure: supply.map(AbsolutePressure), ..sample }
-    }
-
     /// At t = 0, before what is due then has been passed.
     pub(super) fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
         let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
@@ -123,6 +113,17 @@ impl<R: Real<Time = R>> Walk<R> {
 }
 
 impl<R: Real> Walk<R> {
+    /// Everything that is known at the time that has been reached.
+    pub(crate) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
+        let Course { time, state, held } = &self.course;
+        let time = R::of_time(*time);
+        let sample = Sample::new(time, &of_rig(state), &rig.observe(time, state, held), self.ports);
+        let hose = rig.hose_content(state);
+        let sample = hose.map_or(sample, |air| sample.with_line([state[volume(0)], air], None));
+        let supply = rig.feed(state).or_else(|| held.openings.pressure(time));
+        Sample { supply_pressure: supply.map(AbsolutePressure), ..sample }
+    }
+
     /// Goes on to `until`, through every instant up to then; where that leaves the physics, stays at the last good state.
     /// The end of one whole step without an instant is given where it is known already.
     pub(crate) fn advance_to(

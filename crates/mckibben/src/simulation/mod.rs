@@ -20,7 +20,7 @@ mod chain;
 #[cfg(feature = "alloc")]
 mod circuit;
 #[cfg(feature = "alloc")]
-mod closed_loop;
+pub(crate) mod closed_loop;
 #[cfg(feature = "alloc")]
 mod controlled;
 pub(crate) mod course;

@@ -78,7 +78,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Whether there are states beyond the rig's four: a hose, or a supply that changes.
     #[inline(always)]
     pub(crate) fn is_piped(&self) -> bool {
-        self.line().hose.is_some() || self.line().supply.is_some()
+        L::MAY_HAVE_LINE && (self.line().hose.is_some() || self.line().supply.is_some())
     }
 
     /// How many places of the states are in use.
@@ -121,7 +121,8 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     ) -> Stepped<S, N> {
         let midway = held.midway(method, time, step);
         let held = midway.as_ref().unwrap_or(held);
-        let mut end = if N > PLAIN && self.is_piped() {
+        // A batch puts rows with a line together, apart from those without.
+        let mut end = if N > PLAIN && (!S::IS_ONE || self.is_piped()) {
             S::apart(Piped { rig: self, method, time, state, step, held })
         } else {
             let mut end = *state;
