@@ -213,7 +213,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub fn step_stable(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
         let (first, slopes) = self.rates_with_slopes(time, &state, held);
-        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), reach(step));
+        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), step);
         let k1 = matrix.solve(first);
         let second = self.rates(time + step, &ahead(&state, step, &k1), held);
         let second = ahead(&second, S::constant(-2.0), &k1);
@@ -222,7 +222,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             None => matrix.solve(second),
             Some(held) => {
                 let (rates, slopes) = self.rates_with_slopes(time, &state, &held);
-                Matrix::new(&slopes, self.settling_rate(time, &state, &rates, &held), reach(step)).solve(second)
+                Matrix::new(&slopes, self.settling_rate(time, &state, &rates, &held), step).solve(second)
             }
         };
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
@@ -234,7 +234,8 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub(super) fn step_firm(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
         let (first, slopes) = self.rates_with_slopes(time, &state, held);
-        let matrix = Matrix::new(&slopes, self.settling_rate(time, &state, &first, held), step);
+        let settling = self.settling_rate(time, &state, &first, held);
+        let matrix = Matrix::of_reach(&slopes, settling, step);
         let mut slope = matrix.solve(first);
         slope[3] = first[3] * matrix.pressure_pivot;
         ahead(&state, step, &slope)
@@ -371,7 +372,13 @@ pub(super) struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     #[inline(always)]
-    pub(super) fn new(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], reach: S) -> Self {
+    pub(super) fn new(slopes: &Slopes<S>, settling: [S; 2], step: S) -> Self {
+        Self::of_reach(slopes, settling, reach(step))
+    }
+
+    /// The same with γh given.
+    #[inline(always)]
+    pub(super) fn of_reach(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], reach: S) -> Self {
         let velocity_by_length = reach * slopes.acceleration[0];
         let velocity_by_velocity = reach * slopes.acceleration[1];
         let tangent = slopes.pressure_rate.smaller(S::zero());

@@ -434,7 +434,7 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Piped<'_, S, L, N> {
             None => None,
         };
         let end = End { reach, per_flow: self.per_flow(&own, into), leak: self.leak_slope(motion, held) };
-        (first, Chain::new(Matrix::new(&slopes, [S::zero(); 2], reach), end, cells, valve, source))
+        (first, Chain::new(Matrix::of_reach(&slopes, [S::zero(); 2], reach), end, cells, valve, source))
     }
 
     /// `∂(dP/dt)/∂ṁ` in Pa/kg for a flow of this direction; the rate is linear in the flow.
