@@ -132,7 +132,7 @@ pub(crate) fn asked(actuation: Option<&Actuation>) -> usize {
 }
 
 /// What is regulated, then what else the file gives set points of.
-fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
+pub(crate) fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
     let measured = |quantity: Quantity, decision: &Decision| quantity.of(&decision.seen);
     let regulated = decisions.iter().filter_map(|decision| {
         let (quantity, target) = decision.aim?;

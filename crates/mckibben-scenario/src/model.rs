@@ -264,9 +264,6 @@ impl Scenario {
         let line = self.core_line(actuator.air())?;
         let load = self.core_load(actuator.law().law.end_length())?;
         let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
-        if self.run.engine == Engine::FixedStep {
-            rig.check_fixed_steps()?;
-        }
         let Some(tendon) = self.tendon else { return Ok(rig) };
         rig.with_tendon(load::SeriesTendon::new(tendon.stiffness, tendon.rest_length)?)
     }

@@ -183,11 +183,7 @@ fn the_stable_method_takes_a_hose_of_any_size_in_steps_of_a_millisecond() {
 }
 
 #[test]
-fn what_fixed_steps_cannot_take_is_refused_at_once() {
-    let paper = filling();
-    let rig = rig(&paper, hose(HoseKind::Distributed { cells: 2 }, 1.0, 2.5e-3));
-    let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
-    assert!(matches!(stepper.advance_to(1e-3), Err(Error::Unsupported { .. })));
+fn a_hose_without_a_valve_is_refused_at_once() {
     let sealed = Paper::sealed().rig().with_line(hose(HoseKind::Lumped, 1.0, 2.5e-3));
     assert!(matches!(sealed, Err(Error::Unsupported { .. })));
 }

@@ -8,6 +8,8 @@ mod accuracy;
 mod air;
 #[cfg(feature = "batch")]
 mod batch;
+#[cfg(feature = "batch")]
+mod batch_control;
 mod bouc_wen;
 mod circuit;
 mod closed_loop;
@@ -31,6 +33,7 @@ mod joint_stepper;
 mod laws;
 mod leg;
 mod line_rig;
+mod line_step;
 mod line_study;
 mod line_supply;
 mod linearize;

@@ -24,6 +24,7 @@ fn sliding() -> Held<f64> {
         slack: false,
         taut: false,
         line: Line::resting(0.0),
+        compressor: false,
         memory: Memory::relaxed(0.0),
     }
 }

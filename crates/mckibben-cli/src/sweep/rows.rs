@@ -1,8 +1,8 @@
 //! The runs of a unit of work.
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
-//! block, which stays on the unit's thread; rows of the event-located engine, and those with a tendon in series, a controller or a joint,
-//! run one by one. Either way a row is, bit for bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and
+//! block, which stays on the unit's thread, with a controller too if it is asked for all samples of the run; rows of the
+//! event-located engine, and those with a tendon in series or a joint, run one by one. Either way a row is, bit for bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and
 //! nothing else.
 
 use super::reduce::{Reducer, Seen};
@@ -12,7 +12,7 @@ use crate::engine;
 use crate::joint;
 use crate::observation::AirUse;
 use mckibben::Error;
-use mckibben::batch::{Batch, Row, Width};
+use mckibben::batch::{Batch, ControlledRow, Row, Width};
 use mckibben::simulation::{
     FixedStepper, JointRig, JointSample, Method, Sample, SampleTimes, Trajectory, simulate, steps_between,
 };
@@ -52,13 +52,20 @@ pub enum Samples {
 pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Vec<Outcome> {
     let (first, side_by_side) = (rows.start, side_by_side());
     let mut outcomes: Vec<Outcome> = Vec::new();
-    let mut groups: Vec<(Kin<'_>, Vec<(usize, Experiment)>)> = Vec::new();
+    let (mut open, mut closed) = (Groups::new(), Groups::new());
     for row in rows {
         let index = (row - first) as usize;
         // What a batch will compute is put in its place afterwards.
         let mut outcome = Outcome::Reduced(Vec::new());
         match build(sweep, row) {
             Err(reason) => outcome = Outcome::Failed(reason),
+            Ok(Built::Controlled(of)) if goes_along(&of.experiment, sweep.record()) => match of.experiment.step() {
+                Err(error) => outcome = Outcome::Failed(error.to_string()),
+                Ok((step, _)) => {
+                    let kin = Kin::of(sweep, row, &of.experiment, step);
+                    join(&mut closed, kin, (index, *of), side_by_side);
+                }
+            },
             Ok(Built::Controlled(of)) => outcome = control(&of, sweep.record()),
             Ok(Built::Joint(of)) => outcome = turn(&of, choice, sweep.record()),
             Ok(Built::ControlledJoint(of)) => outcome = turn_controlled(&of, sweep.record()),
@@ -71,21 +78,37 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
                     Ok(step) if experiment.rig.tendon().is_some() => outcome = walk(&experiment, sweep.record(), step),
                     Ok(step) => {
                         let kin = Kin::of(sweep, row, &experiment, step);
-                        let known = groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side);
-                        match known {
-                            Some((_, members)) => members.push((index, *experiment)),
-                            None => groups.push((kin, vec![(index, *experiment)])),
-                        }
+                        join(&mut open, kin, (index, *experiment), side_by_side);
                     }
                 }
             }
         }
         outcomes.push(outcome);
     }
-    for (kin, members) in groups {
+    for (kin, members) in open {
         advance(&kin, members, sweep.record(), &mut outcomes);
     }
+    for (kin, members) in closed {
+        advance_controlled(&kin, members, sweep.record(), &mut outcomes);
+    }
     outcomes
+}
+
+/// Rows that go through time side by side, each with its place among the outcomes.
+type Groups<'a, T> = Vec<(Kin<'a>, Vec<(usize, T)>)>;
+
+/// Puts a row to its like, or begins a group.
+fn join<'a, T>(groups: &mut Groups<'a, T>, kin: Kin<'a>, member: (usize, T), side_by_side: usize) {
+    match groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side) {
+        Some((_, members)) => members.push(member),
+        None => groups.push((kin, vec![member])),
+    }
+}
+
+/// Whether a row with a controller may go side by side with others: at fixed steps, and where all samples count. Where some
+/// are listed, steps end at those, and the loop is closed first with steps of its own.
+fn goes_along(experiment: &Experiment, record: &Record) -> bool {
+    experiment.run.engine == Engine::FixedStep && listed(record).is_none()
 }
 
 /// What a row describes.
@@ -234,7 +257,44 @@ fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, ou
     let mut recorders: Vec<(usize, Recorder<'_>)> =
         members.iter().map(|(index, experiment)| (*index, Recorder::new(record, experiment))).collect();
     let rows = members.into_iter().map(|(_, Experiment { rig, start, .. })| Row { rig, start }).collect();
-    let mut batch: Batch = Batch::new(rows, kin.method);
+    record_batch(&mut Batch::new(rows, kin.method), kin, &mut recorders, record);
+    for (index, recorder) in recorders {
+        outcomes[index] = recorder.finish();
+    }
+}
+
+/// The same with controllers.
+fn advance_controlled(
+    kin: &Kin<'_>,
+    members: Vec<(usize, ControlledExperiment)>,
+    record: &Record,
+    outcomes: &mut [Outcome],
+) {
+    let row = |(_, of): &(usize, ControlledExperiment)| ControlledRow {
+        rig: of.experiment.rig.clone(),
+        start: of.experiment.start,
+        controller: of.law.clone(),
+        sampling: of.sampling,
+        sensors: of.sensors,
+    };
+    let Ok(mut batch) = Batch::controlled(members.iter().map(row).collect(), kin.method) else {
+        // Each says by itself why not.
+        members.iter().for_each(|(index, of)| outcomes[*index] = control(of, record));
+        return;
+    };
+    let mut recorders: Vec<(usize, Recorder<'_>)> =
+        members.iter().map(|(index, of)| (*index, Recorder::new(record, &of.experiment))).collect();
+    record_batch(&mut batch, kin, &mut recorders, record);
+    for (row, ((index, of), (_, mut recorder))) in members.iter().zip(recorders).enumerate() {
+        if let Recorder::Reducing(_, reducer) = &mut recorder {
+            reducer.set_goals(closed_loop::goals(of, batch.decisions(row)));
+        }
+        outcomes[*index] = recorder.finish();
+    }
+}
+
+/// Takes a batch through time and records what it shows.
+fn record_batch(batch: &mut Batch, kin: &Kin<'_>, recorders: &mut [(usize, Recorder<'_>)], record: &Record) {
     for until in Stops::of(record, kin.duration, kin.sample_interval).times() {
         batch.advance(until, steps_between(batch.time(), until, kin.step));
         for ((_, recorder), sample) in recorders.iter_mut().zip(batch.samples()) {
@@ -247,9 +307,6 @@ fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, ou
         if recorders.iter().all(|(_, recorder)| recorder.has_stopped()) {
             break;
         }
-    }
-    for (index, recorder) in recorders {
-        outcomes[index] = recorder.finish();
     }
 }
 

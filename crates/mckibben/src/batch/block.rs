@@ -4,36 +4,31 @@
 //! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
 //! themselves as the fixed-step engine does, from where they were, and so do rows whose passages are under way or lead to a
 //! regulated pressure; an instant that all rows share divides the step of the
-//! block. So every row goes the fixed-step engine's way, bit for bit.
+//! block, and so does a sampling instant of their controllers, which each row's own controller then sees. So every row goes the fixed-step engine's way, bit for bit.
 
 use super::Row;
 use super::gather::{gather, narrow};
-use super::wide::{Compiled, Wide};
+use super::wide::{Compiled, Number, Wide};
 use crate::error::Error;
-use crate::force::{IdealBraid, Statics};
+use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::friction::{Hysteresis, Memory};
 use crate::load::{Line, Load};
 use crate::pressure::AbsolutePressure;
 use crate::scalar::{Mask, Real, Scalar};
+use crate::simulation::closed_loop::{Control, measurement};
 use crate::simulation::course::Course;
-use crate::simulation::fixed_step::{Walk, check_plumbing, stepped};
-use crate::simulation::hosed::Stepped as States;
+use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
+use crate::simulation::piped::{PIPED, PLAIN, Stepped as States, of_rig, volume};
 use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
 use crate::simulation::timetable::{Progress, Timetable};
-use crate::simulation::{Method, Rig};
+use crate::simulation::{Decision, Method, Rig};
 use crate::valve::{Openings, Ports, is_due};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 use pulp::{Simd, WithSimd};
-
-/// That a batch can take a row.
-fn check_row(rig: &Rig) -> Result<(), Error> {
-    check_plumbing(rig)?;
-    rig.check_no_tendon()
-}
 
 /// How far beyond the time that is asked for instants are looked up, in spans of the same length.
 const SPANS_AHEAD: f64 = 64.0;
@@ -56,13 +51,34 @@ impl Span {
     }
 }
 
-/// Rows side by side.
+/// Rows side by side. The law is named where it is the ideal braid, so that no stage has to ask for it, and there is room for
+/// the states of an air line where there is one: most rows need not carry that.
 #[derive(Debug)]
-pub(super) struct Block<W: Wide> {
-    rigs: Rigs<W>,
+pub(super) enum Block<W: Wide> {
+    Ideal(Box<Rows<W, IdealBraid<W>, PLAIN>>),
+    Plain(Box<Rows<W, Characteristic<W>, PLAIN>>),
+    Piped(Box<Rows<W, Characteristic<W>, PIPED>>),
+}
+
+/// Does the same with the rows of a block of any kind.
+macro_rules! with_rows {
+    ($block:expr, $rows:ident => $done:expr) => {
+        match $block {
+            Block::Ideal($rows) => $done,
+            Block::Plain($rows) => $done,
+            Block::Piped($rows) => $done,
+        }
+    };
+}
+
+/// Rows with `N` states each, of which the law is an `L`.
+#[derive(Debug)]
+pub(super) struct Rows<W: Wide, L, const N: usize> {
+    /// One rig over lanes.
+    rig: Rig<W, L>,
     method: Method,
     time: f64,
-    state: States<W>,
+    state: States<W, N>,
     held: Held<W>,
     /// How many elements of the memory are in use.
     elements: usize,
@@ -78,31 +94,6 @@ pub(super) struct Block<W: Wide> {
     lanes: Vec<Lane<W::Lane>>,
 }
 
-/// One rig over lanes, with the law named where it is the ideal braid, so that no stage has to ask for it.
-#[derive(Debug)]
-enum Rigs<W: Wide> {
-    Ideal(Box<Rig<W, IdealBraid<W>>>),
-    Any(Box<Rig<W>>),
-}
-
-impl<W: Wide> Rigs<W> {
-    fn new(rig: Rig<W>) -> Self {
-        match rig.ideal() {
-            Some(ideal) => Self::Ideal(Box::new(ideal)),
-            None => Self::Any(Box::new(rig)),
-        }
-    }
-
-    /// Takes the memory of the hysteresis on to where the ends are at `distance` (m) and `velocity` (m/s).
-    #[inline(always)]
-    fn remember(&self, memory: &mut Memory<W>, distance: W, velocity: W) {
-        match self {
-            Self::Ideal(rig) => rig.actuator().remember(memory, distance, velocity),
-            Self::Any(rig) => rig.actuator().remember(memory, distance, velocity),
-        }
-    }
-}
-
 /// What a row keeps for itself.
 #[derive(Debug)]
 struct Lane<R> {
@@ -114,9 +105,10 @@ struct Lane<R> {
     /// The next instant in s; infinite when none is known.
     next: f64,
     fault: Option<Error>,
+    control: Option<Box<dyn Control>>,
 }
 
-impl<R> Lane<R> {
+impl<R: Number> Lane<R> {
     fn timetable(&self) -> Timetable<'_, f64> {
         Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
     }
@@ -126,13 +118,76 @@ impl<R> Lane<R> {
     }
 
     fn look_ahead(&mut self, until: f64) {
-        self.next = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
+        let instant = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
+        self.next = instant.smaller(self.sampling().unwrap_or(f64::INFINITY));
+    }
+
+    /// The controller's next sampling instant in s.
+    fn sampling(&self) -> Option<f64> {
+        self.control.as_ref().map(|control| control.next())
+    }
+
+    /// Takes the controller's sample if it is due.
+    fn sample_due(&mut self, walk: &mut Walk<R>) -> Result<(), Error> {
+        if let Some(control) = &mut self.control
+            && is_due(control.next(), walk.course.time)
+        {
+            let time = control.next();
+            let truth = measurement(R::of_time(time), &walk.sample(&self.rig), self.rig.actuator());
+            control.sample(&truth.of_lane(time), self.actuation.as_mut())?;
+            walk.pass(&self.rig, &self.timetable());
+        }
+        Ok(())
+    }
+
+    /// Passes what is due where the walk is: instants first, then the controller's sample.
+    fn pass(&mut self, walk: &mut Walk<R>) -> Result<(), Error> {
+        if self.control.is_none() || self.timetable().next(&walk.progress, walk.course.time).is_some() {
+            walk.pass(&self.rig, &self.timetable());
+        }
+        self.sample_due(walk)
+    }
+
+    /// Goes on to `until` in s by itself, with every sample of the controller on the way. The end of one whole step is given
+    /// where it is known already.
+    fn go(&mut self, walk: &mut Walk<R>, method: Method, until: f64, mut end: Option<States<R>>) -> Result<(), Error> {
+        loop {
+            let sampling = self.sampling().filter(|instant| is_due(*instant, until));
+            let to = sampling.map_or(until, |instant| instant.smaller(until));
+            let end = end.take().filter(|_| sampling.is_none());
+            walk.advance_to(&self.rig, &self.timetable(), method, to, end)?;
+            self.sample_due(walk)?;
+            if is_due(until, walk.course.time) {
+                return Ok(());
+            }
+        }
     }
 }
 
 impl<W: Wide> Block<W> {
     /// At most as many rows of the same form as there are lanes, at t = 0.
     pub(super) fn new(rows: &[&Row], method: Method) -> Self {
+        let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
+        let rig: Rig<W> = gather(&rigs);
+        // One with an air line is not taken for ideal.
+        match rig.ideal() {
+            Some(ideal) => Self::Ideal(Box::new(Rows::new(ideal, rows, method))),
+            None if rig.is_piped() => Self::Piped(Box::new(Rows::new(rig, rows, method))),
+            None => Self::Plain(Box::new(Rows::new(rig, rows, method))),
+        }
+    }
+}
+
+impl<W: Wide> Block<W> {
+    /// What the controller of a lane has decided; nothing where there is none.
+    pub(super) fn decisions(&self, index: usize) -> &[Decision] {
+        let control = with_rows!(self, rows => &rows.lanes[index].control);
+        control.as_ref().map_or(&[], |control| control.decisions())
+    }
+}
+
+impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
+    fn new(rig: Rig<W, L>, rows: &[&Row], method: Method) -> Self {
         let lane = |row: &&Row| Lane {
             rig: narrow(&row.rig),
             actuation: row.rig.actuation().cloned(),
@@ -140,25 +195,26 @@ impl<W: Wide> Block<W> {
             progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: check_row(&row.rig).err(),
+            fault: row.rig.check_no_tendon().err(),
+            control: None,
         };
-        let rigs: Vec<&Rig> = rows.iter().map(|row| &row.rig).collect();
         // Lanes without a row hold no number.
-        let start = |number: usize| {
-            W::from_lanes(|lane| W::Lane::constant(rows.get(lane).map_or(f64::NAN, |row| stepped(row.start)[number])))
-        };
-        let (rig, state) = (gather(&rigs), [start(0), start(1), start(2), start(3), start(4)]);
+        let starts: Vec<_> = rows.iter().map(|row| stepped(&row.rig, row.start)).collect();
+        let start =
+            |place: usize| W::from_lanes(|lane| W::Lane::constant(starts.get(lane).map_or(f64::NAN, |it| it[place])));
+        let state = core::array::from_fn(start);
+        let runs = |lane: usize| rows.get(lane).is_some_and(|row| compressor_starts(&row.rig, &starts[lane]));
         let actuator = rig.actuator();
         let elements = actuator.friction().hysteresis().map_or(0, Hysteresis::count);
         let memory = Memory::relaxed(actuator.limits().actuator_length(state[0]));
         let mut block = Self {
-            rigs: Rigs::new(rig),
+            rig,
             method,
             time: 0.0,
             state,
-            held: Held { memory, ..Held::nothing() },
+            held: Held { memory, compressor: W::mask(runs), ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| check_row(&row.rig).is_ok())),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_no_tendon().is_ok())),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,
@@ -180,6 +236,7 @@ impl<W: Wide> Block<W> {
             stuck: W::holds(held.stuck, index),
             slack: W::holds(held.slack, index),
             taut: W::holds(held.taut, index),
+            compressor: W::holds(held.compressor, index),
             line: Line {
                 time: number(&held.line.time),
                 length: number(&held.line.length),
@@ -187,8 +244,7 @@ impl<W: Wide> Block<W> {
             },
             memory: self.memory_of(index),
         };
-        let [length, velocity, pressure, mass, hose] = &self.state;
-        let state = [number(length), number(velocity), number(pressure), number(mass), number(hose)];
+        let state = whole(&self.state, index);
         let Lane { progress, ports, .. } = self.lanes[index];
         Walk { course: Course { time: self.time, state, held }, progress, ports }
     }
@@ -204,7 +260,7 @@ impl<W: Wide> Block<W> {
     }
 
     /// Takes a lane back; its state into that of the block at the end of a step.
-    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut States<W>) {
+    fn take_back(&mut self, index: usize, walk: &Walk<W::Lane>, end: &mut States<W, N>) {
         let Course { state, held: of_lane, .. } = &walk.course;
         for (wide, number) in end.iter_mut().zip(state) {
             wide.put(index, *number);
@@ -217,6 +273,7 @@ impl<W: Wide> Block<W> {
         set(&mut held.stuck, of_lane.stuck);
         set(&mut held.slack, of_lane.slack);
         set(&mut held.taut, of_lane.taut);
+        set(&mut held.compressor, of_lane.compressor);
         held.sliding.put(index, of_lane.sliding);
         held.line.time.put(index, of_lane.line.time);
         held.line.length.put(index, of_lane.line.length);
@@ -235,29 +292,43 @@ impl<W: Wide> Block<W> {
     fn pass(&mut self, instant: f64) {
         let mut end = self.state;
         for index in 0..self.lanes.len() {
-            let lane = &self.lanes[index];
-            if lane.fault.is_none() && lane.next == instant {
+            if self.lanes[index].fault.is_none() && self.lanes[index].next == instant {
                 let mut walk = self.walk(index);
-                walk.pass(&lane.rig, &lane.timetable());
-                self.take_back(index, &walk, &mut end);
+                match self.lanes[index].pass(&mut walk) {
+                    Ok(()) => self.take_back(index, &walk, &mut end),
+                    Err(fault) => self.stop(index, fault, &mut end),
+                }
             }
         }
+        self.state = end;
         self.sort();
+    }
+
+    /// Puts a controller in place of a lane's command, at t = 0.
+    fn control(&mut self, index: usize, control: Box<dyn Control>) {
+        self.lanes[index].control = Some(control);
+        if self.lanes[index].fault.is_none() {
+            let (mut walk, mut end) = (self.walk(index), self.state);
+            match self.lanes[index].sample_due(&mut walk) {
+                Ok(()) => self.take_back(index, &walk, &mut end),
+                Err(fault) => self.stop(index, fault, &mut end),
+            }
+            self.state = end;
+            self.sort();
+        }
     }
 
     /// The lanes of `which` by themselves from where they are to `until`.
     #[inline(never)]
-    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut States<W>) {
+    fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut States<W, N>) {
         for index in 0..self.lanes.len() {
             if !W::holds(which, index) {
                 continue;
             }
             let mut walk = self.walk(index);
-            let lane = &self.lanes[index];
-            let at = |number: usize| end[number].lane(index);
             // The step of all lanes knows whole passages only.
-            let known = (!W::holds(self.under_way, index)).then(|| [at(0), at(1), at(2), at(3), at(4)]);
-            match walk.advance_to(&lane.rig, &lane.timetable(), self.method, until, known) {
+            let known = (!W::holds(self.under_way, index)).then(|| whole(end, index));
+            match self.lanes[index].go(&mut walk, self.method, until, known) {
                 Ok(()) => self.take_back(index, &walk, end),
                 Err(fault) => self.stop(index, fault, end),
             }
@@ -266,7 +337,7 @@ impl<W: Wide> Block<W> {
     }
 
     /// Gives a lane its fault; it holds no number from here on.
-    fn stop(&mut self, index: usize, fault: Error, end: &mut States<W>) {
+    fn stop(&mut self, index: usize, fault: Error, end: &mut States<W, N>) {
         let lane = &mut self.lanes[index];
         (lane.fault, lane.next) = (Some(fault), f64::INFINITY);
         self.alive = self.alive & !W::mask(|lane| lane == index);
@@ -298,10 +369,7 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     fn step<S: Simd>(&mut self, simd: S, until: f64, alone: impl FnOnce(&Self) -> W::Mask) {
         let step = W::Lane::of_time((until - self.time).larger(0.0));
-        let Stepped { mut end, sliding, happens } = match &self.rigs {
-            Rigs::Ideal(rig) => simd.vectorize(Take { block: self, rig, step }),
-            Rigs::Any(rig) => simd.vectorize(Take { block: self, rig, step }),
-        };
+        let Stepped { mut end, sliding, happens } = simd.vectorize(Take { rows: self, step });
         let alone = (happens | self.under_way | alone(self)) & self.alive;
         if alone.any() {
             self.walk_to(alone, until, &mut end);
@@ -310,7 +378,7 @@ impl<W: Wide> Block<W> {
             self.held.sliding = sliding;
         }
         // Rows that went by themselves have come to where their memory is: this does not change it.
-        self.rigs.remember(&mut self.held.memory, end[0], end[1]);
+        self.rig.actuator().remember(&mut self.held.memory, end[0], end[1]);
         self.state = end;
         self.time = until;
     }
@@ -348,15 +416,14 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     fn samples(&self) -> Vec<Result<Sample, Error>> {
         let time = W::constant(self.time);
-        let (observed, line) = match &self.rigs {
-            Rigs::Ideal(rig) => (rig.observe(time, &self.state, &self.held), rig.line()),
-            Rigs::Any(rig) => (rig.observe(time, &self.state, &self.held), rig.line()),
-        };
-        let hose_air = line.hose.as_ref().map(|hose| hose.content(self.state[4]));
+        let observed = self.rig.observe(time, &self.state, &self.held);
+        let (air, supply) = (self.rig.hose_content(&self.state), self.rig.feed(&self.state));
+        let hose = air.map(|air| [self.state[volume(0)], air]);
         let sample = |(index, lane): (usize, &Lane<_>)| match &lane.fault {
             Some(fault) => Err(fault.clone()),
             None => {
-                let sample = Sample::of_lane(self.time, &self.state, &observed, index, (lane.ports, hose_air));
+                let sample =
+                    Sample::of_lane(self.time, of_rig(&self.state), &observed, index, (lane.ports, hose, supply));
                 Ok(match W::holds(self.under_way, index) {
                     false => sample,
                     true => self.under_way(index, sample),
@@ -367,31 +434,44 @@ impl<W: Wide> Block<W> {
     }
 }
 
+/// All states of a lane; those that no row has room for are zero.
+fn whole<W: Wide, const N: usize>(states: &States<W, N>, lane: usize) -> States<W::Lane> {
+    let mut of_lane = [W::Lane::zero(); PIPED];
+    for (number, wide) in of_lane.iter_mut().zip(states) {
+        *number = wide.lane(lane);
+    }
+    of_lane
+}
+
 /// The end of a step for each lane, and where something happens before it.
-struct Stepped<W: Wide> {
-    end: States<W>,
+struct Stepped<W: Wide, const N: usize> {
+    end: States<W, N>,
     sliding: W,
     happens: W::Mask,
 }
 
 /// One step of the method, compiled once for wherever it is taken.
-struct Take<'a, W: Wide, L> {
-    block: &'a Block<W>,
-    rig: &'a Rig<W, L>,
+struct Take<'a, W: Wide, L, const N: usize> {
+    rows: &'a Rows<W, L, N>,
     step: W::Lane,
 }
 
-impl<W: Wide, L: Statics<W>> WithSimd for Take<'_, W, L> {
-    type Output = Stepped<W>;
+impl<W: Wide, L: Statics<W>, const N: usize> WithSimd for Take<'_, W, L, N> {
+    type Output = Stepped<W, N>;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Stepped<W> {
-        let (Block { method, state, held, .. }, rig) = (self.block, self.rig);
-        let (time, step) = (W::constant(self.block.time), W::constant(self.step.value()));
+    fn with_simd<S: Simd>(self, _: S) -> Stepped<W, N> {
+        let Rows { rig, method, state, held, .. } = self.rows;
+        let (time, step) = (W::constant(self.rows.time), W::constant(self.step.value()));
         let end = rig.take(*method, time, state, step, held);
-        let [sliding, extent] = rig.keeps(held, &end);
-        let ceases = sliding.smaller(extent).lt(W::zero()) & W::zero().lt(step);
-        let sliding = if rig.load().inertia().is_none() { rig.slides(held, &end).0 } else { held.sliding };
-        Stepped { end, sliding, happens: ceases | !rig.admissible(&end) }
+        let [sliding, extent, compressor] = rig.keeps(held, &end);
+        let least = if N > PLAIN { sliding.smaller(extent).smaller(compressor) } else { sliding.smaller(extent) };
+        let ceases = least.lt(W::zero()) & W::zero().lt(step);
+        let sliding = if rig.load().inertia().is_none() { rig.slides(held, &of_rig(&end)).0 } else { held.sliding };
+        let mut holds = rig.admissible(&end);
+        if *method == Method::Stable {
+            holds = holds & rig.leaves_air(state, &end);
+        }
+        Stepped { end, sliding, happens: ceases | !holds }
     }
 }
 
@@ -417,6 +497,18 @@ impl<W: Wide> Compiled for Create<'_, W> {
     }
 }
 
+/// A controller for a lane of a block.
+pub(super) struct Attach<'a, W: Wide>(pub(super) &'a mut Block<W>, pub(super) usize, pub(super) Box<dyn Control>);
+
+impl<W: Wide> Compiled for Attach<'_, W> {
+    type Wide = W;
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        with_rows!(self.0, rows => rows.control(self.1, self.2))
+    }
+}
+
 /// A block's way through a span.
 pub(super) struct Advance<'a, W: Wide>(pub(super) &'a mut Block<W>, pub(super) Span);
 
@@ -425,7 +517,7 @@ impl<W: Wide> Compiled for Advance<'_, W> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        self.0.advance(simd, self.1);
+        with_rows!(self.0, rows => rows.advance(simd, self.1))
     }
 }
 
@@ -437,6 +529,6 @@ impl<W: Wide> Compiled for Samples<'_, W> {
     type Output = Vec<Result<Sample, Error>>;
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Self::Output {
-        self.0.samples()
+        with_rows!(self.0, rows => rows.samples())
     }
 }

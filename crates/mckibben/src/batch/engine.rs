@@ -1,11 +1,12 @@
 //! The blocks of a batch behind one face, whatever their number and width.
 
-use super::block::{Advance, Block, Create, Samples, Span};
+use super::block::{Advance, Attach, Block, Create, Samples, Span};
 use super::twice::Twice;
 use super::wide::{Doubles, Number, Singles, Wide, compiled};
 use super::{Row, Width};
 use crate::error::Error;
-use crate::simulation::{Method, Sample};
+use crate::simulation::closed_loop::Control;
+use crate::simulation::{Decision, Method, Sample};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt::Debug;
@@ -17,6 +18,10 @@ pub trait Engine: Debug + Send + Sync {
     fn lanes(&self) -> usize;
     /// Takes every block from one time in s to another in equal steps, on all cores.
     fn advance(&mut self, from: f64, until: f64, steps: u64);
+    /// Gives a lane of a block a controller.
+    fn control(&mut self, block: usize, lane: usize, control: Box<dyn Control>);
+    /// What the controller of a lane has decided.
+    fn decisions(&self, block: usize, lane: usize) -> &[Decision];
     /// What each row of each block shows.
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>>;
 }
@@ -55,6 +60,14 @@ impl<W: Wide> Engine for Blocks<W> {
             [block] => compiled(Advance(block, span)),
             blocks => blocks.par_iter_mut().for_each(|block| compiled(Advance(block, span))),
         }
+    }
+
+    fn control(&mut self, block: usize, lane: usize, control: Box<dyn Control>) {
+        compiled(Attach(&mut self.0[block], lane, control));
+    }
+
+    fn decisions(&self, block: usize, lane: usize) -> &[Decision] {
+        self.0[block].decisions(lane)
     }
 
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>> {

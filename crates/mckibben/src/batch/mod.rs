@@ -42,7 +42,10 @@
 //!   same method with states and parameters rounded to `f32`, and time to `f64`;
 //! - when it leaves the physics it has an error of its own from then on, and touches no other row.
 //!
-//! Checked by `tests/batch.rs`.
+//! A row may have a controller of its own ([`Batch::controlled`]): it is asked by itself at its sampling instants, and between
+//! them the rows go together as any others do.
+//!
+//! Checked by `tests/batch.rs` and `tests/batch_control.rs`.
 
 mod block;
 mod engine;
@@ -53,10 +56,13 @@ mod width;
 
 pub use width::Width;
 
+use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
-use crate::simulation::{Method, Rig, Sample, State};
+use crate::simulation::closed_loop::own_loop;
+use crate::simulation::{Decision, Method, Rig, Sample, State};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use core::fmt::Debug;
 use core::marker::PhantomData;
 use engine::Engine;
 
@@ -67,6 +73,21 @@ pub struct Row {
     pub rig: Rig,
     /// The state at t = 0.
     pub start: State,
+}
+
+/// A rig, its start, and the controller that takes the place of its command.
+#[derive(Clone, Debug)]
+pub struct ControlledRow<C> {
+    /// The actuator, its valve and its load.
+    pub rig: Rig,
+    /// The state at t = 0.
+    pub start: State,
+    /// The controller.
+    pub controller: C,
+    /// When it samples, and when what it decides takes effect.
+    pub sampling: Sampling,
+    /// What it sees with.
+    pub sensors: Sensors,
 }
 
 /// Many rows, stepped together in numbers of `F`: `f64` or `f32`.
@@ -96,6 +117,47 @@ impl<F: Float> Batch<F> {
         };
         let blocks = F::build(&rows, &mut deal, method, width);
         Self { width: width.or_widest(), time: 0.0, blocks, places, number: PhantomData }
+    }
+
+    /// A batch at t = 0 whose rows have a controller each, with the widest instructions of this machine. Each row is the run of
+    /// [`ControlledStepper`](crate::simulation::ControlledStepper), bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when a rig has no valve, or one without seats.
+    pub fn controlled<C>(rows: Vec<ControlledRow<C>>, method: Method) -> Result<Self, Error>
+    where
+        C: Controller<Memory: Send + Sync> + Debug + Send + Sync + 'static,
+    {
+        Self::controlled_with_width(rows, method, Width::widest())
+    }
+
+    /// The same with given instructions; where the machine has not got them, others with the same results.
+    ///
+    /// # Errors
+    /// As [`Batch::controlled`].
+    pub fn controlled_with_width<C>(rows: Vec<ControlledRow<C>>, method: Method, width: Width) -> Result<Self, Error>
+    where
+        C: Controller<Memory: Send + Sync> + Debug + Send + Sync + 'static,
+    {
+        let mut loops = Vec::with_capacity(rows.len());
+        let mut plain = Vec::with_capacity(rows.len());
+        for ControlledRow { rig, start, controller, sampling, sensors } in rows {
+            let (control, rig) = own_loop(&rig, controller, (sampling, sensors))?;
+            loops.push(control);
+            plain.push(Row { rig, start });
+        }
+        let mut batch = Self::with_width(plain, method, width);
+        let lanes = batch.blocks.lanes();
+        for (place, control) in batch.places.iter().zip(loops) {
+            batch.blocks.control(place / lanes, place % lanes, control);
+        }
+        Ok(batch)
+    }
+
+    /// What the controller of a row has decided, in order of time; nothing of a row that has none.
+    pub fn decisions(&self, row: usize) -> &[Decision] {
+        let (lanes, place) = (self.blocks.lanes(), self.places.get(row));
+        place.map_or(&[], |place| self.blocks.decisions(place / lanes, place % lanes))
     }
 
     /// How many rows there are.

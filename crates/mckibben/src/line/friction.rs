@@ -49,6 +49,8 @@ const TURBULENT_ROOT: f64 = 502.973_371_873_174_8;
 /// σ where the turbulent flow starts, and its slope there.
 const TURBULENT_DRIVE: f64 = BLASIUS * TURBULENT_START * TURBULENT_ROOT;
 const TURBULENT_SLOPE: f64 = 1.75 * BLASIUS * TURBULENT_ROOT;
+/// A bound for the slope of the cubic between both flows.
+const STEEPEST: f64 = 182.0;
 /// Newton steps that solve the cubic to the last digits from where the search starts.
 const STEPS: usize = 5;
 
@@ -258,6 +260,26 @@ impl<S: Scalar> Tube<S> {
         let size = drive_at(self.reynolds(flow.magnitude())) / (T::of(self.shape.drive + self.shape.drive) * mean);
         T::select(flow.lt(T::zero()), -size, size)
     }
+}
+
+impl<S: Scalar> Tube<S> {
+    /// A bound for `∂Δp/∂ṁ` in Pa·s/kg at a flow (kg/s), and at the flow which two pressures (Pa, absolute) could keep up.
+    #[inline(always)]
+    pub(crate) fn steepest_loss(&self, flow: S, from: S, to: S) -> S {
+        let drive = drive_at(self.reynolds(flow.magnitude())).larger(self.drive(from, to).magnitude());
+        let mean = S::constant(0.5) * (from + to);
+        steepest_drive(drive) / ((self.shape.drive + self.shape.drive) * mean * self.shape.flow)
+    }
+}
+
+/// A bound for `∂σ/∂Re` at drives up to σ: where the flow is turbulent it is `1.75 · 0.1582 (σ/0.1582)^(3/7)`, here with the
+/// power 7/16, which roots make; the cubic below is nowhere steeper than [`STEEPEST`].
+#[inline(always)]
+fn steepest_drive<T: Scalar>(drive: T) -> T {
+    let beyond = (drive * T::constant(1.0 / BLASIUS)).larger(T::one());
+    let half = beyond.sqrt();
+    let turbulent = T::constant(1.75 * BLASIUS) * half / half.sqrt().sqrt().sqrt();
+    T::select(drive.lt(T::constant(LAMINAR_DRIVE)), T::constant(32.0), turbulent.larger(T::constant(STEEPEST)))
 }
 
 /// The Reynolds number that a drive σ of zero or more keeps up.

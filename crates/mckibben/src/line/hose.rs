@@ -128,6 +128,7 @@ impl<S: Scalar> Hose<S> {
     }
 
     /// How many volumes it has.
+    #[inline(always)]
     pub fn cells(&self) -> usize {
         match self.kind {
             HoseKind::Lumped => 1,
@@ -196,7 +197,20 @@ impl<S: Scalar> Hose<S> {
     #[inline(always)]
     pub fn flow_rate<T: Over<S>>(&self, flow: T, pressure: T, next: T) -> T {
         let mean = T::constant(0.5) * (pressure + next);
-        (pressure - next - self.tube.loss(flow, mean)) * T::of(self.tube.area() / self.tube.length())
+        (pressure - next - self.tube.loss(flow, mean)) * T::of(self.per_inertance())
+    }
+
+    /// A/Δx in m: by what a difference of pressure changes the flow through a cell.
+    #[inline(always)]
+    pub(crate) fn per_inertance(&self) -> S {
+        self.tube.area() / self.tube.length()
+    }
+
+    /// A bound for `∂Δp/∂w` in Pa·s/kg of a cell at `pressure` before what lies at `next`, for the flow that there is and for
+    /// what these pressures could keep up.
+    #[inline(always)]
+    pub(crate) fn steepest_loss(&self, flow: S, pressure: S, next: S) -> S {
+        self.tube.steepest_loss(flow, pressure, next)
     }
 
     /// The air at the valve's end at an absolute pressure in Pa, as the valve's flow law takes it.

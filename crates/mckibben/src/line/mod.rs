@@ -9,10 +9,10 @@
 //! | part | what it adds | where |
 //! |---|---|---|
 //! | [`Hose`], lumped | a second volume, a friction loss, a delay: one state | both engines, batches |
-//! | [`Hose`], distributed | waves: two states for each cell | the event-located engine |
+//! | [`Hose`], distributed | waves: two states for each cell | both engines, batches |
 //! | [`Leakage`] | a laminar flow from the actuator to the surroundings | both engines, batches |
-//! | [`Reservoir`], [`Compressor`] | a supply that sags, and is filled up between two pressures: one state | the event-located engine |
-//! | [`Regulator`] | droop, dead band and lag: one state | the event-located engine |
+//! | [`Reservoir`], [`Compressor`] | a supply that sags, and is filled up between two pressures: one state | both engines, batches |
+//! | [`Regulator`] | droop, dead band and lag: one state | both engines, batches |
 //!
 //! [`Tube`] is the friction law of a hose and [`linear`] the closed form that a distributed hose approaches.
 //! `docs/air-line.md` says when to choose what. In a loop of one's own a

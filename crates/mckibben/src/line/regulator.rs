@@ -95,6 +95,13 @@ impl<S: Scalar> Regulator<S> {
         }
     }
 
+    /// `dP/dt` in Pa/s at an error in Pa, whatever the poppet does: selects instead of modes.
+    #[inline(always)]
+    pub fn rate<T: Over<S>>(&self, error: T) -> T {
+        let band = T::of(self.dead_band);
+        (error - error.smaller(band).larger(-band)) / T::of(self.lag)
+    }
+
     /// How the poppet moves at an error in Pa.
     pub fn poppet(&self, error: S) -> Poppet
     where
@@ -111,11 +118,19 @@ impl<S: Scalar> Regulator<S> {
     }
 
     /// Half the width of the dead band in Pa.
+    #[inline(always)]
     pub fn dead_band(&self) -> S {
         self.dead_band
     }
 
+    /// Loss of outlet pressure over flow in Pa·s/kg.
+    #[inline(always)]
+    pub fn droop(&self) -> S {
+        self.droop
+    }
+
     /// The time constant in s.
+    #[inline(always)]
     pub fn lag(&self) -> S {
         self.lag
     }

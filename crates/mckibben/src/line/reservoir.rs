@@ -172,6 +172,7 @@ impl<S: Scalar> Reservoir<S> {
     }
 
     /// What fills it, unless it is a bottle.
+    #[inline(always)]
     pub fn compressor(&self) -> Option<&Compressor<S>> {
         self.compressor.as_ref()
     }

@@ -51,11 +51,13 @@ impl<S: Scalar> SupplyLine<S> {
     }
 
     /// The reservoir.
+    #[inline(always)]
     pub fn reservoir(&self) -> Option<&Reservoir<S>> {
         self.reservoir.as_ref()
     }
 
     /// The regulator.
+    #[inline(always)]
     pub fn regulator(&self) -> Option<&Regulator<S>> {
         self.regulator.as_ref()
     }

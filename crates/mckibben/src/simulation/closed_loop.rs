@@ -12,6 +12,8 @@ use crate::control::{Controller, Drive, Measurement, Modulator, Quantity, Sample
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::{Command, Request, Solenoid, is_due};
+#[cfg(feature = "batch")]
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// What a controller saw at a sampling instant and what it decided.
@@ -113,7 +115,7 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
 }
 
 /// What there is to measure of an actuator at a sampling instant in s.
-pub(super) fn measurement<R: Real>(time: R, truth: &Sample<R>, actuator: &Actuator<R>) -> Measurement<R> {
+pub(crate) fn measurement<R: Real>(time: R, truth: &Sample<R>, actuator: &Actuator<R>) -> Measurement<R> {
     let pressure = truth.pressure.gauge(actuator.air().atmosphere());
     let Sample { length, velocity, air_mass, tension, .. } = *truth;
     Measurement { time, length, velocity, pressure, air_mass, tension }
@@ -143,9 +145,75 @@ impl<R: Real, C: Controller<R>> ClosedLoop<'_, R, C> {
         truth: &Sample<R>,
         rig: &mut Rig<R>,
     ) -> Result<Decision<R>, Error> {
-        let seen = self.sensors.show(&measurement(clockwork.next(), truth, rig.actuator()));
-        let [drive] = clockwork.sample([rig.actuation_mut()], |memory| [self.controller.decide(&seen, memory)])?;
+        let truth = measurement(clockwork.next(), truth, rig.actuator());
+        self.decide(clockwork, &truth, rig.actuation_mut())
+    }
+
+    /// The same of what is measured, for a valve by itself.
+    fn decide(
+        &self,
+        clockwork: &mut OneValve<R, C>,
+        truth: &Measurement<R>,
+        valve: Option<&mut Actuation<R>>,
+    ) -> Result<Decision<R>, Error> {
+        let seen = self.sensors.show(truth);
+        let [drive] = clockwork.sample([valve], |memory| [self.controller.decide(&seen, memory)])?;
         Ok(Decision { seen, aim: self.controller.aim(&seen), drive })
+    }
+}
+
+/// A loop around one valve, whatever its controller: each row of a batch may have one of its own.
+#[cfg(feature = "batch")]
+pub trait Control: core::fmt::Debug + Send + Sync {
+    /// The next sampling instant in s.
+    fn next(&self) -> f64;
+    /// Takes the sample that is due, and continues the valve's command up to the next.
+    fn sample(&mut self, truth: &Measurement, valve: Option<&mut Actuation>) -> Result<(), Error>;
+    /// What has been decided, in order of time.
+    fn decisions(&self) -> &[Decision];
+}
+
+/// A controller with its clockwork.
+#[cfg(feature = "batch")]
+#[derive(Debug)]
+struct Own<C: Controller> {
+    controller: C,
+    sensors: Sensors,
+    clockwork: OneValve<f64, C>,
+    decisions: Vec<Decision>,
+}
+
+/// A loop before its first sample, with a copy of the rig of which nothing has been asked yet.
+#[cfg(feature = "batch")]
+pub(crate) fn own_loop<C>(
+    rig: &Rig,
+    controller: C,
+    (sampling, sensors): (Sampling, Sensors),
+) -> Result<(Box<dyn Control>, Rig), Error>
+where
+    C: Controller<Memory: Send + Sync> + core::fmt::Debug + Send + Sync + 'static,
+{
+    let (clockwork, rig) = ClosedLoop { controller: &controller, sensors }.begin(rig, sampling)?;
+    Ok((Box::new(Own { controller, sensors, clockwork, decisions: Vec::new() }), rig))
+}
+
+#[cfg(feature = "batch")]
+impl<C> Control for Own<C>
+where
+    C: Controller<Memory: Send + Sync> + core::fmt::Debug + Send + Sync,
+{
+    fn next(&self) -> f64 {
+        self.clockwork.next()
+    }
+
+    fn sample(&mut self, truth: &Measurement, valve: Option<&mut Actuation>) -> Result<(), Error> {
+        let closed_loop = ClosedLoop { controller: &self.controller, sensors: self.sensors };
+        self.decisions.push(closed_loop.decide(&mut self.clockwork, truth, valve)?);
+        Ok(())
+    }
+
+    fn decisions(&self) -> &[Decision] {
+        &self.decisions
     }
 }
 

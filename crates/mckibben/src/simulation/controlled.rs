@@ -3,7 +3,7 @@
 //! Checked by `tests/closed_loop.rs`.
 
 use super::closed_loop::{ClosedLoop, Decision, OneValve};
-use super::fixed_step::{Walk, check_plumbing, stepped};
+use super::fixed_step::{Walk, stepped};
 use super::kernel::Method;
 use super::rig::{Rig, State};
 use super::sample::Sample;
@@ -90,9 +90,8 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
     ) -> Result<Self, Error> {
         let closed_loop = ClosedLoop { controller, sensors };
         let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
-        check_plumbing(&rig)?;
         rig.check_no_tendon()?;
-        let mut walk = Walk::new(&rig, stepped(start));
+        let mut walk = Walk::new(&rig, stepped(&rig, start));
         walk.pass(&rig, &rig.timetable());
         let mut stepper = Self { rig, method, walk, closed_loop, clockwork, decisions: Vec::new() };
         stepper.take_due()?;

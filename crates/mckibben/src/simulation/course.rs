@@ -9,15 +9,26 @@
 //! At rest the load sticks while its pull lies between the least and the largest tension that friction can hold,
 //! `F_s + F_limit ± Q k_sec`, (12).
 //!
+//! A compressor that comes to one of its two pressures starts or stops there in the same way.
+//!
 //! Checked by `tests/fixed_step.rs` and `tests/batch.rs`.
 
-use super::hosed::Stepped;
 use super::kernel::{Held, Method};
+use super::piped::{OUTLET, PLAIN, RESERVOIR, Stepped, flow, of_rig, volume};
 use super::rig::Rig;
 use crate::force::Statics;
+use crate::line::HoseKind;
 use crate::load::Load;
 use crate::scalar::{Mask, Real, Scalar};
 
+/// What may cease to hold: the direction of sliding, the extent, whether the compressor runs.
+pub(crate) const MARGINS: usize = 3;
+const SLIDING: usize = 0;
+const EXTENT: usize = 1;
+const COMPRESSOR: usize = 2;
+/// Part of pressure and air mass that a stable step may leave at least: from the paper's supply to the atmosphere at a constant
+/// temperature it is more than this.
+const LEAST_LEFT: f64 = 0.125;
 /// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
 /// Part of a step that the last secant moves a turn by: what is left of its error is of the order of the square.
@@ -44,14 +55,20 @@ impl<R: Real> Course<R> {
         }
         self.arrive(rig, until, self.take(rig, method, self.step_to(until)));
         self.stretch(rig);
+        if rig.keeps_compressor(&self.held, &self.state).lt(R::zero()) {
+            self.held.compressor = !self.held.compressor;
+        }
     }
 
     /// Takes the whole step, or says where in it something ceases to hold.
     fn attempt(&mut self, rig: &Rig<R>, method: Method, until: R::Time, end: Option<Stepped<R>>) -> Option<Turn<R>> {
         let step = self.step_to(until);
-        let end = end.unwrap_or_else(|| self.take(rig, method, step));
+        let end = match end {
+            Some(end) => self.tenable(rig, method, step, end),
+            None => self.take(rig, method, step),
+        };
         let ceases = rig.keeps(&self.held, &end).map(|keeps| keeps.lt(R::zero()));
-        if R::zero().lt(step) && (ceases[0] || ceases[1]) {
+        if R::zero().lt(step) && ceases.contains(&true) {
             return Some(self.locate(rig, method, step, end, ceases));
         }
         self.arrive(rig, until, end);
@@ -72,7 +89,16 @@ impl<R: Real> Course<R> {
     }
 
     fn take(&self, rig: &Rig<R>, method: Method, step: R) -> Stepped<R> {
-        rig.take(method, R::of_time(self.time), &self.state, step, &self.held)
+        let end = rig.take(method, R::of_time(self.time), &self.state, step, &self.held);
+        self.tenable(rig, method, step, end)
+    }
+
+    /// The end of a step, or of another where the stable method would take more air than there is.
+    fn tenable(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>) -> Stepped<R> {
+        if method == Method::Rk4 || rig.leaves_air(&self.state, &end) {
+            return end;
+        }
+        rig.take_firm(R::of_time(self.time), &self.state, step, &self.held)
     }
 
     /// Decides anew what follows an instant.
@@ -85,7 +111,7 @@ impl<R: Real> Course<R> {
 
     /// Decides anew the extent where it does not hold.
     fn stretch(&mut self, rig: &Rig<R>) {
-        if rig.keeps_extent(&self.held, &self.state).lt(R::zero()) {
+        if rig.keeps_extent(&self.held, &of_rig(&self.state)).lt(R::zero()) {
             let limits = rig.actuator().limits();
             let [length, velocity, ..] = self.state;
             self.held.slack = limits.is_slack(length);
@@ -95,7 +121,7 @@ impl<R: Real> Course<R> {
 
     /// Decides anew how the load slides.
     fn slide(&mut self, rig: &Rig<R>) {
-        (self.held.sliding, self.held.stuck) = rig.slides(&self.held, &self.state);
+        (self.held.sliding, self.held.stuck) = rig.slides(&self.held, &of_rig(&self.state));
     }
 
     /// Goes to a turn and through it.
@@ -103,7 +129,11 @@ impl<R: Real> Course<R> {
         self.state = turn.state;
         rig.actuator().remember(&mut self.held.memory, self.state[0], self.state[1]);
         self.time = self.time + turn.part.to_time();
-        if turn.at_limit {
+        if turn.what == COMPRESSOR {
+            self.held.compressor = !self.held.compressor;
+            return;
+        }
+        if turn.what == EXTENT {
             let limits = rig.actuator().limits();
             let middle = R::constant(0.5) * (limits.min_length() + limits.max_length());
             let (was_free, short) = (!(self.held.slack || self.held.taut), self.state[0].lt(middle));
@@ -120,7 +150,7 @@ impl<R: Real> Course<R> {
             && self.held.stuck
             && let Some(inertia) = rig.load().inertia()
         {
-            let (least, most) = rig.held_tensions(&self.held, &self.state);
+            let (least, most) = rig.held_tensions(&self.held, &of_rig(&self.state));
             let longer = (most - inertia.pull).lt(inertia.pull - least);
             self.held.sliding = R::select(longer, R::one(), -R::one());
             self.held.stuck = false;
@@ -134,19 +164,23 @@ impl<R: Real> Course<R> {
     ///
     /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
     /// that the bracket shrinks whatever the function.
-    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>, ceases: [bool; 2]) -> Turn<R> {
-        let endless = R::constant(f64::INFINITY);
+    fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>, ceases: [bool; MARGINS]) -> Turn<R> {
         let margin = |state: &Stepped<R>| {
-            let [sliding, extent] = rig.keeps(&self.held, state);
-            let (sliding, extent) = (R::select(ceases[0], sliding, endless), R::select(ceases[1], extent, endless));
-            (sliding.smaller(extent), extent.lt(sliding))
+            let margins = rig.keeps(&self.held, state);
+            let mut least = (R::constant(f64::INFINITY), SLIDING);
+            for what in 0..MARGINS {
+                if ceases[what] && margins[what].lt(least.0) {
+                    least = (margins[what], what);
+                }
+            }
+            least
         };
         let half = R::constant(0.5);
         let (mut low, mut high) = (R::zero(), R::one());
         let (mut at_low, _) = margin(&self.state);
-        let (mut at_high, at_limit) = margin(&end);
+        let (mut at_high, what) = margin(&end);
         let (mut theta, mut was_beyond) = (R::one(), None);
-        let mut turn = Turn { part: step, state: end, at_limit };
+        let mut turn = Turn { part: step, state: end, what };
         for count in 0..MAX_SECANTS {
             // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
             let from_rest = at_low.le(R::zero());
@@ -159,12 +193,12 @@ impl<R: Real> Course<R> {
                 half * (low + high)
             };
             let state = self.take(rig, method, next * step);
-            let (value, at_limit) = margin(&state);
+            let (value, what) = margin(&state);
             // What is not a number is beyond as well.
             let is_beyond = !R::zero().le(value);
             let change = (next - theta).magnitude();
             theta = next;
-            turn = Turn { part: theta * step, state, at_limit };
+            turn = Turn { part: theta * step, state, what };
             let is_nil = value.le(R::zero()) && R::zero().le(value);
             if change.le(R::constant(TURN_TOLERANCE)) || is_nil || (from_rest && is_beyond) {
                 break;
@@ -188,29 +222,47 @@ struct Turn<R> {
     /// How much of the step is taken up to there.
     part: R,
     state: Stepped<R>,
-    /// Whether it is the extent that ends.
-    at_limit: bool,
+    /// Which of the margins ends.
+    what: usize,
 }
 
 impl<S: Scalar, L: Statics<S>> Rig<S, L> {
-    /// By how much the direction of sliding and the extent hold, each negative where it has ceased to.
+    /// By how much the direction of sliding, the extent and the compressor's state hold, each negative where it has ceased to.
     #[inline(always)]
-    pub(crate) fn keeps(&self, held: &Held<S>, state: &Stepped<S>) -> [S; 2] {
+    pub(crate) fn keeps<const N: usize>(&self, held: &Held<S>, state: &Stepped<S, N>) -> [S; MARGINS] {
+        let compressor = self.keeps_compressor(held, state);
         match self.load() {
-            Load::Isometric => [S::constant(f64::INFINITY); 2],
-            _ => [self.keeps_sliding(held, state), self.keeps_extent(held, state)],
+            Load::Isometric => [S::constant(f64::INFINITY), S::constant(f64::INFINITY), compressor],
+            _ => {
+                let four = of_rig(state);
+                [self.keeps_sliding(held, &four), self.keeps_extent(held, &four), compressor]
+            }
         }
+    }
+
+    /// Negative in Pa where a compressor has come to the pressure at which it starts or stops.
+    #[inline(always)]
+    fn keeps_compressor<const N: usize>(&self, held: &Held<S>, state: &Stepped<S, N>) -> S {
+        if N > PLAIN
+            && let Some(supply) = &self.line().supply
+            && let Some(reservoir) = supply.reservoir()
+            && let Some([starts, stops]) = reservoir.switch_pressures()
+        {
+            let pressure = state[RESERVOIR];
+            return S::select(held.compressor, stops - pressure, pressure - starts);
+        }
+        S::constant(f64::INFINITY)
     }
 
     /// The least and the largest tension in N that can be held at rest in a state.
     #[inline(always)]
-    fn held_tensions(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S) {
+    fn held_tensions(&self, held: &Held<S>, state: &[S; 4]) -> (S, S) {
         self.holdable(state[0], state[2], self.rubbing(state[0], state[1], held))
     }
 
     /// Negative where the direction of sliding has ceased to hold: the velocity has turned, or the load broke away.
     #[inline(always)]
-    fn keeps_sliding(&self, held: &Held<S>, state: &Stepped<S>) -> S {
+    fn keeps_sliding(&self, held: &Held<S>, state: &[S; 4]) -> S {
         let endless = S::constant(f64::INFINITY);
         let Some(inertia) = self.load().inertia() else { return endless };
         if !self.actuator().friction().has_coulomb() {
@@ -227,7 +279,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The force in N by which a state is within its extent, negative beyond: a length counts by the force that the taut
     /// braid would make of it.
     #[inline(always)]
-    fn keeps_extent(&self, held: &Held<S>, state: &Stepped<S>) -> S {
+    fn keeps_extent(&self, held: &Held<S>, state: &[S; 4]) -> S {
         let limits = self.actuator().limits();
         let [length, velocity, ..] = *state;
         let above = limits.stiffness() * (length - limits.min_length());
@@ -238,7 +290,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// The direction of sliding (−1, 0 or +1) at a state, and whether friction holds the load at rest.
     #[inline(always)]
-    pub(crate) fn slides(&self, held: &Held<S>, state: &Stepped<S>) -> (S, S::Mask) {
+    pub(crate) fn slides(&self, held: &Held<S>, state: &[S; 4]) -> (S, S::Mask) {
         let [length, velocity, ..] = *state;
         let nowhere = S::Mask::splat(false);
         if !self.actuator().friction().has_coulomb() {
@@ -259,16 +311,49 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         (S::select(at_rest, from_rest, by_velocity), at_rest & !(longer | shorter | slack))
     }
 
+    /// Where a step from one state to another leaves pressure and air enough to be believed.
+    #[inline(always)]
+    pub(crate) fn leaves_air<const N: usize>(&self, from: &Stepped<S, N>, to: &Stepped<S, N>) -> S::Mask {
+        let least = S::constant(LEAST_LEFT);
+        let holds = (least * from[2]).lt(to[2]) & (least * from[3]).lt(to[3]);
+        if N > PLAIN { holds & self.line_is_admissible(to) } else { holds }
+    }
+
     /// Where the state is one that the laws hold for.
     #[expect(clippy::eq_op, reason = "what is not a number differs from itself")]
     #[inline(always)]
-    pub(crate) fn admissible(&self, state: &Stepped<S>) -> S::Mask {
-        let [length, velocity, pressure, mass, hose] = *state;
+    pub(crate) fn admissible<const N: usize>(&self, state: &Stepped<S, N>) -> S::Mask {
+        let [length, velocity, pressure, mass] = of_rig(state);
         let thread = self.actuator().law().law.end_length();
         // What is infinite or not a number makes the sum so, and that less itself is not zero.
         let sum = (length + velocity) + (pressure + mass);
         let holds = (sum - sum).le(S::zero()) & length.lt(thread) & S::zero().lt(pressure) & S::zero().lt(mass);
-        // The pressure in a hose that is not there says nothing.
-        if self.line().hose.is_none() { holds } else { holds & (hose - hose).le(S::zero()) & S::zero().lt(hose) }
+        if N > PLAIN { holds & self.line_is_admissible(state) } else { holds }
+    }
+
+    /// Where the pressures of the line are above zero and its flows finite.
+    #[expect(clippy::eq_op, reason = "what is not a number differs from itself")]
+    #[inline(always)]
+    fn line_is_admissible<const N: usize>(&self, state: &Stepped<S, N>) -> S::Mask {
+        let mut holds = S::Mask::splat(true);
+        let line = self.line();
+        if let Some(hose) = &line.hose {
+            let inertia = hose.kind() != HoseKind::Lumped;
+            for cell in 0..hose.cells() {
+                let pressure = state[volume(cell)];
+                let sum = if inertia { pressure + state[flow(cell)] } else { pressure };
+                holds = holds & (sum - sum).le(S::zero()) & S::zero().lt(pressure);
+            }
+        }
+        if let Some(supply) = &line.supply {
+            let there = [supply.reservoir().is_some(), supply.regulator().is_some()];
+            for (there, place) in there.into_iter().zip([RESERVOIR, OUTLET]) {
+                if there {
+                    let pressure = state[place];
+                    holds = holds & (pressure - pressure).le(S::zero()) & S::zero().lt(pressure);
+                }
+            }
+        }
+        holds
     }
 }

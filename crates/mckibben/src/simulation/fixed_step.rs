@@ -10,8 +10,8 @@
 //! Checked by `tests/fixed_step.rs`.
 
 use super::course::Course;
-use super::hosed::{Stepped, of_rig};
 use super::kernel::{Held, Method};
+use super::piped::{OUTLET, PIPED, RESERVOIR, Stepped, of_rig, volume};
 use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::tendon_step::FarEnd;
@@ -19,11 +19,11 @@ use super::timetable::{Progress, Timetable};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::friction::Memory;
-use crate::line::HoseKind;
+use crate::line::{Hose, Reservoir};
 use crate::load::Line;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::{Real, Scalar};
-use crate::valve::Ports;
+use crate::valve::{Port, Ports};
 
 /// Steps one rig through time at fixed steps; no allocation.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
 impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let mut walk = Walk::new(rig, stepped(start));
+        let mut walk = Walk::new(rig, stepped(rig, start));
         let far_end = FarEnd::begin(rig, &mut walk);
         match &far_end {
             None => walk.pass(rig, &rig.timetable()),
@@ -54,6 +54,13 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// The state at that time: the actuator's own where a tendon is in series.
     pub fn state(&self) -> State<R> {
         State::from_array(of_rig(&self.walk.course.state))
+    }
+
+    /// The states of the air line at that time, in the order of its parts: the pressures (Pa, absolute) of the hose's volumes
+    /// from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and regulator.
+    /// As far as there are such parts.
+    pub fn line(&self) -> impl Iterator<Item = R> {
+        self.rig.states_of_line().map(|(place, ..)| self.walk.course.state[place])
     }
 
     /// Which passages are open at that time.
@@ -78,9 +85,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
-    /// [`Error::Unsupported`] for a distributed hose or a supply that changes.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
-        check_plumbing(self.rig)?;
         match &mut self.far_end {
             None => self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None),
             Some(far_end) => far_end.advance_to(&mut self.walk, self.method, until),
@@ -97,25 +102,28 @@ pub(crate) struct Walk<R: Real> {
 }
 
 impl<R: Real<Time = R>> Walk<R> {
-    /// Everything that is known at the time that has been reached.
-    pub(super) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
-        let Course { time, state, held } = &self.course;
-        let sample = Sample::new(*time, &of_rig(state), &rig.observe(*time, state, held), self.ports);
-        let hose = rig.line().hose.as_ref();
-        let sample = hose.map_or(sample, |hose| sample.with_line([state[4], hose.content(state[4])], None));
-        Sample { supply_pressure: held.openings.pressure(*time).map(AbsolutePressure), ..sample }
-    }
-
     /// At t = 0, before what is due then has been passed.
     pub(super) fn new(rig: &Rig<R>, state: Stepped<R>) -> Self {
         let memory = Memory::relaxed(rig.actuator().limits().actuator_length(state[0]));
-        let course = Course { time: R::zero(), state, held: Held { memory, ..Held::nothing() } };
+        let compressor = compressor_starts(rig, &state);
+        let course = Course { time: R::zero(), state, held: Held { memory, compressor, ..Held::nothing() } };
         let progress = Progress::none().regulated(rig.regulator_clock(state[2]));
         Self { course, progress, ports: Ports::CLOSED }
     }
 }
 
 impl<R: Real> Walk<R> {
+    /// Everything that is known at the time that has been reached.
+    pub(crate) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
+        let Course { time, state, held } = &self.course;
+        let time = R::of_time(*time);
+        let sample = Sample::new(time, &of_rig(state), &rig.observe(time, state, held), self.ports);
+        let hose = rig.hose_content(state);
+        let sample = hose.map_or(sample, |air| sample.with_line([state[volume(0)], air], None));
+        let supply = rig.feed(state).or_else(|| held.openings.pressure(time));
+        Sample { supply_pressure: supply.map(AbsolutePressure), ..sample }
+    }
+
     /// Goes on to `until`, through every instant up to then; where that leaves the physics, stays at the last good state.
     /// The end of one whole step without an instant is given where it is known already.
     pub(crate) fn advance_to(
@@ -135,7 +143,7 @@ impl<R: Real> Walk<R> {
                 let left = self.course;
                 self.course = before;
                 let thread = rig.actuator().law().law.end_length().value();
-                return Err(outside(thread, left.time.value(), of_rig(&left.state).map(Real::value)));
+                return Err(outside(rig, thread, left.time.value(), &left.state.map(Real::value)));
             }
             if instant.is_none() {
                 return Ok(());
@@ -162,34 +170,47 @@ impl<R: Real> Walk<R> {
     }
 }
 
-/// The states at a start: a hose begins at the actuator's pressure.
-pub(crate) fn stepped<S: Scalar>(start: State<S>) -> Stepped<S> {
+/// The states at a start: a hose begins at the actuator's pressure and at rest, a regulator at what it is set to or what the
+/// reservoir gives.
+pub(crate) fn stepped<R: Real>(rig: &Rig<R>, start: State<R>) -> Stepped<R> {
+    let mut state: Stepped<R> = [R::zero(); PIPED];
     let [length, velocity, pressure, mass] = start.to_array();
-    [length, velocity, pressure, mass, pressure]
+    [state[0], state[1], state[2], state[3]] = [length, velocity, pressure, mass];
+    let line = rig.line();
+    for cell in 0..line.hose.as_ref().map_or(0, Hose::cells) {
+        state[volume(cell)] = pressure;
+    }
+    let Some((supply, valve)) = line.supply.as_ref().zip(rig.actuator().valve()) else { return state };
+    let reservoir = supply.reservoir().map(|reservoir| reservoir.start().0);
+    if let Some(pressure) = reservoir {
+        state[RESERVOIR] = pressure;
+    }
+    if supply.regulator().is_some() {
+        let set = valve.port_pressure(Port::Supply);
+        state[OUTLET] = reservoir.map_or(set, |pressure| set.smaller(pressure));
+    }
+    state
 }
 
-/// That fixed steps can take a rig's air line.
-pub(crate) fn check_plumbing<S: Scalar>(rig: &Rig<S>) -> Result<(), Error> {
-    let line = rig.line();
-    let distributed = line.hose.as_ref().is_some_and(|hose| matches!(hose.kind, HoseKind::Distributed { .. }));
-    if distributed || line.supply.is_some() {
-        return Err(Error::Unsupported {
-            what: "the fixed-step engine and batches take neither a distributed hose nor a supply whose pressure changes",
-            remedy: "set run.engine = \"event-located\", or hose.kind = \"lumped\" and a supply of constant pressure",
-        });
-    }
-    Ok(())
+/// Whether the compressor runs at the start: below its upper pressure.
+pub(crate) fn compressor_starts<R: Real>(rig: &Rig<R>, state: &Stepped<R>) -> bool {
+    let reservoir = rig.line().supply.as_ref().and_then(|supply| supply.reservoir());
+    reservoir.and_then(Reservoir::switch_pressures).is_some_and(|[_, stops]| state[RESERVOIR].lt(stops))
 }
 
 /// The error of a state beyond the laws of a braid of a given thread length in m.
-fn outside(thread: f64, time: f64, [length, velocity, pressure, air_mass]: [f64; 4]) -> Error {
+fn outside<R: Real>(rig: &Rig<R>, thread: f64, time: f64, state: &Stepped<f64>) -> Error {
+    let [length, velocity, pressure, air_mass] = of_rig(state);
     let numbers = [
         ("length", length, "m", length < thread),
         ("velocity", velocity, "m/s", true),
         ("absolute pressure", pressure, "Pa", pressure > 0.0),
         ("air mass", air_mass, "kg", air_mass > 0.0),
     ];
-    let culprit = numbers.into_iter().find(|(_, value, _, admissible)| !(value.is_finite() && *admissible));
+    let of_line =
+        rig.states_of_line().map(|(place, what, unit)| (what, state[place], unit, unit != "Pa" || state[place] > 0.0));
+    let culprit =
+        numbers.into_iter().chain(of_line).find(|(_, value, _, admissible)| !(value.is_finite() && *admissible));
     let (quantity, value, unit, _) = culprit.unwrap_or(numbers[0]);
     Error::Stopped {
         time,

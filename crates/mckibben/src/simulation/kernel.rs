@@ -16,12 +16,17 @@
 //! pressure, the steeper of the tangent and the secant of the flow's part to the port's pressure, so that no flow
 //! overshoots the port. With this γ the first stage goes at most 0.59 of the way.
 //!
+//! The second stage may still ask for more air than there is, where a passage empties the actuator many times over within
+//! the step. A part that would leave less than an eighth of the pressure or of the air is taken by one stage with γ = 1
+//! instead, which leaves some whatever the step.
+//!
 //! Masks and selects stand where branches would, and everything is inlined, so that all of it becomes part of the kernel
-//! that calls it and is compiled for that kernel's instructions. With a hose the step is that of [`hosed`](super::hosed).
+//! that calls it and is compiled for that kernel's instructions. With a hose or a supply that changes the step is that of
+//! [`piped`](super::piped).
 //!
 //! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/fixed_step.rs`.
 
-use super::hosed::{Stepped, of_rig};
+use super::piped::{PLAIN, Stepped, of_rig};
 use super::rig::Rig;
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
@@ -58,6 +63,8 @@ pub struct Held<S: Scalar> {
     pub slack: S::Mask,
     /// Where the taut braid pulls.
     pub taut: S::Mask,
+    /// Where the compressor runs.
+    pub compressor: S::Mask,
     /// The straight line that a prescribed motion by a table is on.
     pub line: Line<S>,
     /// What the hysteresis remembers of where the part began.
@@ -76,6 +83,7 @@ impl<S: Scalar> Held<S> {
             stuck: nowhere,
             slack: nowhere,
             taut: nowhere,
+            compressor: nowhere,
             line: Line::resting(S::zero()),
             memory: Memory::relaxed(S::zero()),
         }
@@ -176,14 +184,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// What a sample shows beside the state at a time in s.
     #[inline(always)]
-    pub(crate) fn observe(&self, time: S, state: &Stepped<S>, held: &Held<S>) -> Observed<S> {
+    pub(crate) fn observe<const N: usize>(&self, time: S, state: &Stepped<S, N>, held: &Held<S>) -> Observed<S> {
         let actuator = self.actuator();
-        let [length, velocity, pressure, ..] = *state;
+        let [length, velocity, pressure, _] = of_rig(state);
         let (chamber, mut flow) = self.contents(time, of_rig(state), held, actuator.limits().is_slack(length));
-        if L::MAY_HAVE_LINE
-            && let Some(hose) = &self.line().hose
-        {
-            flow = self.through_hose(hose, &chamber, state[4]);
+        if N > PLAIN && self.is_piped() {
+            flow = self.into_actuator(time, state, &chamber, held);
         }
         let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, velocity, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);
@@ -220,6 +226,19 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             }
         };
         ahead(&state, step * S::constant(0.5), &ahead(&k2, S::constant(3.0), &k1))
+    }
+
+    /// One part of a step by the linearly implicit Euler method, of order 1: the air goes along the steeper of tangent and
+    /// secant, so that it comes nearer to the port and never beyond, and its mass goes with it,
+    /// `|Δm| ≤ |ṁ|/s ≤ m |P_port − P|/(κP)`.
+    #[inline(always)]
+    pub(super) fn step_firm(&self, time: S, state: [S; 4], step: S, held: &Held<S>) -> [S; 4] {
+        let (first, slopes) = self.rates_with_slopes(time, &state, held);
+        let settling = self.settling_rate(time, &state, &first, held);
+        let matrix = Matrix::of_reach(&slopes, settling, step);
+        let mut slope = matrix.solve(first);
+        slope[3] = first[3] * matrix.pressure_pivot;
+        ahead(&state, step, &slope)
     }
 
     /// Time derivatives of the four states, and those of their slopes that the stable method uses.
@@ -326,6 +345,12 @@ pub(super) fn ahead<S: Scalar, const N: usize>(state: &[S; N], step: S, slope: &
     end
 }
 
+/// γh.
+#[inline(always)]
+pub(super) fn reach<S: Scalar>(step: S) -> S {
+    step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2)
+}
+
 /// What the matrix of the stable method is made of.
 pub(super) struct Slopes<S> {
     /// Of the acceleration, by length and by velocity.
@@ -347,8 +372,13 @@ pub(super) struct Matrix<S> {
 
 impl<S: Scalar> Matrix<S> {
     #[inline(always)]
-    pub(super) fn new(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], step: S) -> Self {
-        let reach = step * S::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
+    pub(super) fn new(slopes: &Slopes<S>, settling: [S; 2], step: S) -> Self {
+        Self::of_reach(slopes, settling, reach(step))
+    }
+
+    /// The same with γh given.
+    #[inline(always)]
+    pub(super) fn of_reach(slopes: &Slopes<S>, [settling, mass_settling]: [S; 2], reach: S) -> Self {
         let velocity_by_length = reach * slopes.acceleration[0];
         let velocity_by_velocity = reach * slopes.acceleration[1];
         let tangent = slopes.pressure_rate.smaller(S::zero());

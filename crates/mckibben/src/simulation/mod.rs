@@ -16,10 +16,11 @@
 #[cfg(feature = "alloc")]
 pub mod accuracy;
 mod arc;
+mod chain;
 #[cfg(feature = "alloc")]
 mod circuit;
 #[cfg(feature = "alloc")]
-mod closed_loop;
+pub(crate) mod closed_loop;
 #[cfg(feature = "alloc")]
 mod controlled;
 pub(crate) mod course;
@@ -28,7 +29,6 @@ mod energy;
 pub mod event;
 mod explicit;
 pub(crate) mod fixed_step;
-pub(crate) mod hosed;
 mod hybrid;
 mod integrator;
 mod joint;
@@ -41,6 +41,7 @@ mod member;
 mod mode;
 #[cfg(feature = "alloc")]
 mod modular;
+pub(crate) mod piped;
 mod plumbing;
 mod regulated;
 pub(crate) mod rig;

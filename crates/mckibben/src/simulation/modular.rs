@@ -50,9 +50,9 @@
 //! Checked by `tests/modular.rs` and `tests/manifold.rs`.
 
 use super::course::Course;
-use super::fixed_step::{Walk, check_plumbing, stepped};
-use super::hosed::{Stepped, of_rig};
+use super::fixed_step::{Walk, stepped};
 use super::kernel::{Held, Method};
+use super::piped::{Stepped, of_rig};
 use super::rig::{Rig, State};
 use super::sample::Sample;
 use crate::actuator::{ActuatorState, Response};
@@ -63,7 +63,7 @@ use crate::load::Line;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Real;
-use crate::valve::{Port, Ports, Request, below_vacuum, is_due};
+use crate::valve::{Ports, Request, below_vacuum, is_due};
 
 /// One actuator with its air, its valve and its air line, whose ends somebody else moves.
 #[derive(Clone, Debug)]
@@ -90,11 +90,10 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// rig's load and command do not count.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Unsupported`] for a line that fixed
-    /// steps cannot take, and for a valve without seats.
+    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Unsupported`] for a tendon in
+    /// series, and for a valve without seats.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
         parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
-        check_plumbing(rig)?;
         rig.check_no_tendon()?;
         if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
             return Err(Error::Unsupported {
@@ -103,7 +102,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
             });
         }
         let rig = rig.clone().guided();
-        let mut walk = Walk::new(&rig, stepped(start));
+        let mut walk = Walk::new(&rig, stepped(&rig, start));
         walk.course.held.line = Line::resting(start.length);
         walk.pass(&rig, &rig.seats());
         Ok(Self { rig, walk, modulator: Modulator::idle(), pulse_frequency, exchange: Exchange::none() })
@@ -148,9 +147,15 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// temperature stays the supply's.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no valve; [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that
-    /// no supply may have. Then nothing has changed.
+    /// [`Error::Unsupported`] when there is no valve, or the rig has a supply of its own that changes;
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that no supply may have. Then nothing has changed.
     pub fn feed(&mut self, pressure: AbsolutePressure<R>) -> Result<(), Error> {
+        if self.rig.line().supply.is_some() {
+            return Err(Error::Unsupported {
+                what: "an actuator is fed whose own line already has a reservoir or a regulator",
+                remedy: "leave them out of the actuator's line, or give it no other supply",
+            });
+        }
         let air = self.rig.actuator().air();
         let gauge = GaugePressure((pressure.0 - air.atmosphere().0).value());
         parameter::SUPPLY_GAUGE_PRESSURE.check(gauge.0)?;
@@ -268,39 +273,34 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     }
 
     fn content_in(&self, state: &Stepped<R>) -> R {
-        let in_hose = self.rig.line().hose.as_ref().map_or(R::zero(), |hose| hose.content(state[4]));
-        state[3] + in_hose
+        state[3] + self.rig.hose_content(state).unwrap_or(R::zero())
     }
 
-    fn chamber(&self, [length, velocity, pressure, air_mass, _]: &Stepped<R>) -> Chamber<R> {
+    fn chamber(&self, [length, velocity, pressure, air_mass]: [R; 4]) -> Chamber<R> {
         let actuator = self.rig.actuator();
-        actuator.chamber(*length, *velocity, *pressure, *air_mass, actuator.limits().is_slack(*length))
+        actuator.chamber(length, velocity, pressure, air_mass, actuator.limits().is_slack(length))
     }
 
     /// Flow in kg/s out through the leak.
     fn leak(&self, _: R, state: &Stepped<R>, _: &Held<R>) -> R {
-        self.rig.leak(&self.chamber(state)).map_or(R::zero(), |leak| -leak.net())
+        self.rig.leak(&self.chamber(of_rig(state))).map_or(R::zero(), |leak| -leak.net())
     }
 
     /// Flow in kg/s from the supply through its passage as far as that is open.
     fn inflow(&self, time: R, state: &Stepped<R>, held: &Held<R>) -> R {
-        let Some(valve) = self.rig.actuator().valve() else { return R::zero() };
-        let hose = self.rig.line().hose.as_ref();
-        let behind = hose.map_or_else(|| self.chamber(state), |hose| hose.chamber(state[4]));
-        let flow = valve.flow(Port::Supply, &behind);
-        held.openings.at(time).map_or(flow, |[share, _]: [R; 2]| flow.through(share)).net()
+        self.rig.drawn(time, &self.rig.before(&self.chamber(of_rig(state)), state), state, held)
     }
 
     /// The tension, its derivatives and the rates of the state, while the ends move apart at `velocity` in m/s.
     pub fn respond(&self, velocity: R) -> Response<R> {
         let Course { state, held, .. } = &self.walk.course;
-        let [length, _, pressure, air_mass, _] = *state;
+        let [length, _, pressure, air_mass] = of_rig(state);
         let actuator = self.rig.actuator();
         let of_air = ActuatorState { pressure: AbsolutePressure(pressure), air_mass, memory: held.memory };
         let alone = actuator.respond(&of_air, length, velocity, self.ports());
         // The flow may come through a hose, and a leak takes some.
         let flow = self.rig.observe(self.time(), state, held).flow;
-        let chamber = self.chamber(&[length, velocity, pressure, air_mass, pressure]);
+        let chamber = self.chamber([length, velocity, pressure, air_mass]);
         Response { pressure_rate: actuator.pressure_rate(&chamber, &flow), mass_flow: flow.net(), ..alone }
     }
 

@@ -217,14 +217,6 @@ impl Rig {
         Ok(Self { tendon: Some(tendon), ..self })
     }
 
-    /// That the fixed-step engine and batches can take the rig: neither a distributed hose nor a supply that changes.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] when they cannot.
-    pub fn check_fixed_steps(&self) -> Result<(), Error> {
-        super::fixed_step::check_plumbing(self)
-    }
-
     /// The same rig with another load.
     pub fn with_load(self, load: Load) -> Self {
         Self { load, ..self }

@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{air::Flow, batch::wide::Wide, scalar::Real, simulation::hosed::Stepped};
+use crate::{air::Flow, batch::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,24 +84,25 @@ impl<R: Scalar> Sample<R> {
 }
 
 impl Sample {
-    /// The sample of one lane, with the air in its hose in kg if it has one.
+    /// The sample of one lane, with pressure and air of its hose (Pa, kg) and the pressure of its supply (Pa), if it has such.
     #[cfg(feature = "batch")]
     pub(crate) fn of_lane<W: Wide>(
         time: f64,
-        state: &Stepped<W>,
+        state: [W; 4],
         observed: &Observed<W>,
         lane: usize,
-        (ports, hose_air): (Ports, Option<W>),
+        (ports, hose, supply): (Ports, Option<[W; 2]>, Option<W>),
     ) -> Self {
         let number = |wide: &W| wide.lane(lane).value();
         let Observed { tension, volume, temperature, flow } = observed;
         let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
         let observed =
             Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
-        let [length, velocity, pressure, mass, hose] = state;
+        let [length, velocity, pressure, mass] = &state;
         let four = [number(length), number(velocity), number(pressure), number(mass)];
         let sample = Self::new(time, &four, &observed, ports);
-        hose_air.map_or(sample, |air| sample.with_line([number(hose), number(&air)], None))
+        let sample = hose.map_or(sample, |[hose, air]| sample.with_line([number(&hose), number(&air)], None));
+        Self { supply_pressure: supply.map(|pressure| AbsolutePressure(number(&pressure))), ..sample }
     }
 }
 

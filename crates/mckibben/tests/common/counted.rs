@@ -204,6 +204,7 @@ pub(crate) fn step(rig: &Rig, start: State, held: &Held<f64>, length: f64, metho
         slack: mask(held.slack),
         taut: mask(held.taut),
         line: Line { time: Counted::varying(time), length: Counted::varying(of_line), slope: Counted::varying(slope) },
+        compressor: mask(held.compressor),
         memory: Memory::relaxed(Counted::varying(start.length)),
     };
     let (time, length) = (Counted::fixed(0.0), Counted::fixed(length));
