@@ -15,6 +15,7 @@
 pub mod adjustable;
 pub mod least_squares;
 pub mod loops;
+mod median;
 mod propagation;
 pub mod ring_down;
 mod series;

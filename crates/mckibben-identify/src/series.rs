@@ -1,5 +1,6 @@
 //! Samples of one quantity over time: what they must be, how noisy they are, and a polynomial through a few of them.
 
+use crate::median::deviation;
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
@@ -62,31 +63,17 @@ pub(crate) fn check(time: &[f64], value: &[f64], what: &'static str, least: usiz
 /// Standard deviation of the noise: how far each sample lies from the parabola through three neighbours, by the median, so
 /// that a kink or an outlier does not count. Of normal and independent noise; zero for fewer than four samples.
 pub(crate) fn noise(time: &[f64], value: &[f64]) -> f64 {
-    let mut distances: Vec<f64> = time
-        .windows(4)
-        .zip(value.windows(4))
-        .map(|(t, x)| {
-            let others = [0, 2, 3];
-            let weight = |of: usize| {
-                others
-                    .iter()
-                    .filter(|other| **other != of)
-                    .map(|other| (t[1] - t[*other]) / (t[of] - t[*other]))
-                    .product()
-            };
-            let weights: [f64; 3] = others.map(weight);
-            let parabola: f64 = weights.iter().zip(others).map(|(weight, of)| weight * x[of]).sum();
-            let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
-            (x[1] - parabola).abs() / (1.0 + squares).sqrt()
-        })
-        .collect();
-    if distances.is_empty() {
-        return 0.0;
-    }
-    let middle = distances.len() / 2;
-    distances.sort_by(f64::total_cmp);
-    // The median of |z| of a standard normal z.
-    distances[middle] / 0.674_489_750_196_082
+    let distances = time.windows(4).zip(value.windows(4)).map(|(t, x)| {
+        let others = [0, 2, 3];
+        let weight = |of: usize| {
+            others.iter().filter(|other| **other != of).map(|other| (t[1] - t[*other]) / (t[of] - t[*other])).product()
+        };
+        let weights: [f64; 3] = others.map(weight);
+        let parabola: f64 = weights.iter().zip(others).map(|(weight, of)| weight * x[of]).sum();
+        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+        (x[1] - parabola) / (1.0 + squares).sqrt()
+    });
+    deviation(distances)
 }
 
 /// The samples from one time to another, ends included.

@@ -189,7 +189,10 @@ fn an_unknown_on_its_bound_has_no_interval_and_the_others_are_as_if_it_were_fixe
 
 #[test]
 fn an_outlier_moves_squares_and_hardly_moves_cauchy() {
-    let mut points: Vec<[f64; 2]> = (0..20).map(|place| [f64::from(place), 1.0 + 0.5 * f64::from(place)]).collect();
+    // A tenth off to either side, four in turn: straight and of slope 1/2 in the mean.
+    let off = |place: i32| 0.1 * f64::from([1, -1, -1, 1][place as usize % 4]);
+    let point = |place: i32| [f64::from(place), 1.0 + 0.5 * f64::from(place) + off(place)];
+    let mut points: Vec<[f64; 2]> = (0..20).map(point).collect();
     points[17][1] += 50.0;
     let slope = |loss| {
         let search = Search { loss, ..Search::default() };
@@ -197,8 +200,13 @@ fn an_outlier_moves_squares_and_hardly_moves_cauchy() {
         fit(&curve, &unknowns(&["offset", "slope"]), &search).expect("a fit").values()[1]
     };
     assert!((slope(Loss::Squares) - 0.5).abs() > 0.3);
-    assert!((slope(Loss::Huber(0.1)) - 0.5).abs() < 0.01);
-    assert!((slope(Loss::Cauchy(0.1)) - 0.5).abs() < 1e-4);
+    // Nothing was said of the scale: the losses find it, so that they do the same in other units.
+    assert!((slope(Loss::Huber(1.5)) - 0.5).abs() < 0.01, "{}", slope(Loss::Huber(1.5)));
+    assert!((slope(Loss::Cauchy(1.5)) - 0.5).abs() < 2e-3, "{}", slope(Loss::Cauchy(1.5)));
+    let other_units: Vec<[f64; 2]> = points.iter().map(|[x, y]| [*x, 1e-4 * y]).collect();
+    let huber = Search { loss: Loss::Huber(1.5), ..Search::default() };
+    let small = fit(&Curve { points: other_units, curve: line }, &unknowns(&["offset", "slope"]), &huber);
+    assert!((small.expect("a fit").values()[1] / (1e-4 * slope(Loss::Huber(1.5))) - 1.0).abs() < 1e-5);
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! Loops: weights, friction and damping put in come back out, and what has no hysteresis leaves the loop.
 
+mod noise;
+
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
 use mckibben_scenario::{Hysteresis, Place, Scenario};
+use noise::Noise;
 
 const REACH: [f64; 4] = [0.1e-3, 0.3e-3, 0.8e-3, 2e-3];
 const RATIO: [f64; 4] = [0.4, 0.15, 0.08, 0.03];
@@ -39,14 +42,10 @@ fn pulled(scenario: &Scenario, gauge: f64, noise: f64) -> Loop {
     let drawn = Loop::new("slow", samples.clone()).expect("a loop");
     let actuator = scenario.driven().expect("an actuator").actuator;
     let found = tensions(&drawn, &actuator);
-    let weyl = |place: usize, root: f64| ((place as f64 + 1.0) * root.sqrt()).fract() - 0.5;
-    for (place, (of, tension)) in found.into_iter().enumerate() {
-        let sum: f64 = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]
-            .iter()
-            .map(|root| weyl(place, *root))
-            .sum();
+    let mut random = Noise::new(1);
+    for (of, tension) in found {
         let sample = samples.iter_mut().find(|sample| sample.time == of.time).expect("the sample");
-        sample.tension = tension + noise * sum;
+        sample.tension = tension + noise * random.normal();
     }
     Loop::new("slow", samples).expect("a loop")
 }

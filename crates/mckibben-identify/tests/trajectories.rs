@@ -1,10 +1,13 @@
 //! Courses in time: numbers put in come back out, with honest intervals, and what cannot be found says so.
 
+mod noise;
+
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
 use mckibben_scenario::{Place, Scenario};
+use noise::Noise;
 
 /// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
 fn scenario(supply: f64) -> Scenario {
@@ -16,24 +19,21 @@ fn scenario(supply: f64) -> Scenario {
     Scenario::from_str(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Nearly normal, of unit variance, the same in every run: twelve Weyl sequences together.
-fn noise(place: usize) -> f64 {
-    let part = |root: f64| ((place as f64 + 1.0) * root.sqrt()).fract() - 0.5;
-    [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0].map(part).iter().sum()
-}
-
 /// A run as a rig would record it, with noise in m and Pa.
 fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2]) -> Recorded {
     let experiment = truth.experiment().unwrap_or_else(|error| panic!("{error}"));
     let run = simulate(&experiment.rig, experiment.start, 0.4, 1e-10).expect("a run");
     let times: Vec<f64> = (1..=200).map(|step| 0.002 * f64::from(step)).collect();
     let [length, pressure] = deviations;
-    let lengths = times.iter().enumerate().map(|(place, time)| run.at(*time).length + length * noise(place));
+    let mut noise = Noise::new(1);
+    let lengths: Vec<f64> = times.iter().map(|time| run.at(*time).length).collect();
     let gauge = |time: f64| run.at(time).pressure.0 - truth.air.atmospheric_pressure;
-    let pressures = times.iter().enumerate().map(|(place, time)| gauge(*time) + pressure * noise(place + 1000));
+    let pressures: Vec<f64> = times.iter().map(|time| gauge(*time)).collect();
     let course = |observed, values: Vec<f64>| Course { observed, times: times.clone(), values, deviation: None };
-    let courses =
-        vec![course(Observed::Length, lengths.collect()), course(Observed::GaugePressure, pressures.collect())];
+    let courses = vec![
+        course(Observed::Length, noise.added_to(&lengths, length)),
+        course(Observed::GaugePressure, noise.added_to(&pressures, pressure)),
+    ];
     let mut base = truth.clone();
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {

@@ -18,8 +18,11 @@ mod text;
 
 pub(crate) use html::escaped;
 
-use crate::plot::Figure;
+use crate::failure::Failure;
+use crate::output;
+use crate::plot::{Figure, PRINT_SCALE, Theme};
 use std::borrow::Cow;
+use std::path::Path;
 
 /// Everything that is reported.
 #[derive(Clone, Debug, Default)]
@@ -189,6 +192,22 @@ pub fn typeset(text: &str) -> String {
         ("'", "’"),
     ];
     signs.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+impl Plate {
+    /// Writes the figure as SVG and PNG and its numbers as CSV into a folder.
+    ///
+    /// # Errors
+    /// [`Failure::output`] for the file that could not be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Failure> {
+        let at = |ending: &str| folder.join(format!("{}.{ending}", self.stem));
+        let svg = self.figure.to_svg(Theme::Light).map_err(|error| Failure::output(&at("svg"), error))?;
+        output::write(&at("svg"), svg.as_bytes())?;
+        let png = self.figure.to_png(Theme::Light, PRINT_SCALE).map_err(|error| Failure::output(&at("png"), error))?;
+        output::write(&at("png"), &png)?;
+        let csv = self.data.to_csv().map_err(|error| Failure::output(&at("csv"), error))?;
+        output::write(&at("csv"), &csv)
+    }
 }
 
 impl Data {

@@ -4,7 +4,8 @@
 //! minimise  ½ Σ ρ(rᵢ²)  over the unknowns within their bounds        rᵢ = (modelᵢ − measuredᵢ)/scaleᵢ
 //! ```
 //!
-//! with the loss ρ of [`Loss`]. A prior is one more residual. The steps are a trust-region reflective method's (the crate
+//! with the loss ρ of [`Loss`]. Where the scales are not known, a loss that spares outliers takes its measure from the
+//! residuals themselves: from the median of their sizes, first by squares and then by the loss until it stays. A prior is one more residual. The steps are a trust-region reflective method's (the crate
 //! `basin`), in unknowns divided by their own size, from several starts if asked; what is made of the minimum is
 //! [`Fit`]'s.
 //!
@@ -16,7 +17,11 @@ mod statistics;
 
 pub use statistics::{Direction, Estimate, Fit};
 
+use crate::median;
 use thiserror::Error;
+
+/// How often the deviation of the residuals is taken anew where it is not known: it settles at once where outliers are few.
+const PASSES: usize = 3;
 
 /// A model of measurements: how far it is from each of them.
 pub trait Model {
@@ -96,15 +101,15 @@ impl Unknown {
     }
 }
 
-/// How much a large residual counts.
+/// How much a large residual counts, by its size in deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Loss {
     /// By its square.
     #[default]
     Squares,
-    /// By its square up to this many scales and linearly beyond (Huber).
+    /// By its square up to this many deviations and linearly beyond (Huber).
     Huber(f64),
-    /// By the logarithm of its square beyond so many scales (Cauchy): an outlier hardly counts.
+    /// By the logarithm of its square beyond so many deviations (Cauchy): an outlier hardly counts.
     Cauchy(f64),
 }
 
@@ -115,6 +120,15 @@ impl Loss {
             Self::Squares => 1.0,
             Self::Huber(scale) => (scale / residual.abs()).min(1.0),
             Self::Cauchy(scale) => 1.0 / (1.0 + (residual / scale) * (residual / scale)),
+        }
+    }
+
+    /// The same of residuals whose deviation is this.
+    fn of_deviation(self, deviation: f64) -> Self {
+        match self {
+            Self::Squares => Self::Squares,
+            Self::Huber(scale) => Self::Huber(scale * deviation),
+            Self::Cauchy(scale) => Self::Cauchy(scale * deviation),
         }
     }
 }
@@ -183,8 +197,24 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
             return Err(FitError::OutsideBounds { name: name.clone(), start: *start, bounds: *bounds });
         }
     }
-    let values = solver::minimum(model, unknowns, search)?;
-    Ok(Fit::new(model, unknowns, search, values))
+    if search.known_scales || search.loss == Loss::Squares {
+        let minimum = solver::minimum(model, unknowns, search)?;
+        return Ok(Fit::new(model, unknowns, search, minimum));
+    }
+    let squares = Search { loss: Loss::Squares, ..*search };
+    let mut found = Fit::new(model, unknowns, &squares, solver::minimum(model, unknowns, &squares)?);
+    for _ in 0..PASSES {
+        let deviation = median::deviation(found.residuals.iter().copied());
+        // Half of the measurements are met exactly: nothing tells how far off an outlier would be.
+        if deviation == 0.0 {
+            break;
+        }
+        let from = |(unknown, start): (&Unknown, f64)| Unknown { start, ..unknown.clone() };
+        let from: Vec<Unknown> = unknowns.iter().zip(found.values()).map(from).collect();
+        let search = Search { loss: search.loss.of_deviation(deviation), ..*search };
+        found = Fit::new(model, unknowns, &search, solver::minimum(model, &from, &search)?);
+    }
+    Ok(found)
 }
 
 /// The best of several fits.

@@ -14,8 +14,12 @@ const STATIONARY: f64 = 1e-5;
 /// The step that is left to an unknown, over its size, below which the place is one all the same.
 const STEP_RESOLVED: f64 = 1e-7;
 
-/// The values at the minimum.
-pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
+/// The values at the minimum, and the model there.
+pub(super) fn minimum(
+    model: &impl Model,
+    unknowns: &[Unknown],
+    search: &Search,
+) -> Result<(Vec<f64>, Evaluation), FitError> {
     let scaled = || Scaled::new(model, unknowns);
     let problem = scaled();
     let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
@@ -39,8 +43,10 @@ pub(super) fn minimum(model: &impl Model, unknowns: &[Unknown], search: &Search)
         Loss::Huber(scale) => run!(RobustLeastSquares::new(scaled(), HuberLoss).with_scale(scale)),
         Loss::Cauchy(scale) => run!(RobustLeastSquares::new(scaled(), CauchyLoss).with_scale(scale)),
     };
-    match problem.is_stationary(&end, search.loss) {
-        true => Ok(problem.values(&end)),
+    let values = problem.values(&end);
+    let there = super::with_priors(model, unknowns, &values);
+    match problem.is_stationary(&values, &there, search.loss) {
+        true => Ok((values, there)),
         false => Err(FitError::NoMinimum { why }),
     }
 }
@@ -80,18 +86,17 @@ impl<'a, M: Model> Scaled<'a, M> {
     }
 
     /// Whether no free unknown would make the sum smaller: residuals and derivatives are at right angles.
-    fn is_stationary(&self, at: &[f64], loss: Loss) -> bool {
-        let Evaluation { residuals, slopes } = self.evaluate(at);
-        if !residuals.iter().chain(&slopes).all(|number| number.is_finite()) {
+    fn is_stationary(&self, values: &[f64], there: &Evaluation, loss: Loss) -> bool {
+        let Evaluation { residuals, slopes } = there;
+        if !residuals.iter().chain(slopes).all(|number| number.is_finite()) {
             return false;
         }
         let weights: Vec<f64> = residuals.iter().map(|residual| loss.weight(*residual)).collect();
         let length = norm(residuals.iter().zip(&weights).map(|(residual, weight)| residual * weight.sqrt()));
-        let values = self.values(at);
-        (0..at.len()).all(|unknown| {
-            let column = || slopes.iter().skip(unknown).step_by(at.len()).zip(&weights);
-            let along: f64 =
-                column().zip(&residuals).map(|((slope, weight), residual)| slope * weight * residual).sum();
+        (0..values.len()).all(|unknown| {
+            let scaled = |slope: &f64| slope * self.sizes[unknown];
+            let column = || slopes.iter().skip(unknown).step_by(values.len()).map(scaled).zip(&weights);
+            let along: f64 = column().zip(residuals).map(|((slope, weight), residual)| slope * weight * residual).sum();
             let size = norm(column().map(|(slope, weight)| slope * weight.sqrt()));
             let [on_least, on_largest] = self.unknowns[unknown].rests(values[unknown]);
             let outwards = (on_least && along > 0.0) || (on_largest && along < 0.0);

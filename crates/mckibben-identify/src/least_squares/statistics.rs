@@ -12,7 +12,7 @@
 //! nothing. An unknown with a share in such a combination has no interval; one that rests on a bound has none either
 //! and takes no part.
 
-use super::{Model, Search, Unknown};
+use super::{Evaluation, Model, Search, Unknown};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -72,8 +72,12 @@ impl Fit {
         self.estimates.iter().map(|estimate| estimate.value).collect()
     }
 
-    pub(super) fn new(model: &impl Model, unknowns: &[Unknown], search: &Search, values: Vec<f64>) -> Self {
-        let evaluation = super::with_priors(model, unknowns, &values);
+    pub(super) fn new(
+        model: &impl Model,
+        unknowns: &[Unknown],
+        search: &Search,
+        (values, evaluation): (Vec<f64>, Evaluation),
+    ) -> Self {
         let (rows, columns) = (evaluation.residuals.len(), unknowns.len());
         let on_bound: Vec<bool> =
             unknowns.iter().zip(&values).map(|(unknown, value)| unknown.rests(*value).contains(&true)).collect();

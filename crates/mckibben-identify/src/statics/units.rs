@@ -6,6 +6,7 @@
 
 use super::effectiveness::ratios;
 use super::{ForceMap, Point};
+use crate::median::median;
 use mckibben::Error;
 use mckibben_scenario::{Force, Scenario};
 
@@ -59,7 +60,7 @@ pub fn suspect(map: &ForceMap, scenario: &Scenario) -> Result<Option<Suspicion>,
         (ideal.actuator.force, ideal.actuator.bladder, ideal.actuator.wall_thickness) = (Force::IdealBraid, None, 0.0);
         ideal
     };
-    let Some(ratio) = median(map, &ideal)? else { return Ok(None) };
+    let Some(ratio) = typical(map, &ideal)? else { return Ok(None) };
     if (USUAL[0]..=USUAL[1]).contains(&ratio) {
         return Ok(None);
     }
@@ -75,7 +76,7 @@ pub fn suspect(map: &ForceMap, scenario: &Scenario) -> Result<Option<Suspicion>,
     let atmosphere = scenario.air.atmospheric_pressure;
     let shifted =
         map.points().iter().map(|point| Point { gauge_pressure: point.gauge_pressure - atmosphere, ..*point });
-    let shifted = ForceMap::new(shifted.collect()).ok().map(|shifted| median(&shifted, &ideal)).transpose()?.flatten();
+    let shifted = ForceMap::new(shifted.collect()).ok().map(|shifted| typical(&shifted, &ideal)).transpose()?.flatten();
     if let Some(left) = shifted.filter(|left| (CONVINCING[0]..=CONVINCING[1]).contains(left)) {
         causes.push(("the pressure is absolute, where gauge was said".to_owned(), left));
     }
@@ -84,9 +85,8 @@ pub fn suspect(map: &ForceMap, scenario: &Scenario) -> Result<Option<Suspicion>,
 }
 
 /// Median over the pressures, in the upper half of them, where a bladder matters least.
-fn median(map: &ForceMap, ideal: &Scenario) -> Result<Option<f64>, Error> {
+fn typical(map: &ForceMap, ideal: &Scenario) -> Result<Option<f64>, Error> {
     let all = ratios(map, ideal)?;
-    let mut upper: Vec<f64> = all[all.len() / 2..].iter().map(|ratio| ratio.value).collect();
-    upper.sort_by(f64::total_cmp);
-    Ok(upper.get(upper.len() / 2).copied().filter(|ratio| *ratio > 0.0))
+    let upper: Vec<f64> = all[all.len() / 2..].iter().map(|ratio| ratio.value).collect();
+    Ok(median(&upper).filter(|ratio| *ratio > 0.0))
 }

@@ -18,6 +18,7 @@
 use super::file::ColumnEntry;
 use super::table::Table;
 use super::{Column, Quantity, Sheet, StudyError};
+use crate::median::{deviation, median};
 use std::fmt;
 
 /// Robust deviations from which on a reading is an outlier.
@@ -26,8 +27,6 @@ const FAR: f64 = 8.0;
 const WINDOW: usize = 9;
 /// Equal extreme readings on end from which on a sensor is taken to be at its end, and their least share.
 const STUCK: usize = 8;
-/// A standard deviation over the median distance from the median, for normal errors.
-const OVER_MEDIAN_DISTANCE: f64 = 1.4826;
 
 /// The rules of one column.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -282,8 +281,7 @@ impl Work<'_> {
                 .filter(|value| value.is_finite())
                 .collect();
             let Some(middle) = median(&around) else { continue };
-            let distances: Vec<f64> = around.iter().map(|value| (value - middle).abs()).collect();
-            let spread = OVER_MEDIAN_DISTANCE * median(&distances).unwrap_or(0.0);
+            let spread = deviation(around.iter().map(|value| value - middle));
             if spread > 0.0 && (values[at] - middle).abs() > FAR * spread {
                 found += 1;
                 if rules.drop_outliers {
@@ -365,17 +363,5 @@ impl Work<'_> {
             );
             self.note(Severity::Warned, text);
         }
-    }
-}
-
-/// The median, if there are any.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    match sorted.len() {
-        0 => None,
-        count if count % 2 == 1 => Some(sorted[middle]),
-        _ => Some(0.5 * (sorted[middle - 1] + sorted[middle])),
     }
 }

@@ -25,7 +25,8 @@ pub use search::{Horizon, Identified, Task, TrajectoryError};
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{Evaluation, Model};
-use mckibben::simulation::{Rig, State, simulate};
+use crate::study::Quantity;
+use mckibben::simulation::{Rig, Sample, State, simulate};
 use mckibben::{Error, Real};
 use mckibben_scenario::Scenario;
 use rayon::prelude::*;
@@ -45,21 +46,21 @@ impl Observed {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Length, Self::GaugePressure, Self::Tension];
 
-    /// In words.
-    pub fn words(self) -> &'static str {
+    /// What it is in a study.
+    pub fn quantity(self) -> Quantity {
         match self {
-            Self::Length => "length",
-            Self::GaugePressure => "gauge pressure",
-            Self::Tension => "tension",
+            Self::Length => Quantity::Length,
+            Self::GaugePressure => Quantity::GaugePressure,
+            Self::Tension => Quantity::Tension,
         }
     }
 
-    /// SI unit.
-    pub fn unit(self) -> &'static str {
+    /// Its value in SI at an instant of a run, under this pressure of the surroundings in Pa.
+    pub fn of<R: Real>(self, sample: &Sample<R>, atmosphere: R) -> R {
         match self {
-            Self::Length => "m",
-            Self::GaugePressure => "Pa",
-            Self::Tension => "N",
+            Self::Length => sample.length,
+            Self::GaugePressure => sample.pressure.0 - atmosphere,
+            Self::Tension => sample.tension,
         }
     }
 }
@@ -181,12 +182,7 @@ impl Runs<'_> {
         let trajectory = simulate(rig, start, R::constant(duration), self.tolerance)?;
         let atmosphere = rig.actuator().air().atmosphere().0;
         for (observed, time, value) in self.readings(run) {
-            let sample = trajectory.at(R::constant(time));
-            let simulated = match observed {
-                Observed::Length => sample.length,
-                Observed::GaugePressure => sample.pressure.0 - atmosphere,
-                Observed::Tension => sample.tension,
-            };
+            let simulated = observed.of(&trajectory.at(R::constant(time)), atmosphere);
             let scale = self.scale(observed);
             visit((simulated - R::constant(value)) / R::constant(scale));
         }

@@ -2,6 +2,7 @@
 
 use super::{Course, Observed, Recorded, Runs};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
+use crate::series;
 use mckibben::Error;
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
@@ -53,12 +54,14 @@ pub enum TrajectoryError {
     #[error("there are no readings of length, gauge pressure or tension; name their columns in [columns]")]
     NoReadings,
     /// Times that are no times.
-    #[error("the {} of the run `{run}` has times that do not rise from zero or more, or readings that are not finite; mend the table", observed.words())]
+    #[error("the {} of the run `{run}`: {why}; mend the table", observed.quantity().words())]
     BadCourse {
         /// The run.
         run: String,
         /// Of what.
         observed: Observed,
+        /// What is wrong.
+        why: String,
     },
     /// The rig cannot be built or run at the start.
     #[error("the run `{run}` cannot be simulated with the values of the start: {error}")]
@@ -89,8 +92,8 @@ impl Task {
     pub fn identify(&self) -> Result<Identified, TrajectoryError> {
         self.check()?;
         let spans = Observed::ALL.map(|observed| self.scale(observed));
-        let [scales, known] = [spans.map(|(scale, _)| scale), spans.map(|(_, known)| f64::from(u8::from(known)))];
-        let all_known = Observed::ALL.into_iter().zip(known).all(|(of, known)| known > 0.0 || !self.has(of));
+        let (scales, known) = (spans.map(|(scale, _)| scale), spans.map(|(_, known)| known));
+        let all_known = Observed::ALL.into_iter().zip(known).all(|(of, known)| known || !self.has(of));
         let search = Search { known_scales: all_known, ..self.search };
         let mut runs = Runs { runs: &self.runs, scales, until: f64::INFINITY, tolerance: self.tolerance };
         let mut unknowns = self.unknowns.clone();
@@ -111,7 +114,7 @@ impl Task {
             // Weigh each quantity by what is left of it, and go on from there.
             let scatter = runs.scatter(&found.fit.residuals);
             let rough = runs.scales;
-            for (place, left) in scatter.into_iter().enumerate().filter(|(place, _)| known[*place] == 0.0) {
+            for (place, left) in scatter.into_iter().enumerate().filter(|(place, _)| !known[*place]) {
                 // What is left of noiseless data says nothing: its scale is the span's rounding.
                 runs.scales[place] = (left.unwrap_or(1.0) * rough[place]).max(1e-9 * rough[place]);
             }
@@ -141,6 +144,12 @@ impl Task {
         Ok(Identified { found, scenarios, left, scales })
     }
 
+    /// Residuals at values of the unknowns, each over the scale of its quantity, with their exact derivatives.
+    pub fn evaluate(&self, values: &[f64]) -> Evaluation {
+        let scales = Observed::ALL.map(|observed| self.scale(observed).0);
+        Runs { runs: &self.runs, scales, until: f64::INFINITY, tolerance: self.tolerance }.evaluate(values)
+    }
+
     fn courses(&self, observed: Observed) -> impl Iterator<Item = &Course> {
         self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == observed)
     }
@@ -167,12 +176,12 @@ impl Task {
         }
         for run in &self.runs {
             for course in &run.courses {
-                let rising = course.times.windows(2).all(|pair| pair[0] < pair[1]);
-                let good = course.times.first().is_none_or(|first| *first >= 0.0)
-                    && course.values.len() == course.times.len()
-                    && course.times.iter().chain(&course.values).all(|number| number.is_finite());
-                if !rising || !good {
-                    return Err(TrajectoryError::BadCourse { run: run.name.clone(), observed: course.observed });
+                let observed = course.observed;
+                let bad = |why| TrajectoryError::BadCourse { run: run.name.clone(), observed, why };
+                series::check(&course.times, &course.values, observed.quantity().words(), 0)
+                    .map_err(|error| bad(error.to_string()))?;
+                if let Some(first) = course.times.first().filter(|first| **first < 0.0) {
+                    return Err(bad(format!("its first time is {first} s, before the start of the run at zero")));
                 }
             }
             let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();

@@ -1,13 +1,12 @@
 //! A force map to every law of static force: tables, figures and words.
 
 use super::outcome::Outcome;
-use super::{Material, values};
+use super::{Material, column, gauge_pressures, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series, Style};
 use crate::progress::Progress;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::Actuator;
-use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::statics::candidates;
 use mckibben_identify::statics::effectiveness::{Ratio, ratios};
 use mckibben_identify::statics::held_out::{Grouping, HeldOut};
@@ -53,12 +52,13 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(values::warnings(&best.fit.fit));
     let text = format!("# By `mckibben identify`: {}.\n\n{}", best.candidate.name, best.fit.scenario.to_toml());
     let told = values::table(format!("{}: fitted numbers", best.candidate.name), &best.fit.fit);
-    let sections = sections(material, &map, &base, &judged, best, &warnings, &text);
+    let table = comparison(&judged);
+    let sections = sections(material, &map, &base, &judged, best, &table, &text);
     Ok(Outcome {
         title: format!("Laws of static force for {}", material.document.source().name()),
         introduction: introduction(&map, &judged, best, by, deviation),
         sections,
-        table: comparison(&judged),
+        table,
         values: told,
         warnings,
         scenarios: vec![("scenario.toml".to_owned(), text)],
@@ -67,20 +67,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
 
 /// The rows of a recording that have a pressure, a length and a tension.
 fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<Vec<Point>, Failure> {
-    let need = |quantity: Quantity| {
-        recording.column(quantity).ok_or_else(|| {
-            let title = format!("the run `{}` has no {}", recording.name, quantity.words());
-            Failure::input(
-                title,
-                format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()),
-            )
-        })
-    };
-    let (length, tension) = (need(Quantity::Length)?, need(Quantity::Tension)?);
-    let pressures: Vec<f64> = match recording.column(Quantity::AbsolutePressure) {
-        Some(absolute) => absolute.values.iter().map(|pressure| pressure - atmosphere).collect(),
-        None => need(Quantity::GaugePressure)?.values.clone(),
-    };
+    let (length, tension) = (column(recording, Quantity::Length)?, column(recording, Quantity::Tension)?);
+    let pressures = gauge_pressures(recording, atmosphere)?;
     let rows = pressures.iter().zip(&length.values).zip(tension.values.iter().zip(&tension.slack));
     let points = rows.map(|((gauge_pressure, length), (tension, slack))| Point {
         gauge_pressure: *gauge_pressure,
@@ -147,11 +135,7 @@ fn judged(
     base: &Scenario,
     deviation: Option<f64>,
 ) -> Result<Vec<Judged>, Failure> {
-    let loss = material.study.robust.map_or(Loss::Squares, |scale| {
-        // In parts of the largest tension where no deviation is known.
-        Loss::Huber(scale * if deviation.is_some() { 1.0 } else { 0.01 })
-    });
-    let search = Search { loss, ..Search::default() };
+    let search = material.search();
     let all = candidates::all(base, map).map_err(|error| Failure::stopped(error.to_string()))?;
     let progress = Progress::begin("fitting", Some(all.len() as u64));
     let mut judged = Vec::new();
@@ -189,6 +173,11 @@ fn best(judged: &[Judged], by: Option<Grouping>) -> Option<&Judged> {
     told().filter(|of| error(of) <= 1.1 * least).min_by_key(|of| of.numbers())
 }
 
+/// The law with the least error in its own sample.
+fn nearest(judged: &[Judged]) -> Option<&Judged> {
+    judged.iter().min_by(|a, b| a.fit.errors.root_mean_square.total_cmp(&b.fit.errors.root_mean_square))
+}
+
 fn introduction(
     map: &ForceMap,
     judged: &[Judged],
@@ -213,8 +202,7 @@ fn introduction(
         ));
         return words;
     };
-    let nearest = judged.iter().min_by(|a, b| a.fit.errors.root_mean_square.total_cmp(&b.fit.errors.root_mean_square));
-    if let (Some(nearest), Some(out)) = (nearest, best.held(by)) {
+    if let (Some(nearest), Some(out)) = (nearest(judged), best.held(by)) {
         words.push(format!(
             "Where it has not looked, {} left out one by one, `{}` errs least: {} with {} numbers, and {} in its own sample.",
             by.name(),
@@ -281,15 +269,14 @@ fn sections(
     base: &Scenario,
     judged: &[Judged],
     best: &Judged,
-    warnings: &[String],
+    table: &Table,
     text: &str,
 ) -> Vec<Section> {
-    let notes =
-        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
-    let nearest = judged.iter().min_by(|a, b| a.fit.errors.root_mean_square.total_cmp(&b.fit.errors.root_mean_square));
     let mut plates = vec![compared(judged)];
-    let pair: Vec<&Judged> =
-        [Some(best), nearest.filter(|of| of.candidate.name != best.candidate.name)].into_iter().flatten().collect();
+    let pair: Vec<&Judged> = [Some(best), nearest(judged).filter(|of| of.candidate.name != best.candidate.name)]
+        .into_iter()
+        .flatten()
+        .collect();
     let polynomial = judged.iter().find(|of| of.candidate.name == "polynomial");
     let three = pair
         .iter()
@@ -297,13 +284,12 @@ fn sections(
         .chain(polynomial.filter(|of| !pair.iter().any(|in_pair| in_pair.candidate.name == of.candidate.name)));
     plates.extend(astray(&three.collect::<Vec<_>>()));
     let mut sections = vec![
-        Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
         Section {
             id: "laws",
             label: "Laws",
             title: "Every law, in its sample and out of it",
             plates,
-            tables: vec![comparison(judged)],
+            tables: vec![table.clone()],
             ..Section::default()
         },
         Section {

@@ -1,14 +1,13 @@
 //! Loops of tension over length to friction and hysteresis: tables, figures and words.
 
 use super::outcome::Outcome;
-use super::{Material, sought, values};
+use super::{Material, column, gauge_pressures, sought, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
 use mckibben_identify::study::{Quantity, Recording};
 
@@ -20,14 +19,13 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         material.recordings.iter().map(|recording| read(recording, atmosphere)).collect::<Result<Vec<_>, _>>()?;
     let deviation = material.recordings.first().and_then(|recording| recording.column(Quantity::Tension)?.deviation);
     let given = material.document.contains(parameter::MIN_LENGTH.key);
-    let loss = material.study.robust.map_or(Loss::Squares, Loss::Huber);
     let task = LoopTask {
         adjustable: Adjustable::new(scenario, places, given),
         starts: sought::more_starts(&unknowns, material.study.more_starts),
         unknowns,
         loops,
         deviation,
-        search: Search { loss, ..Search::default() },
+        search: material.search(),
     };
     let found = task.identify().map_err(|error| match error {
         LoopError::Fit(_) => Failure::stopped(error.to_string()),
@@ -37,7 +35,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(values::warnings(&found.found.fit));
     let text = format!("# By `mckibben identify`.\n\n{}", found.scenario.to_toml());
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, &numbers, &warnings, &text)?;
+    let sections = sections(&task, &found, &numbers, &text)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
         "{} numbers from {readings} tensions of {} loops, length and pressure taken as they were measured. What is left of the tension: {} root mean square.",
@@ -58,20 +56,9 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
 
 /// The samples of a recording that have a time, a length, a pressure and a tension.
 fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
-    let need = |quantity: Quantity| {
-        recording.column(quantity).map(|column| &column.values).ok_or_else(|| {
-            let title = format!("the run `{}` has no {}", recording.name, quantity.words());
-            Failure::input(
-                title,
-                format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()),
-            )
-        })
-    };
-    let [times, lengths, forces] = [need(Quantity::Time)?, need(Quantity::Length)?, need(Quantity::Tension)?];
-    let pressures: Vec<f64> = match recording.column(Quantity::AbsolutePressure) {
-        Some(absolute) => absolute.values.iter().map(|pressure| pressure - atmosphere).collect(),
-        None => need(Quantity::GaugePressure)?.clone(),
-    };
+    let values = |quantity: Quantity| column(recording, quantity).map(|column| &column.values);
+    let [times, lengths, forces] = [values(Quantity::Time)?, values(Quantity::Length)?, values(Quantity::Tension)?];
+    let pressures = gauge_pressures(recording, atmosphere)?;
     let sample = |place: usize| Sample {
         time: times[place],
         length: lengths[place],
@@ -86,15 +73,7 @@ fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
         .map_err(|error| Failure::input(error.to_string(), "see `mckibben identify --help`"))
 }
 
-fn sections(
-    task: &LoopTask,
-    found: &LoopFit,
-    numbers: &Table,
-    warnings: &[String],
-    text: &str,
-) -> Result<Vec<Section>, Failure> {
-    let notes =
-        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
+fn sections(task: &LoopTask, found: &LoopFit, numbers: &Table, text: &str) -> Result<Vec<Section>, Failure> {
     let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
     let stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5", "loop-6"];
     let plates = task.loops.iter().zip(stems).map(|(of, stem)| {
@@ -128,7 +107,6 @@ fn sections(
         }
     });
     Ok(vec![
-        Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
         Section {
             id: "numbers",
             label: "Numbers",

@@ -22,7 +22,8 @@ mod values;
 
 use crate::failure::Failure;
 use crate::terminal;
-use mckibben_identify::study::{Kind, Recording, Severity, Study, StudyError};
+use mckibben_identify::least_squares::{Loss, Search};
+use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError};
 use mckibben_scenario::Document;
 use outcome::Outcome;
 use std::path::PathBuf;
@@ -37,7 +38,7 @@ Examples:
 
 A study file:
   [study]
-  kind = \"force-map\"                      # \"hysteresis\" or \"trajectories\"
+  kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
@@ -121,11 +122,32 @@ impl Material {
         Ok(document)
     }
 
+    /// How the minimum is looked for, where residuals are in units of the scatter that is expected.
+    fn search(&self) -> Search {
+        Search { loss: self.study.robust.map_or(Loss::Squares, Loss::Huber), ..Search::default() }
+    }
+
     /// What was found in the data, the graver first.
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<_> = self.recordings.iter().flat_map(|recording| &recording.notes).collect();
         notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
         let mark = |severity| if severity == Severity::Warned { outcome::WARNED } else { "" };
         notes.into_iter().map(|note| format!("{}{note}", mark(note.severity))).collect()
+    }
+}
+
+/// A column that a study of this kind cannot do without.
+fn column(recording: &Recording, quantity: Quantity) -> Result<&Column, Failure> {
+    recording.column(quantity).ok_or_else(|| {
+        let title = format!("the run `{}` has no {}", recording.name, quantity.words());
+        Failure::input(title, format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()))
+    })
+}
+
+/// The gauge pressures of a recording in Pa, from whichever pressure was measured.
+fn gauge_pressures(recording: &Recording, atmosphere: f64) -> Result<Vec<f64>, Failure> {
+    match recording.column(Quantity::AbsolutePressure) {
+        Some(absolute) => Ok(absolute.values.iter().map(|pressure| pressure - atmosphere).collect()),
+        None => column(recording, Quantity::GaugePressure).map(|gauge| gauge.values.clone()),
     }
 }

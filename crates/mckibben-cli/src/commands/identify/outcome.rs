@@ -2,7 +2,6 @@
 
 use crate::failure::Failure;
 use crate::output;
-use crate::plot::{PRINT_SCALE, Theme};
 use crate::report::{Report, Section, Table};
 use crate::terminal;
 use std::path::{Path, PathBuf};
@@ -17,7 +16,7 @@ pub(super) struct Outcome {
     pub(super) title: String,
     /// What was done, in a few sentences.
     pub(super) introduction: Vec<String>,
-    /// The parts of the page.
+    /// The parts of the page behind the one that says what was found in the data.
     pub(super) sections: Vec<Section>,
     /// The table that is printed.
     pub(super) table: Table,
@@ -60,14 +59,7 @@ impl Outcome {
     pub(super) fn write(&self, folder: &Path) -> Result<PathBuf, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| Failure::output(folder, error))?;
         for plate in self.sections.iter().flat_map(|section| &section.plates) {
-            let at = |ending: &str| folder.join(format!("{}.{ending}", plate.stem));
-            let failed = |ending: &str, error: &dyn std::fmt::Display| Failure::output(&at(ending), error);
-            let svg = plate.figure.to_svg(Theme::Light).map_err(|error| failed("svg", &error))?;
-            output::write(&at("svg"), svg.as_bytes())?;
-            let png = plate.figure.to_png(Theme::Light, PRINT_SCALE).map_err(|error| failed("png", &error))?;
-            output::write(&at("png"), &png)?;
-            let csv = plate.data.to_csv().map_err(|error| failed("csv", &error))?;
-            output::write(&at("csv"), &csv)?;
+            plate.write(folder)?;
         }
         for (name, text) in &self.scenarios {
             output::write(&folder.join(name), text.as_bytes())?;
@@ -82,7 +74,7 @@ impl Outcome {
         let report = Report {
             title: self.title.clone(),
             introduction: self.introduction.clone(),
-            sections: self.sections.clone(),
+            sections: std::iter::once(self.data()).chain(self.sections.iter().cloned()).collect(),
             colophon: format!("Made by mckibben {} with `mckibben identify`.", env!("CARGO_PKG_VERSION")),
             ..Report::default()
         };
@@ -90,5 +82,14 @@ impl Outcome {
         let page = report.to_html().map_err(|error| Failure::output(&path, error))?;
         output::write(&path, page.as_bytes())?;
         Ok(path)
+    }
+
+    /// What was found in the data.
+    fn data(&self) -> Section {
+        let paragraphs = match self.warnings.is_empty() {
+            true => vec!["Nothing odd was found in the data.".to_owned()],
+            false => self.warnings.clone(),
+        };
+        Section { id: "data", label: "Data", title: "What was measured", paragraphs, ..Section::default() }
     }
 }

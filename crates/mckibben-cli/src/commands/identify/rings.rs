@@ -6,7 +6,6 @@ use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
-use mckibben::load::Load;
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, compare};
 use mckibben_identify::study::{Quantity, Recording};
@@ -47,21 +46,16 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         head: ["run", "estimator", "Q of (12) mm", "Q shown mm", "c N·s/m", "ζ", "scatter"].map(String::from).to_vec(),
         rows,
     };
-    let notes =
-        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.clone() };
     let files = scenarios.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect();
-    let sections = vec![
-        Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
-        Section {
-            id: "friction",
-            label: "Friction",
-            title: "Every estimator",
-            tables: vec![table.clone()],
-            plates,
-            files,
-            ..Section::default()
-        },
-    ];
+    let sections = vec![Section {
+        id: "friction",
+        label: "Friction",
+        title: "Every estimator",
+        tables: vec![table.clone()],
+        plates,
+        files,
+        ..Section::default()
+    }];
     let introduction = "Two cycles are the first and the last; the waveform is the whole record, by a trajectory with every stop located. Where they \
                         disagree by more than their intervals, the spring is not linear or friction is not what the estimator takes it for."
         .to_owned();
@@ -88,10 +82,10 @@ fn record(recording: &Recording) -> Result<Record, Failure> {
 /// Every estimator, the waveform's on the scenario's sealed rig; or why there is none.
 fn compared(scenario: &Scenario, record: &Record) -> Result<Comparison, String> {
     let rig = scenario.rig().map_err(|error| error.to_string())?;
-    let Some(Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. }) = Some(rig.load()) else {
+    let Some(inertia) = rig.load().inertia() else {
         return Err("its load has no mass that swings".to_owned());
     };
-    compare(record, *mass, Some((&rig, &scenario.initial(), Free::ALL))).map_err(|error| error.to_string())
+    compare(record, inertia.mass, Some((&rig, &scenario.initial(), Free::ALL))).map_err(|error| error.to_string())
 }
 
 fn name(estimator: Estimator) -> &'static str {

@@ -8,9 +8,8 @@ use crate::progress::Progress;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
-use mckibben::simulation::{Trajectory, simulate};
+use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
 use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
 use mckibben_scenario::{Place, Scenario};
@@ -31,7 +30,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     }
     let scenarios = scenarios(&task, &found);
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, &numbers, &warnings, &scenarios)?;
+    let sections = sections(&task, &found, &numbers, &scenarios)?;
     Ok(Outcome {
         title: format!("{} from courses in time", material.document.source().name()),
         introduction: introduction(&task, &found),
@@ -65,13 +64,12 @@ fn task(material: &Material) -> Result<Task, Failure> {
         });
     }
     let starts = sought::more_starts(&unknowns, material.study.more_starts);
-    let loss = material.study.robust.map_or(Loss::Squares, Loss::Huber);
     Ok(Task {
         runs,
         unknowns,
         starts,
         horizon: material.study.horizon.clone().map_or(Horizon::Whole, Horizon::Growing),
-        search: Search { loss, ..Search::default() },
+        search: material.search(),
         tolerance: 1e-8,
     })
 }
@@ -105,8 +103,8 @@ fn introduction(task: &Task, found: &Identified) -> Vec<String> {
 
 fn left(found: &Identified) -> Table {
     let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
-        let unit = left.0.unit();
-        vec![left.0.words().to_owned(), quantity(left.1, unit), quantity(scale.1, unit)]
+        let (words, unit) = (left.0.quantity().words(), left.0.quantity().unit());
+        vec![words.to_owned(), quantity(left.1, unit), quantity(scale.1, unit)]
     };
     Table {
         caption: "What is left of each quantity, root mean square, and by what it was weighed".to_owned(),
@@ -129,11 +127,8 @@ fn sections(
     task: &Task,
     found: &Identified,
     numbers: &Table,
-    warnings: &[String],
     files: &[(String, String)],
 ) -> Result<Vec<Section>, Failure> {
-    let notes =
-        if warnings.is_empty() { vec!["Nothing odd was found in the data.".to_owned()] } else { warnings.to_vec() };
     let mut plates = Vec::new();
     // A page of the first few runs is enough to see how they fit; the table speaks of all.
     let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
@@ -141,7 +136,6 @@ fn sections(
         plates.push(plate(run, scenario, stem)?);
     }
     Ok(vec![
-        Section { id: "data", label: "Data", title: "What was measured", paragraphs: notes, ..Section::default() },
         Section {
             id: "numbers",
             label: "Numbers",
@@ -154,38 +148,28 @@ fn sections(
     ])
 }
 
-fn simulated(trajectory: &Trajectory, observed: Observed, time: f64) -> f64 {
-    let sample = trajectory.at(time);
-    match observed {
-        Observed::Length => sample.length,
-        Observed::GaugePressure => sample.pressure.0 - trajectory.rig().actuator().air().atmosphere().0,
-        Observed::Tension => sample.tension,
-    }
-}
-
 fn plate(run: &Recorded, scenario: &Scenario, stem: &'static str) -> Result<Plate, Failure> {
     let failed = |error: mckibben::Error| Failure::stopped(error.to_string());
     let rig = scenario.rig().map_err(failed)?;
     let start = rig.start(&scenario.initial()).map_err(failed)?;
     let last = run.courses.iter().filter_map(|course| course.times.last()).fold(0.0_f64, |last, time| last.max(*time));
     let trajectory = simulate(&rig, start, last, 1e-8).map_err(failed)?;
+    let atmosphere = rig.actuator().air().atmosphere().0;
+    let simulated = |observed: Observed, time: f64| observed.of(&trajectory.at(time), atmosphere);
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
     for course in &run.courses {
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
-        let curve = times.iter().map(|time| simulated(&trajectory, course.observed, *time)).collect();
+        let curve = times.iter().map(|time| simulated(course.observed, *time)).collect();
         let off: Vec<f64> = course
             .times
             .iter()
             .zip(&course.values)
-            .map(|(time, value)| simulated(&trajectory, course.observed, *time) - value)
+            .map(|(time, value)| simulated(course.observed, *time) - value)
             .collect();
-        let unit = course.observed.unit();
-        let panel = Panel::new(Axis::new(course.observed.words(), unit)).legend(if panels.is_empty() {
-            Legend::Above
-        } else {
-            Legend::Hidden
-        });
+        let (words, unit) = (course.observed.quantity().words(), course.observed.quantity().unit());
+        let panel =
+            Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
         panels.push(
             panel
                 .series(

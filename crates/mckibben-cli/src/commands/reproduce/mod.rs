@@ -29,12 +29,11 @@ mod units;
 
 use crate::failure::Failure;
 use crate::output;
-use crate::plot::{PRINT_SCALE, Theme};
 use crate::progress::Progress;
-use crate::report::{Plate, Report, Section, Table, typeset};
+use crate::report::{Report, Section, Table, typeset};
 use crate::terminal;
 use mckibben_scenario::presets;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What `mckibben reproduce` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -65,7 +64,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<(), Failure> {
     }
     for (section, done) in report.sections.iter().zip(parts + 1..) {
         for plate in &section.plates {
-            write_plate(folder, plate)?;
+            plate.write(folder)?;
         }
         progress.at(done);
     }
@@ -79,16 +78,6 @@ pub fn run(arguments: &ReproduceArguments) -> Result<(), Failure> {
     drop(progress);
     let wrote = terminal::styled(terminal::GOOD, "wrote");
     terminal::print(&format!("{}\n{wrote} {}\n", report.summary(), path.display()))
-}
-
-fn write_plate(folder: &Path, plate: &Plate) -> Result<(), Failure> {
-    let at = |ending: &str| folder.join(format!("{}.{ending}", plate.stem));
-    let svg = plate.figure.to_svg(Theme::Light).map_err(|error| Failure::output(&at("svg"), error))?;
-    output::write(&at("svg"), svg.as_bytes())?;
-    let png = plate.figure.to_png(Theme::Light, PRINT_SCALE).map_err(|error| Failure::output(&at("png"), error))?;
-    output::write(&at("png"), &png)?;
-    let csv = plate.data.to_csv().map_err(|error| Failure::output(&at("csv"), error))?;
-    output::write(&at("csv"), &csv)
 }
 
 /// The report before its sections.
