@@ -47,6 +47,7 @@ mod moment_arm;
 mod properties;
 mod ramped_rig;
 mod regulated_rig;
+mod segments;
 mod series_tendon;
 mod simulation;
 mod solenoid;

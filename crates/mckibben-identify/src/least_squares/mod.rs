@@ -217,6 +217,11 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
     Ok(found)
 }
 
+/// The values where a search from one start ends, be it a minimum or not: a stage on the way to one.
+pub(crate) fn descended(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
+    solver::descended(model, unknowns, search).map(|(values, _)| values)
+}
+
 /// The best of several fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {

@@ -20,6 +20,20 @@ pub(super) fn minimum(
     unknowns: &[Unknown],
     search: &Search,
 ) -> Result<(Vec<f64>, Evaluation), FitError> {
+    let (values, why) = descended(model, unknowns, search)?;
+    let there = super::with_priors(model, unknowns, &values);
+    match Scaled::new(model, unknowns).is_stationary(&values, &there, search.loss) {
+        true => Ok((values, there)),
+        false => Err(FitError::NoMinimum { why }),
+    }
+}
+
+/// The values where the search ends, be it a minimum or not, and what ended it.
+pub(super) fn descended(
+    model: &impl Model,
+    unknowns: &[Unknown],
+    search: &Search,
+) -> Result<(Vec<f64>, String), FitError> {
     let scaled = || Scaled::new(model, unknowns);
     let problem = scaled();
     let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
@@ -43,12 +57,7 @@ pub(super) fn minimum(
         Loss::Huber(scale) => run!(RobustLeastSquares::new(scaled(), HuberLoss).with_scale(scale)),
         Loss::Cauchy(scale) => run!(RobustLeastSquares::new(scaled(), CauchyLoss).with_scale(scale)),
     };
-    let values = problem.values(&end);
-    let there = super::with_priors(model, unknowns, &values);
-    match problem.is_stationary(&values, &there, search.loss) {
-        true => Ok((values, there)),
-        false => Err(FitError::NoMinimum { why }),
-    }
+    Ok((problem.values(&end), why))
 }
 
 /// A model with its priors, in unknowns divided by their sizes.

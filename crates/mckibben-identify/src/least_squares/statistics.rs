@@ -72,11 +72,18 @@ impl Fit {
         self.estimates.iter().map(|estimate| estimate.value).collect()
     }
 
-    pub(super) fn new(
+    pub(super) fn new(model: &impl Model, unknowns: &[Unknown], search: &Search, at: (Vec<f64>, Evaluation)) -> Self {
+        Self::of_eliminated(model, unknowns, search, at, 0)
+    }
+
+    /// The same where so many unknowns more were found, of which nothing is told: the derivatives are those that
+    /// remain when these others follow.
+    pub(crate) fn of_eliminated(
         model: &impl Model,
         unknowns: &[Unknown],
         search: &Search,
         (values, evaluation): (Vec<f64>, Evaluation),
+        others: usize,
     ) -> Self {
         let (rows, columns) = (evaluation.residuals.len(), unknowns.len());
         let on_bound: Vec<bool> =
@@ -93,7 +100,7 @@ impl Fit {
             evaluation.residuals[row] == 0.0 && row_slopes.iter().all(|slope| *slope == 0.0)
         };
         let speaking = (0..rows).filter(|row| !silent(*row)).count();
-        let degrees_of_freedom = speaking.saturating_sub(free.len());
+        let degrees_of_freedom = speaking.saturating_sub(free.len() + others);
         let squares: f64 =
             evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
         let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();

@@ -3,6 +3,7 @@
 use super::clean::{self, Rules};
 use super::table::{self, Table};
 use super::{Quantity, Recording, StudyError};
+use crate::trajectories::Horizon;
 use mckibben_scenario::{Dimension, quantity};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -42,8 +43,8 @@ pub struct Study {
     pub more_starts: usize,
     /// By how many deviations a residual counts in full; beyond it counts less (Huber).
     pub robust: Option<f64>,
-    /// Times in s up to which trajectories are fitted first, one after the other, before all of them are.
-    pub horizon: Option<Vec<f64>>,
+    /// How much of the trajectories is fitted, and in which parts.
+    pub horizon: Horizon,
     /// Whether units that seem wrong are right.
     pub units_are_right: bool,
 }
@@ -188,6 +189,7 @@ struct RawSearch {
     more_starts: usize,
     robust: Option<f64>,
     horizon: Option<Vec<Spanned<String>>>,
+    segments: Option<Spanned<String>>,
 }
 
 impl Study {
@@ -246,8 +248,18 @@ impl Study {
                 "give a number of deviations such as 2.5",
             ));
         }
-        let ends = |texts: &Vec<Spanned<String>>| texts.iter().map(|text| within.si(text, Quantity::Time)).collect();
-        let horizon = file.search.horizon.as_ref().map(ends).transpose()?;
+        let ends = |texts: &Vec<Spanned<String>>| {
+            texts.iter().map(|text| within.si(text, Quantity::Time)).collect::<Result<Vec<f64>, _>>()
+        };
+        let horizon = match (&file.search.horizon, &file.search.segments) {
+            (None, None) => Horizon::Whole,
+            (Some(texts), None) => Horizon::Growing(ends(texts)?),
+            (None, Some(text)) => Horizon::Segments(within.si(text, Quantity::Time)?),
+            (Some(_), Some(text)) => {
+                let what = "`search.horizon` and `search.segments` exclude each other";
+                return Err(within.fault(Some(text.span().start), what, "leave one of them out"));
+            }
+        };
         Ok(Self {
             path: path.to_path_buf(),
             kind: head.kind,

@@ -15,18 +15,26 @@
 //! give more starts, or let the horizon grow: [`Horizon::Growing`] fits a short beginning first and lengthens it,
 //! each stage from where the one before has ended.
 //!
+//! Where an oscillation is so sensitive that a whole run is of no use, [`Horizon::Segments`] fits it in short segments that
+//! must join.
+//!
 //! Checked by `tests/trajectories.rs`: numbers put in come back out of noisy courses, several runs, what cannot be told
 //! apart, and a start from which the growing horizon finds what the whole does not. That derivatives are those of
 //! differences is held by the scenario crate's `tests/place.rs`.
 
+mod held_out;
+mod rest;
 mod search;
+mod shooting;
 
+pub use held_out::HeldOutRun;
+pub use rest::{Drift, Unexplained};
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{Evaluation, Model};
 use crate::study::Quantity;
-use mckibben::simulation::{Rig, Sample, State, simulate};
+use mckibben::simulation::{Rig, Sample, State, Trajectory, simulate};
 use mckibben::{Error, Real};
 use mckibben_scenario::Scenario;
 use rayon::prelude::*;
@@ -176,17 +184,21 @@ impl Runs<'_> {
         run: &Recorded,
         rig: &Rig<R>,
         start: State<R>,
-        mut visit: impl FnMut(R),
+        visit: impl FnMut(R),
     ) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
         let trajectory = simulate(rig, start, R::constant(duration), self.tolerance)?;
-        let atmosphere = rig.actuator().air().atmosphere().0;
+        self.compare(run, &trajectory, visit);
+        Ok(())
+    }
+
+    /// Visits each reading with its residual.
+    fn compare<R: Real>(&self, run: &Recorded, trajectory: &Trajectory<R>, mut visit: impl FnMut(R)) {
+        let atmosphere = trajectory.rig().actuator().air().atmosphere().0;
         for (observed, time, value) in self.readings(run) {
             let simulated = observed.of(&trajectory.at(R::constant(time)), atmosphere);
-            let scale = self.scale(observed);
-            visit((simulated - R::constant(value)) / R::constant(scale));
+            visit((simulated - R::constant(value)) / R::constant(self.scale(observed)));
         }
-        Ok(())
     }
 
     /// Root mean square residual of each quantity, in scales; `None` where there are no readings.

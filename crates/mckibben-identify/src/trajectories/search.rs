@@ -1,9 +1,10 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
-use super::{Course, Observed, Recorded, Runs};
-use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
+use super::{Course, Observed, Recorded, Runs, shooting};
+use crate::least_squares::{self, Evaluation, Fit, FitError, Found, Model, Search, Unknown};
 use crate::series;
 use mckibben::Error;
+use mckibben::simulation::{Trajectory, simulate};
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
 
@@ -15,7 +16,12 @@ pub enum Horizon {
     Whole,
     /// The first so many seconds, then more of them, then all.
     Growing(Vec<f64>),
+    /// All at once, in segments of so many seconds that must join: for runs that are too sensitive to be fitted whole.
+    Segments(f64),
 }
+
+/// Segments into which a run may be divided: the unknowns of their joints are solved for densely.
+const MOST_SEGMENTS: f64 = 500.0;
 
 /// What is to be found, from what.
 #[derive(Clone, Debug)]
@@ -45,6 +51,10 @@ pub struct Identified {
     pub left: Vec<(Observed, f64)>,
     /// Scale by which each quantity was weighed.
     pub scales: Vec<(Observed, f64)>,
+    /// The runs with these values, up to their last reading.
+    pub trajectories: Vec<Trajectory>,
+    /// Duration in s of the segments of which the runs are made, where they could not be fitted whole.
+    pub segments: Option<f64>,
 }
 
 /// Why nothing was found.
@@ -54,7 +64,7 @@ pub enum TrajectoryError {
     #[error("there are no readings of length, gauge pressure or tension; name their columns in [columns]")]
     NoReadings,
     /// Times that are no times.
-    #[error("the {} of the run `{run}`: {why}; mend the table", observed.quantity().words())]
+    #[error("the {} of the run `{run}`: {why}", observed.quantity().words())]
     BadCourse {
         /// The run.
         run: String,
@@ -78,6 +88,16 @@ pub enum TrajectoryError {
     Silent {
         /// The number.
         path: String,
+    },
+    /// Segments that are none.
+    #[error(
+        "segments of {every} s do not divide a run of {duration} s; give a duration above zero, shorter than the run, in which a run has at most {MOST_SEGMENTS}"
+    )]
+    Segments {
+        /// Their duration in s.
+        every: f64,
+        /// The duration of the longest run in s.
+        duration: f64,
     },
     /// The search found no minimum.
     #[error(transparent)]
@@ -109,31 +129,40 @@ impl Task {
             }
             runs.until = f64::INFINITY;
         }
-        let mut found = least_squares::fit_from(&runs, &unknowns, &starts, &search)?;
+        let mut found = self.searched(&runs, &unknowns, &starts, &search)?;
         if !all_known {
             // Weigh each quantity by what is left of it, and go on from there.
-            let scatter = runs.scatter(&found.fit.residuals);
+            let scatter = runs.scatter(&found.0.fit.residuals);
             let rough = runs.scales;
             for (place, left) in scatter.into_iter().enumerate().filter(|(place, _)| !known[*place]) {
                 // What is left of noiseless data says nothing: its scale is the span's rounding.
                 runs.scales[place] = (left.unwrap_or(1.0) * rough[place]).max(1e-9 * rough[place]);
             }
-            for (unknown, value) in unknowns.iter_mut().zip(found.fit.values()) {
+            for (unknown, value) in unknowns.iter_mut().zip(found.0.fit.values()) {
                 unknown.start = value;
             }
-            let polished = least_squares::fit(&runs, &unknowns, &search);
-            match polished {
-                Ok(fit) => found.fit = fit,
+            match self.searched(&runs, &unknowns, &[], &search) {
+                Ok((polished, trajectories)) => found = (Found { fit: polished.fit, ..found.0 }, trajectories),
                 // Readings without noise leave nothing to weigh by.
                 Err(_) => runs.scales = rough,
             }
         }
+        let (found, joined) = found;
         let values = found.fit.values();
-        let scenario = |run: &Recorded| {
+        let built = |run: &Recorded| {
             let failed = |error| TrajectoryError::AtStart { run: run.name.clone(), error };
-            run.adjustable.at(&run.own(&values)).map_err(failed)
+            let (scenario, rig) = run.built(&run.own(&values)).map_err(failed)?;
+            let duration = run.duration(f64::INFINITY).max(1e-9);
+            let whole =
+                rig.start(&scenario.initial()).and_then(|start| simulate(&rig, start, duration, self.tolerance));
+            Ok((scenario, whole.map_err(failed)?))
         };
-        let scenarios = self.runs.iter().map(scenario).collect::<Result<_, _>>()?;
+        let built: Result<Vec<_>, TrajectoryError> = self.runs.iter().map(built).collect();
+        let (scenarios, whole) = built?.into_iter().unzip();
+        let segments = match (&self.horizon, &joined) {
+            (Horizon::Segments(every), Some(_)) => Some(*every),
+            _ => None,
+        };
         let scatter = runs.scatter(&found.fit.residuals);
         let scaled = |factor: &dyn Fn(usize) -> Option<f64>| {
             let of = |(place, observed): (usize, Observed)| Some((observed, factor(place)? * runs.scales[place]));
@@ -141,7 +170,30 @@ impl Task {
         };
         let left = scaled(&|place| scatter[place]);
         let scales = scaled(&|place| scatter[place].map(|_| 1.0));
-        Ok(Identified { found, scenarios, left, scales })
+        Ok(Identified { found, scenarios, left, scales, trajectories: joined.unwrap_or(whole), segments })
+    }
+
+    /// The best values from these starts, with the runs in segments where they cannot be fitted whole.
+    fn searched(
+        &self,
+        runs: &Runs<'_>,
+        unknowns: &[Unknown],
+        starts: &[Vec<f64>],
+        search: &Search,
+    ) -> Result<(Found, Option<Vec<Trajectory>>), TrajectoryError> {
+        let Horizon::Segments(every) = self.horizon else {
+            return Ok((least_squares::fit_from(runs, unknowns, starts, search)?, None));
+        };
+        let (joined, trajectories) = shooting::fit(runs, unknowns, every, search)?;
+        let from = |(unknown, start): (&Unknown, f64)| Unknown { start, ..unknown.clone() };
+        let from: Vec<Unknown> = unknowns.iter().zip(joined.values()).map(from).collect();
+        // From there a run that can be fitted whole is, in a few steps.
+        let few = Search { most_steps: 20, ..*search };
+        let squares = |fit: &Fit| fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
+        match least_squares::fit(runs, &from, &few) {
+            Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found { fit, tried: 1, agreeing: 1 }, None)),
+            _ => Ok((Found { fit: joined, tried: 1, agreeing: 1 }, Some(trajectories))),
+        }
     }
 
     /// Residuals at values of the unknowns, each over the scale of its quantity, with their exact derivatives.
@@ -150,7 +202,7 @@ impl Task {
         Runs { runs: &self.runs, scales, until: f64::INFINITY, tolerance: self.tolerance }.evaluate(values)
     }
 
-    fn courses(&self, observed: Observed) -> impl Iterator<Item = &Course> {
+    pub(super) fn courses(&self, observed: Observed) -> impl Iterator<Item = &Course> {
         self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == observed)
     }
 
@@ -181,13 +233,21 @@ impl Task {
                 series::check(&course.times, &course.values, observed.quantity().words(), 0)
                     .map_err(|error| bad(error.to_string()))?;
                 if let Some(first) = course.times.first().filter(|first| **first < 0.0) {
-                    return Err(bad(format!("its first time is {first} s, before the start of the run at zero")));
+                    return Err(bad(format!(
+                        "its first time is {first} s, before the start of the run at zero; leave it out, or begin the run earlier"
+                    )));
                 }
             }
             let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
             let own = run.own(&first);
             let failed = |error| TrajectoryError::AtStart { run: run.name.clone(), error };
             run.built(&own).map_err(failed)?;
+        }
+        if let Horizon::Segments(every) = self.horizon {
+            let duration = self.runs.iter().fold(0.0_f64, |longest, run| longest.max(run.duration(f64::INFINITY)));
+            if !(every > duration / MOST_SEGMENTS && every < duration) {
+                return Err(TrajectoryError::Segments { every, duration });
+            }
         }
         let runs = Runs { runs: &self.runs, scales: [1.0; 3], until: f64::INFINITY, tolerance: self.tolerance };
         if runs.residuals() == 0 {

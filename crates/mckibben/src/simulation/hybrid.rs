@@ -270,8 +270,17 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// The phase at t = 0 in a state.
     pub fn begin<const N: usize>(&self, state: &[R; N]) -> Phase<R> {
-        let mut progress = Progress::none();
-        let ports = self.rig.timetable().pass(&mut progress, R::zero());
+        self.enter(R::zero(), state, Progress::none())
+    }
+
+    /// The phase in a state that is set anew at a time in s: only valve and command go on as they were.
+    #[cfg(feature = "alloc")]
+    pub(super) fn resume<const N: usize>(&self, time: R, state: &[R; N], before: &Phase<R>) -> Phase<R> {
+        self.enter(time, state, before.progress)
+    }
+
+    fn enter<const N: usize>(&self, time: R, state: &[R; N], mut progress: Progress<R>) -> Phase<R> {
+        let ports = self.rig.timetable().pass(&mut progress, time);
         let mode = Mode {
             ports,
             supply_zone: None,
@@ -294,14 +303,14 @@ impl<'a, R: Real> RigSystem<'a, R> {
         };
         self.enter_ports(state, &mut phase.mode);
         if let Some(plumbing) = &self.plumbing {
-            phase.line = plumbing.enter(&self.member, state, phase.through(R::zero()));
-            plumbing.pass_set_points(R::zero(), state, &mut phase.line);
+            phase.line = plumbing.enter(&self.member, state, phase.through(time));
+            plumbing.pass_set_points(time, state, &mut phase.line);
         }
         if let Some(tether) = self.tether::<N>() {
-            self.begin_tethered(tether, R::zero(), state, &mut phase);
+            self.begin_tethered(tether, time, state, &mut phase);
         } else {
             self.enter_extent(state, &mut phase.mode);
-            self.enter_sliding(R::zero(), state, &mut phase);
+            self.enter_sliding(time, state, &mut phase);
         }
         self.follow(state, &mut phase, false);
         phase

@@ -48,6 +48,8 @@ pub(crate) mod rig;
 mod rosenbrock;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
+mod segments;
+#[cfg(feature = "alloc")]
 mod series_tendon;
 #[cfg(feature = "alloc")]
 mod stored;
@@ -92,6 +94,8 @@ pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 pub use modular::ModularActuator;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
+#[cfg(feature = "alloc")]
+pub use segments::simulate_in_segments;
 #[cfg(feature = "alloc")]
 pub use series_tendon::TendonActuator;
 #[cfg(feature = "alloc")]

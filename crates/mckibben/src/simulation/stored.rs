@@ -60,6 +60,11 @@ impl<R: Real, M: Copy, K, const N: usize> Stored<R, M, K, N> {
         Ok(())
     }
 
+    /// Goes on from another state and mode.
+    pub(super) fn resume(&mut self, state: [R; N], mode: M) {
+        (self.last.1, self.last.2) = (state, mode);
+    }
+
     /// Time in s, states and mode that have been reached.
     pub(super) fn reached(&self) -> &(R, [R; N], M) {
         &self.last

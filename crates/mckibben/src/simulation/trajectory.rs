@@ -121,6 +121,21 @@ impl<R: Real> Trajectory<R> {
         })
     }
 
+    /// The four states at the time that has been reached.
+    pub(super) fn state_reached(&self) -> State<R> {
+        with_run!(&self.run, stored => State::from_array(four(stored.reached().1)))
+    }
+
+    /// Goes on from other states; valve and command go on as they were. For a rig without an air line or a memory.
+    pub(super) fn resume(&mut self, state: State<R>) {
+        let system = RigSystem::new(&self.rig, self.relative_tolerance);
+        with_run!(&mut self.run, stored => {
+            let (time, _, phase) = *stored.reached();
+            let state = system.start(state);
+            stored.resume(state, system.resume(time, &state, &phase));
+        });
+    }
+
     /// The sample at the time that has been reached.
     pub(super) fn reached(&self) -> Sample<R> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);

@@ -1,6 +1,6 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, WARNED};
 use super::{Material, sought, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -8,10 +8,12 @@ use crate::progress::Progress;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
-use mckibben::simulation::simulate;
+use mckibben::simulation::Trajectory;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
-use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
+use mckibben_identify::trajectories::{
+    Course, Drift, HeldOutRun, Identified, Observed, Recorded, Task, TrajectoryError, Unexplained,
+};
 use mckibben_scenario::{Place, Scenario};
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
@@ -21,6 +23,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         TrajectoryError::Fit(_) => Failure::stopped(error.to_string()),
         _ => Failure::input(error.to_string(), "see `mckibben identify --help`"),
     })?;
+    let held_out = task.held_out(&found);
     drop(progress);
     let mut warnings = material.notes();
     warnings.extend(values::warnings(&found.found.fit));
@@ -28,14 +31,25 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         let (tried, agreeing) = (found.found.tried, found.found.agreeing);
         warnings.push(format!("{agreeing} of {tried} starts led to this minimum."));
     }
+    if let Some(every) = found.segments {
+        warnings.push(format!(
+            "{WARNED}the runs are too sensitive to be fitted whole: a small change of a number is another course in the end. They were \
+             fitted in segments of {} that join, and are drawn so; a simulation of the whole run with the values found leaves the \
+             measured course after a while.",
+            quantity(every, "s")
+        ));
+    }
+    warnings.extend(task.drifts(&found).iter().map(drifting));
+    warnings.extend(task.unexplained(&found).iter().map(unexplained));
     let scenarios = scenarios(&task, &found);
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, &numbers, &scenarios)?;
+    let table = left(&found, &held_out);
+    let sections = sections(&task, &found, &[&numbers, &table], &scenarios);
     Ok(Outcome {
         title: format!("{} from courses in time", material.document.source().name()),
         introduction: introduction(&task, &found),
         sections,
-        table: left(&found),
+        table,
         values: numbers,
         warnings,
         scenarios,
@@ -68,7 +82,7 @@ fn task(material: &Material) -> Result<Task, Failure> {
         runs,
         unknowns,
         starts,
-        horizon: material.study.horizon.clone().map_or(Horizon::Whole, Horizon::Growing),
+        horizon: material.study.horizon.clone(),
         search: material.search(),
         tolerance: 1e-8,
     })
@@ -101,16 +115,52 @@ fn introduction(task: &Task, found: &Identified) -> Vec<String> {
     )]
 }
 
-fn left(found: &Identified) -> Table {
+fn drifting(drift: &Drift) -> String {
+    let (words, unit) = (drift.observed.quantity().words(), drift.observed.quantity().unit());
+    format!(
+        "{WARNED}`{}`: what the model leaves of the {words} changes by {} from the first reading to the last, where readings scatter by {}: \
+         a sensor that drifts (`zero` takes off what you know of it), or something that the scenario lacks.",
+        drift.run,
+        quantity(drift.change, unit),
+        quantity(drift.scatter, unit)
+    )
+}
+
+fn unexplained(rest: &Unexplained) -> String {
+    let (words, unit) = (rest.observed.quantity().words(), rest.observed.quantity().unit());
+    format!(
+        "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
+         lacks something, or the search has ended beside the best values (`more_starts`, `horizon` or `segments` in [search] help \
+         there). The intervals are too short.",
+        quantity(rest.left, unit),
+        quantity(rest.noise, unit)
+    )
+}
+
+/// What is left of each quantity over all runs, and of each run with and without it in the fit.
+fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
         let (words, unit) = (left.0.quantity().words(), left.0.quantity().unit());
-        vec![words.to_owned(), quantity(left.1, unit), quantity(scale.1, unit)]
+        let mut row = vec!["all".to_owned(), words.to_owned(), quantity(left.1, unit), quantity(scale.1, unit)];
+        row.resize(if held_out.is_empty() { 4 } else { 5 }, "–".to_owned());
+        row
     };
-    Table {
-        caption: "What is left of each quantity, root mean square, and by what it was weighed".to_owned(),
-        head: ["quantity", "left", "scale"].map(String::from).to_vec(),
-        rows: found.left.iter().zip(&found.scales).map(row).collect(),
+    let of_run = |of: &HeldOutRun| -> Vec<Vec<String>> {
+        let row = |(observed, [inside, outside]): &(Observed, [f64; 2])| {
+            let (words, unit) = (observed.quantity().words(), observed.quantity().unit());
+            let [inside, outside] = [inside, outside].map(|error| quantity(*error, unit));
+            vec![format!("`{}`", of.name), words.to_owned(), inside, "–".to_owned(), outside]
+        };
+        of.errors.iter().map(row).collect()
+    };
+    let mut head = vec!["run", "quantity", "left", "scale"];
+    let mut caption = "What is left of each quantity, root mean square, and by what it was weighed.".to_owned();
+    if !held_out.is_empty() {
+        head.push("held out");
+        caption.push_str(" Held out: each run in turn is left out of the fit, and the error is taken there.");
     }
+    let rows = found.left.iter().zip(&found.scales).map(row).chain(held_out.iter().flat_map(of_run));
+    Table { caption, head: head.into_iter().map(String::from).collect(), rows: rows.collect() }
 }
 
 /// A scenario file for each run whose scenario differs, or one for all.
@@ -123,38 +173,33 @@ fn scenarios(task: &Task, found: &Identified) -> Vec<(String, String)> {
     }
 }
 
-fn sections(
-    task: &Task,
-    found: &Identified,
-    numbers: &Table,
-    files: &[(String, String)],
-) -> Result<Vec<Section>, Failure> {
-    let mut plates = Vec::new();
+fn sections(task: &Task, found: &Identified, tables: &[&Table; 2], files: &[(String, String)]) -> Vec<Section> {
+    let tables = tables.iter().map(|table| (*table).clone());
     // A page of the first few runs is enough to see how they fit; the table speaks of all.
     let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
-    for ((run, scenario), stem) in task.runs.iter().zip(&found.scenarios).zip(stems) {
-        plates.push(plate(run, scenario, stem)?);
-    }
-    Ok(vec![
+    let plates = task.runs.iter().zip(&found.trajectories).zip(stems);
+    vec![
         Section {
             id: "numbers",
             label: "Numbers",
             title: "What was found",
-            tables: vec![numbers.clone(), left(found), values::correlations(&found.found.fit)],
+            tables: tables.chain([values::correlations(&found.found.fit)]).collect(),
             files: files.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
             ..Section::default()
         },
-        Section { id: "runs", label: "Runs", title: "Measured and simulated", plates, ..Section::default() },
-    ])
+        Section {
+            id: "runs",
+            label: "Runs",
+            title: "Measured and simulated",
+            plates: plates.map(|((run, trajectory), stem)| plate(run, trajectory, stem)).collect(),
+            ..Section::default()
+        },
+    ]
 }
 
-fn plate(run: &Recorded, scenario: &Scenario, stem: &'static str) -> Result<Plate, Failure> {
-    let failed = |error: mckibben::Error| Failure::stopped(error.to_string());
-    let rig = scenario.rig().map_err(failed)?;
-    let start = rig.start(&scenario.initial()).map_err(failed)?;
-    let last = run.courses.iter().filter_map(|course| course.times.last()).fold(0.0_f64, |last, time| last.max(*time));
-    let trajectory = simulate(&rig, start, last, 1e-8).map_err(failed)?;
-    let atmosphere = rig.actuator().air().atmosphere().0;
+fn plate(run: &Recorded, trajectory: &Trajectory, stem: &'static str) -> Plate {
+    let last = trajectory.duration();
+    let atmosphere = trajectory.rig().actuator().air().atmosphere().0;
     let simulated = |observed: Observed, time: f64| observed.of(&trajectory.at(time), atmosphere);
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
@@ -190,5 +235,5 @@ fn plate(run: &Recorded, scenario: &Scenario, stem: &'static str) -> Result<Plat
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);
-    Ok(Plate { stem, caption, figure, data })
+    Plate { stem, caption, figure, data }
 }

@@ -1,0 +1,81 @@
+//! What is left of the courses: whether it goes one way, and whether it is more than the noise of the readings.
+//!
+//! A sensor drifts, the scenario lacks a part of the rig, or the search has ended in a valley that is not the deepest: each
+//! leaves residuals that are no noise, and makes intervals that are too short. The noise of a reading is told by its
+//! neighbours, whatever the model: by how far it lies from a parabola through three of them.
+
+use super::{Identified, Observed, Runs, Task};
+use crate::series::{self, Polynomial};
+
+/// Deviations of its slope from zero above which what is left of a course drifts.
+const TOLD: f64 = 8.0;
+/// Change over the course, in scatters of a reading about the line, below which nobody need know.
+const SIZE: f64 = 1.0;
+
+/// Residuals over noise above which they are no noise.
+const BEYOND_NOISE: f64 = 3.0;
+
+/// A course whose residuals go one way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drift {
+    /// The run.
+    pub run: String,
+    /// What was read.
+    pub observed: Observed,
+    /// Change of measured less simulated from the first reading to the last, in the SI unit, by a straight line.
+    pub change: f64,
+    /// Scatter of a reading about that line.
+    pub scatter: f64,
+}
+
+/// A quantity of which more is left than its noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unexplained {
+    /// What was read.
+    pub observed: Observed,
+    /// Root mean square of what is left, in the SI unit.
+    pub left: f64,
+    /// Standard deviation of the noise of a reading.
+    pub noise: f64,
+}
+
+impl Task {
+    /// The quantities of which the model leaves more than the noise of their readings.
+    pub fn unexplained(&self, found: &Identified) -> Vec<Unexplained> {
+        let of = |(observed, left): &(Observed, f64)| {
+            let (mut squares, mut count) = (0.0, 0.0);
+            for course in self.courses(*observed) {
+                let readings = course.times.len() as f64;
+                squares += readings * series::noise(&course.times, &course.values).powi(2);
+                count += readings;
+            }
+            let noise = (squares / count).sqrt();
+            (*left > BEYOND_NOISE * noise).then_some(Unexplained { observed: *observed, left: *left, noise })
+        };
+        found.left.iter().filter_map(of).collect()
+    }
+
+    /// The courses whose residuals drift from the first reading to the last.
+    pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
+        let runs = Runs { runs: &self.runs, scales: [1.0; 3], until: f64::INFINITY, tolerance: self.tolerance };
+        let mut drifts = Vec::new();
+        for (run, trajectory) in self.runs.iter().zip(&found.trajectories) {
+            let mut residuals = Vec::new();
+            runs.compare(run, trajectory, |residual| residuals.push(residual));
+            let mut rest = residuals.as_slice();
+            for course in &run.courses {
+                let (own, behind) = rest.split_at(course.times.len());
+                rest = behind;
+                let (Some(first), Some(last)) = (course.times.first(), course.times.last()) else { continue };
+                let Some(line) = Polynomial::fit(&course.times, own, 0.5 * (first + last), 1) else { continue };
+                let scatter = (line.squares / line.degrees_of_freedom.max(1) as f64).sqrt();
+                let (slope, deviation) = (line.coefficients[1], scatter * line.deviation(&[0.0, 1.0]));
+                let change = -slope * (last - first);
+                if slope.abs() > TOLD * deviation && change.abs() > SIZE * scatter {
+                    drifts.push(Drift { run: run.name.clone(), observed: course.observed, change, scatter });
+                }
+            }
+        }
+        drifts
+    }
+}

@@ -1,0 +1,69 @@
+//! A run in segments: at given instants its four states are set anew, while valve and command go on.
+//!
+//! What fits a model to a measured course needs this: over a whole run a small error in a number may grow beyond all
+//! bounds, as when a load bounces on a taut braid; over a short segment it does not. With the states at the joints as
+//! further unknowns, and the condition that each segment ends where the next one starts, this is multiple shooting (Bock,
+//! 1983).
+//!
+//! Checked by `tests/segments.rs`: joints that change nothing, and derivatives by the state at a joint.
+
+use super::rig::{Rig, State};
+use super::trajectory::Trajectory;
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::Real;
+
+/// Simulates a rig as [`super::simulate`] does, and at each of the `joints`, times in s that rise from zero to the duration,
+/// goes on from the state that `anew` makes of the number of the joint and the state that was reached.
+///
+/// # Errors
+/// As [`super::simulate`]; [`Error::Stopped`] also for a state at a joint that no actuator can be in, and
+/// [`Error::Unsupported`] for a rig that remembers more than its four states: with an air line, a pressure regulator,
+/// a tendon in series or hysteresis.
+pub fn simulate_in_segments<R: Real>(
+    rig: &Rig<R>,
+    start: State<R>,
+    (duration, relative_tolerance): (R, f64),
+    joints: &[f64],
+    mut anew: impl FnMut(usize, State<R>) -> State<R>,
+) -> Result<Trajectory<R>, Error> {
+    parameter::DURATION.check(duration.value())?;
+    let remembers = rig.actuator().friction().hysteresis().is_some() || rig.tendon().is_some();
+    if rig.has_plumbing() || remembers {
+        return Err(Error::Unsupported {
+            what: "a run in segments sets the four states anew, but this rig remembers more than them",
+            remedy: "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole",
+        });
+    }
+    let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
+    for (place, joint) in joints.iter().enumerate() {
+        trajectory.extend(R::constant(*joint), &mut |_| ())?;
+        let state = anew(place, trajectory.state_reached());
+        check(*joint, &state)?;
+        trajectory.resume(state);
+    }
+    trajectory.extend(duration, &mut |_| ())?;
+    Ok(trajectory)
+}
+
+/// That an actuator can be in a state at a joint.
+fn check<R: Real>(time: f64, state: &State<R>) -> Result<(), Error> {
+    let State { length, velocity, pressure, air_mass } = state;
+    let numbers = [
+        ("length", length.value(), "m", length.value() > 0.0),
+        ("velocity", velocity.value(), "m/s", true),
+        ("absolute pressure", pressure.0.value(), "Pa", pressure.0.value() > 0.0),
+        ("mass of the air", air_mass.value(), "kg", air_mass.value() > 0.0),
+    ];
+    match numbers.into_iter().find(|(_, value, _, good)| !(*good && value.is_finite())) {
+        None => Ok(()),
+        Some((quantity, value, unit, _)) => Err(Error::Stopped {
+            time,
+            reason: "no actuator can be in the state that is set there",
+            quantity,
+            value,
+            unit,
+            remedy: "give finite states; length, pressure and mass of the air above zero",
+        }),
+    }
+}
