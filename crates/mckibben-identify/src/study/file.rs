@@ -399,7 +399,9 @@ impl Within<'_> {
         if dimension != quantity.dimension() {
             let what = format!("`{unit}` is no unit of {}", quantity.words());
             let remedy = match quantity {
-                Quantity::Command => "give \"\" or \"%\": only whether it is above a threshold counts, volts too".to_owned(),
+                Quantity::Command => {
+                    "give \"\" or \"%\": only whether it is above a threshold counts, volts too".to_owned()
+                }
                 _ => such(),
             };
             return Err(self.fault(at, what, remedy));

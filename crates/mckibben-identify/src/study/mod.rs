@@ -102,10 +102,18 @@ impl Quantity {
             Self::AbsolutePressure => ("absolute_pressure", "absolute pressure", "Pa", Dimension::PRESSURE),
             Self::Length => ("length", "length", "m", Dimension::LENGTH),
             Self::Tension => ("tension", "tension", "N", Dimension::FORCE),
-            Self::UpstreamGaugePressure => ("upstream_gauge_pressure", "upstream gauge pressure", "Pa", Dimension::PRESSURE),
-            Self::UpstreamAbsolutePressure => ("upstream_absolute_pressure", "upstream absolute pressure", "Pa", Dimension::PRESSURE),
-            Self::DownstreamGaugePressure => ("downstream_gauge_pressure", "downstream gauge pressure", "Pa", Dimension::PRESSURE),
-            Self::DownstreamAbsolutePressure => ("downstream_absolute_pressure", "downstream absolute pressure", "Pa", Dimension::PRESSURE),
+            Self::UpstreamGaugePressure => {
+                ("upstream_gauge_pressure", "upstream gauge pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::UpstreamAbsolutePressure => {
+                ("upstream_absolute_pressure", "upstream absolute pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::DownstreamGaugePressure => {
+                ("downstream_gauge_pressure", "downstream gauge pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::DownstreamAbsolutePressure => {
+                ("downstream_absolute_pressure", "downstream absolute pressure", "Pa", Dimension::PRESSURE)
+            }
             Self::Temperature => ("temperature", "temperature", "K", Dimension::TEMPERATURE),
             Self::MassFlow => ("mass_flow", "mass flow", "kg/s", Dimension::MASS_FLOW),
             Self::VolumeFlow => ("volume_flow", "volume flow", "m^3/s ANR", Dimension::VOLUME_FLOW),

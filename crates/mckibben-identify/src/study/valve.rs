@@ -192,8 +192,13 @@ impl Within<'_> {
     /// A quantity of a dimension in SI, where a key of a section has one.
     fn number(&self, key: &str, text: &Spanned<String>, (dimension, example): Sort) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
-        let wrong =
-            |why: String| self.fault(at, format!("`{key}` is \"{}\": {why}", text.as_ref()), format!("give {} such as {example}", dimension.noun()));
+        let wrong = |why: String| {
+            self.fault(
+                at,
+                format!("`{key}` is \"{}\": {why}", text.as_ref()),
+                format!("give {} such as {example}", dimension.noun()),
+            )
+        };
         let read = mckibben_scenario::quantity::parse(text.as_ref()).map_err(|error| wrong(error.message))?;
         match read.dimension == dimension {
             true => Ok(read.value),

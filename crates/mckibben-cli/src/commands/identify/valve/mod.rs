@@ -33,7 +33,10 @@ type Stems = [&'static str; 6];
 
 fn valve_of(scenario: &Scenario) -> Result<&Valve, Failure> {
     scenario.valve.as_ref().ok_or_else(|| {
-        Failure::input("the scenario has no valve", "add `[valve]`, `[supply]` and `[command]` as far as they are known")
+        Failure::input(
+            "the scenario has no valve",
+            "add `[valve]`, `[supply]` and `[command]` as far as they are known",
+        )
     })
 }
 
@@ -108,11 +111,9 @@ fn put(scenario: &mut Scenario, numbers: &[(&Parameter, f64)]) -> Result<(), Fai
 /// The rows of a passage's size: C and b, and the flow area.
 fn rows(direction: Direction, of: &Valve) -> [&'static Parameter; 3] {
     match direction == Direction::Exhaust && of.exhaust.is_some() {
-        true => [
-            &parameter::EXHAUST_SONIC_CONDUCTANCE,
-            &parameter::EXHAUST_CRITICAL_RATIO,
-            &parameter::EXHAUST_FLOW_AREA,
-        ],
+        true => {
+            [&parameter::EXHAUST_SONIC_CONDUCTANCE, &parameter::EXHAUST_CRITICAL_RATIO, &parameter::EXHAUST_FLOW_AREA]
+        }
         false => [&parameter::SONIC_CONDUCTANCE, &parameter::CRITICAL_RATIO, &parameter::FLOW_AREA],
     }
 }
@@ -136,7 +137,8 @@ fn with_passage(
         }
         _ => {
             if valve.exhaust.is_none() {
-                warnings.push("the passage is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
+                warnings
+                    .push("the passage is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
             }
             valve.passage = passage;
             valve.exhaust = valve.exhaust.map(|exhaust| exhaust.scaled(efficiency));
@@ -186,7 +188,11 @@ fn longest_at_the_end(values: &[f64]) -> (usize, f64) {
 /// The refusal of a sensor at its end.
 fn at_its_end(run: &str, words: &str, (count, largest): (usize, f64), why: &str) -> Failure {
     Failure::input(
-        format!("the run `{run}`: the {words} reads {largest} Pa, its largest value, {count} times on end, {why}: the sensor is at its end"),
-        format!("say `saturates = \"{largest} Pa\"` in its column to leave these readings out, or a larger value to keep them"),
+        format!(
+            "the run `{run}`: the {words} reads {largest} Pa, its largest value, {count} times on end, {why}: the sensor is at its end"
+        ),
+        format!(
+            "say `saturates = \"{largest} Pa\"` in its column to leave these readings out, or a larger value to keep them"
+        ),
     )
 }

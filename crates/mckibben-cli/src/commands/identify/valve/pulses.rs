@@ -29,8 +29,11 @@ struct Run<'a> {
 pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Failure> {
     let scenario = material.document.scenario()?;
     let mut warnings = material.notes();
-    let runs: Vec<Run<'_>> =
-        material.recordings.iter().map(|recording| run(material, recording, &mut warnings)).collect::<Result<_, _>>()?;
+    let runs: Vec<Run<'_>> = material
+        .recordings
+        .iter()
+        .map(|recording| run(material, recording, &mut warnings))
+        .collect::<Result<_, _>>()?;
     let records: Vec<Delays> = runs.iter().map(|run| run.found.clone()).collect();
     let Some(delays) = Delays::over_all(&records) else { return Err(Failure::stopped("nothing was found")) };
     let rows: [&Parameter; 2] = [&parameter::OPENING_DELAY, &parameter::CLOSING_DELAY];
@@ -124,16 +127,19 @@ fn train(
             let title = format!("the run `{name}` has no command over time");
             return Err(Failure::input(title, "add `[columns.time]`, in the same table"));
         };
-        let ends = command.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(*value), high.max(*value)]
-        });
+        let ends = command
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)]);
         let threshold = entry.threshold.unwrap_or(0.5 * (ends[0] + ends[1]));
         if !(ends[0]..ends[1]).contains(&threshold) {
             let title = format!(
                 "the run `{name}`: the command lies between {} and {} and never crosses the threshold {threshold}",
                 ends[0], ends[1]
             );
-            return Err(Failure::input(title, "give `threshold` in `[pulses]` between the two, and a record with pulses"));
+            return Err(Failure::input(
+                title,
+                "give `threshold` in `[pulses]` between the two, and a record with pulses",
+            ));
         }
         let step = times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         warnings.push(format!(
@@ -156,14 +162,18 @@ fn train(
         (ValveKind::FillHoldExhaust, CommandState::Exhaust, CommandState::Hold) => false,
         (ValveKind::ThreeWayNormallyOpen, CommandState::Fill, _) => true,
         _ => {
-            let title = "the scenario’s valve and command do not pulse one coil between energised in the pulse and released".to_owned();
+            let title =
+                "the scenario’s valve and command do not pulse one coil between energised in the pulse and released"
+                    .to_owned();
             return Err(refused(title, of_column));
         }
     };
     let [first, last] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));
     let pulses = (frequency * (last - entry.begins).max(0.0)).floor() as usize + 1;
     let train = PulseTrain::pwm(*frequency, *duty, pulses).map_err(|error| failed(name, &error))?;
-    let train = train.within(entry.begins, [first, last]);
+    // An edge counts where the record goes on for half of the shorter of pulse and pause.
+    let least = duty.min(1.0 - duty) / frequency;
+    let train = train.within(entry.begins, [first, last - 0.5 * least]);
     Ok(if turned { train.turned() } else { train })
 }
 
@@ -187,7 +197,11 @@ fn with_delays(
     }
     for (row, delay) in rows.iter().zip(delays) {
         if delay.value < 0.0 {
-            warnings.push(format!("{WARNED}`{}` comes out as {}; the scenario has 0.", row.key, told(delay, 1e3, "ms")));
+            warnings.push(format!(
+                "{WARNED}`{}` comes out as {}; the scenario has 0.",
+                row.key,
+                told(delay, 1e3, "ms")
+            ));
         }
         put(&mut scenario, &[(*row, delay.value.max(0.0))])?;
     }
@@ -236,7 +250,9 @@ fn onset_plate(run: &Run<'_>, stem: &'static str) -> Plate {
     let spans: Vec<(f64, f64)> = energised.map(|(edge, end)| (edge.0, end.min(to).min(last))).collect();
     let (times, pressures): (Vec<f64>, Vec<f64>) =
         run.times.iter().zip(&run.pressures).filter(|(time, _)| shown(**time)).map(|(t, p)| (*t, *p)).unzip();
-    let onsets = |energised: bool| run.found.onsets.iter().filter(move |onset| onset.energised == energised && shown(onset.time));
+    let onsets = |energised: bool| {
+        run.found.onsets.iter().filter(move |onset| onset.energised == energised && shown(onset.time))
+    };
     let at = |onset: &Onset| (onset.time, pressure_at(run, onset.time));
     let mut panel = Panel::new(Axis::new(run.quantity.words(), "Pa"))
         .legend(Legend::Above)
@@ -279,13 +295,13 @@ fn duty_plate(points: &[DutyPoint], delays: &[Estimate; 2]) -> Option<Plate> {
     let x: Vec<f64> = points.iter().map(over).collect();
     let effective = points.iter().map(|point| point.effective).collect();
     let mut data = Data::new(&["frequency_hz", "commanded_duty", "effective_duty", "by_the_delays"]);
-    data.rows = points
-        .iter()
-        .map(|point| vec![point.frequency, point.commanded, point.effective, predicted(point)])
-        .collect();
+    data.rows =
+        points.iter().map(|point| vec![point.frequency, point.commanded, point.effective, predicted(point)]).collect();
     let mut sorted: Vec<&DutyPoint> = points.iter().collect();
     sorted.sort_by(|a, b| over(a).total_cmp(&over(b)));
-    let line = |of: &dyn Fn(&DutyPoint) -> f64| -> (Vec<f64>, Vec<f64>) { sorted.iter().map(|point| (over(point), of(point))).unzip() };
+    let line = |of: &dyn Fn(&DutyPoint) -> f64| -> (Vec<f64>, Vec<f64>) {
+        sorted.iter().map(|point| (over(point), of(point))).unzip()
+    };
     let (commanded, by_delays) = (line(&|point| point.commanded), line(&predicted));
     let axis = if by_duty { Axis::new("commanded duty", "") } else { Axis::new("frequency", "Hz") };
     let panel = Panel::new(Axis::new("duty", ""))

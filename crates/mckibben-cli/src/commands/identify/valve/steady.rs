@@ -32,13 +32,15 @@ impl Points {
     fn failed(&self, error: &ValveError) -> Failure {
         let help = "see `mckibben identify --help`";
         match error {
-            ValveError::Implausible { what, point, value, unit, problem, remedy } => match self.origins.get(point - 1) {
-                Some((run, reading)) => Failure::input(
-                    format!("the run `{run}`: {what} of reading {reading} is {value} {unit}, {problem}"),
-                    *remedy,
-                ),
-                None => Failure::input(error.to_string(), help),
-            },
+            ValveError::Implausible { what, point, value, unit, problem, remedy } => {
+                match self.origins.get(point - 1) {
+                    Some((run, reading)) => Failure::input(
+                        format!("the run `{run}`: {what} of reading {reading} is {value} {unit}, {problem}"),
+                        *remedy,
+                    ),
+                    None => Failure::input(error.to_string(), help),
+                }
+            }
             ValveError::Fit(_) => Failure::stopped(error.to_string()),
             _ => Failure::input(error.to_string(), help),
         }
@@ -210,7 +212,9 @@ fn of_run(
     atmosphere: f64,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<(usize, SteadyPoint)>, Failure> {
-    use Quantity::{DownstreamAbsolutePressure, DownstreamGaugePressure, UpstreamAbsolutePressure, UpstreamGaugePressure};
+    use Quantity::{
+        DownstreamAbsolutePressure, DownstreamGaugePressure, UpstreamAbsolutePressure, UpstreamGaugePressure,
+    };
     let (upstream, _) = absolute_pressures(recording, [UpstreamGaugePressure, UpstreamAbsolutePressure], atmosphere)?;
     let (downstream, measured) =
         absolute_pressures(recording, [DownstreamGaugePressure, DownstreamAbsolutePressure], atmosphere)?;
@@ -279,13 +283,17 @@ fn saturated(recording: &Recording, points: &[(usize, SteadyPoint)]) -> Result<(
 
 /// C from the choked points alone, b from the others with that C.
 fn the_standards_way(found: &FlowCurve) -> Table {
-    let rows = [(&found.choked_conductance, found.choked, "choked"), (&found.subsonic_ratio, found.subsonic, "subsonic")];
+    let rows =
+        [(&found.choked_conductance, found.choked, "choked"), (&found.subsonic_ratio, found.subsonic, "subsonic")];
     let row = |(estimate, count, which): (&Estimate, usize, &str)| {
         let mut row = values::row(estimate);
         row[0] = format!("{} ({count} {which} points)", row[0].replace('`', "").replace('_', " "));
         row
     };
-    Table { rows: rows.map(row).to_vec(), ..values::of("One after the other, as the standard goes about it".to_owned(), &[]) }
+    Table {
+        rows: rows.map(row).to_vec(),
+        ..values::of("One after the other, as the standard goes about it".to_owned(), &[])
+    }
 }
 
 /// Conductance over the pressure ratio, measured and fitted.
@@ -364,7 +372,8 @@ fn ratio_plate(points: &[SteadyPoint], found: &Efficiency) -> Plate {
     let x = Axis::new("downstream over upstream pressure", "").starting_at(0.0).ending_at(1.0);
     Plate {
         stem: "ratios",
-        caption: "Measured over calculated flow, point by point, and the factor that fits best with its interval.".to_owned(),
+        caption: "Measured over calculated flow, point by point, and the factor that fits best with its interval."
+            .to_owned(),
         figure: Figure { width_mm: 130.0, x, panels: vec![panel], ..Figure::default() },
         data,
     }

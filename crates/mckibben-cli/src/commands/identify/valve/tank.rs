@@ -3,8 +3,8 @@
 use super::super::outcome::{Outcome, WARNED};
 use super::super::{Material, gauge_pressures, values};
 use super::steady::curve_plate;
-use super::{Stems, actuator_of, at_its_end, conductance, failed, file, law_of, longest_at_the_end, named, passage_of};
 use super::{STUCK, put, told, valve_of, with_conductance};
+use super::{Stems, actuator_of, at_its_end, conductance, failed, file, law_of, longest_at_the_end, named, passage_of};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
@@ -54,7 +54,8 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         numbers.head.insert(0, "run".to_owned());
     }
     let pressures: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
-    let curves: Stems = ["flow-curve-1", "flow-curve-2", "flow-curve-3", "flow-curve-4", "flow-curve-5", "flow-curve-6"];
+    let curves: Stems =
+        ["flow-curve-1", "flow-curve-2", "flow-curve-3", "flow-curve-4", "flow-curve-5", "flow-curve-6"];
     for (place, recording) in material.recordings.iter().enumerate() {
         let stems = pressures.get(place).zip(curves.get(place)).map(|(pressure, curve)| [*pressure, *curve]);
         let experiment = experiment(material, recording, entry, &mut warnings)?;
@@ -112,7 +113,10 @@ fn experiment<'a>(
             };
             if supply.reservoir.is_some() || supply.regulator.is_some() {
                 let title = "the scenario’s supply changes as air is drawn from it";
-                return Err(Failure::input(title, "measure behind a supply that holds its pressure, or fit `trajectories`"));
+                return Err(Failure::input(
+                    title,
+                    "measure behind a supply that holds its pressure, or fit `trajectories`",
+                ));
             }
             Transfer::Charge {
                 supply: AbsolutePressure(supply.gauge_pressure + atmosphere),
@@ -174,9 +178,10 @@ fn possible(
         _ => "check the unit; if it is a gauge pressure, name its column `gauge_pressure`",
     };
     match transfer {
-        Transfer::Discharge if last >= first => {
-            refuse("the pressure does not fall, but the study says discharge".to_owned(), "say `transfer = \"charge\"`, or mend `begins` and `ends`")
-        }
+        Transfer::Discharge if last >= first => refuse(
+            "the pressure does not fall, but the study says discharge".to_owned(),
+            "say `transfer = \"charge\"`, or mend `begins` and `ends`",
+        ),
         Transfer::Discharge if least < 0.9 * atmosphere => refuse(
             format!(
                 "the {words} falls to {} absolute, but the surroundings to which it is discharged have {}",
@@ -189,9 +194,10 @@ fn possible(
             let why = "while the tank is discharged (or its valve opens later: mend `begins`)";
             Err(at_its_end(run, words, (stuck, reads), why))
         }
-        Transfer::Charge { .. } if last <= first => {
-            refuse("the pressure does not rise, but the study says charge".to_owned(), "say `transfer = \"discharge\"`, or mend `begins` and `ends`")
-        }
+        Transfer::Charge { .. } if last <= first => refuse(
+            "the pressure does not rise, but the study says charge".to_owned(),
+            "say `transfer = \"discharge\"`, or mend `begins` and `ends`",
+        ),
         Transfer::Charge { supply, .. } if most > 1.05 * supply.0 => refuse(
             format!(
                 "the {words} rises to {} absolute, but the supply that charges it has {}",
@@ -230,7 +236,8 @@ fn by_windows(
 ) -> Result<Found, Failure> {
     if of.scenario.air.process != Process::Isothermal {
         let title = "`tank.windows` is of an isothermal tank, which `air.process` of the scenario is not";
-        let help = "say `process = \"isothermal\"` in `[air]` of a tank stuffed with metal wool, or leave `windows` out";
+        let help =
+            "say `process = \"isothermal\"` in `[air]` of a tank stuffed with metal wool, or leave `windows` out";
         return Err(Failure::input(title, help));
     }
     let wrong = |error| failed(of.run, &error);
@@ -246,7 +253,9 @@ fn by_windows(
         points.len()
     );
     let plates = match stems {
-        Some([pressure, curve]) => vec![pressure_plate(of, None, pressure), curve_plate(&points, &found, &of.tank.air, curve)?],
+        Some([pressure, curve]) => {
+            vec![pressure_plate(of, None, pressure), curve_plate(&points, &found, &of.tank.air, curve)?]
+        }
         None => Vec::new(),
     };
     Ok(Found { scenario, numbers, words, plates })
@@ -269,10 +278,10 @@ fn by_trajectory(
         ));
     }
     warnings.extend(values::warnings(&found.fit));
-    let (mut scenario, mut numbers, mut words) = match (&found.sonic_conductance, &found.critical_ratio, &found.volume) {
+    let (mut scenario, mut numbers, mut words) = match (&found.sonic_conductance, &found.critical_ratio, &found.volume)
+    {
         (Some(c), Some(b), _) => {
-            let (scenario, numbers) =
-                with_conductance(&of.scenario, of.entry.transfer, [c, b], false, warnings)?;
+            let (scenario, numbers) = with_conductance(&of.scenario, of.entry.transfer, [c, b], false, warnings)?;
             (scenario, numbers, format!("C = {} and b = {}", conductance(c), told(b, 1.0, "")))
         }
         (_, _, Some(volume)) => with_volume(of, volume)?,
@@ -339,7 +348,8 @@ fn told_volume(volume: f64) -> String {
 /// Pressure over time, measured and fitted.
 fn pressure_plate(of: &Experiment<'_>, found: Option<&TankFit>, stem: &'static str) -> Plate {
     let measured = Series::dots("measured", of.times.clone(), of.pressures.clone()).colour(Colour::Category(1));
-    let mut top = Panel::new(Axis::new("absolute pressure", "Pa")).legend(Legend::Above).height_mm(55.0).series(measured);
+    let mut top =
+        Panel::new(Axis::new("absolute pressure", "Pa")).legend(Legend::Above).height_mm(55.0).series(measured);
     let mut panels = Vec::new();
     let mut data = Data::new(&["time_s", "measured_pa", "fitted_pa"]);
     let mut caption = format!("`{}`: the pressure in the tank", of.run);
