@@ -17,19 +17,23 @@ awk 'BEGIN {
     }
 }' > flow.csv
 
-# A bottle of 0.5 L, of which the muscle at 90 mm has 4.5 cm³, from 7 bar; a sensor with steps of 0.5 kPa.
-mckibben simulate rig.toml $valve --set 'actuator.external_volume="495.474cm^3"' --set 'air.process="isothermal"' \
-    --set 'command={kind="exhaust"}' --set 'initial.gauge_pressure="7bar"' \
-    --set 'run.duration="1.5s"' --set 'run.sample_interval="10ms"' --output run.csv
-rounded() {
-    awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,P"; next }
-        { printf "%s,%.1f\n", $at["time_s"], int($at["pressure_pa"] / 500 + 0.5) / 2 }' run.csv > "$1"
+# Time and pressure of run.csv, with noise of 0.3 kPa (sums of twelve numbers of the generator of Park and Miller) in steps of 0.1 kPa.
+measured() {
+    awk -F, -v state="$2" 'function uniform() { state = state * 16807 % 2147483647; return state / 2147483647 }
+        NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,P"; next }
+        { noise = -6; for (k = 0; k < 12; k++) noise += uniform()
+          printf "%s,%.1f\n", $at["time_s"], $at["pressure_pa"] / 1000 + 0.3 * noise }' run.csv > "$1"
 }
-rounded discharge.csv
+
+# A bottle of 0.5 L, of which the muscle at 90 mm has 4.5 cm³, from 7 bar.
+mckibben simulate rig.toml $valve --set 'actuator.external_volume="495.474cm^3"' --set 'air.process="isothermal"' \
+    --set 'command={kind="exhaust"}' --set 'valve.opening_delay="0s"' --set 'valve.closing_delay="0s"' --set 'initial.gauge_pressure="7bar"' \
+    --set 'run.duration="1.5s"' --set 'run.sample_interval="10ms"' --output run.csv
+measured discharge.csv 1
 
 # Pulses into hose and fittings of 60 cm³, sampled at 2 kHz.
 for frequency in 10 20 40; do
     mckibben simulate rig.toml $valve --set "command.frequency=\"${frequency}Hz\"" --output run.csv
-    rounded "pulses-${frequency}hz.csv"
+    measured "pulses-${frequency}hz.csv" $frequency
 done
 rm run.csv
