@@ -5,16 +5,20 @@ mod common;
 use common::{Folder, of_repository};
 use std::path::Path;
 
-/// The scenario files under a folder, as paths below it without their ending.
+/// The scenario files under a folder, as paths below it without their ending; a study is none.
 fn stems(folder: &Path, below: &str, stems: &mut Vec<String>) {
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
         let name = format!("{below}{}", entry.file_name().into_string().unwrap());
         if entry.path().is_dir() {
             self::stems(&entry.path(), &format!("{name}/"), stems);
-        } else if let Some(stem) = name.strip_suffix(".toml") {
+        } else if let Some(stem) = name.strip_suffix(".toml").filter(|_| !is_study(&entry.path())) {
             stems.push(stem.to_owned());
         }
     }
+}
+
+fn is_study(path: &Path) -> bool {
+    std::fs::read_to_string(path).unwrap().contains("\n[study]\n")
 }
 
 #[test]
@@ -36,6 +40,7 @@ fn every_example_of_the_repository_has_a_figure() {
         assert_eq!(text, std::fs::read(examples.join(format!("{name}.toml"))).unwrap());
     }
     assert_eq!(page.matches("<img ").count(), names.len());
+    assert!(names.contains(&"identify/rig".to_owned()) && !names.contains(&"identify/tank".to_owned()), "{names:?}");
     assert!(!page.contains("class=\"failed\"") && !page.contains("<script"));
     for (name, command) in [
         ("linearize-pwm", "linearize"),

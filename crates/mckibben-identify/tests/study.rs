@@ -1,6 +1,6 @@
 //! Studies: every rule for dirty data by data that break it, both formats, and every mistake with its place.
 
-use mckibben_identify::study::{Kind, Quantity, Recording, Severity, Study, StudyError};
+use mckibben_identify::study::{Direction, Kind, Quantity, Recording, Severity, Study, StudyError, TankTarget};
 use std::path::PathBuf;
 
 /// A folder that is gone afterwards.
@@ -256,4 +256,53 @@ fn mistakes_are_shown_where_they_are() {
         .study(&format!("{head}{columns}[[run]]\nfile = \"data.xlsx\"\n"))
         .unwrap_or_else(|error| panic!("{error}"));
     assert!(other.recordings().expect_err("format").to_string().contains(".parquet"));
+}
+
+#[test]
+fn degrees_have_a_zero_of_their_own_and_their_differences_have_none() {
+    let folder = Folder::new("degrees");
+    folder.write("flow.csv", "T,Q\n20,60\n25,120\n");
+    let study = |unit: &str, more: &str, flow: &str| {
+        folder.study(&format!(
+            "[study]\nkind = \"flow-curve\"\nscenario = \"m.toml\"\n[columns.temperature]\nname = \"T\"\nunit = \"{unit}\"\n{more}\n\
+             [columns.volume_flow]\nname = \"Q\"\nunit = \"{flow}\"\n[[run]]\nfile = \"flow.csv\"\n"
+        ))
+    };
+    for (unit, expected) in [("degC", [293.15, 298.15]), ("K", [20.0, 25.0]), ("degF", [479.67 / 1.8, 484.67 / 1.8])] {
+        let recording = study(unit, "", "L/min ANR").and_then(|study| study.recordings()).expect("a table").remove(0);
+        let read = &recording.column(Quantity::Temperature).expect("one").values;
+        assert!(read.iter().zip(expected).all(|(read, exact)| (read - exact).abs() < 1e-9), "{read:?}");
+        let flow = &recording.column(Quantity::VolumeFlow).expect("one").values;
+        assert!((flow[0] - 1e-3).abs() < 1e-15 && (flow[1] - 2e-3).abs() < 1e-15, "{flow:?}");
+    }
+    let cooler = study("degC", "offset = \"2 K\"", "L/min ANR").and_then(|study| study.recordings()).expect("a table");
+    assert!((cooler[0].column(Quantity::Temperature).expect("one").values[0] - 291.15).abs() < 1e-9);
+    let error = study("degC", "deviation = \"0.1 degC\"", "L/min ANR").expect_err("no difference");
+    assert_eq!(error.line, Some(7));
+    assert!(error.to_string().contains("a difference is due"), "{error}");
+    let error = study("degC", "", "L/min").expect_err("no air").to_string();
+    assert!(error.contains("line 10") && error.contains("ISO 8778"), "{error}");
+}
+
+#[test]
+fn sections_of_a_valve_are_read_to_si() {
+    let folder = Folder::new("sections");
+    folder.write("d.csv", "t,P\n0,1\n");
+    let study = |kind: &str, section: &str| {
+        folder.study(&format!(
+            "[study]\nkind = \"{kind}\"\nscenario = \"m.toml\"\n[columns.time]\nname = \"t\"\nunit = \"s\"\n[[run]]\nfile = \"d.csv\"\n{section}\n"
+        ))
+    };
+    let tank = "[tank]\nfind = \"valve\"\ntransfer = \"charge\"\nvolume = \"500 mL\"\ntemperature = \"20 degC\"\nbegins = \"10 ms\"\nwindows = 40";
+    let read = study("tank", tank).expect("a study").tank.expect("a tank");
+    assert_eq!((read.find, read.transfer), (TankTarget::Valve, Direction::Supply));
+    assert_eq!((read.volume, read.temperature, read.begins, read.windows), (5e-4, Some(293.15), Some(0.01), Some(40)));
+    let flow = study("steady-flow", "[flow]\npassage = \"exhaust\"\narea = \"3 mm^2\"").expect("a study").flow;
+    assert_eq!((flow.passage, flow.area), (Direction::Exhaust, Some(3e-6)));
+    let pulses = study("pulse-train", "[pulses]\nbegins = \"0.2 s\"\nthreshold = 2.5").expect("a study").pulses;
+    assert_eq!((pulses.begins, pulses.threshold), (0.2, Some(2.5)));
+    for (kind, section) in [("force-map", "pulses"), ("flow-curve", "pulses"), ("trajectories", "flow")] {
+        let error = study(kind, &format!("[{section}]")).expect_err("another kind").to_string();
+        assert!(error.contains(&format!("`[{section}]` belongs to a study of the kind")), "{error}");
+    }
 }

@@ -293,6 +293,14 @@ fn heat_transfer_is_found_beside_the_valve() {
     let found = of(0.2).fit(&record, guess, true).expect("a fit");
     close(found.heat_transfer.expect("h A").value, 0.5, 0.05, "h A");
     close(found.sonic_conductance.expect("C").value, CONDUCTANCE, 0.01, "C");
+    // A record that ends at half of the upstream pressure: from these guesses alone the search ends elsewhere.
+    let times: Vec<f64> = (0..=240).map(|place| 5e-3 * f64::from(place)).collect();
+    let exact = of(0.5).pressures(AbsolutePressure(8.01325e5), VALVE, 1.0, &times).expect("pressures");
+    let short = TankRecord::new(times, Noise::new(8).added_to(&exact, 5.0)).expect("a record");
+    let far = Sought::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
+    let found = of(0.2).fit(&short, far, true).expect("a fit");
+    close(found.heat_transfer.expect("h A").value, 0.5, 0.05, "h A");
+    close(found.critical_ratio.expect("b").value, RATIO, 0.05, "b");
     let without = tank(Process::Isothermal, Transfer::Discharge).fit(&record, guess, true).expect_err("no heat");
     assert!(without.to_string().contains("energy balance"), "{without}");
 }
@@ -398,4 +406,50 @@ fn pulse_trains_without_an_answer_are_refused() {
     assert!(PulseTrain::pwm(10.0, 50.0, 4).expect_err("percent").to_string().contains("50 % is 0.5"));
     let percent = [DutyPoint { frequency: 25.0, commanded: 50.0, effective: 43.0 }; 2];
     assert!(delay_difference(&percent).expect_err("percent").to_string().contains("50 % is 0.5"));
+}
+
+#[test]
+fn edges_of_a_sampled_command_lie_on_the_line_through_the_threshold() {
+    let time = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+    let train = PulseTrain::of_command(&time, &[0.0, 0.0, 24.0, 24.0, 0.0, 0.0, 24.0], 6.0).expect("a train");
+    let exact = [(0.125, true), (0.375, false), (0.525, true)];
+    for (edge, exact) in train.edges().iter().zip(exact) {
+        assert!((edge.0 - exact.0).abs() < 1e-12 && edge.1 == exact.1, "{edge:?}");
+    }
+    let [frequency, duty] = train.frequency_and_duty().expect("a period");
+    close(frequency, 1.0 / 0.4, 1e-12, "frequency");
+    close(duty, 0.25 / 0.4, 1e-12, "duty");
+    assert_eq!(train.clone().turned().edges()[0].1, false);
+    let later = train.within(1.0, [1.2, 1.4]);
+    assert_eq!(later.edges().len(), 1);
+    assert!(later.frequency_and_duty().is_none());
+    let never = PulseTrain::of_command(&time, &[0.0; 7], 0.5).expect_err("no edge").to_string();
+    assert!(never.contains("never crosses the threshold"), "{never}");
+}
+
+#[test]
+fn delays_over_all_records_are_the_mean_of_all_pulses() {
+    let time: Vec<f64> = (0..=800).map(|place| f64::from(place) * 5e-4 + 2e-4).collect();
+    let of = |frequency: f64, seed: u64| {
+        let noisy = Noise::new(seed).added_to(&pulsed(frequency, 0.5, &time), 100.0);
+        let train = PulseTrain::pwm(frequency, 0.5, 40).expect("a train").within(0.0, [time[0], time[800]]);
+        Delays::find(&time, &noisy, &train).expect("delays")
+    };
+    let records = [of(10.0, 1), of(20.0, 2)];
+    let [opening, closing] = Delays::over_all(&records).expect("delays");
+    let all = || records.iter().flat_map(|record| &record.onsets);
+    for (found, energised) in [(&opening, true), (&closing, false)] {
+        let delays: Vec<f64> =
+            all().filter(|onset| onset.energised == energised).map(|onset| onset.time - onset.edge).collect();
+        close(found.value, delays.iter().sum::<f64>() / delays.len() as f64, 1e-12, "mean");
+    }
+    assert!(holds(&opening, DELAYS[0]) && holds(&closing, DELAYS[1]), "{opening:?} {closing:?}");
+    assert!(Delays::over_all(&[]).is_none());
+}
+
+#[test]
+fn conductance_is_c_at_any_choked_point() {
+    for (upstream, ratio, temperature) in [(7e5, 0.1, 250.0), (3e5, 0.3, 340.0)] {
+        close(point(upstream, ratio, temperature).conductance(), CONDUCTANCE, 1e-12, "C");
+    }
 }

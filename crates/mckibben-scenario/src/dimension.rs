@@ -68,6 +68,8 @@ impl Dimension {
     pub const ANGULAR_DAMPING: Self = Self::new(2, 1, -1, 0, -1);
     /// m³/s
     pub const VOLUME_FLOW: Self = Self::new(3, 0, -1, 0, 0);
+    /// kg/s, of which N·s/m is another name.
+    pub const MASS_FLOW: Self = Self::DAMPING;
     /// m³/(s·Pa)
     pub const CONDUCTANCE: Self = Self::new(4, -1, 1, 0, 0);
     /// W/K

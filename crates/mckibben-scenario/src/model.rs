@@ -501,8 +501,8 @@ fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
 }
 
 fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
-    let law = |port, passage| {
-        valve::FlowLaw::of_passage(port, flow_standard(passage), valve.efficiency, valve.laminar_ratio, air)
+    let law = |port, passage: Passage| {
+        valve::FlowLaw::of_passage(port, passage.standard(), valve.efficiency, valve.laminar_ratio, air)
     };
     let inlet = law(valve::Port::Supply, valve.passage)?;
     let outlet = valve.exhaust.map(|passage| law(valve::Port::Exhaust, passage)).transpose()?;
@@ -515,14 +515,30 @@ fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::V
     Ok(outlet.map_or(built, |outlet| built.with_exhaust(outlet)))
 }
 
-fn flow_standard(passage: Passage) -> valve::FlowStandard {
-    match passage {
-        Passage::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
-            valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
+impl Passage {
+    /// As the core has it.
+    pub fn standard(self) -> valve::FlowStandard {
+        match self {
+            Self::FlowArea(flow_area) => valve::FlowStandard::Orifice { flow_area },
+            Self::Iso6358 { sonic_conductance, critical_ratio } => {
+                valve::FlowStandard::Iso6358 { sonic_conductance, critical_ratio }
+            }
+            Self::Kv { kv, pressure_drop_ratio } => valve::FlowStandard::Kv { kv, pressure_drop_ratio },
+            Self::Cv { cv, pressure_drop_ratio } => valve::FlowStandard::Cv { cv, pressure_drop_ratio },
         }
-        Passage::Kv { kv, pressure_drop_ratio } => valve::FlowStandard::Kv { kv, pressure_drop_ratio },
-        Passage::Cv { cv, pressure_drop_ratio } => valve::FlowStandard::Cv { cv, pressure_drop_ratio },
+    }
+
+    /// The same passage that lets through `factor` times as much.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        match self {
+            Self::FlowArea(area) => Self::FlowArea(factor * area),
+            Self::Iso6358 { sonic_conductance, critical_ratio } => {
+                Self::Iso6358 { sonic_conductance: factor * sonic_conductance, critical_ratio }
+            }
+            Self::Kv { kv, pressure_drop_ratio } => Self::Kv { kv: factor * kv, pressure_drop_ratio },
+            Self::Cv { cv, pressure_drop_ratio } => Self::Cv { cv: factor * cv, pressure_drop_ratio },
+        }
     }
 }
 

@@ -130,8 +130,9 @@ impl Work<'_> {
     /// A column as it stands, in SI, less its offset.
     fn raw(&mut self, entry: &ColumnEntry) -> Column {
         let found = self.table.columns.iter().find(|(name, _)| *name == entry.name);
-        let values =
-            found.map(|(_, values)| values.iter().map(|value| value * entry.scale - entry.rules.offset).collect());
+        let values = found.map(|(_, values)| {
+            values.iter().map(|value| value * entry.scale + entry.zero - entry.rules.offset).collect()
+        });
         if entry.rules.offset != 0.0 {
             let (of, unit) = (entry.quantity.words(), entry.quantity.unit());
             self.note(Severity::Told, format!("an offset of {:.4e} {unit} was taken off the {of}", entry.rules.offset));

@@ -2,6 +2,7 @@
 
 use super::clean::{self, Rules};
 use super::table::{self, Table};
+use super::valve::{FlowEntry, PulsesEntry, RawFlow, RawPulses, RawTank, Sections, TankEntry};
 use super::{Quantity, Recording, StudyError};
 use crate::trajectories::Horizon;
 use mckibben_scenario::{Dimension, quantity};
@@ -22,6 +23,30 @@ pub enum Kind {
     RingDown,
     /// Any numbers of a scenario from courses in time.
     Trajectories,
+    /// C and b of a valve from steady flow over the pressure ratio.
+    FlowCurve,
+    /// The factor on a valve's calculated flow from steady flow.
+    SteadyFlow,
+    /// A valve, or a volume, from the pressure in a tank that is charged or discharged.
+    Tank,
+    /// Delays of a seat from the pressure under a pulse train.
+    PulseTrain,
+}
+
+impl Kind {
+    /// As it is written in a study.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ForceMap => "force-map",
+            Self::Hysteresis => "hysteresis",
+            Self::RingDown => "ring-down",
+            Self::Trajectories => "trajectories",
+            Self::FlowCurve => "flow-curve",
+            Self::SteadyFlow => "steady-flow",
+            Self::Tank => "tank",
+            Self::PulseTrain => "pulse-train",
+        }
+    }
 }
 
 /// A study file as it was read.
@@ -47,6 +72,12 @@ pub struct Study {
     pub horizon: Horizon,
     /// Whether units that seem wrong are right.
     pub units_are_right: bool,
+    /// `[flow]` of steady flow.
+    pub flow: FlowEntry,
+    /// `[tank]`; there exactly for a tank.
+    pub tank: Option<TankEntry>,
+    /// `[pulses]` of a pulse train.
+    pub pulses: PulsesEntry,
 }
 
 /// What a column measures and how.
@@ -58,6 +89,8 @@ pub struct ColumnEntry {
     pub name: String,
     /// Size of its unit in SI.
     pub scale: f64,
+    /// What 0 of its unit is in SI: zero but of degC and degF.
+    pub zero: f64,
     /// The rules of its own.
     pub rules: Rules,
 }
@@ -102,6 +135,9 @@ struct File {
     fit: BTreeMap<String, RawSought>,
     #[serde(default)]
     search: RawSearch,
+    flow: Option<Spanned<RawFlow>>,
+    tank: Option<Spanned<RawTank>>,
+    pulses: Option<Spanned<RawPulses>>,
 }
 
 #[derive(Deserialize)]
@@ -260,6 +296,8 @@ impl Study {
                 return Err(within.fault(Some(text.span().start), what, "leave one of them out"));
             }
         };
+        let sections = Sections { flow: file.flow, tank: file.tank, pulses: file.pulses };
+        let of_valve = sections.read(&within, head.kind, head_at)?;
         Ok(Self {
             path: path.to_path_buf(),
             kind: head.kind,
@@ -271,6 +309,9 @@ impl Study {
             robust,
             horizon,
             units_are_right: head.units_are_right,
+            flow: of_valve.flow,
+            tank: of_valve.tank,
+            pulses: of_valve.pulses,
         })
     }
 
@@ -306,13 +347,13 @@ fn beside(file: &Path, path: &Path) -> PathBuf {
 }
 
 /// A text whose mistakes are told with their lines.
-struct Within<'a> {
+pub(super) struct Within<'a> {
     path: &'a Path,
     text: &'a str,
 }
 
 impl Within<'_> {
-    fn fault(&self, at: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> StudyError {
+    pub(super) fn fault(&self, at: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> StudyError {
         let line = at.map(|at| self.text[..at.min(self.text.len())].matches('\n').count() + 1);
         StudyError::new(self.path, line, what, remedy)
     }
@@ -331,11 +372,65 @@ impl Within<'_> {
             let what = format!("\"{}\" is no {}", text.as_ref(), of.words());
             return Err(self.fault(at, what, format!("give it with a unit such as {}", of.unit())));
         }
+        self.counted(of, text)?;
         Ok(read.value)
     }
 
     fn maybe(&self, text: Option<&Spanned<String>>, of: Quantity) -> Result<Option<f64>, StudyError> {
         text.map(|text| self.si(text, of)).transpose()
+    }
+
+    /// A difference of two values; degC and degF have a zero of their own, and none is meant.
+    fn difference(&self, text: Option<&Spanned<String>>, of: Quantity) -> Result<Option<f64>, StudyError> {
+        match text.filter(|text| of == Quantity::Temperature && text.as_ref().contains(['C', 'F', '℃', '℉'])) {
+            Some(text) => {
+                let what = format!("\"{}\" has a zero of its own, but a difference is due", text.as_ref());
+                Err(self.fault(Some(text.span().start), what, "give it in K or degR"))
+            }
+            None => self.maybe(text, of),
+        }
+    }
+
+    /// Size and zero of a column's unit in SI.
+    fn unit(&self, quantity: Quantity, text: &Spanned<String>) -> Result<(f64, f64), StudyError> {
+        let (at, unit) = (Some(text.span().start), text.as_ref());
+        let such = || format!("give a unit such as {}", quantity.unit());
+        // What a number of this unit is; of degC and degF one alone does not tell it.
+        let of = |number: &str| {
+            quantity::parse(&format!("{number} {unit}"))
+                .map_err(|error| self.fault(at, error.message, error.help.unwrap_or_else(such)))
+        };
+        let (dimension, scale, zero): (Dimension, f64, f64) = match quantity::parse_unit(unit) {
+            Ok((dimension, scale)) => (dimension, scale, 0.0),
+            Err(_) if quantity == Quantity::Temperature => {
+                let [zero, one] = [of("0")?, of("1")?];
+                (zero.dimension, one.value - zero.value, zero.value)
+            }
+            Err(error) => return Err(self.fault(at, error.message, error.help.unwrap_or_else(such))),
+        };
+        if dimension != quantity.dimension() {
+            let what = format!("`{unit}` is no unit of {}", quantity.words());
+            let remedy = match quantity {
+                Quantity::Command => {
+                    "give \"\" or \"%\": only whether it is above a threshold counts, volts too".to_owned()
+                }
+                _ => such(),
+            };
+            return Err(self.fault(at, what, remedy));
+        }
+        self.counted(quantity, text)?;
+        Ok((scale, zero))
+    }
+
+    /// Refuses a volume flow that does not say which air it counts.
+    fn counted(&self, of: Quantity, text: &Spanned<String>) -> Result<(), StudyError> {
+        let says = ["ANR", "scfm"].iter().any(|word| text.as_ref().contains(word));
+        if of != Quantity::VolumeFlow || says {
+            return Ok(());
+        }
+        let what = format!("`{}` does not say at which pressure and temperature the air is counted", text.as_ref());
+        let remedy = "write `L/min ANR` of air at 100 kPa, 20 °C and 65 % humidity (ISO 8778), or give the mass flow";
+        Err(self.fault(Some(text.span().start), what, remedy))
     }
 
     fn quantity(&self, name: &str, at: usize) -> Result<Quantity, StudyError> {
@@ -349,31 +444,21 @@ impl Within<'_> {
         let quantity = self.quantity(name, raw.span().start)?;
         let raw = raw.into_inner();
         let at = Some(raw.unit.span().start);
-        let (dimension, scale): (Dimension, f64) = quantity::parse_unit(raw.unit.as_ref()).map_err(|error| {
-            self.fault(
-                at,
-                error.message.clone(),
-                error.help.unwrap_or_else(|| format!("give a unit such as {}", quantity.unit())),
-            )
-        })?;
-        if dimension != quantity.dimension() {
-            let what = format!("`{}` is no unit of {}", raw.unit.as_ref(), quantity.words());
-            return Err(self.fault(at, what, format!("give a unit such as {}", quantity.unit())));
-        }
+        let (scale, zero) = self.unit(quantity, &raw.unit)?;
         let mut zeros = Vec::new();
-        for zero in raw.zero.unwrap_or_default() {
-            let span = [self.si(&zero.from, Quantity::Time)?, self.si(&zero.to, Quantity::Time)?];
+        for known in raw.zero.unwrap_or_default() {
+            let span = [self.si(&known.from, Quantity::Time)?, self.si(&known.to, Quantity::Time)?];
             if span[0] >= span[1] {
-                let at = Some(zero.from.span().start);
+                let at = Some(known.from.span().start);
                 return Err(self.fault(at, "a span of `zero` ends before it begins", "give `from` below `to`"));
             }
-            zeros.push((span, self.maybe(zero.value.as_ref(), quantity)?.unwrap_or(0.0)));
+            zeros.push((span, self.maybe(known.value.as_ref(), quantity)?.unwrap_or(0.0)));
         }
         let rules = Rules {
             slack: self.maybe(raw.slack.as_ref(), quantity)?,
             saturates: self.maybe(raw.saturates.as_ref(), quantity)?,
-            deviation: self.maybe(raw.deviation.as_ref(), quantity)?,
-            offset: self.maybe(raw.offset.as_ref(), quantity)?.unwrap_or(0.0),
+            deviation: self.difference(raw.deviation.as_ref(), quantity)?,
+            offset: self.difference(raw.offset.as_ref(), quantity)?.unwrap_or(0.0),
             zeros,
             drop_outliers: raw.drop_outliers,
         };
@@ -384,7 +469,7 @@ impl Within<'_> {
                 "leave it out",
             ));
         }
-        Ok(ColumnEntry { quantity, name: raw.name, scale, rules })
+        Ok(ColumnEntry { quantity, name: raw.name, scale, zero, rules })
     }
 
     fn run(&self, raw: Spanned<RawRun>) -> Result<RunEntry, StudyError> {

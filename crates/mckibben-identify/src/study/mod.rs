@@ -3,7 +3,7 @@
 //!
 //! ```toml
 //! [study]
-//! kind = "force-map"                 # or "hysteresis", "ring-down", "trajectories"
+//! kind = "force-map"                 # or "hysteresis", "ring-down", "trajectories", "flow-curve", …
 //! scenario = "muscle.toml"           # the muscle and the rig as far as they are known
 //!
 //! [columns.gauge_pressure]           # also length, tension, time, absolute_pressure
@@ -25,6 +25,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `file` | the file with its mistakes |
+//! | `valve` | the sections of a study of a valve: `[flow]`, `[tank]`, `[pulses]` |
 //! | `table` | CSV and Parquet to columns of numbers |
 //! | [`clean`] | the rules by which dirty data are handled or refused, and the notes about them |
 //!
@@ -33,9 +34,11 @@
 pub mod clean;
 mod file;
 mod table;
+mod valve;
 
 pub use clean::{Note, Severity};
 pub use file::{ColumnEntry, Kind, RunEntry, SoughtEntry, Study};
+pub use valve::{Direction, FlowEntry, PulsesEntry, TankEntry, TankTarget};
 
 use mckibben_scenario::Dimension;
 use std::fmt;
@@ -47,59 +50,94 @@ use thiserror::Error;
 pub enum Quantity {
     /// Time in s.
     Time,
-    /// Gauge pressure in the actuator, in Pa.
+    /// Gauge pressure in the actuator or the tank, in Pa.
     GaugePressure,
-    /// Absolute pressure in the actuator, in Pa; it becomes gauge pressure by the scenario's atmosphere.
+    /// The same as an absolute pressure in Pa; the scenario's atmosphere is between the two.
     AbsolutePressure,
     /// Distance between the attachments in m.
     Length,
     /// Tension in N.
     Tension,
+    /// Gauge pressure before the valve, in Pa.
+    UpstreamGaugePressure,
+    /// The same as an absolute pressure.
+    UpstreamAbsolutePressure,
+    /// Gauge pressure behind the valve, in Pa.
+    DownstreamGaugePressure,
+    /// The same as an absolute pressure.
+    DownstreamAbsolutePressure,
+    /// Temperature of the air before the valve, in K.
+    Temperature,
+    /// Mass flow in kg/s.
+    MassFlow,
+    /// Volume flow in m³/s, counted as air of the reference atmosphere (ANR).
+    VolumeFlow,
+    /// What the coil is told, a number: it is energised while this is above a threshold.
+    Command,
 }
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Time, Self::GaugePressure, Self::AbsolutePressure, Self::Length, Self::Tension];
+    pub const ALL: [Self; 13] = [
+        Self::Time,
+        Self::GaugePressure,
+        Self::AbsolutePressure,
+        Self::Length,
+        Self::Tension,
+        Self::UpstreamGaugePressure,
+        Self::UpstreamAbsolutePressure,
+        Self::DownstreamGaugePressure,
+        Self::DownstreamAbsolutePressure,
+        Self::Temperature,
+        Self::MassFlow,
+        Self::VolumeFlow,
+        Self::Command,
+    ];
+
+    /// As it is written in a study, in words, its SI unit, and its dimension.
+    fn row(self) -> (&'static str, &'static str, &'static str, Dimension) {
+        match self {
+            Self::Time => ("time", "time", "s", Dimension::TIME),
+            Self::GaugePressure => ("gauge_pressure", "gauge pressure", "Pa", Dimension::PRESSURE),
+            Self::AbsolutePressure => ("absolute_pressure", "absolute pressure", "Pa", Dimension::PRESSURE),
+            Self::Length => ("length", "length", "m", Dimension::LENGTH),
+            Self::Tension => ("tension", "tension", "N", Dimension::FORCE),
+            Self::UpstreamGaugePressure => {
+                ("upstream_gauge_pressure", "upstream gauge pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::UpstreamAbsolutePressure => {
+                ("upstream_absolute_pressure", "upstream absolute pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::DownstreamGaugePressure => {
+                ("downstream_gauge_pressure", "downstream gauge pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::DownstreamAbsolutePressure => {
+                ("downstream_absolute_pressure", "downstream absolute pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::Temperature => ("temperature", "temperature", "K", Dimension::TEMPERATURE),
+            Self::MassFlow => ("mass_flow", "mass flow", "kg/s", Dimension::MASS_FLOW),
+            Self::VolumeFlow => ("volume_flow", "volume flow", "m^3/s ANR", Dimension::VOLUME_FLOW),
+            Self::Command => ("command", "command", "", Dimension::NONE),
+        }
+    }
 
     /// As it is written in a study.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::GaugePressure => "gauge_pressure",
-            Self::AbsolutePressure => "absolute_pressure",
-            Self::Length => "length",
-            Self::Tension => "tension",
-        }
+        self.row().0
     }
 
     /// In words.
     pub fn words(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::GaugePressure => "gauge pressure",
-            Self::AbsolutePressure => "absolute pressure",
-            Self::Length => "length",
-            Self::Tension => "tension",
-        }
+        self.row().1
     }
 
     /// SI unit.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::Time => "s",
-            Self::GaugePressure | Self::AbsolutePressure => "Pa",
-            Self::Length => "m",
-            Self::Tension => "N",
-        }
+        self.row().2
     }
 
     fn dimension(self) -> Dimension {
-        match self {
-            Self::Time => Dimension::TIME,
-            Self::GaugePressure | Self::AbsolutePressure => Dimension::PRESSURE,
-            Self::Length => Dimension::LENGTH,
-            Self::Tension => Dimension::FORCE,
-        }
+        self.row().3
     }
 }
 

@@ -79,6 +79,58 @@ impl PulseTrain {
             [0.0, duty].map(|part| (0..pulses).map(|pulse| time(pulse, part)).collect::<Vec<_>>());
         Self::new(&energised, &released)
     }
+
+    /// Of a `command` at each `time` in s: energised while above a `threshold`, each edge on the straight line between the two
+    /// samples about it.
+    ///
+    /// # Errors
+    /// [`ValveError::Series`] for samples that are no series, [`ValveError::Unsupported`] when the threshold is never crossed.
+    pub fn of_command(time: &[f64], command: &[f64], threshold: f64) -> Result<Self, ValveError> {
+        series::check(time, command, "the command", 2)?;
+        let above = |place: usize| command[place] > threshold;
+        let crossing = |place: usize| {
+            let part = (threshold - command[place - 1]) / (command[place] - command[place - 1]);
+            (time[place - 1] + part * (time[place] - time[place - 1]), above(place))
+        };
+        let edges: Vec<_> = (1..time.len()).filter(|place| above(*place) != above(place - 1)).map(crossing).collect();
+        match edges.is_empty() {
+            false => Ok(Self { edges }),
+            true => Err(ValveError::Unsupported {
+                what: "the command never crosses the threshold",
+                remedy: "give a threshold between its two values, and a record with pulses",
+            }),
+        }
+    }
+
+    /// The same pulses `later` by a time in s, as far as they lie within a span of time in s.
+    #[must_use]
+    pub fn within(mut self, later: f64, [from, to]: [f64; 2]) -> Self {
+        self.edges.iter_mut().for_each(|edge| edge.0 += later);
+        self.edges.retain(|edge| (from..=to).contains(&edge.0));
+        self
+    }
+
+    /// The same edges where the coil is energised when it was released, as that of a normally open valve is.
+    #[must_use]
+    pub fn turned(mut self) -> Self {
+        self.edges.iter_mut().for_each(|edge| edge.1 = !edge.1);
+        self
+    }
+
+    /// Times in s and whether the coil is energised from then on, in order.
+    pub fn edges(&self) -> &[(f64, bool)] {
+        &self.edges
+    }
+
+    /// Mean frequency in Hz and mean duty of whole periods; `None` without any.
+    pub fn frequency_and_duty(&self) -> Option<[f64; 2]> {
+        let first = self.edges.iter().position(|edge| edge.1)?;
+        let whole = (self.edges.len() - first - 1) / 2;
+        let edges = &self.edges[first..=first + 2 * whole];
+        let span = edges.last()?.0 - edges.first()?.0;
+        let open: f64 = edges.windows(2).filter(|pair| pair[0].1).map(|pair| pair[1].0 - pair[0].0).sum();
+        (whole > 0).then(|| [whole as f64 / span, open / span])
+    }
 }
 
 /// When the pressure began to change its course.
@@ -132,26 +184,13 @@ impl Delays {
                 None => missed += 1,
             }
         }
-        let delay = |energised: bool, name: &'static str| {
-            let seen: Vec<&Onset> = onsets.iter().filter(|onset| onset.energised == energised).collect();
-            match seen[..] {
-                [] => Err(ValveError::NoOnset {
-                    coil: if energised { "energised" } else { "released" },
-                    edges: edges.iter().filter(|edge| edge.1 == energised).count(),
-                }),
-                [only] => Ok(propagation::estimate(
-                    (name, "s"),
-                    only.time - only.edge,
-                    only.deviation,
-                    LEAST_SAMPLES - UNKNOWNS,
-                )),
-                _ => {
-                    let delays: Vec<f64> = seen.iter().map(|onset| onset.time - onset.edge).collect();
-                    Ok(propagation::mean((name, "s"), &delays))
-                }
-            }
+        let delay = |energised: bool| {
+            mean_delay(&onsets, energised).ok_or_else(|| ValveError::NoOnset {
+                coil: if energised { "energised" } else { "released" },
+                edges: edges.iter().filter(|edge| edge.1 == energised).count(),
+            })
         };
-        let (opening, closing) = (delay(true, "opening_delay")?, delay(false, "closing_delay")?);
+        let (opening, closing) = (delay(true)?, delay(false)?);
         // Opening, closing, and the next opening: one whole period.
         let duty = |three: &[Onset]| {
             let whole = three[0].energised && !three[1].energised && three[2].energised;
@@ -160,6 +199,29 @@ impl Delays {
         let duties: Vec<f64> = onsets.windows(3).filter_map(duty).collect();
         let effective_duty = (!duties.is_empty()).then(|| propagation::mean(("effective_duty", ""), &duties));
         Ok(Self { opening, closing, effective_duty, onsets, missed })
+    }
+
+    /// Opening and closing delay in s over all pulses of several records of one valve; `None` for no records.
+    pub fn over_all(records: &[Self]) -> Option<[Estimate; 2]> {
+        let onsets: Vec<Onset> = records.iter().flat_map(|record| record.onsets.iter().copied()).collect();
+        Some([mean_delay(&onsets, true)?, mean_delay(&onsets, false)?])
+    }
+}
+
+/// Mean delay of the openings or of the closings; of a single one, by its own deviation.
+fn mean_delay(onsets: &[Onset], energised: bool) -> Option<Estimate> {
+    let label = (if energised { "opening_delay" } else { "closing_delay" }, "s");
+    let seen: Vec<&Onset> = onsets.iter().filter(|onset| onset.energised == energised).collect();
+    match seen[..] {
+        [] => None,
+        [only] => {
+            let freedom = LEAST_SAMPLES - UNKNOWNS;
+            Some(propagation::estimate(label, only.time - only.edge, only.deviation, freedom))
+        }
+        _ => {
+            let delays: Vec<f64> = seen.iter().map(|onset| onset.time - onset.edge).collect();
+            Some(propagation::mean(label, &delays))
+        }
     }
 }
 

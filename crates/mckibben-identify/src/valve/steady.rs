@@ -4,7 +4,7 @@ use super::ValveError;
 use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit};
 use mckibben::AbsolutePressure;
 use mckibben::air::Air;
-use mckibben::valve::{FlowLaw, FlowStandard, REFERENCE_DENSITY};
+use mckibben::valve::{FlowLaw, FlowStandard, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 
 /// Temperatures in K of air in a laboratory; a number in °C or °F is outside.
 const TEMPERATURES: [f64; 2] = [150.0, 700.0];
@@ -47,6 +47,12 @@ impl SteadyPoint {
     /// Downstream over upstream pressure.
     pub fn ratio(&self) -> f64 {
         self.downstream.0 / self.upstream.0
+    }
+
+    /// Conductance of ISO 6358 in m³/(s·Pa): mass flow over reference density and upstream pressure, as if the air upstream were
+    /// at the reference temperature. Of a choked point it is C.
+    pub fn conductance(&self) -> f64 {
+        self.mass_flow / (REFERENCE_DENSITY * self.upstream.0) * (self.temperature / REFERENCE_TEMPERATURE).sqrt()
     }
 
     /// `P²/T` before the valve in Pa²/K and the gap `1 − r`: what a flow law asks for.

@@ -17,7 +17,7 @@
 use super::ValveError;
 use super::steady::{LAMINAR_RATIO, SteadyPoint, check_pressure};
 use crate::adjustable::Seeded;
-use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit};
+use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit_from};
 use crate::series::{self, Polynomial};
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
@@ -34,6 +34,9 @@ use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure, Over, Scalar};
 const LEAST_SAMPLES: usize = 8;
 /// Samples of a window, for a cubic and some to spare.
 const LEAST_IN_WINDOW: usize = 6;
+/// Where the search begins beside the guesses when b and the heat transfer are sought, which can stand in for each other: b, and
+/// parts of the guess of the heat transfer.
+const STARTS: ([f64; 4], [f64; 3]) = ([0.15, 0.3, 0.45, 0.6], [0.3, 1.0, 3.0]);
 /// Relative tolerance of the trajectories.
 const TOLERANCE: f64 = 1e-9;
 /// A braid so thin that it is nothing beside the tank: thread length and length in m, turns.
@@ -158,7 +161,8 @@ impl Tank {
         Ok(record.time.chunks_exact(size).zip(record.pressure.chunks_exact(size)).filter_map(point).collect())
     }
 
-    /// Fits the simulated pressure to a record; with `heat`, the heat transfer too, of air with an energy balance.
+    /// Fits the simulated pressure to a record; with `heat`, the heat transfer too, of air with an energy balance: then from
+    /// several starts, since b and the heat transfer can stand in for each other.
     ///
     /// # Errors
     /// [`ValveError::Unsupported`] for heat without an energy balance, [`ValveError::CriticalRatio`] for a b outside 0 to 1,
@@ -194,7 +198,7 @@ impl Tank {
         }
         let noise = series::noise(&record.time, &record.pressure).max(f64::EPSILON * record.pressure[0]);
         let trajectory = Trajectory { tank: self, rig: &rig, rows: &rows, record, noise };
-        let fit = fit(&trajectory, &unknowns, &Search::default())?;
+        let fit = fit_from(&trajectory, &unknowns, &starts(&unknowns), &Search::default())?.fit;
         let of = |name: &str| fit.estimates.iter().find(|estimate| estimate.name == name).cloned();
         if let Some(ratio) = of("critical_ratio") {
             let reaches = ratio.interval.unwrap_or([ratio.value; 2]);
@@ -265,6 +269,19 @@ impl Tank {
         let actuation = Actuation { solenoid, command: Command::Constant(request) };
         Ok(Rig::new(actuator, Some(actuation), Load::Isometric)?)
     }
+}
+
+/// More starts than the guesses: of a valve whose heat transfer is sought too.
+fn starts(unknowns: &[Unknown]) -> Vec<Vec<f64>> {
+    let place = |name: &str| unknowns.iter().position(|unknown| unknown.name == name);
+    let Some((ratio, heat)) = place("critical_ratio").zip(place("heat_transfer")) else { return Vec::new() };
+    let start = |b: f64, part: f64| {
+        let mut start: Vec<f64> = unknowns.iter().map(|unknown| unknown.start).collect();
+        start[ratio] = b;
+        start[heat] *= part;
+        start
+    };
+    STARTS.0.iter().flat_map(|b| STARTS.1.map(|part| start(*b, part))).collect()
 }
 
 /// More directions than there are unknowns; the engine is compiled for these anyway.

@@ -31,7 +31,7 @@ pub use command::{Command, Request};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone};
 pub use opening::Openings;
-pub use passage::{FlowStandard, REFERENCE_DENSITY};
+pub use passage::{FlowStandard, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulated, Regulator};
 pub use regulator_clock::RegulatorClock;

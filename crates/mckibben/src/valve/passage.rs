@@ -9,7 +9,7 @@ use crate::valve::Port;
 /// Density of the reference atmosphere in kg/m³ (ISO 8778).
 pub const REFERENCE_DENSITY: f64 = 1.185;
 /// Temperature of the reference atmosphere in K (ISO 8778).
-const REFERENCE_TEMPERATURE: f64 = 293.15;
+pub const REFERENCE_TEMPERATURE: f64 = 293.15;
 
 /// Density of the water that Kv and Cv are measured with, in kg/m³ (15 °C).
 const WATER_DENSITY: f64 = 999.1;

@@ -6,7 +6,7 @@
 //! | `page` | the page |
 //!
 //! Beside the page stand the figures as SVG and the files' texts, in the folders of the files. A file that fails has its
-//! message on the page in place of a figure. Checked by `tests/gallery.rs`.
+//! message on the page in place of a figure; a study of `mckibben identify` is no scenario and is left out. Checked by `tests/gallery.rs`.
 
 mod page;
 mod picture;
@@ -93,7 +93,7 @@ fn scenario_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             let path = inner.join(entry.file_name());
             if entry.file_type().map_err(unreadable)?.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "toml") {
+            } else if path.extension().is_some_and(|ending| ending == "toml") && !is_study(&folder.join(&path)) {
                 files.push(path);
             }
         }
@@ -104,6 +104,11 @@ fn scenario_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     }
     files.sort_by(|a, b| (a.parent(), a.file_name()).cmp(&(b.parent(), b.file_name())));
     Ok(files)
+}
+
+/// Whether a file is a study of `mckibben identify`, which is no scenario.
+fn is_study(path: &Path) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|text| text.lines().any(|line| line.trim_end() == "[study]"))
 }
 
 /// Draws a file and writes what the page refers to; the name of its group and what the page shows.

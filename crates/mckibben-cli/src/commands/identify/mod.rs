@@ -6,11 +6,12 @@
 //! | `trajectories` | any numbers of a scenario from courses in time |
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |
+//! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
 //! | `sought` | the numbers that a study looks for |
 //! | `values` | numbers with their intervals, for a terminal, a page and CSV |
 //! | `outcome` | what every kind of study comes to, and the files that are written of it |
 //!
-//! Everything is computed by the crate `mckibben-identify`. Checked by `tests/identify.rs`.
+//! Everything is computed by the crate `mckibben-identify`. Checked by `tests/identify.rs` and `tests/identify_valve.rs`.
 
 mod force_map;
 mod loops;
@@ -19,6 +20,7 @@ mod rings;
 mod sought;
 mod trajectories;
 mod values;
+mod valve;
 
 use crate::failure::Failure;
 use crate::terminal;
@@ -38,7 +40,8 @@ Examples:
 
 A study file:
   [study]
-  kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\"
+  kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\", and of a valve
+                                          # \"flow-curve\", \"steady-flow\", \"tank\", \"pulse-train\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
@@ -59,6 +62,26 @@ A study file:
   [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for
   from = \"0 N*s/m\"
   to = \"50 N*s/m\"
+
+Of a valve:
+  kind = \"flow-curve\" finds C and b of ISO 6358, \"steady-flow\" the efficiency, from the columns upstream_absolute_pressure,
+  downstream_absolute_pressure (or _gauge_pressure), temperature, and mass_flow or volume_flow (\"L/min ANR\")
+  [flow]
+  scatter = \"constant\"                    # of the flow: the same for all readings, or \"proportional\" to each
+  passage = \"supply\"                      # the one that was measured, or \"exhaust\"
+  area = \"3 mm^2\"                         # of \"steady-flow\": the flow coefficient of this area in place of the efficiency
+
+  kind = \"tank\" finds C and b, or a volume, from absolute_pressure (or gauge_pressure) over time
+  [tank]
+  find = \"valve\"                          # or \"volume\"
+  transfer = \"discharge\"                  # to the surroundings, or \"charge\" from the scenario's supply
+  volume = \"0.5 L\"                        # line included; where it is sought, a guess
+  temperature = \"20 degC\"                 # of air and wall at the start; begins, ends, heat, windows, length: docs/identify.md
+
+  kind = \"pulse-train\" finds the delays, from the same; the edges are those of [columns.command] or of the scenario's PWM
+  [pulses]
+  begins = \"0 s\"                          # the first pulse of that PWM
+  threshold = 2.5                         # of that column
 
 Exit codes:
   0  done
@@ -104,6 +127,10 @@ fn identified(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
         Kind::Trajectories => trajectories::outcome(&material),
         Kind::Hysteresis => loops::outcome(&material),
         Kind::RingDown => rings::outcome(&material),
+        Kind::FlowCurve => valve::flow_curve(&material),
+        Kind::SteadyFlow => valve::steady_flow(&material),
+        Kind::Tank => valve::tank(&material),
+        Kind::PulseTrain => valve::pulse_train(&material),
     }
 }
 

@@ -31,21 +31,28 @@ fn silence(estimate: &Estimate) -> &'static str {
 
 /// The values of a fit as a table.
 pub(super) fn table(caption: String, fit: &Fit) -> Table {
-    let row = |estimate: &Estimate| {
-        let value = rounded(estimate.value, estimate.deviation);
-        let interval = match estimate.interval {
-            Some([low, high]) => {
-                format!("{} to {}", rounded(low, estimate.deviation), rounded(high, estimate.deviation))
-            }
-            None => silence(estimate).to_owned(),
-        };
-        vec![format!("`{}`", estimate.name), value, estimate.unit.to_owned(), interval]
-    };
+    of(caption, &fit.estimates)
+}
+
+/// Values as a table.
+pub(super) fn of(caption: String, estimates: &[Estimate]) -> Table {
     Table {
         caption,
         head: ["number", "value", "unit", "95 % interval"].map(String::from).to_vec(),
-        rows: fit.estimates.iter().map(row).collect(),
+        rows: estimates.iter().map(row).collect(),
     }
+}
+
+/// A value with its name, unit and interval.
+pub(super) fn row(estimate: &Estimate) -> Vec<String> {
+    let value = rounded(estimate.value, estimate.deviation);
+    let interval = match estimate.interval {
+        Some([low, high]) => {
+            format!("{} to {}", rounded(low, estimate.deviation), rounded(high, estimate.deviation))
+        }
+        None => silence(estimate).to_owned(),
+    };
+    vec![format!("`{}`", estimate.name), value, estimate.unit.to_owned(), interval]
 }
 
 /// The correlations of a fit as a table; empty for a single number.
