@@ -1,6 +1,6 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, ExhaustTemperature, HoseKind, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{

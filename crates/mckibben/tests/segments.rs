@@ -4,7 +4,7 @@
 use crate::common::{PSI, Paper, assert_close, assert_within};
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::simulation::{EventKind, State, Trajectory, simulate_in_segments};
-use mckibben::{AbsolutePressure, Dual, Error, Real, Scalar};
+use mckibben::{AbsolutePressure, Dual, Error, Scalar};
 
 const DURATION: f64 = 0.5;
 

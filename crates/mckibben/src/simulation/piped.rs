@@ -246,7 +246,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// Flow into the actuator, the leak's too, of a rig that is piped.
     #[inline(always)]
-    pub(super) fn into_actuator<const N: usize>(
+    pub(super) fn flow_into_actuator<const N: usize>(
         &self,
         time: S,
         state: &Stepped<S, N>,
