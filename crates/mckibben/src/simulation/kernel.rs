@@ -189,7 +189,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let [length, velocity, pressure, _] = of_rig(state);
         let (chamber, mut flow) = self.contents(time, of_rig(state), held, actuator.limits().is_slack(length));
         if N > PLAIN && self.is_piped() {
-            flow = self.into_actuator(time, state, &chamber, held);
+            flow = self.actuator_inflow(time, state, &chamber, held);
         }
         let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, velocity, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);

@@ -248,6 +248,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     }
 
     /// Flow in kg/s that is drawn from a supply, constant or not, by what the valve opens into.
+    #[cfg(feature = "alloc")]
     pub(super) fn drawn<const N: usize>(
         &self,
         time: S,
@@ -265,7 +266,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// Flow into the actuator, the leak's too, of a rig that is piped.
     #[inline(always)]
-    pub(super) fn into_actuator<const N: usize>(
+    pub(super) fn actuator_inflow<const N: usize>(
         &self,
         time: S,
         state: &Stepped<S, N>,
@@ -284,9 +285,8 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 #[inline(always)]
 fn shortened<S: Scalar, const N: usize>(state: &Stepped<S, N>) -> Stepped<S, SHORT> {
     let mut short = [S::zero(); SHORT];
-    for n in 0..SHORT.min(N) {
-        short[n] = state[n];
-    }
+    let count = SHORT.min(N);
+    short[..count].copy_from_slice(&state[..count]);
     short
 }
 
@@ -294,9 +294,8 @@ fn shortened<S: Scalar, const N: usize>(state: &Stepped<S, N>) -> Stepped<S, SHO
 #[inline(always)]
 fn lengthened<S: Scalar, const N: usize>(short: Stepped<S, SHORT>) -> Stepped<S, N> {
     let mut state = [S::zero(); N];
-    for n in 0..SHORT.min(N) {
-        state[n] = short[n];
-    }
+    let count = SHORT.min(N);
+    state[..count].copy_from_slice(&short[..count]);
     state
 }
 
