@@ -154,8 +154,9 @@ pub(crate) fn step_through<F: From<Error>>(
     let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
     let mut divisions = divisions.iter().peekable();
     for (time, recorded) in ends {
-        while let Some(division) = divisions.next_if(|division| **division < time) {
-            stepper.advance_to(*division)?;
+        // A division that differs from the end by rounding is the end, as it is where the loop is closed.
+        while let Some(division) = divisions.next_if(|division| **division <= time + 8.0 * f64::EPSILON * time) {
+            stepper.advance_to(division.min(time))?;
         }
         if time > stepper.time() {
             stepper.advance_to(time)?;

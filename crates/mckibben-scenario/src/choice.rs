@@ -89,7 +89,7 @@ words! {
     /// How finely a hose is resolved.
     HoseKind {
         Lumped = "lumped", "A second volume behind a friction loss, and a delay.";
-        Distributed = "distributed", "A line of cells with waves; by the event-located engine.";
+        Distributed = "distributed", "A line of cells with waves.";
     }
     /// Whose temperature the air that leaves the actuator has in the flow law.
     ExhaustTemperature {

@@ -11,7 +11,7 @@ use mckibben::simulation::{
     Actuation, Driven, EventKind, FixedStepper, InitialAngle, JointRig, JointState, JointStepper, Method, Rig,
     SampleTimes, joint_step_for_accuracy, simulate_joint,
 };
-use mckibben::valve::{Command, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
+use mckibben::valve::{Command, FlowStandard, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -397,4 +397,20 @@ fn what_cannot_be_stepped_is_refused_and_changes_nothing() {
         "{error}"
     );
     assert_eq!((course.time(), course.state()), (0.0, start));
+}
+
+/// Valves so large that a step empties an actuator many times over.
+#[test]
+fn a_step_takes_no_more_air_than_there_is() {
+    for (size, step) in [(12.0, 4e-3), (120.0, 20e-3), (1e4, 20e-3)] {
+        let paper = Paper::driven(pulses(20.0, 0.5)).gauge(80.0 * PSI).with(|rig| {
+            rig.standard = FlowStandard::Orifice { flow_area: size * 1.8e-5 * 0.3048 * 0.3048 };
+        });
+        let pair = Pair::of(paper).with(|pair| {
+            pair.papers[1].command = Some(pulses(13.0, 0.4));
+            pair.damping = 5.0;
+        });
+        let state = end_of(&pair, Method::Stable, step, 50.0 * step);
+        assert!(state.air_mass.iter().all(|mass| *mass > 1e-6), "{size}: {state:?}");
+    }
 }

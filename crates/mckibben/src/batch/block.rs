@@ -157,7 +157,7 @@ impl<R: Number> Lane<R> {
             let end = end.take().filter(|_| sampling.is_none());
             walk.advance_to(&self.rig, &self.timetable(), method, to, end)?;
             self.sample_due(walk)?;
-            if is_due(until, walk.course.time) {
+            if until <= walk.course.time {
                 return Ok(());
             }
         }

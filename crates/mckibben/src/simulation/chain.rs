@@ -9,7 +9,7 @@
 //! valve        δ_s = u k_feed − s_in k_1          δ = δ_s − s_out k_1                   k_feed: k_s, k_r or 0
 //! hose         k_i = f_i + r χ (δ_{i−1} − δ_i)                                          δ_0 = δ
 //!              δ_i = y_i + σ_i (k_i − k_{i+1})                                          k_{n+1} = k_P
-//! actuator     k_P (1 + r b l) = f_P + r b δ_n    k_m = f_m + r (δ_n − l k_P)           l: the leak
+//! actuator     k_P (1 + r (b l + o)) = f_P + r b δ_n    k_m = f_m + r (δ_n − l k_P)     l: the leak, o: as it grows
 //! ```
 //!
 //! Behind each flow lies a pressure that answers to it by a straight line, `k = offset + gain δ`, from the actuator
@@ -20,7 +20,6 @@
 
 use super::kernel::Matrix;
 use super::piped::{OUTLET, RESERVOIR, Stepped, flow, of_rig, volume};
-use crate::line::MAX_CELLS;
 use crate::scalar::Scalar;
 
 /// How the flows of a line answer to pressures, all in kg/(s·Pa) and zero or more.
@@ -33,15 +32,15 @@ pub(super) struct Valve<S> {
     pub(super) feed: S,
 }
 
-/// A hose's part.
-pub(super) struct Cells<S> {
+/// A hose's part, of at most `C` cells.
+pub(super) struct Cells<S, const C: usize> {
     pub(super) count: usize,
     /// r χ in Pa·s/kg.
     pub(super) stiffness: S,
     /// σ of each flow.
-    pub(super) lead: [S; MAX_CELLS],
+    pub(super) lead: [S; C],
     /// By what each flow's own slope counts in `y = f · share`.
-    pub(super) share: [S; MAX_CELLS],
+    pub(super) share: [S; C],
     /// Whether the flows are states: without inertia they are not, and y is zero.
     pub(super) inertia: bool,
 }
@@ -72,19 +71,21 @@ pub(super) struct End<S> {
     pub(super) per_flow: S,
     /// l.
     pub(super) leak: S,
+    /// The rate o in 1/s at which the pressure falls without any flow.
+    pub(super) falls: S,
 }
 
 /// All of it, with what does not depend on the right side.
-pub(super) struct Chain<S> {
+pub(super) struct Chain<S, const C: usize> {
     rig: Matrix<S>,
     end: End<S>,
     per_end: S,
-    cells: Option<Cells<S>>,
+    cells: Option<Cells<S, C>>,
     /// The gain behind each flow.
-    behind: [S; MAX_CELLS],
+    behind: [S; C],
     /// What each flow is divided by, and each pressure before it.
-    per_flow: [S; MAX_CELLS],
-    per_volume: [S; MAX_CELLS],
+    per_flow: [S; C],
+    per_volume: [S; C],
     valve: Valve<S>,
     /// The gain of what the valve opens into, and by what the flow outwards lessens it.
     gain: S,
@@ -95,19 +96,19 @@ pub(super) struct Chain<S> {
     per_drawn: S,
 }
 
-impl<S: Scalar> Chain<S> {
+impl<S: Scalar, const C: usize> Chain<S, C> {
     #[inline(always)]
     pub(super) fn new(
         rig: Matrix<S>,
         end: End<S>,
-        cells: Option<Cells<S>>,
+        cells: Option<Cells<S, C>>,
         valve: Valve<S>,
         source: Option<Source<S>>,
     ) -> Self {
         let (zero, one) = (S::zero(), S::one());
-        let [mut behind, mut per_flow, mut per_volume] = [[zero; MAX_CELLS]; 3];
+        let [mut behind, mut per_flow, mut per_volume] = [[zero; C]; 3];
         let into = end.reach * end.per_flow;
-        let per_end = one / into.multiply_add(end.leak, one);
+        let per_end = one / (into.multiply_add(end.leak, one) + end.reach * end.falls);
         let mut gain = into * per_end;
         if let Some(cells) = &cells {
             for cell in (0..cells.count).rev() {
@@ -151,7 +152,7 @@ impl<S: Scalar> Chain<S> {
         let mut slopes = *right;
         [slopes[0], slopes[1], ..] = self.rig.solve(of_rig(right));
 
-        let (mut behind, mut starts) = ([zero; MAX_CELLS], [zero; MAX_CELLS]);
+        let (mut behind, mut starts) = ([zero; C], [zero; C]);
         let mut offset = right[2] * self.per_end;
         if let Some(cells) = &self.cells {
             for cell in (0..cells.count).rev() {

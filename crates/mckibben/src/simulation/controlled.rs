@@ -124,7 +124,7 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
             let end = if due { instant.smaller(until) } else { until };
             self.walk.advance_to(&self.rig, &self.rig.timetable(), self.method, end, None)?;
             self.take_due()?;
-            if is_due(until, self.walk.course.time) {
+            if until.le(self.walk.course.time) {
                 return Ok(());
             }
         }

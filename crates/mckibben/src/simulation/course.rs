@@ -13,7 +13,7 @@
 //!
 //! Checked by `tests/fixed_step.rs` and `tests/batch.rs`.
 
-use super::kernel::{Held, Method};
+use super::kernel::{Held, Method, leaves_enough};
 use super::piped::{OUTLET, PLAIN, RESERVOIR, Stepped, flow, of_rig, volume};
 use super::rig::Rig;
 use crate::force::Statics;
@@ -26,11 +26,10 @@ pub(crate) const MARGINS: usize = 3;
 const SLIDING: usize = 0;
 const EXTENT: usize = 1;
 const COMPRESSOR: usize = 2;
-/// Part of pressure and air mass that a stable step may leave at least: from the paper's supply to the atmosphere at a constant
-/// temperature it is more than this.
-const LEAST_LEFT: f64 = 0.125;
 /// Parts of a step between two instants that may end at a turn before the rest is taken as it is.
 const MAX_TURNS: usize = 4;
+/// Parts of a step that takes more air than there is, at most.
+const MOST_PARTS: u32 = 256;
 /// Part of a step that the last secant moves a turn by: what is left of its error is of the order of the square.
 const TURN_TOLERANCE: f64 = 1e-6;
 /// Part of a step that a load which starts from rest, or on a limit, moves before a turn is looked for.
@@ -93,12 +92,26 @@ impl<R: Real> Course<R> {
         self.tenable(rig, method, step, end)
     }
 
-    /// The end of a step, or of another where the stable method would take more air than there is.
+    /// The end of a step, or of another where the stable method would take more air than there is: in as few parts as leave
+    /// some. One does, unless so much heat comes in meanwhile that the pressure stays while the air goes.
     fn tenable(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>) -> Stepped<R> {
         if method == Method::Rk4 || rig.leaves_air(&self.state, &end) {
             return end;
         }
-        rig.take_firm(R::of_time(self.time), &self.state, step, &self.held)
+        let (mut parts, mut part) = (1, step);
+        loop {
+            let (mut state, mut time, mut leaves) = (self.state, R::of_time(self.time), true);
+            for _ in 0..parts {
+                let before = state;
+                state = rig.take_firm(time, &before, part, &self.held);
+                leaves = leaves && rig.leaves_air(&before, &state);
+                time = time + part;
+            }
+            if leaves || parts == MOST_PARTS {
+                return state;
+            }
+            (parts, part) = (2 * parts, R::constant(0.5) * part);
+        }
     }
 
     /// Decides anew what follows an instant.
@@ -314,8 +327,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Where a step from one state to another leaves pressure and air enough to be believed.
     #[inline(always)]
     pub(crate) fn leaves_air<const N: usize>(&self, from: &Stepped<S, N>, to: &Stepped<S, N>) -> S::Mask {
-        let least = S::constant(LEAST_LEFT);
-        let holds = (least * from[2]).lt(to[2]) & (least * from[3]).lt(to[3]);
+        let holds = leaves_enough([from[2], from[3]], [to[2], to[3]]);
         if N > PLAIN { holds & self.line_is_admissible(to) } else { holds }
     }
 

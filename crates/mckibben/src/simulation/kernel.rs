@@ -189,7 +189,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let [length, velocity, pressure, _] = of_rig(state);
         let (chamber, mut flow) = self.contents(time, of_rig(state), held, actuator.limits().is_slack(length));
         if N > PLAIN && self.is_piped() {
-            flow = self.flow_into_actuator(time, state, &chamber, held);
+            flow = self.actuator_inflow(time, state, &chamber, held);
         }
         let sliding = actuator.tension_sliding(length, velocity, pressure, self.rubbing(length, velocity, held));
         let pull = self.load().inertia().map_or(sliding, |inertia| inertia.pull);
@@ -237,7 +237,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let settling = self.settling_rate(time, &state, &first, held);
         let matrix = Matrix::of_reach(&slopes, settling, step);
         let mut slope = matrix.solve(first);
-        slope[3] = first[3] * matrix.pressure_pivot;
+        slope[3] = matrix.with_the_pressure(first[3]);
         ahead(&state, step, &slope)
     }
 
@@ -345,6 +345,17 @@ pub(super) fn ahead<S: Scalar, const N: usize>(state: &[S; N], step: S, slope: &
     end
 }
 
+/// Part of pressure and air mass that a stable step leaves at least, or is not believed. From the paper's supply to the
+/// atmosphere at a constant temperature it is more than this.
+const LEAST_LEFT: f64 = 0.125;
+
+/// Where pressure (Pa) and air mass (kg) are left enough of what they were.
+#[inline(always)]
+pub(super) fn leaves_enough<S: Scalar>(before: [S; 2], after: [S; 2]) -> S::Mask {
+    let least = S::constant(LEAST_LEFT);
+    (least * before[0]).lt(after[0]) & (least * before[1]).lt(after[1])
+}
+
 /// γh.
 #[inline(always)]
 pub(super) fn reach<S: Scalar>(step: S) -> S {
@@ -392,6 +403,12 @@ impl<S: Scalar> Matrix<S> {
             // The air mass answers to the pressure along the same line, tangent or secant.
             mass_by_pressure: reach * S::select(takes_secant, -mass_settling, slopes.mass_rate),
         }
+    }
+
+    /// The slope of an air mass that goes as far as the pressure does, in the same part of its way.
+    #[inline(always)]
+    pub(super) fn with_the_pressure(&self, rate: S) -> S {
+        rate * self.pressure_pivot
     }
 
     #[inline(always)]

@@ -16,7 +16,7 @@
 //! ```text
 //! through the valve, and through a lumped hose     the steeper of the tangent ∂ṁ/∂P and the secant ṁ/ΔP
 //! through a cell, over γh                          σ = γh A/Δx / (1 + γh A/Δx d)        d = ∂Δp/∂w
-//! actuator                                         b = ∂(dP/dt)/∂ṁ
+//! actuator                                         b = ∂(dP/dt)/∂ṁ, and the rate at which its own growth lowers P
 //! ```
 //!
 //! stand in for the Jacobian of the air, so that no flow overshoots what it goes to. Of a cell d is the steeper of the
@@ -40,6 +40,8 @@ use crate::valve::Port;
 /// How many states a rig has without hose and supply line, and how many there is room for with them.
 pub(crate) const PLAIN: usize = 4;
 pub(crate) const PIPED: usize = 6 + 2 * MAX_CELLS;
+/// How many there are with a line that has no cells.
+const SHORT: usize = 7;
 /// Places of the reservoir's pressure and of the regulator's.
 pub(crate) const RESERVOIR: usize = 5;
 pub(crate) const OUTLET: usize = 6;
@@ -79,6 +81,11 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     #[inline(always)]
     pub(crate) fn is_piped(&self) -> bool {
         L::MAY_HAVE_LINE && (self.line().hose.is_some() || self.line().supply.is_some())
+    }
+
+    #[inline(always)]
+    fn has_cells(&self) -> bool {
+        matches!(self.line().hose, Some(Hose { kind: HoseKind::Distributed { .. }, .. }))
     }
 
     /// How many places of the states are in use.
@@ -123,7 +130,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let held = midway.as_ref().unwrap_or(held);
         // A batch puts rows with a line together, apart from those without.
         let mut end = if N > PLAIN && (!S::IS_ONE || self.is_piped()) {
-            S::apart(Piped { rig: self, method, time, state, step, held })
+            match self.has_cells() {
+                true => S::apart(Piped::<S, L, N, MAX_CELLS> { rig: self, method, time, state, step, held }),
+                false => {
+                    let state = &shortened(state);
+                    lengthened(S::apart(Piped::<S, L, SHORT, 1> { rig: self, method, time, state, step, held }))
+                }
+            }
         } else {
             let mut end = *state;
             let four = of_rig(state);
@@ -152,7 +165,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         let come_to = held.come_to(time + step);
         let held = midway.as_ref().or(come_to.as_ref()).unwrap_or(held);
         let mut end = if N > PLAIN && self.is_piped() {
-            S::apart(Firm(Piped { rig: self, method, time, state, step, held }))
+            match self.has_cells() {
+                true => S::apart(Firm(Piped::<S, L, N, MAX_CELLS> { rig: self, method, time, state, step, held })),
+                false => {
+                    let state = &shortened(state);
+                    lengthened(S::apart(Firm(Piped::<S, L, SHORT, 1> { rig: self, method, time, state, step, held })))
+                }
+            }
         } else {
             let mut end = *state;
             [end[0], end[1], end[2], end[3]] = self.step_firm(time, of_rig(state), step, held);
@@ -229,6 +248,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     }
 
     /// Flow in kg/s that is drawn from a supply, constant or not, by what the valve opens into.
+    #[cfg(feature = "alloc")]
     pub(super) fn drawn<const N: usize>(
         &self,
         time: S,
@@ -246,7 +266,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// Flow into the actuator, the leak's too, of a rig that is piped.
     #[inline(always)]
-    pub(super) fn flow_into_actuator<const N: usize>(
+    pub(super) fn actuator_inflow<const N: usize>(
         &self,
         time: S,
         state: &Stepped<S, N>,
@@ -261,6 +281,24 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     }
 }
 
+/// The states of a line without cells.
+#[inline(always)]
+fn shortened<S: Scalar, const N: usize>(state: &Stepped<S, N>) -> Stepped<S, SHORT> {
+    let mut short = [S::zero(); SHORT];
+    let count = SHORT.min(N);
+    short[..count].copy_from_slice(&state[..count]);
+    short
+}
+
+/// The same with room for cells.
+#[inline(always)]
+fn lengthened<S: Scalar, const N: usize>(short: Stepped<S, SHORT>) -> Stepped<S, N> {
+    let mut state = [S::zero(); N];
+    let count = SHORT.min(N);
+    state[..count].copy_from_slice(&short[..count]);
+    state
+}
+
 /// Flow in kg/s out of a hose into the actuator.
 #[inline(always)]
 fn last_flow<S: Scalar, const N: usize>(hose: &Hose<S>, state: &Stepped<S, N>) -> S {
@@ -271,7 +309,7 @@ fn last_flow<S: Scalar, const N: usize>(hose: &Hose<S>, state: &Stepped<S, N>) -
 }
 
 /// A part of a step of a rig with a line: too long to be compiled into all who take one.
-struct Piped<'a, S: Scalar, L, const N: usize> {
+struct Piped<'a, S: Scalar, L, const N: usize, const C: usize> {
     rig: &'a Rig<S, L>,
     method: Method,
     time: S,
@@ -280,7 +318,7 @@ struct Piped<'a, S: Scalar, L, const N: usize> {
     held: &'a Held<S>,
 }
 
-impl<S: Scalar, L: Statics<S>, const N: usize> Work for Piped<'_, S, L, N> {
+impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Work for Piped<'_, S, L, N, C> {
     type Output = Stepped<S, N>;
 
     #[inline(always)]
@@ -293,9 +331,9 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Work for Piped<'_, S, L, N> {
 }
 
 /// The same by one stage with γ = 1.
-struct Firm<'a, S: Scalar, L, const N: usize>(Piped<'a, S, L, N>);
+struct Firm<'a, S: Scalar, L, const N: usize, const C: usize>(Piped<'a, S, L, N, C>);
 
-impl<S: Scalar, L: Statics<S>, const N: usize> Work for Firm<'_, S, L, N> {
+impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Work for Firm<'_, S, L, N, C> {
     type Output = Stepped<S, N>;
 
     #[inline(always)]
@@ -306,7 +344,7 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Work for Firm<'_, S, L, N> {
     }
 }
 
-impl<S: Scalar, L: Statics<S>, const N: usize> Piped<'_, S, L, N> {
+impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N, C> {
     /// Time derivatives of all states.
     #[inline(always)]
     fn rates(&self, time: S, state: &Stepped<S, N>, held: &Held<S>) -> Stepped<S, N> {
@@ -414,7 +452,7 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Piped<'_, S, L, N> {
 
     /// The rates where the part begins, and the system of a reach in s.
     #[inline(always)]
-    fn rates_and_chain(&self, held: &Held<S>, reach: S) -> (Stepped<S, N>, Chain<S>) {
+    fn rates_and_chain(&self, held: &Held<S>, reach: S) -> (Stepped<S, N>, Chain<S, C>) {
         let (rig, state) = (self.rig, self.state);
         let (actuator, [length, velocity, pressure, mass]) = (rig.actuator(), of_rig(state));
         let ends: [Dual<S, 2>; 3] = [Dual::variable(length, 0), Dual::variable(velocity, 1), Dual::of(pressure)];
@@ -433,7 +471,8 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Piped<'_, S, L, N> {
             Some(supply) => Some(self.source(supply, at_valve.drawn, held, reach)),
             None => None,
         };
-        let end = End { reach, per_flow: self.per_flow(&own, into), leak: self.leak_slope(motion, held) };
+        let falls = (-actuator.pressure_rate(&own, &Flow::none()) * own.per_pressure).larger(S::zero());
+        let end = End { reach, per_flow: self.per_flow(&own, into), leak: self.leak_slope(motion, held), falls };
         (first, Chain::new(Matrix::of_reach(&slopes, [S::zero(); 2], reach), end, cells, valve, source))
     }
 
@@ -525,9 +564,9 @@ impl<S: Scalar, L: Statics<S>, const N: usize> Piped<'_, S, L, N> {
     }
 
     #[inline(always)]
-    fn cells(&self, hose: &Hose<S>, reach: S) -> Cells<S> {
+    fn cells(&self, hose: &Hose<S>, reach: S) -> Cells<S, C> {
         let (state, zero, one) = (self.state, S::zero(), S::one());
-        let (mut lead, mut share) = ([zero; MAX_CELLS], [zero; MAX_CELLS]);
+        let (mut lead, mut share) = ([zero; C], [zero; C]);
         let stiffness = reach * hose.stiffness();
         let HoseKind::Distributed { cells } = hose.kind else {
             let through = hose.flow(Dual::<S, 1>::variable(state[volume(0)], 0), Dual::of(state[2]));

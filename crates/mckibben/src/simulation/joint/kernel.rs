@@ -12,7 +12,9 @@ use crate::dual::Dual;
 use crate::friction::{Memory, Rubbing};
 use crate::load::SIGN;
 use crate::scalar::{Over, Real};
-use crate::simulation::kernel::{Matrix, Method, Slopes, ahead, gathered, reaches, secants_of_shares};
+use crate::simulation::kernel::{
+    Matrix, Method, Slopes, ahead, gathered, leaves_enough, reach, reaches, secants_of_shares,
+};
 use crate::valve::{Openings, Port, Ports};
 
 /// What stays the same during a part of a step.
@@ -174,22 +176,42 @@ impl<R: Real> JointRig<R> {
             Method::Stable => {
                 let midway = held.opened(|openings| openings.midway(time, step));
                 let held = midway.as_ref().unwrap_or(held);
-                let (first, matrices) = self.rates_with_matrices(time, state, step, held);
+                let (first, matrices) = self.rates_with_matrices(time, state, reach(step), held);
                 let k1 = solve(&matrices, first);
                 let second = self.stepped_rates(time + step, &ahead(state, step, &k1), held);
                 let second = ahead(&second, R::constant(-2.0), &k1);
                 // Where passages are under way the second stage has the matrix of what they come to.
                 let k2 = match held.opened(|openings| openings.come_to(time + step)) {
                     None => solve(&matrices, second),
-                    Some(held) => solve(&self.rates_with_matrices(time, state, step, &held).1, second),
+                    Some(held) => solve(&self.rates_with_matrices(time, state, reach(step), &held).1, second),
                 };
                 ahead(state, step * R::constant(0.5), &ahead(&k2, R::constant(3.0), &k1))
             }
         }
     }
 
+    /// The same, but where the stable method would leave too little air of an actuator by one stage with γ = 1, which leaves
+    /// some whatever the step.
+    pub(super) fn take_tenable(&self, method: Method, time: R, state: &[R; 6], step: R, held: &Held<R>) -> [R; 6] {
+        let end = self.take(method, time, state, step, held);
+        let leaves = |at: usize| leaves_enough([state[at], state[at + 1]], [end[at], end[at + 1]]);
+        if method == Method::Rk4 || PRESSURE.iter().all(|at| leaves(*at)) {
+            return end;
+        }
+        let midway = held.opened(|openings| openings.midway(time, step));
+        let held = midway.as_ref().unwrap_or(held);
+        let come_to = held.opened(|openings| openings.come_to(time + step));
+        let held = come_to.as_ref().unwrap_or(held);
+        let (first, matrices) = self.rates_with_matrices(time, state, step, held);
+        let mut slopes = solve(&matrices, first);
+        for i in 0..2 {
+            slopes[PRESSURE[i] + 1] = matrices[i].with_the_pressure(first[PRESSURE[i] + 1]);
+        }
+        ahead(state, step, &slopes)
+    }
+
     /// The rates, and the matrices of the stable method: of the motion with the agonist's air, and of the antagonist's.
-    fn rates_with_matrices(&self, time: R, state: &[R; 6], step: R, held: &Held<R>) -> ([R; 6], [Matrix<R>; 2]) {
+    fn rates_with_matrices(&self, time: R, state: &[R; 6], reach: R, held: &Held<R>) -> ([R; 6], [Matrix<R>; 2]) {
         let pieces = self.joint.pieces(state[ANGLE]);
         let mut wide = state.map(Dual::<R, 2>::of);
         wide[ANGLE] = Dual::variable(state[ANGLE], 0);
@@ -210,7 +232,7 @@ impl<R: Real> JointRig<R> {
             };
             let through = (held.ports[i], &held.openings[i]);
             let settling = settling(&self.driven[i].actuator, time, through, contents[i], held.slack[i], of_air);
-            Matrix::new(&slopes, settling, step)
+            Matrix::of_reach(&slopes, settling, reach)
         });
         (rates, matrices)
     }

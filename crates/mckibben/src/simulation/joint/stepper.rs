@@ -258,7 +258,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
     fn glide(&self, course: &mut JointCourse<R>, until: R) {
         for _ in 0..MAX_TURNS {
             let step = (until - course.time).larger(R::zero());
-            let end = self.rig.take(self.method, course.time, &course.state, step, &course.held);
+            let end = self.rig.take_tenable(self.method, course.time, &course.state, step, &course.held);
             let ceases = self.margins(course, &end).map(|margin| margin.value() < 0.0);
             if !(step.value() > 0.0 && ceases.contains(&true)) {
                 return self.arrive(course, end, until);
@@ -269,7 +269,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             self.turn(course, which, step);
         }
         let step = (until - course.time).larger(R::zero());
-        let end = self.rig.take(self.method, course.time, &course.state, step, &course.held);
+        let end = self.rig.take_tenable(self.method, course.time, &course.state, step, &course.held);
         self.arrive(course, end, until);
         self.enter_extents(course);
     }
@@ -351,7 +351,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             } else {
                 R::constant(0.5) * (low + high)
             };
-            let state = self.rig.take(self.method, course.time, &course.state, next * step, &course.held);
+            let state = self.rig.take_tenable(self.method, course.time, &course.state, next * step, &course.held);
             let (value, which) = margin(&state);
             // What is not a number is beyond as well.
             let is_beyond = !R::zero().le(value);
