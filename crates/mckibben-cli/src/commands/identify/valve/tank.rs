@@ -14,7 +14,7 @@ use mckibben::{AbsolutePressure, parameter};
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::{Direction, Quantity, Recording, TankEntry, TankTarget};
 use mckibben_identify::valve::{FlowCurve, Scatter, Sought, SteadyPoint, Tank, TankFit, TankRecord, Transfer};
-use mckibben_scenario::{Process, Scenario};
+use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 
 /// Largest pressure ratio of a window: nearer to equal pressures the flow falls too fast for its cubic.
 const LARGEST_RATIO: f64 = 0.9;
@@ -101,8 +101,16 @@ fn experiment<'a>(
     warnings: &mut Vec<String>,
 ) -> Result<Experiment<'a>, Failure> {
     let run = recording.name.as_str();
-    let scenario = as_stated(material.document_of(recording)?.scenario()?, entry);
+    let mut scenario = as_stated(material.document_of(recording)?.scenario()?, entry);
     valve_of(&scenario)?;
+    if let Some(valve) =
+        scenario.valve.as_mut().filter(|valve| valve.exhaust_temperature != ExhaustTemperature::Actuator)
+    {
+        valve.exhaust_temperature = ExhaustTemperature::Actuator;
+        warnings.push(format!(
+            "{WARNED}`{run}`: air leaves the tank at its own temperature; `valve.exhaust_temperature` of the scenario is \"actuator\" now."
+        ));
+    }
     let atmosphere = scenario.air.atmospheric_pressure;
     let air = *actuator_of(&scenario)?.air();
     let transfer = match entry.transfer {
