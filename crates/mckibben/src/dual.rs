@@ -13,7 +13,7 @@
 //! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
-use crate::scalar::{Differentiable, Over, Real, Scalar, Work};
+use crate::scalar::{Over, Real, Scalar, Work};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its derivatives in `K` directions.
@@ -169,36 +169,5 @@ impl<S: Scalar, const K: usize> Over<S> for Dual<S, K> {
     #[inline(always)]
     fn of(parameter: S) -> Self {
         Self { value: parameter, slope: [S::zero(); K] }
-    }
-}
-
-impl<S: Scalar, const K: usize, const J: usize> Over<S> for Dual<Dual<S, K>, J> {
-    #[inline(always)]
-    fn of(parameter: S) -> Self {
-        Self { value: Dual { value: parameter, slope: [S::zero(); K] }, slope: [Dual::zero(); J] }
-    }
-}
-
-impl<S: Scalar> Differentiable<S> for S {
-    type Dual = Dual<S, 1>;
-    #[inline(always)]
-    fn along(self, slope: Self) -> Dual<S, 1> {
-        Dual { value: self, slope: [slope] }
-    }
-    #[inline(always)]
-    fn split(Dual { value, slope: [slope] }: Dual<S, 1>) -> [Self; 2] {
-        [value, slope]
-    }
-}
-
-impl<S: Scalar, const K: usize> Differentiable<S> for Dual<S, K> {
-    type Dual = Dual<Self, 1>;
-    #[inline(always)]
-    fn along(self, slope: Self) -> Dual<Self, 1> {
-        Dual { value: self, slope: [slope] }
-    }
-    #[inline(always)]
-    fn split(Dual { value, slope: [slope] }: Dual<Self, 1>) -> [Self; 2] {
-        [value, slope]
     }
 }

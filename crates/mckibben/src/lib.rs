@@ -67,6 +67,7 @@ mod braid;
 mod convert;
 mod dual;
 mod error;
+mod nested;
 mod pressure;
 mod root;
 
@@ -74,5 +75,6 @@ pub use actuator::{Actuator, ActuatorState, Response};
 pub use braid::Braid;
 pub use dual::Dual;
 pub use error::{Error, Requirement};
+pub use nested::Nested;
 pub use pressure::{AbsolutePressure, GaugePressure};
 pub use scalar::{Differentiable, Mask, Over, Real, Scalar, Work};

@@ -3,7 +3,7 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, Paper};
 use mckibben::air::Process;
-use mckibben::friction::{Coulomb, Hysteresis, MaxwellSlip};
+use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::InitialLength;
 use mckibben::valve::{Command, ExhaustTemperature, FlowStandard, Request, ValveKind};
@@ -105,13 +105,22 @@ fn falling() -> impl Strategy<Value = Option<Coulomb>> {
     prop_oneof![4 => Just(None), 1 => numbers.prop_map(move |numbers| Some(law(numbers)))]
 }
 
-/// Elements that slip, now and then.
+/// A law of hysteresis, now and then.
 fn elements() -> impl Strategy<Value = Option<Hysteresis>> {
     let some = prop::collection::vec((decades(1e-6, 1e-2), decades(1e-3, 3.0)), 1..=12).prop_map(|pairs| {
         let (reach, ratio): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
         Some(Hysteresis::MaxwellSlip(MaxwellSlip::new(&reach, &ratio).expect("elements")))
     });
-    prop_oneof![3 => Just(None), 1 => some]
+    let rounded = (decades(1e-7, 1e-3), decades(1e2, 1e5), -0.9..1.0_f64).prop_map(|(width, beta, part)| {
+        Some(Hysteresis::BoucWen(BoucWen::new(width, beta, part * beta).expect("a law")))
+    });
+    let numbers = (decades(1e-6, 1e-2), decades(1e-3, 3.0), 1.0..2.0_f64, decades(1e-3, 0.1), 0.0..9.0_f64);
+    let bristles = numbers.prop_map(|(reach, stiffness, ratio, velocity, damping)| {
+        let law = LuGre::new(stiffness * reach, reach);
+        let law = law.and_then(|law| law.with_velocity(ratio, velocity, damping * reach / velocity));
+        Some(Hysteresis::LuGre(law.expect("a law")))
+    });
+    prop_oneof![9 => Just(None), 3 => some, 1 => rounded, 1 => bristles]
 }
 
 /// Load and start.
