@@ -326,7 +326,7 @@ fn a_step_takes_no_more_air_than_there_is() {
             let paper = Paper::pwm(25.0, 0.5).process(process).with(|rig| rig.standard = larger(size));
             for line in [Line::NONE, lines()[0].1, lines()[5].1] {
                 let samples = steps(&rig(&paper, line), paper.start(), Method::Stable, 100.0 * step, 100);
-                assert!(samples.iter().all(|sample| sample.air_mass > 0.0 && sample.temperature > 100.0));
+                assert!(samples.iter().all(|sample| sample.air_mass > 0.0 && sample.pressure.0 > 0.0));
             }
         }
     }
