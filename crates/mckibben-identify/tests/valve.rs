@@ -419,7 +419,7 @@ fn edges_of_a_sampled_command_lie_on_the_line_through_the_threshold() {
     let [frequency, duty] = train.frequency_and_duty().expect("a period");
     close(frequency, 1.0 / 0.4, 1e-12, "frequency");
     close(duty, 0.25 / 0.4, 1e-12, "duty");
-    assert_eq!(train.clone().turned().edges()[0].1, false);
+    assert!(!train.clone().turned().edges()[0].1);
     let later = train.within(1.0, [1.2, 1.4]);
     assert_eq!(later.edges().len(), 1);
     assert!(later.frequency_and_duty().is_none());

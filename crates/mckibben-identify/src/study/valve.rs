@@ -160,7 +160,7 @@ impl Sections {
             if let Some(start) = start.filter(|_| !kinds.contains(&kind)) {
                 let kinds: Vec<String> = kinds.iter().map(|kind| format!("\"{}\"", kind.name())).collect();
                 let what = format!("`[{section}]` belongs to a study of the kind {}", kinds.join(" or "));
-                return Err(within.fault(Some(start), what, format!("leave it out, or mend `kind` of `[study]`")));
+                return Err(within.fault(Some(start), what, "leave it out, or mend `kind` of `[study]`"));
             }
         }
         let flow = within.flow(self.flow, kind)?;
@@ -253,11 +253,11 @@ impl Within<'_> {
             return Err(self.fault(Some(count.span().start), what, "leave it out: the trajectory finds either"));
         }
         let (begins, ends) = (time("tank.begins", &raw.begins)?, time("tank.ends", &raw.ends)?);
-        if let (Some(from), Some(to), Some(text)) = (begins, ends, &raw.ends) {
-            if to <= from {
-                let what = format!("`tank.ends` is \"{}\", not after `tank.begins`", text.as_ref());
-                return Err(self.fault(Some(text.span().start), what, "give the end of the readings that count"));
-            }
+        if let (Some(from), Some(to), Some(text)) = (begins, ends, &raw.ends)
+            && to <= from
+        {
+            let what = format!("`tank.ends` is \"{}\", not after `tank.begins`", text.as_ref());
+            return Err(self.fault(Some(text.span().start), what, "give the end of the readings that count"));
         }
         if let Some(length) = raw.length.as_ref().filter(|_| raw.find == TankTarget::Valve) {
             let what = "`tank.length` is of a volume that is found";
