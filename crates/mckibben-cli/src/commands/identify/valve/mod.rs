@@ -14,8 +14,8 @@ pub(super) use pulses::pulse_train;
 pub(super) use steady::{flow_curve, steady_flow};
 pub(super) use tank::tank;
 
-use super::column;
 use super::outcome::WARNED;
+use super::{Material, column};
 use crate::failure::Failure;
 use mckibben::Actuator;
 use mckibben::parameter::{self, Parameter};
@@ -183,6 +183,11 @@ fn file(scenario: &Scenario) -> String {
 fn longest_at_the_end(values: &[f64]) -> (usize, f64) {
     let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (values.split(|value| *value != largest).map(<[f64]>::len).max().unwrap_or(0), largest)
+}
+
+/// Whether the study says of a quantity where its sensor ends: what is left then is meant.
+fn says_its_end(material: &Material, quantity: Quantity) -> bool {
+    material.study.columns.iter().any(|entry| entry.quantity == quantity && entry.rules.saturates.is_some())
 }
 
 /// The refusal of a sensor at its end.

@@ -2,7 +2,7 @@
 
 use super::super::outcome::{Outcome, WARNED};
 use super::super::{Material, gauge_pressures, values};
-use super::{STUCK, Stems, at_its_end, failed, file, longest_at_the_end, named, put, told, valve_of};
+use super::{STUCK, Stems, at_its_end, failed, file, longest_at_the_end, named, put, says_its_end, told, valve_of};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Span, Symbol};
 use crate::report::{Data, Plate, Section, Table};
@@ -48,8 +48,8 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         runs.len()
     )];
     // With one frequency and duty alone the duties repeat what the onsets say.
-    if let Some(difference) = Some(&points).filter(|points| points.len() > 1).map(|points| delay_difference(points)) {
-        let difference = difference.map_err(|error| failed("all", &error))?;
+    if points.len() > 1 {
+        let difference = delay_difference(&points).map_err(|error| failed("all", &error))?;
         introduction.push(format!(
             "The paper’s way, by what the effective duty lacks over the frequency: the opening takes {} longer than the closing.",
             told(&difference, 1e3, "ms")
@@ -96,8 +96,8 @@ fn run<'a>(material: &Material, recording: &'a Recording, warnings: &mut Vec<Str
         return Err(Failure::input(title, "add `[columns.time]`, in the same table"));
     };
     let (stuck, largest) = longest_at_the_end(&pressures);
-    let plain = recording.column(quantity).is_some();
-    if plain && stuck >= STUCK && 50 * stuck >= pressures.len() {
+    let silent = !says_its_end(material, quantity);
+    if silent && stuck >= STUCK && 50 * stuck >= pressures.len() {
         return Err(at_its_end(name, quantity.words(), (stuck, largest), "while the valve is pulsed"));
     }
     let train = train(recording, &scenario, material.study.pulses, &times, warnings)?;

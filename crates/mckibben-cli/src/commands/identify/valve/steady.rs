@@ -3,7 +3,7 @@
 use super::super::outcome::{Outcome, WARNED};
 use super::super::{Material, column, values};
 use super::{absolute_pressures, actuator_of, conductance, file, law_of, named, passage_of, put, rows, told, valve_of};
-use super::{with_conductance, with_passage};
+use super::{says_its_end, with_conductance, with_passage};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series, Span};
 use crate::quantities::quantity;
@@ -197,7 +197,9 @@ fn points(material: &Material, warnings: &mut Vec<String>) -> Result<Points, Fai
     for recording in &material.recordings {
         let atmosphere = material.document_of(recording)?.scenario()?.air.atmospheric_pressure;
         let of_run = of_run(recording, atmosphere, warnings)?;
-        saturated(recording, &of_run)?;
+        if ![Quantity::MassFlow, Quantity::VolumeFlow].iter().any(|flow| says_its_end(material, *flow)) {
+            saturated(recording, &of_run)?;
+        }
         for (reading, point) in of_run {
             all.points.push(point);
             all.origins.push((recording.name.clone(), reading));

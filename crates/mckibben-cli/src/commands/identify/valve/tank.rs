@@ -3,7 +3,7 @@
 use super::super::outcome::{Outcome, WARNED};
 use super::super::{Material, gauge_pressures, values};
 use super::steady::curve_plate;
-use super::{STUCK, put, told, valve_of, with_conductance};
+use super::{STUCK, put, says_its_end, told, valve_of, with_conductance};
 use super::{Stems, actuator_of, at_its_end, conductance, failed, file, law_of, longest_at_the_end, named, passage_of};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -148,7 +148,8 @@ fn experiment<'a>(
     let (times, pressures): (Vec<f64>, Vec<f64>) =
         times.into_iter().zip(values).filter(counts).map(|(time, value)| (time, value + shift)).unzip();
     let record = TankRecord::new(times.clone(), pressures.clone()).map_err(|error| failed(run, &error))?;
-    possible(run, measured, &pressures, transfer, atmosphere, warnings)?;
+    let silent = !says_its_end(material, measured);
+    possible(run, (measured, silent), &pressures, transfer, atmosphere, warnings)?;
     let tank = Tank { volume: entry.volume, temperature: scenario.initial.temperature, air, transfer };
     Ok(Experiment { run, scenario, entry, tank, times, pressures, record })
 }
@@ -164,10 +165,11 @@ fn as_stated(mut scenario: Scenario, entry: &TankEntry) -> Scenario {
     scenario
 }
 
-/// Refuses a pressure that no tank has on this way: a sensor at its end, another kind of pressure, the other way.
+/// Refuses a pressure that no tank has on this way: a sensor at its end where the study is `silent` about that, another kind of
+/// pressure, the other way.
 fn possible(
     run: &str,
-    measured: Quantity,
+    (measured, silent): (Quantity, bool),
     pressures: &[f64],
     transfer: Transfer,
     atmosphere: f64,
@@ -198,7 +200,7 @@ fn possible(
             ),
             wrong_kind,
         ),
-        Transfer::Discharge if stuck >= STUCK && pressures.len() > 2 * stuck => {
+        Transfer::Discharge if silent && stuck >= STUCK && pressures.len() > 2 * stuck => {
             let why = "while the tank is discharged (or its valve opens later: mend `begins`)";
             Err(at_its_end(run, words, (stuck, reads), why))
         }
@@ -219,7 +221,7 @@ fn possible(
                 _ => "check the unit, and `supply.gauge_pressure` of the scenario, which is a gauge pressure",
             },
         ),
-        Transfer::Charge { supply, .. } if stuck >= STUCK && largest < 0.95 * supply.0 => {
+        Transfer::Charge { supply, .. } if silent && stuck >= STUCK && largest < 0.95 * supply.0 => {
             let why = format!("below the supply’s {} absolute", quantity(supply.0, "Pa"));
             Err(at_its_end(run, words, (stuck, reads), &why))
         }
