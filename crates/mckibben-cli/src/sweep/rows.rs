@@ -2,8 +2,8 @@
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
 //! block, which stays on the unit's thread, with a controller too if it is asked for all samples of the run; rows of the
-//! event-located engine, and those with a tendon in series or a joint, run one by one. Either way a row is, bit for bit, what it is by itself. A row that cannot be built or cannot go on gives its reason and
-//! nothing else.
+//! event-located engine, and those with a tendon in series or a joint, run one by one. Either way a row is, bit for bit, what
+//! it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::reduce::{Reducer, Seen};
 use super::step::{self, Choice};

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! with the loss ρ of [`Loss`]. Where the scales are not known, a loss that spares outliers takes its measure from the
-//! residuals themselves: from the median of their sizes, first by squares and then by the loss until it stays. A prior is one more residual. The steps are a trust-region reflective method's (the crate
-//! `basin`), in unknowns divided by their own size, from several starts if asked; what is made of the minimum is
-//! [`Fit`]'s.
+//! residuals themselves: from the median of their sizes, first by squares and then by the loss until it stays. A prior is one
+//! more residual. The steps are a trust-region reflective method's (the crate `basin`), in unknowns divided by their own
+//! size, from several starts if asked; what is made of the minimum is [`Fit`]'s.
 //!
 //! Checked by `tests/least_squares.rs`: certified values and deviations of the NIST's reference data sets, and how often an
 //! interval holds the truth.

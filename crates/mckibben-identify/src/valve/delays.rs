@@ -7,13 +7,14 @@
 //! paper's way    effective duty = d − (t_open − t_close) f              several frequencies or duties
 //! ```
 //!
-//! Each onset is found by least squares to a fraction of the sample interval, from the samples between the middle of the pause
-//! before the edge and the next edge, then once more from the nearer half of them, so that cubics are enough. A delay longer
-//! than half of the pause is not seen. An edge where the course does not change by four deviations counts as missed: a pulse shorter
-//! than `t_open` does not open the valve.
+//! Each onset is found by least squares to a fraction of the sample interval, from the samples between the middle of the
+//! pause before the edge and the next edge, then once more from the nearer half of them, so that cubics are enough. A delay
+//! longer than half of the pause is not seen. An edge where the course does not change by four deviations counts as missed: a
+//! pulse shorter than `t_open` does not open the valve.
 //!
-//! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit with the fewest samples. The paper's
-//! way tells only the difference of the delays. A seat that takes its time makes an onset where the two courses cross.
+//! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit with the fewest
+//! samples. The paper's way tells only the difference of the delays. A seat that takes its time makes an onset where the two
+//! courses cross.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10; the solenoid is [`mckibben::valve::Solenoid`]. Checked by
 //! `tests/valve.rs`.
@@ -295,7 +296,8 @@ impl Bend<'_> {
 
 /// Two cubics that meet at an onset.
 struct Courses {
-    /// The pressure there less the mean, the slope before, the change of slope, both curvatures, both third terms; over the span.
+    /// The pressure there less the mean, the slope before, the change of slope, both curvatures, both third terms; over the
+    /// span.
     numbers: Vec<f64>,
     /// Sum of squares of the residuals.
     squares: f64,
@@ -349,8 +351,8 @@ pub struct DutyPoint {
 /// `t_open − t_close` in s of duties at several frequencies or duties, by least squares: what they lack over the frequency.
 ///
 /// # Errors
-/// [`ValveError::TooFewPoints`] for less than two, [`ValveError::Implausible`] for a duty outside 0 to 1 or a frequency that is not
-/// above zero.
+/// [`ValveError::TooFewPoints`] for less than two, [`ValveError::Implausible`] for a duty outside 0 to 1 or a frequency that
+/// is not above zero.
 pub fn delay_difference(points: &[DutyPoint]) -> Result<Estimate, ValveError> {
     if points.len() < 2 {
         return Err(ValveError::TooFewPoints { points: points.len(), least: 2 });

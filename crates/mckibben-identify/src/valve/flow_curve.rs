@@ -1,8 +1,8 @@
 //! Sonic conductance C and critical ratio b from a flow curve.
 //!
-//! As the standard goes about it, C is found from the choked points and b from the subsonic ones with that C; the data sheets of
-//! SMC (after ISO 6358:1989) average the b of single points, here it is fitted by least squares. Both at once by least squares over
-//! all points use the same data better, and are the result.
+//! As the standard goes about it, C is found from the choked points and b from the subsonic ones with that C; the data sheets
+//! of SMC (after ISO 6358:1989) average the b of single points, here it is fitted by least squares. Both at once by least
+//! squares over all points use the same data better, and are the result.
 //!
 //! A point is choked when its ratio is at or below the b of the joint fit. The points must have at least one that is and two
 //! that are not, and the falling part must stand out: all points with one conductance fit no better with a b than without.

@@ -49,8 +49,8 @@ impl SteadyPoint {
         self.downstream.0 / self.upstream.0
     }
 
-    /// Conductance of ISO 6358 in m³/(s·Pa): mass flow over reference density and upstream pressure, as if the air upstream were
-    /// at the reference temperature. Of a choked point it is C.
+    /// Conductance of ISO 6358 in m³/(s·Pa): mass flow over reference density and upstream pressure, as if the air upstream
+    /// were at the reference temperature. Of a choked point it is C.
     pub fn conductance(&self) -> f64 {
         self.mass_flow / (REFERENCE_DENSITY * self.upstream.0) * (self.temperature / REFERENCE_TEMPERATURE).sqrt()
     }

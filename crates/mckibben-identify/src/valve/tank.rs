@@ -1,16 +1,18 @@
-//! A tank that is charged or discharged through a valve: C and b from its pressure alone, or its volume where the valve is known.
+//! A tank that is charged or discharged through a valve: C and b from its pressure alone, or its volume where the valve is
+//! known.
 //!
 //! ```text
 //! isothermal       ṁ = (V/RT) dP/dt          as ISO 6358-2 does, in a tank stuffed with metal wool
 //! any process      P(t) of the simulated tank
 //! ```
 //!
-//! [`Tank::isothermal_flow`] makes points of steady flow for [`FlowCurve`](super::FlowCurve): the slope of a cubic through the samples
-//! of each of a number of windows that share none, so that their errors are independent. [`Tank::fit`] fits the trajectory, with exact
-//! derivatives. A tank is simulated as an actuator that is held at one length: the external volume makes up the rest.
+//! [`Tank::isothermal_flow`] makes points of steady flow for [`FlowCurve`](super::FlowCurve): the slope of a cubic through
+//! the samples of each of a number of windows that share none, so that their errors are independent. [`Tank::fit`] fits the
+//! trajectory, with exact derivatives. A tank is simulated as an actuator that is held at one length: the external volume
+//! makes up the rest.
 //!
-//! C and V cannot both be found from a pressure: a tank twice as large behind twice the valve has the same. The temperature at the
-//! start is that of the tank's wall.
+//! C and V cannot both be found from a pressure: a tank twice as large behind twice the valve has the same. The temperature
+//! at the start is that of the tank's wall.
 //!
 //! Source: ISO 6358-2:2019 names the two tests; the isothermal tank is that of EP 1847812. Checked by `tests/valve.rs`.
 
@@ -34,8 +36,8 @@ use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure, Over, Scalar};
 const LEAST_SAMPLES: usize = 8;
 /// Samples of a window, for a cubic and some to spare.
 const LEAST_IN_WINDOW: usize = 6;
-/// Where the search begins beside the guesses when b and the heat transfer are sought, which can stand in for each other: b, and
-/// parts of the guess of the heat transfer.
+/// Where the search begins beside the guesses when b and the heat transfer are sought, which can stand in for each other: b,
+/// and parts of the guess of the heat transfer.
 const STARTS: ([f64; 4], [f64; 3]) = ([0.15, 0.3, 0.45, 0.6], [0.3, 1.0, 3.0]);
 /// Relative tolerance of the trajectories.
 const TOLERANCE: f64 = 1e-9;
@@ -128,8 +130,8 @@ pub struct TankFit {
 }
 
 impl Tank {
-    /// Points of steady flow from an isothermal tank, one for each of a number of `windows`. Near equal pressures the flow falls
-    /// too fast for a cubic: leave points with a ratio above 0.9 out.
+    /// Points of steady flow from an isothermal tank, one for each of a number of `windows`. Near equal pressures the flow
+    /// falls too fast for a cubic: leave points with a ratio above 0.9 out.
     ///
     /// # Errors
     /// [`ValveError::Unsupported`] for windows of fewer than six samples.

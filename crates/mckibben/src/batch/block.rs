@@ -3,8 +3,8 @@
 //! The numbers of the rows lie lane by lane in one rig over lanes. A step of all rows is one step of the method. Rows to
 //! which something happens within it (an instant of their own, a turn, the end of the physics) take that step again by
 //! themselves as the fixed-step engine does, from where they were, and so do rows whose passages are under way or lead to a
-//! regulated pressure; an instant that all rows share divides the step of the
-//! block, and so does a sampling instant of their controllers, which each row's own controller then sees. So every row goes the fixed-step engine's way, bit for bit.
+//! regulated pressure; an instant that all rows share divides the step of the block, and so does a sampling instant of their
+//! controllers, which each row's own controller then sees. So every row goes the fixed-step engine's way, bit for bit.
 
 use super::Row;
 use super::gather::{gather, narrow};

@@ -6,7 +6,8 @@
 //! | `page` | the page |
 //!
 //! Beside the page stand the figures as SVG and the files' texts, in the folders of the files. A file that fails has its
-//! message on the page in place of a figure; a study of `mckibben identify` is no scenario and is left out. Checked by `tests/gallery.rs`.
+//! message on the page in place of a figure; a study of `mckibben identify` is no scenario and is left out. Checked by
+//! `tests/gallery.rs`.
 
 mod page;
 mod picture;
