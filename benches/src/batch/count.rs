@@ -30,6 +30,7 @@ impl Operations {
             stuck: false,
             slack: false,
             taut: false,
+            compressor: false,
             line: Line::resting(0.0),
             memory: Memory::relaxed(0.0),
         };

@@ -1,5 +1,8 @@
 //! Least squares against certified values, and against what an interval promises.
 
+#[path = "../src/median.rs"]
+mod median;
+
 use mckibben_identify::least_squares::{Evaluation, Loss, Model, Search, Unknown, fit};
 
 /// A curve through points: `y − f(x)` and the slopes of f.
