@@ -57,6 +57,7 @@ class Muscle:
         self.k = k
         self.band = max(tolerance, 1e-12)
         self.force_band = self.band * k.pull
+        self.rest_band = self.band * k.velocity_scale
 
     def static_force(self, length, pressure):
         k = self.k
@@ -172,7 +173,8 @@ class Muscle:
             shorter = lambda _, y: k.pull - self.holdable(y[0], y[2])[0] + band  # noqa: E731
             return [*guards, ("break longer", longer), ("break shorter", shorter)]
         sliding, sign = mode.sliding, -1 if mode.clamped else 1
-        guards.append(("rest", lambda _, y: sliding * y[1]))
+        # A motion that begins at rest and comes to rest within one step must not be found at its beginning.
+        guards.append(("rest", lambda _, y: sliding * y[1] + self.rest_band))
         if mode.extent == FREE:
             guards.append(("slack", lambda _, y: y[0] - k.min_length))
             guards.append(("taut", lambda _, y: k.max_length - y[0]))

@@ -166,6 +166,24 @@ fn held_out_lengths_are_those_of_an_independent_solver() {
     }
 }
 
+/// At lengths between others, the braid in a membrane whose rest length is fitted too: SciPy, `least_squares` from eight starts
+/// with the slack points censored, has 0.82 % and 3.95 %. An independent study of these maps has 1.1 % and 3.9 %.
+#[test]
+fn held_out_lengths_between_others_are_those_of_an_independent_solver() {
+    for (file, expected) in [("dmsp-20-300.csv", 0.0082), ("dmsp-10-250.csv", 0.0395)] {
+        let (map, base) = measured(file);
+        let candidate = named(candidates::all(&base, &map).expect("places"), "ideal-braid + saturating bladder + rest");
+        let fit = candidate.fit(&map, None, &Search::default()).expect("a fit");
+        let out = candidate.held_out(&map, Grouping::Lengths, &fit.fit.values(), None, &Search::default());
+        let out = out.expect("groups");
+        let between = out.between().expect("a law for each").root_mean_square;
+        println!("{file}: {between} of {out:?}");
+        assert!((between - expected).abs() < 1e-4, "{file}: {between}, {expected}");
+        let ends = out.folds[0].errors.expect("a fit").count + out.folds[out.folds.len() - 1].errors.expect("a fit").count;
+        assert_eq!(out.between().expect("errors").count + ends, map.held().count());
+    }
+}
+
 #[test]
 fn every_candidate_is_fitted_and_polynomials_go_astray() {
     for file in ["dmsp-20-300.csv", "dmsp-10-250.csv"] {

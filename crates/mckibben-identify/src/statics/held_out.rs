@@ -97,7 +97,18 @@ pub struct Fold {
 impl HeldOut {
     /// Errors of all groups together; `None` when one of them has none.
     pub fn errors(&self) -> Option<Errors> {
-        self.folds.iter().try_fold(Errors::default(), |sum, fold| Some(sum.and(fold.errors?)))
+        Self::of(&self.folds)
+    }
+
+    /// Errors of the groups between the first and the last, for which the law is held to what lies between its points; `None`
+    /// when one of them has none, or there is none.
+    pub fn between(&self) -> Option<Errors> {
+        let inner = self.folds.get(1..self.folds.len().saturating_sub(1))?;
+        if inner.is_empty() { None } else { Self::of(inner) }
+    }
+
+    fn of(folds: &[Fold]) -> Option<Errors> {
+        folds.iter().try_fold(Errors::default(), |sum, fold| Some(sum.and(fold.errors?)))
     }
 }
 

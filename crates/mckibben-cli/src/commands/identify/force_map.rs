@@ -28,7 +28,11 @@ impl Judged {
     }
 
     fn held(&self, by: Grouping) -> Option<Errors> {
-        self.held_out.iter().find(|held| held.by == by)?.errors()
+        self.held_out(by)?.errors()
+    }
+
+    fn held_out(&self, by: Grouping) -> Option<&HeldOut> {
+        self.held_out.iter().find(|held| held.by == by)
     }
 }
 
@@ -244,12 +248,21 @@ fn comparison(judged: &[Judged]) -> Table {
     let mut head: Vec<String> = ["law", "numbers", "in sample: worst %", "rms %"].map(String::from).to_vec();
     for by in &groupings {
         head.extend([format!("held-out {}: worst %", by.name()), "rms %".to_owned()]);
+        if *by != Grouping::Runs {
+            head.push("between: rms %".to_owned());
+        }
     }
     head.push("condition".to_owned());
     let row = |of: &Judged| {
         let mut row = vec![of.candidate.name.clone(), of.numbers().to_string()];
         row.extend(percents(Some(of.fit.errors)));
-        groupings.iter().for_each(|by| row.extend(percents(of.held(*by))));
+        for by in &groupings {
+            row.extend(percents(of.held(*by)));
+            if *by != Grouping::Runs {
+                let [_, between] = percents(of.held_out(*by).and_then(HeldOut::between));
+                row.push(between);
+            }
+        }
         row.push(if of.fit.fit.untold.is_empty() {
             format!("{:.1e}", of.fit.fit.condition)
         } else {
@@ -258,7 +271,8 @@ fn comparison(judged: &[Judged]) -> Table {
         row
     };
     let caption = "Errors in percent of the largest tension. Held out: each length, pressure or run in turn is left out of the fit, and the \
-                   error is taken there; – where the others do not determine the law. Condition: of the numbers, each over its size."
+                   error is taken there; – where the others do not determine the law. Between: the same without the first and the last of \
+                   them, which lie beyond the others. Condition: of the numbers, each over its size."
         .to_owned();
     Table { caption, head, rows: judged.iter().map(row).collect() }
 }
@@ -373,7 +387,7 @@ fn astray(pair: &[&Judged]) -> Option<Plate> {
     let mut panel = Panel::new(Axis::new("error there", "%").starting_at(0.0)).legend(Legend::Above);
     let mut data = Data::new(&["law", "left_out_m", "rms_percent"]);
     for (law, of) in pair.iter().enumerate() {
-        let held = of.held_out.iter().find(|held| held.by == Grouping::Lengths)?;
+        let held = of.held_out(Grouping::Lengths)?;
         let middle = |fold: &[f64; 2]| 0.5 * (fold[0] + fold[1]);
         let x: Vec<f64> = held.folds.iter().map(|fold| middle(&fold.of)).collect();
         let y: Vec<f64> = held
