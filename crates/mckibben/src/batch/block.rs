@@ -7,24 +7,22 @@
 //! controllers, which each row's own controller then sees. So every row goes the fixed-step engine's way, bit for bit.
 
 use super::Row;
-use super::gather::{gather, narrow};
-use super::wide::{Compiled, Number, Wide};
+use super::gather::gather;
+use super::lane::Lane;
+use super::wide::{Compiled, Wide};
 use crate::error::Error;
 use crate::force::{Characteristic, IdealBraid, Statics};
 use crate::friction::{Hysteresis, Memory};
-use crate::load::{Line, Load};
-use crate::pressure::AbsolutePressure;
+use crate::load::Line;
 use crate::scalar::{Mask, Real, Scalar};
-use crate::simulation::closed_loop::{Control, measurement};
+use crate::simulation::closed_loop::Control;
 use crate::simulation::course::Course;
 use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
 use crate::simulation::piped::{PIPED, PLAIN, Stepped as States, of_rig, volume};
-use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
-use crate::simulation::timetable::{Progress, Timetable};
 use crate::simulation::{Decision, Method, Rig};
-use crate::valve::{Openings, Ports, is_due};
+use crate::valve::{Openings, is_due};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
@@ -42,7 +40,8 @@ pub(super) struct Span {
 }
 
 impl Span {
-    fn end_of(&self, step: u64) -> f64 {
+    /// The time in s at the end of a step.
+    pub(super) fn end_of(&self, step: u64) -> f64 {
         if step == self.steps {
             self.until
         } else {
@@ -94,76 +93,6 @@ pub(super) struct Rows<W: Wide, L, const N: usize> {
     lanes: Vec<Lane<W::Lane>>,
 }
 
-/// What a row keeps for itself.
-#[derive(Debug)]
-struct Lane<R> {
-    rig: Rig<R>,
-    actuation: Option<Actuation>,
-    load: Load,
-    progress: Progress<f64>,
-    ports: Ports,
-    /// The next instant in s; infinite when none is known.
-    next: f64,
-    fault: Option<Error>,
-    control: Option<Box<dyn Control>>,
-}
-
-impl<R: Number> Lane<R> {
-    fn timetable(&self) -> Timetable<'_, f64> {
-        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
-    }
-
-    fn openings(&self) -> Openings<f64> {
-        self.timetable().openings(&self.progress)
-    }
-
-    fn look_ahead(&mut self, until: f64) {
-        let instant = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
-        self.next = instant.smaller(self.sampling().unwrap_or(f64::INFINITY));
-    }
-
-    /// The controller's next sampling instant in s.
-    fn sampling(&self) -> Option<f64> {
-        self.control.as_ref().map(|control| control.next())
-    }
-
-    /// Takes the controller's sample if it is due.
-    fn sample_due(&mut self, walk: &mut Walk<R>) -> Result<(), Error> {
-        if let Some(control) = &mut self.control
-            && is_due(control.next(), walk.course.time)
-        {
-            let time = control.next();
-            let truth = measurement(R::of_time(time), &walk.sample(&self.rig), self.rig.actuator());
-            control.sample(&truth.of_lane(time), self.actuation.as_mut())?;
-            walk.pass(&self.rig, &self.timetable());
-        }
-        Ok(())
-    }
-
-    /// Passes what is due where the walk is: instants first, then the controller's sample.
-    fn pass(&mut self, walk: &mut Walk<R>) -> Result<(), Error> {
-        if self.control.is_none() || self.timetable().next(&walk.progress, walk.course.time).is_some() {
-            walk.pass(&self.rig, &self.timetable());
-        }
-        self.sample_due(walk)
-    }
-
-    /// Goes on to `until` in s by itself, with every sample of the controller on the way. The end of one whole step is given
-    /// where it is known already.
-    fn go(&mut self, walk: &mut Walk<R>, method: Method, until: f64, mut end: Option<States<R>>) -> Result<(), Error> {
-        loop {
-            let sampling = self.sampling().filter(|instant| is_due(*instant, until));
-            let to = sampling.map_or(until, |instant| instant.smaller(until));
-            let end = end.take().filter(|_| sampling.is_none());
-            walk.advance_to(&self.rig, &self.timetable(), method, to, end)?;
-            self.sample_due(walk)?;
-            if until <= walk.course.time {
-                return Ok(());
-            }
-        }
-    }
-}
-
 impl<W: Wide> Block<W> {
     /// At most as many rows of the same form as there are lanes, at t = 0.
     pub(super) fn new(rows: &[&Row], method: Method) -> Self {
@@ -188,16 +117,6 @@ impl<W: Wide> Block<W> {
 
 impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
     fn new(rig: Rig<W, L>, rows: &[&Row], method: Method) -> Self {
-        let lane = |row: &&Row| Lane {
-            rig: narrow(&row.rig),
-            actuation: row.rig.actuation().cloned(),
-            load: row.rig.load().clone(),
-            progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
-            ports: Ports::CLOSED,
-            next: f64::INFINITY,
-            fault: row.rig.check_no_tendon().err(),
-            control: None,
-        };
         // Lanes without a row hold no number.
         let starts: Vec<_> = rows.iter().map(|row| stepped(&row.rig, row.start)).collect();
         let start =
@@ -219,7 +138,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             known_until: 0.0,
             soonest: f64::INFINITY,
             shared: false,
-            lanes: rows.iter().map(lane).collect(),
+            lanes: rows.iter().map(|row| Lane::new(row)).collect(),
         };
         block.pass(f64::INFINITY);
         block
@@ -403,13 +322,9 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         }
     }
 
-    /// The sample of a row whose passages are not whole, by the net flow into its actuator and what lies beyond.
     #[inline(never)]
     fn under_way(&self, index: usize, sample: Sample) -> Sample {
-        let Course { time, state, held } = self.walk(index).course;
-        let mass_flow = self.lanes[index].rig.observe(W::Lane::of_time(time), &state, &held).flow.net().value();
-        let supply_pressure = self.lanes[index].openings().pressure(time).map(AbsolutePressure);
-        Sample { mass_flow, supply_pressure, ..sample }
+        self.lanes[index].under_way(&self.walk(index), sample)
     }
 
     /// What each row shows now, or why it has stopped.

@@ -1,5 +1,6 @@
 //! The blocks of a batch behind one face, whatever their number and width.
 
+use super::baseline::Baseline;
 use super::block::{Advance, Attach, Block, Create, Samples, Span};
 use super::twice::Twice;
 use super::wide::{Doubles, Number, Singles, Wide, compiled};
@@ -80,7 +81,7 @@ macro_rules! build {
         impl Build for $number {
             fn build(rows: &[Row], deal: Dealing<'_>, method: Method, width: Width) -> Box<dyn Engine> {
                 match width.or_widest() {
-                    Width::Baseline => Blocks::<$wide<pulp::Scalar>>::build(rows, deal, method),
+                    Width::Baseline => Baseline::<$number>::build(rows, deal, method),
                     #[cfg(target_arch = "x86_64")]
                     Width::Avx2 => Blocks::<Twice<$wide<pulp::x86::V3>>>::build(rows, deal, method),
                     #[cfg(target_arch = "x86_64")]

@@ -47,10 +47,15 @@
 //!
 //! Checked by `tests/batch.rs` and `tests/batch_control.rs`.
 
+mod baseline;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod block;
 mod engine;
 mod gather;
+mod lane;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod twice;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) mod wide;
 mod width;
 

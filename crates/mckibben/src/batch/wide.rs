@@ -126,7 +126,6 @@ macro_rules! instructions {
         }
     )*};
 }
-instructions!(pulp::Scalar, (), ONE_BY_ONE, Some(pulp::Scalar::new()));
 #[cfg(target_arch = "x86_64")]
 instructions! {
     pulp::x86::V3, Place256, AVX2, pulp::x86::V3::try_new();
@@ -237,17 +236,11 @@ macro_rules! wide {
             #[inline(always)]
             fn smaller(self, other: Self) -> Self {
                 // A register's minimum is its second number where the two do not compare, as it is here.
-                match S::IS_SCALAR {
-                    true => Self::select(self.lt(other), self, other),
-                    false => Self { lanes: self.simd.$min(self.lanes, other.lanes), ..self },
-                }
+                Self { lanes: self.simd.$min(self.lanes, other.lanes), ..self }
             }
             #[inline(always)]
             fn larger(self, other: Self) -> Self {
-                match S::IS_SCALAR {
-                    true => Self::select(self.lt(other), other, self),
-                    false => Self { lanes: self.simd.$max(other.lanes, self.lanes), ..self },
-                }
+                Self { lanes: self.simd.$max(other.lanes, self.lanes), ..self }
             }
         }
 

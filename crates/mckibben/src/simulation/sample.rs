@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{air::Flow, batch::wide::Wide, scalar::Real};
+use crate::{batch::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,15 +94,23 @@ impl Sample {
         (ports, hose, supply): (Ports, Option<[W; 2]>, Option<W>),
     ) -> Self {
         let number = |wide: &W| wide.lane(lane).value();
-        let Observed { tension, volume, temperature, flow } = observed;
-        let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
-        let observed =
-            Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow };
-        let [length, velocity, pressure, mass] = &state;
-        let four = [number(length), number(velocity), number(pressure), number(mass)];
-        let sample = Self::new(time, &four, &observed, ports);
-        let sample = hose.map_or(sample, |[hose, air]| sample.with_line([number(&hose), number(&air)], None));
-        Self { supply_pressure: supply.map(|pressure| AbsolutePressure(number(&pressure))), ..sample }
+        let four = state.each_ref().map(number);
+        let hose = hose.map(|both| both.each_ref().map(number));
+        Self::of_values(time, four, &observed.map(number), (ports, hose, supply.as_ref().map(number)))
+    }
+
+    /// The sample of four states with what has been computed from them, with pressure and air of a hose (Pa, kg) and the
+    /// pressure of a supply (Pa), if there are such.
+    #[cfg(feature = "batch")]
+    pub(crate) fn of_values(
+        time: f64,
+        four: [f64; 4],
+        observed: &Observed<f64>,
+        (ports, hose, supply): (Ports, Option<[f64; 2]>, Option<f64>),
+    ) -> Self {
+        let sample = Self::new(time, &four, observed, ports);
+        let sample = hose.map_or(sample, |hose| sample.with_line(hose, None));
+        Self { supply_pressure: supply.map(AbsolutePressure), ..sample }
     }
 }
 

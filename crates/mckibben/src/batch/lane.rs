@@ -1,0 +1,112 @@
+//! A row by itself: its rig, what drives its valve, its instants and its controller, and how it goes through time where it goes
+//! alone, as the fixed-step engine does.
+
+use super::Row;
+use super::gather::narrow;
+use super::wide::Number;
+use crate::error::Error;
+use crate::load::Load;
+use crate::pressure::AbsolutePressure;
+use crate::scalar::Scalar;
+use crate::simulation::closed_loop::{Control, measurement};
+use crate::simulation::course::Course;
+use crate::simulation::fixed_step::Walk;
+use crate::simulation::piped::Stepped as States;
+use crate::simulation::rig::Actuation;
+use crate::simulation::sample::Sample;
+use crate::simulation::timetable::{Progress, Timetable};
+use crate::simulation::{Method, Rig};
+use crate::valve::{Openings, Ports, is_due};
+use alloc::boxed::Box;
+
+/// What a row keeps for itself.
+#[derive(Debug)]
+pub(super) struct Lane<R> {
+    pub(super) rig: Rig<R>,
+    pub(super) actuation: Option<Actuation>,
+    pub(super) load: Load,
+    pub(super) progress: Progress<f64>,
+    pub(super) ports: Ports,
+    /// The next instant in s; infinite when none is known.
+    pub(super) next: f64,
+    pub(super) fault: Option<Error>,
+    pub(super) control: Option<Box<dyn Control>>,
+}
+
+impl<R: Number> Lane<R> {
+    /// A row at t = 0, before what is due then has been passed.
+    pub(super) fn new(row: &Row) -> Self {
+        Self {
+            rig: narrow(&row.rig),
+            actuation: row.rig.actuation().cloned(),
+            load: row.rig.load().clone(),
+            progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
+            ports: Ports::CLOSED,
+            next: f64::INFINITY,
+            fault: row.rig.check_no_tendon().err(),
+            control: None,
+        }
+    }
+
+    fn timetable(&self) -> Timetable<'_, f64> {
+        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
+    }
+
+    pub(super) fn openings(&self) -> Openings<f64> {
+        self.timetable().openings(&self.progress)
+    }
+
+    pub(super) fn look_ahead(&mut self, until: f64) {
+        let instant = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
+        self.next = instant.smaller(self.sampling().unwrap_or(f64::INFINITY));
+    }
+
+    /// The controller's next sampling instant in s.
+    pub(super) fn sampling(&self) -> Option<f64> {
+        self.control.as_ref().map(|control| control.next())
+    }
+
+    /// Takes the controller's sample if it is due.
+    pub(super) fn sample_due(&mut self, walk: &mut Walk<R>) -> Result<(), Error> {
+        if let Some(control) = &mut self.control
+            && is_due(control.next(), walk.course.time)
+        {
+            let time = control.next();
+            let truth = measurement(R::of_time(time), &walk.sample(&self.rig), self.rig.actuator());
+            control.sample(&truth.of_lane(time), self.actuation.as_mut())?;
+            walk.pass(&self.rig, &self.timetable());
+        }
+        Ok(())
+    }
+
+    /// Passes what is due where the walk is: instants first, then the controller's sample.
+    pub(super) fn pass(&mut self, walk: &mut Walk<R>) -> Result<(), Error> {
+        if self.control.is_none() || self.timetable().next(&walk.progress, walk.course.time).is_some() {
+            walk.pass(&self.rig, &self.timetable());
+        }
+        self.sample_due(walk)
+    }
+
+    /// Goes on to `until` in s by itself, with every sample of the controller on the way. The end of one whole step is given
+    /// where it is known already.
+    pub(super) fn go(&mut self, walk: &mut Walk<R>, method: Method, until: f64, mut end: Option<States<R>>) -> Result<(), Error> {
+        loop {
+            let sampling = self.sampling().filter(|instant| is_due(*instant, until));
+            let to = sampling.map_or(until, |instant| instant.smaller(until));
+            let end = end.take().filter(|_| sampling.is_none());
+            walk.advance_to(&self.rig, &self.timetable(), method, to, end)?;
+            self.sample_due(walk)?;
+            if until <= walk.course.time {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The sample of a row whose passages are not whole, by the net flow into its actuator and what lies beyond.
+    pub(super) fn under_way(&self, walk: &Walk<R>, sample: Sample) -> Sample {
+        let Course { time, state, held } = &walk.course;
+        let mass_flow = self.rig.observe(R::of_time(*time), state, held).flow.net().value();
+        let supply_pressure = self.openings().pressure(*time).map(AbsolutePressure);
+        Sample { mass_flow, supply_pressure, ..sample }
+    }
+}
