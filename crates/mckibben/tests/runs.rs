@@ -54,6 +54,7 @@ mod solenoid;
 mod spool_rig;
 mod stiff;
 mod stops;
+mod tendon_control;
 mod tendon_located;
 mod tendon_rig;
 mod work;

@@ -319,7 +319,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         match self.tendon {
             None => Ok(()),
             Some(_) => Err(Error::Unsupported {
-                what: "controllers, linear models, modular actuators and batches take no rig with a tendon in series",
+                what: "linear models, modular actuators and batches take no rig with a tendon in series",
                 remedy: "simulate it with a command, or leave out [tendon]",
             }),
         }
@@ -389,7 +389,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
 impl<S: Real> Rig<S> {
     /// The instants at which its seats move.
-    #[cfg(feature = "alloc")]
     pub(super) fn seats(&self) -> Timetable<'_, S> {
         Timetable { actuation: self.actuation.as_ref(), motion: None }
     }
