@@ -47,6 +47,8 @@ mod moment_arm;
 mod properties;
 mod ramped_rig;
 mod regulated_rig;
+#[cfg(feature = "batch")]
+mod row_by_row;
 mod segments;
 mod series_tendon;
 mod simulation;

@@ -42,7 +42,8 @@ pub(super) struct Span {
 }
 
 impl Span {
-    fn end_of(&self, step: u64) -> f64 {
+    /// The time in s at the end of a step.
+    pub(super) fn end_of(&self, step: u64) -> f64 {
         if step == self.steps {
             self.until
         } else {
@@ -195,7 +196,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: row.rig.check_no_tendon().err(),
+            fault: None,
             control: None,
         };
         // Lanes without a row hold no number.
@@ -214,7 +215,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             state,
             held: Held { memory, compressor: W::mask(runs), ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_no_tendon().is_ok())),
+            alive: W::mask(|lane| lane < rows.len()),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,

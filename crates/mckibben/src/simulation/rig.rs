@@ -319,7 +319,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         match self.tendon {
             None => Ok(()),
             Some(_) => Err(Error::Unsupported {
-                what: "linear models, modular actuators and batches take no rig with a tendon in series",
+                what: "linear models and modular actuators take no rig with a tendon in series",
                 remedy: "simulate it with a command, or leave out [tendon]",
             }),
         }
