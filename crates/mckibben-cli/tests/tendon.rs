@@ -64,3 +64,15 @@ fn a_load_on_a_tendon_is_controlled_and_swept() {
         assert!(rows.contains(&last), "{last}:\n{rows}");
     }
 }
+
+#[test]
+fn a_load_on_a_tendon_is_linearised() {
+    let folder = Folder::new("tendon-linear");
+    let file = of_repository("examples/tendon.toml").display().to_string();
+    let told = run(&folder, &["linearize", &file, "-o", "model.json"]);
+    assert!(told.contains("the load is at"), "{told}");
+    let model = std::fs::read_to_string(folder.path("model.json")).expect("written");
+    for name in ["load_distance_m", "\"load_velocity\"", "\"length\""] {
+        assert!(model.contains(name), "{name}:\n{model}");
+    }
+}

@@ -40,6 +40,7 @@ mod linearize;
 mod linearize_analysis;
 mod linearize_joint;
 mod linearize_pwm;
+mod linearize_tendon;
 mod lugre;
 mod manifold;
 mod modular;
