@@ -178,15 +178,29 @@ fn a_row_has_the_same_bits_whatever_the_size_the_place_and_the_threads() {
 }
 
 #[test]
-fn a_row_that_a_batch_cannot_take_says_so_and_touches_no_other() {
+fn rigs_on_a_tendon_go_by_themselves_wherever_they_stand() {
     let good = end_of::<f64>(rows(16), Method::Stable, Width::widest());
-    let mut mixed = rows(16);
     let tendon = SeriesTendon::new(1e4, 0.1).expect("a tendon");
-    let on_tendon = Row { rig: mixed[1].rig.clone().with_tendon(tendon).expect("a rig"), start: mixed[1].start };
-    mixed.insert(5, on_tendon);
-    let mut ended = end_of::<f64>(mixed, Method::Stable, Width::widest());
-    assert!(matches!(ended.remove(5), Err(Error::Unsupported { .. })));
-    assert_eq!(ended.iter().map(bits).collect::<Vec<_>>(), good.iter().map(bits).collect::<Vec<_>>());
+    let on_tendon = [1, 3, 9].map(|index| {
+        let Row { rig, start } = row(index);
+        Row { rig: rig.with_tendon(tendon).expect("a rig"), start }
+    });
+    let expected = on_tendon.each_ref().map(|row| bits(&alone(row, Method::Stable)));
+    assert_ne!(expected[0], bits(&alone(&row(1), Method::Stable)));
+    for width in Width::available() {
+        let mut mixed = rows(16);
+        let places = [0, 6, 18];
+        for (place, row) in places.into_iter().zip(&on_tendon) {
+            mixed.insert(place, row.clone());
+        }
+        let ended: Vec<_> = end_of::<f64>(mixed.clone(), Method::Stable, width).iter().map(bits).collect();
+        // They have their precision whatever that of the lanes.
+        let single: Vec<_> = end_of::<f32>(mixed, Method::Stable, width).iter().map(bits).collect();
+        assert_eq!(places.map(|place| ended[place]), expected);
+        assert_eq!(places.map(|place| single[place]), expected);
+        let others = ended.iter().enumerate().filter(|(place, _)| !places.contains(place)).map(|(_, bits)| *bits);
+        assert_eq!(others.collect::<Vec<_>>(), good.iter().map(bits).collect::<Vec<_>>());
+    }
 }
 
 /// A rig a centimetre long, whose air is so little that explicit steps of 0.1 ms leave the physics when it is filled.

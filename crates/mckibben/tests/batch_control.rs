@@ -3,15 +3,18 @@
 use crate::common;
 use common::{LB, PSI, Paper, ROOM, assert_close};
 use mckibben::batch::{Batch, ControlledRow, Float, Width};
-use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensor, Sensors, SetPoint, Tracker};
+use mckibben::control::{
+    Controller, Drive, Measurement, Output, Pid, Quantity, Regulator, Sampling, Sensor, Sensors, SetPoint, Tracker,
+};
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
-use mckibben::simulation::{ControlledStepper, Decision, Method, Sample};
-use mckibben::valve::ValveKind;
+use mckibben::load::SeriesTendon;
+use mckibben::simulation::{ControlledStepper, Decision, Method, Rig, Sample};
+use mckibben::valve::{Request, ValveKind};
 use mckibben::{Error, GaugePressure};
 
 type Trackers = Vec<ControlledRow<Tracker>>;
 
-/// Pressures and lengths that are to be kept, by rows that differ in mass, gain, rate and line; some sample together.
+/// Pressures that are to be kept, by rows that differ in mass, gain, rate, line and tendon; some sample together.
 fn rows(count: usize) -> Trackers {
     (0..count)
         .map(|row| {
@@ -31,8 +34,10 @@ fn rows(count: usize) -> Trackers {
             let pid = pid.and_then(|pid| pid.with_integral(0.2)).expect("a controller");
             let set_point = SetPoint::constant(Quantity::Pressure, (30.0 + 40.0 * u) * PSI).expect("a set point");
             let coarse = Sensor::new(Quantity::Pressure, 500.0, None).expect("a sensor");
+            let rig = paper.rig().with_line(line).expect("a line");
+            let tendon = SeriesTendon::new(5e3 + 2e4 * v, 0.1).expect("a tendon");
             ControlledRow {
-                rig: paper.rig().with_line(line).expect("a line"),
+                rig: if row % 7 == 4 { rig.with_tendon(tendon).expect("a rig") } else { rig },
                 start: paper.start(),
                 controller: Tracker::new(Quantity::Pressure, set_point, Regulator::Pid(pid)).expect("a tracker"),
                 sampling: Sampling::new([50.0, 50.0, 80.0][row % 3], row % 2).expect("a rate"),
@@ -77,6 +82,40 @@ fn a_row_is_the_controlled_run_bit_for_bit_at_any_width() {
                 assert_eq!(sample.expect("a row"), expected, "row {index}, {method:?}, {width:?}");
             }
         }
+    }
+}
+
+/// Asks of a three-way valve what it cannot do.
+#[derive(Debug)]
+struct Holds;
+
+impl Controller for Holds {
+    type Memory = ();
+
+    fn begin(&self) {}
+
+    fn decide(&self, _seen: &Measurement, (): &mut ()) -> Drive {
+        Drive::Steady(Request::Hold)
+    }
+}
+
+#[test]
+fn what_a_valve_cannot_do_is_the_row_s_own_fault_on_a_tendon_too() {
+    let paper = Paper::pwm(50.0, 0.5);
+    let tendon = SeriesTendon::new(1e4, 0.1).expect("a tendon");
+    let set_up = (Sampling::new(50.0, 0).expect("a rate"), Sensors::perfect());
+    let row = |rig: Rig| ControlledRow {
+        rig,
+        start: paper.start(),
+        controller: Holds,
+        sampling: set_up.0,
+        sensors: set_up.1,
+    };
+    let rows = vec![row(paper.rig()), row(paper.rig().with_tendon(tendon).expect("a rig"))];
+    let mut batch = Batch::<f64>::controlled(rows, Method::Stable).expect("loops");
+    batch.advance(0.1, 100);
+    for sample in batch.samples() {
+        assert!(sample.expect_err("refused").to_string().contains("cannot hold"));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Hysteresis of Bouc and Wen with exponent one. As in `hysteresis.rs` the pressure does not change.
 
-use crate::common::{GRAVITY, LB, Paper, assert_close, assert_within, between, bisect, slope};
+use crate::common::{GRAVITY, LB, Paper, assert_close, assert_within, between, bisect, runge_kutta, slope};
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, Memory};
 use mckibben::load::{Load, Motion};
@@ -30,13 +30,7 @@ fn integrated(beta: f64, gamma: f64, from: f64, way: f64) -> f64 {
     const STEPS: i32 = 4000;
     let (sign, step) = (way.signum(), way / f64::from(STEPS));
     let rate = |z: f64| 1.0 - beta * sign * z - gamma * z.abs();
-    (0..STEPS).fold(from, |z, _| {
-        let k1 = rate(z);
-        let k2 = rate(z + 0.5 * step * k1);
-        let k3 = rate(z + 0.5 * step * k2);
-        let k4 = rate(z + step * k3);
-        z + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    })
+    (0..STEPS).fold(from, |z, _| runge_kutta([z], step, |_, [z]| [rate(z)])[0])
 }
 
 #[test]

@@ -141,7 +141,7 @@ fn stepped<'c, C: Controller>(
     controller: &'c C,
     sampling: Sampling,
     (duration, steps): (f64, u32),
-) -> ControlledStepper<'c, f64, C> {
+) -> ControlledStepper<f64, &'c C> {
     let loop_of = (sampling, Sensors::perfect());
     let mut stepper =
         ControlledStepper::new(&paper.rig(), paper.start(), Method::Rk4, controller, loop_of).expect("a stepper");

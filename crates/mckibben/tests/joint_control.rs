@@ -173,7 +173,7 @@ fn what_was_asked_gives_the_same_run_without_the_controller() {
 }
 
 /// At fixed steps, which do not fall on the samples.
-fn stepped<C: JointController>(controller: &C, sampling: Sampling, steps: u32) -> ControlledJointStepper<'_, f64, C> {
+fn stepped<C: JointController>(controller: &C, sampling: Sampling, steps: u32) -> ControlledJointStepper<f64, &C> {
     let papers = [paper(), paper()];
     let rig = rig(&papers);
     let start = rig.start(&initial(&papers)).expect("a start");

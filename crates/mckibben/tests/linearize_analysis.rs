@@ -1,11 +1,12 @@
 //! Poles, frequency response and controllability of linear models: closed forms, polynomials, ring-downs in simulation.
 #![cfg(feature = "analysis")]
 
+use crate::common::tendon::on_tendon;
 use crate::common::{LB, PSI, Paper, ROOM, assert_close, assert_within, between, bisect};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, Pole, StateSpace, average, linearize};
-use mckibben::simulation::Trajectory;
+use mckibben::simulation::{Rig, Trajectory};
 use std::f64::consts::{PI, TAU};
 
 const MASS: f64 = 5.0 * LB;
@@ -178,4 +179,27 @@ fn stability_and_air_under_pwm() {
         assert!(linear.ripple("length").unwrap() > 0.0 && linear.ripple("length").unwrap() < 1e-3);
     }
     assert!(at_60_psi(&Paper::sealed()).ripple("length").is_none());
+}
+
+#[test]
+fn a_stiff_tendon_is_none_under_pulses_on_average() {
+    let paper = Paper::pwm(100.0, 0.5);
+    let averaged = |rig: &Rig| average(rig, Aim::Duty(0.5), Content::Temperature(ROOM)).expect("a point");
+    let (with, without) = (averaged(&on_tendon(&paper, 1e9)), averaged(&paper.rig()));
+    assert_eq!(with.point.state, without.point.state);
+    let (with, without) = (with.minimal(), without.minimal());
+    for input in ["duty", "force"] {
+        for (output, same) in [("length", "length"), ("load_distance", "length"), ("pressure", "pressure")] {
+            for frequency in [0.1, 10.0, 60.0] {
+                let response = |system: &StateSpace, output: &str| {
+                    let of = [system.input(input).expect("an input"), system.output(output).expect("an output")];
+                    system.response(of[0], of[1], frequency).expect("bounded")
+                };
+                let (of, expected) = (response(&with, output), response(&without, same));
+                let size = 1e-5 * expected.magnitude();
+                assert_within(of.real, expected.real, size);
+                assert_within(of.imaginary, expected.imaginary, size);
+            }
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! LuGre's friction, against its closed forms, Dahl's law, and its raw equations by the classical Runge–Kutta method.
 
-use crate::common::{ATMOSPHERE, GRAVITY, LB, Paper, assert_close, assert_within, between, slope};
+use crate::common::{ATMOSPHERE, GRAVITY, LB, Paper, assert_close, assert_within, between, runge_kutta, slope};
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre, Memory};
 use mckibben::load::{Load, Motion};
@@ -171,18 +171,11 @@ impl Creep {
                 gauge * (3.0 * length * length - b * b) / (4.0 * PI * n * n) + held + Self::VISCOUS * velocity;
             [velocity, GRAVITY - tension / Self::MASS, rate]
         };
-        let ahead = |y: [f64; 3], h: f64, k: [f64; 3]| [y[0] + h * k[0], y[1] + h * k[1], y[2] + h * k[2]];
         let (mut state, mut samples) = ([start, 0.0, 0.0], vec![[start, 0.0]]);
         let (each, count) = ((interval / step).round() as usize, (self.duration / interval).round() as usize);
         for index in 0..each * count {
             let time = index as f64 * step;
-            let k1 = rates(time, state);
-            let k2 = rates(time + 0.5 * step, ahead(state, 0.5 * step, k1));
-            let k3 = rates(time + 0.5 * step, ahead(state, 0.5 * step, k2));
-            let k4 = rates(time + step, ahead(state, step, k3));
-            for n in 0..3 {
-                state[n] += step / 6.0 * (k1[n] + 2.0 * k2[n] + 2.0 * k3[n] + k4[n]);
-            }
+            state = runge_kutta(state, step, |since, state| rates(time + since, state));
             if (index + 1) % each == 0 {
                 samples.push([state[0], state[1]]);
             }

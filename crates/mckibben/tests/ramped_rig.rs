@@ -1,6 +1,6 @@
 //! A rig whose valve's seats take their time: a closed form, an independent integration, both engines, batches, audits.
 
-use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, scaled, seeded, slope};
+use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope};
 use mckibben::air::Process;
 #[cfg(feature = "batch")]
 use mckibben::batch::{Batch, Row};
@@ -111,12 +111,8 @@ fn both_passages_of_a_three_way_valve_agree_with_an_independent_integration() {
         let step = (until - from) / 2000.0;
         for n in 0..2000 {
             let time = from + step * f64::from(n);
-            let slope = |ahead: f64, by: f64| rate(opening(piece, time + ahead), pressure + by);
-            let k1 = slope(0.0, 0.0);
-            let k2 = slope(0.5 * step, 0.5 * step * k1);
-            let k3 = slope(0.5 * step, 0.5 * step * k2);
-            let k4 = slope(step, step * k3);
-            pressure += step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+            [pressure] =
+                runge_kutta([pressure], step, |since, [pressure]| [rate(opening(piece, time + since), pressure)]);
         }
         assert_close(run.at(until).pressure.0, pressure, 1e-8);
     }

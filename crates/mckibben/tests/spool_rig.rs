@@ -1,6 +1,8 @@
 //! A rig on a proportional spool: an independent integration, a closed form, edges to the instant, both engines, audits.
 
-use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, scaled, seeded, slope};
+use crate::common::{
+    ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope,
+};
 use mckibben::air::Process;
 #[cfg(feature = "batch")]
 use mckibben::batch::{Batch, Row};
@@ -90,12 +92,7 @@ fn it_agrees_with_an_independent_integration() {
                 let acceleration = omega * omega * (told - x) - 2.0 * zeta * omega * v;
                 [v, acceleration, net * paper.gas_constant * ROOM / volume]
             };
-            let ahead = |k: [f64; 3], h: f64| [0, 1, 2].map(|i| state[i] + h * k[i]);
-            let k1 = rates(state);
-            let k2 = rates(ahead(k1, 0.5 * step));
-            let k3 = rates(ahead(k2, 0.5 * step));
-            let k4 = rates(ahead(k3, step));
-            state = [0, 1, 2].map(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+            state = runge_kutta(state, step, |_, state| rates(state));
             if state[0].abs() > 1.0 {
                 (state[0], state[1]) = (state[0].signum(), 0.0);
             }

@@ -105,10 +105,11 @@ fn join<'a, T>(groups: &mut Groups<'a, T>, kin: Kin<'a>, member: (usize, T), sid
     }
 }
 
-/// Whether a row with a controller may go side by side with others: at fixed steps, and where all samples count. Where some
-/// are listed, steps end at those, and the loop is closed first with steps of its own.
+/// Whether a row with a controller may go side by side with others: at fixed steps, without a tendon in series, and where all
+/// samples count. Where some are listed, steps end at those, and the loop is closed first with steps of its own.
 fn goes_along(experiment: &Experiment, record: &Record) -> bool {
-    experiment.run.engine == Engine::FixedStep && listed(record).is_none()
+    let side_by_side = experiment.run.engine == Engine::FixedStep && experiment.rig.tendon().is_none();
+    side_by_side && listed(record).is_none()
 }
 
 /// What a row describes.

@@ -45,10 +45,6 @@ impl<R: Number> Baseline<R> {
 }
 
 impl<R: Number> Engine for Baseline<R> {
-    fn lanes(&self) -> usize {
-        1
-    }
-
     fn advance(&mut self, from: f64, until: f64, steps: u64) {
         let (span, method) = (Span { from, until, steps }, self.method);
         match self.rows.as_mut_slice() {

@@ -15,8 +15,6 @@ use rayon::prelude::*;
 
 /// Blocks of rows.
 pub trait Engine: Debug + Send + Sync {
-    /// How many rows are in a block.
-    fn lanes(&self) -> usize;
     /// Takes every block from one time in s to another in equal steps, on all cores.
     fn advance(&mut self, from: f64, until: f64, steps: u64);
     /// Gives a lane of a block a controller.
@@ -51,10 +49,6 @@ impl<W: Wide> Blocks<W> {
 }
 
 impl<W: Wide> Engine for Blocks<W> {
-    fn lanes(&self) -> usize {
-        W::LANES
-    }
-
     fn advance(&mut self, from: f64, until: f64, steps: u64) {
         let span = Span { from, until, steps };
         match self.0.as_mut_slice() {

@@ -45,28 +45,35 @@
 //! A row may have a controller of its own ([`Batch::controlled`]): it is asked by itself at its sampling instants, and between
 //! them the rows go together as any others do.
 //!
-//! Checked by `tests/batch.rs` and `tests/batch_control.rs`.
+//! What no lane takes goes row by row, on all cores too: in a batch a rig with a tendon in series, always in `f64`; joints, legs
+//! and whatever else is a [`Stepper`](crate::simulation::Stepper) in a batch of their own kind, [`RowByRow`].
+//!
+//! Checked by `tests/batch.rs`, `tests/batch_control.rs` and `tests/row_by_row.rs`.
 
+mod alone;
 mod baseline;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod block;
 mod engine;
 mod gather;
 mod lane;
+mod row_by_row;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod twice;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) mod wide;
 mod width;
 
+pub use row_by_row::RowByRow;
 pub use width::Width;
 
 use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
 use crate::simulation::closed_loop::own_loop;
-use crate::simulation::{Decision, Method, Rig, Sample, State};
+use crate::simulation::{ControlledStepper, Decision, Method, Rig, Sample, State};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use alone::{Alone, Uncontrolled};
 use core::fmt::Debug;
 use core::marker::PhantomData;
 use engine::Engine;
@@ -101,9 +108,18 @@ pub struct Batch<F: Float = f64> {
     width: Width,
     time: f64,
     blocks: Box<dyn Engine>,
-    /// Where each row is: block times lanes plus lane.
-    places: Vec<usize>,
+    alone: RowByRow<Box<dyn Alone>>,
+    places: Vec<Place>,
     number: PhantomData<F>,
+}
+
+/// Where a row is.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// In a block, in a lane of it.
+    Lane(usize, usize),
+    /// By itself.
+    Alone(usize),
 }
 
 impl<F: Float> Batch<F> {
@@ -114,14 +130,22 @@ impl<F: Float> Batch<F> {
 
     /// A batch at t = 0 with given instructions; where the machine has not got them, others with the same results.
     pub fn with_width(rows: Vec<Row>, method: Method, width: Width) -> Self {
+        let on_tendon = rows.iter().filter(|row| row.rig.tendon().is_some()).cloned();
+        let alone = on_tendon.map(|row| Box::new(Uncontrolled::new(row, method)) as Box<dyn Alone>).collect();
+        Self::of(&rows, alone, method, width)
+    }
+
+    /// Rows, of which those that go by themselves are given.
+    fn of(rows: &[Row], alone: Vec<Box<dyn Alone>>, method: Method, width: Width) -> Self {
         let mut places = Vec::new();
         let mut deal = |lanes: usize| {
-            let (of_rows, members) = arrange(&rows, lanes);
+            let (of_rows, members) = arrange(rows, lanes);
             places = of_rows;
             members
         };
-        let blocks = F::build(&rows, &mut deal, method, width);
-        Self { width: width.or_widest(), time: 0.0, blocks, places, number: PhantomData }
+        let blocks = F::build(rows, &mut deal, method, width);
+        let alone = RowByRow::at(0.0, alone);
+        Self { width: width.or_widest(), time: 0.0, blocks, alone, places, number: PhantomData }
     }
 
     /// A batch at t = 0 whose rows have a controller each, with the widest instructions of this machine. Each row is the run of
@@ -144,25 +168,38 @@ impl<F: Float> Batch<F> {
     where
         C: Controller<Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        let mut loops = Vec::with_capacity(rows.len());
+        let (mut loops, mut alone, mut faults) = (Vec::with_capacity(rows.len()), Vec::new(), Vec::new());
         let mut plain = Vec::with_capacity(rows.len());
         for ControlledRow { rig, start, controller, sampling, sensors } in rows {
-            let (control, rig) = own_loop(&rig, controller, (sampling, sensors))?;
-            loops.push(control);
-            plain.push(Row { rig, start });
+            if rig.tendon().is_some() {
+                let mut stepper = ControlledStepper::begin(&rig, start, method, controller, (sampling, sensors))?;
+                faults.extend(stepper.take_due().err().map(|fault| (alone.len(), fault)));
+                alone.push(Box::new(stepper) as Box<dyn Alone>);
+                loops.push(None);
+                plain.push(Row { rig, start });
+            } else {
+                let (control, rig) = own_loop(&rig, controller, (sampling, sensors))?;
+                loops.push(Some(control));
+                plain.push(Row { rig, start });
+            }
         }
-        let mut batch = Self::with_width(plain, method, width);
-        let lanes = batch.blocks.lanes();
+        let mut batch = Self::of(&plain, alone, method, width);
         for (place, control) in batch.places.iter().zip(loops) {
-            batch.blocks.control(place / lanes, place % lanes, control);
+            if let (Place::Lane(block, lane), Some(control)) = (*place, control) {
+                batch.blocks.control(block, lane, control);
+            }
         }
+        faults.into_iter().for_each(|(row, fault)| batch.alone.stop(row, fault));
         Ok(batch)
     }
 
     /// What the controller of a row has decided, in order of time; nothing of a row that has none.
     pub fn decisions(&self, row: usize) -> &[Decision] {
-        let (lanes, place) = (self.blocks.lanes(), self.places.get(row));
-        place.map_or(&[], |place| self.blocks.decisions(place / lanes, place % lanes))
+        match self.places.get(row) {
+            Some(Place::Lane(block, lane)) => self.blocks.decisions(*block, *lane),
+            Some(Place::Alone(row)) => self.alone.row(*row).map_or(&[], |row| row.decisions()),
+            None => &[],
+        }
     }
 
     /// How many rows there are.
@@ -190,6 +227,7 @@ impl<F: Float> Batch<F> {
     pub fn advance(&mut self, until: f64, steps: u64) {
         if steps > 0 && until > self.time && until.is_finite() {
             self.blocks.advance(self.time, until, steps);
+            self.alone.advance(until, steps);
             self.time = until;
         }
     }
@@ -197,19 +235,29 @@ impl<F: Float> Batch<F> {
     /// What every row shows now, or why it has stopped, in the order of the rows.
     ///
     /// # Errors
-    /// Each row's own: [`Error::Stopped`] when a step has led it out of the physics.
+    /// Each row's own: [`Error::Stopped`] when a step has led it out of the physics, others where a controller asked what
+    /// cannot be.
     pub fn samples(&self) -> Vec<Result<Sample, Error>> {
-        let (by_place, lanes) = (self.blocks.samples(), self.blocks.lanes());
-        self.places.iter().map(|place| by_place[place / lanes][place % lanes].clone()).collect()
+        let (in_lanes, alone) = (self.blocks.samples(), self.alone.samples());
+        let sample = |place: &Place| match *place {
+            Place::Lane(block, lane) => in_lanes[block][lane].clone(),
+            Place::Alone(row) => alone[row].clone(),
+        };
+        self.places.iter().map(sample).collect()
     }
 }
 
-/// Sorts rows into blocks of the same form: the place of each row, and the rows of each block.
-fn arrange(rows: &[Row], lanes: usize) -> (Vec<usize>, Vec<Vec<usize>>) {
+/// Sorts rows into blocks of the same form: the place of each row, and the rows of each block. Those on a tendon are in none.
+fn arrange(rows: &[Row], lanes: usize) -> (Vec<Place>, Vec<Vec<usize>>) {
     let mut open: Vec<(Rig, usize)> = Vec::new();
     let mut blocks: Vec<Vec<usize>> = Vec::new();
     let mut places = Vec::with_capacity(rows.len());
+    let mut alone = 0..;
     for (row, Row { rig, .. }) in rows.iter().enumerate() {
+        if rig.tendon().is_some() {
+            places.extend(alone.next().map(Place::Alone));
+            continue;
+        }
         let form = gather::form(rig);
         let known = open.iter().position(|(known, _)| *known == form);
         let known = known.unwrap_or_else(|| {
@@ -221,7 +269,7 @@ fn arrange(rows: &[Row], lanes: usize) -> (Vec<usize>, Vec<Vec<usize>>) {
             *block = blocks.len();
             blocks.push(Vec::with_capacity(lanes));
         }
-        places.push(*block * lanes + blocks[*block].len());
+        places.push(Place::Lane(*block, blocks[*block].len()));
         blocks[*block].push(row);
     }
     (places, blocks)

@@ -173,6 +173,22 @@ pub trait Controller<R: Real = f64> {
     }
 }
 
+impl<R: Real, C: Controller<R>> Controller<R> for &C {
+    type Memory = C::Memory;
+
+    fn begin(&self) -> Self::Memory {
+        C::begin(self)
+    }
+
+    fn decide(&self, seen: &Measurement<R>, memory: &mut Self::Memory) -> Drive<R> {
+        C::decide(self, seen, memory)
+    }
+
+    fn aim(&self, seen: &Measurement<R>) -> Option<(Quantity, R)> {
+        C::aim(self, seen)
+    }
+}
+
 /// A controller of a joint that two actuators turn.
 pub trait JointController<R: Real = f64> {
     /// What it remembers from one sampling instant to the next; it belongs to the caller.
@@ -188,6 +204,22 @@ pub trait JointController<R: Real = f64> {
     fn aim(&self, seen: &JointMeasurement<R>) -> [Option<(Quantity, R)>; 2] {
         let _ = seen;
         [None; 2]
+    }
+}
+
+impl<R: Real, C: JointController<R>> JointController<R> for &C {
+    type Memory = C::Memory;
+
+    fn begin(&self) -> Self::Memory {
+        C::begin(self)
+    }
+
+    fn decide(&self, seen: &JointMeasurement<R>, memory: &mut Self::Memory) -> [Drive<R>; 2] {
+        C::decide(self, seen, memory)
+    }
+
+    fn aim(&self, seen: &JointMeasurement<R>) -> [Option<(Quantity, R)>; 2] {
+        C::aim(self, seen)
     }
 }
 

@@ -101,7 +101,7 @@ const STEPS: usize = 1000;
 
 /// Whether a state is the rate of another.
 fn is_velocity(name: &str) -> bool {
-    ["velocity", "angular_velocity"].contains(&name)
+    ["velocity", "load_velocity", "angular_velocity"].contains(&name)
 }
 
 impl StateSpace {
@@ -205,7 +205,7 @@ impl JointLinearization {
 impl Linearization {
     /// What one input of a model of this linearisation reaches: [`Linearization::system`] or
     /// [`Linearization::minimal`]. The usual size of a state is its value at the operating point, and that of the velocity
-    /// the length in a time of the fastest pole.
+    /// the length in a time of the fastest pole; a load on a tendon has those of the actuator.
     ///
     /// # Errors
     /// As [`StateSpace::poles`].

@@ -6,7 +6,7 @@
 //! held valve     f by the flow that is given:      u = (ṁ, W)
 //! averaged PWM   f by the mean flow of a period:   u = (d, ṁ, W)
 //!
-//! P (V/m)^κ = const   →   δm = m (V′ δL/V + δP/(κ P))        three states serve: [`Linearization::minimal`]
+//! P (V/m)^κ = const   →   δm = m (V′ δL/V + δP/(κ P))        one state less serves: [`Linearization::minimal`]
 //! c_eq = 4 Q k_sec/(π ω X)                                    Coulomb friction at amplitude X
 //! ```
 //!
@@ -43,6 +43,7 @@ mod point;
 mod rates;
 mod seats;
 mod state_space;
+mod tendon;
 
 #[cfg(feature = "analysis")]
 pub use analysis::{Controllability, Phasor, Pole};
@@ -119,12 +120,15 @@ impl Linearization {
             Dual::variable(state.length, 0),
             Dual::variable(state.pressure.0, 1),
         );
-        let per_state = |name: &str| match name {
-            "length" => follow.slope[0],
-            "pressure" => follow.slope[1],
-            _ => 0.0,
+        let system = &self.system;
+        // The length may be a state, or follow from others, or be held.
+        let of_length = system.output("length").map(|row| &system.c[row]);
+        let per_state = |name: &str| {
+            let column = system.states.iter().position(|signal| signal.name == name);
+            let by_length = of_length.zip(column).map_or(0.0, |(row, column)| follow.slope[0] * row[column]);
+            if name == "pressure" { follow.slope[1] + by_length } else { by_length }
         };
-        self.system.without("air_mass", per_state)
+        system.without("air_mass", per_state)
     }
 }
 

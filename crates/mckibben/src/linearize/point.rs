@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! F_s(L, P_g) + F_limit(L) = W      two of gauge pressure, length and load give the third
+//! x = L + ℓ + F/k                   where the load is on a tendon in series
 //! m = m₀ (V/V₀) (P/P₀)^(1/κ)        the air mass that keeps P (V/m)^κ of a given state
 //! ```
 
@@ -15,7 +16,7 @@ use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Over;
 use crate::simulation::{Rig, State};
 
-/// What holds the load in balance: two of gauge pressure, length and load, the third follows.
+/// What holds the load in balance: two of gauge pressure, length of the actuator and load, the third follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Balance {
     /// The rig's load at a gauge pressure; the length follows.
@@ -93,6 +94,12 @@ impl OperatingPoint {
         self.rig.actuator().tension_sliding(self.state.length, 0.0, self.state.pressure.0, 0.0)
     }
 
+    /// Where the load is, a distance in m, if it hangs on a tendon in series.
+    pub fn load_distance(&self) -> Option<f64> {
+        let tendon = self.rig.tendon()?;
+        Some(self.state.length + tendon.rest_length() + self.tension() / tendon.stiffness())
+    }
+
     /// Gauge pressure.
     pub fn gauge_pressure(&self) -> GaugePressure {
         self.state.pressure.gauge(self.rig.actuator().air().atmosphere())
@@ -134,7 +141,6 @@ pub(super) fn air_mass(rig: &Rig, pressure: AbsolutePressure, length: f64, conte
 
 /// The rig with its load, and the pressure and the length in m at which they balance.
 pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePressure, f64), Error> {
-    rig.check_no_tendon()?;
     if rig.has_plumbing() {
         return Err(Error::Unsupported {
             what: "a linear model has no states for an air line or a pressure regulator yet",
@@ -173,16 +179,25 @@ pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePres
 
 /// Checks that a balance does not lie where the model has a corner.
 fn free(rig: &Rig, pressure: AbsolutePressure, length: f64) -> Result<(), Error> {
-    if length <= rig.actuator().limits().min_length() && rig.load().inertia().is_some() {
+    let moves = rig.load().inertia().is_some() || rig.tendon().is_some();
+    if length <= rig.actuator().limits().min_length() && moves {
         return Err(Error::Unsupported {
             what: "the actuator pulls the load to its shortest length, where it rests on the stop: nothing is linear there",
-            remedy: "lower the pressure, or give a heavier load",
+            remedy: "lower the pressure, or give a heavier load or a longer length",
         });
     }
-    if rig.load().inertia().is_some() && rig.actuator().tension_sliding(length, 0.0, pressure.0, 0.0) <= 0.0 {
+    if moves && rig.actuator().tension_sliding(length, 0.0, pressure.0, 0.0) <= 0.0 {
         return Err(Error::Unsupported {
             what: "the tendon carries nothing at this point: it goes slack on one side of it",
             remedy: "give a load above zero",
+        });
+    }
+    if let Some(tendon) = rig.tendon()
+        && rig.actuator().stiffness(length, pressure) + tendon.stiffness() <= 0.0
+    {
+        return Err(Error::Unsupported {
+            what: "the actuator pulls harder the shorter it gets, and its tendon is too soft to hold it there",
+            remedy: "stiffen the tendon, or give a longer length",
         });
     }
     Ok(())

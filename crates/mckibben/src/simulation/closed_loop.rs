@@ -126,12 +126,12 @@ pub(super) type OneValve<R, C> = Clockwork<R, <C as Controller<R>>::Memory, 1>;
 
 /// A controller of one actuator with its sensors.
 #[derive(Debug)]
-pub(super) struct ClosedLoop<'c, R: Real, C: Controller<R>> {
-    pub(super) controller: &'c C,
+pub(super) struct ClosedLoop<R: Real, C: Controller<R>> {
+    pub(super) controller: C,
     pub(super) sensors: Sensors<R>,
 }
 
-impl<R: Real, C: Controller<R>> ClosedLoop<'_, R, C> {
+impl<R: Real, C: Controller<R>> ClosedLoop<R, C> {
     /// The clockwork before the first sample, with a copy of the rig of which nothing has been asked yet.
     pub(super) fn begin(&self, rig: &Rig<R>, sampling: Sampling<R>) -> Result<(OneValve<R, C>, Rig<R>), Error> {
         let mut rig = rig.clone();
@@ -177,8 +177,7 @@ pub trait Control: core::fmt::Debug + Send + Sync {
 #[cfg(feature = "batch")]
 #[derive(Debug)]
 struct Own<C: Controller> {
-    controller: C,
-    sensors: Sensors,
+    closed_loop: ClosedLoop<f64, C>,
     clockwork: OneValve<f64, C>,
     decisions: Vec<Decision>,
 }
@@ -193,8 +192,9 @@ pub(crate) fn own_loop<C>(
 where
     C: Controller<Memory: Send + Sync> + core::fmt::Debug + Send + Sync + 'static,
 {
-    let (clockwork, rig) = ClosedLoop { controller: &controller, sensors }.begin(rig, sampling)?;
-    Ok((Box::new(Own { controller, sensors, clockwork, decisions: Vec::new() }), rig))
+    let closed_loop = ClosedLoop { controller, sensors };
+    let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
+    Ok((Box::new(Own { closed_loop, clockwork, decisions: Vec::new() }), rig))
 }
 
 #[cfg(feature = "batch")]
@@ -207,8 +207,7 @@ where
     }
 
     fn sample(&mut self, truth: &Measurement, valve: Option<&mut Actuation>) -> Result<(), Error> {
-        let closed_loop = ClosedLoop { controller: &self.controller, sensors: self.sensors };
-        self.decisions.push(closed_loop.decide(&mut self.clockwork, truth, valve)?);
+        self.decisions.push(self.closed_loop.decide(&mut self.clockwork, truth, valve)?);
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 //! Checked by `tests/closed_loop.rs`.
 
 use super::closed_loop::{ClosedLoop, Decision, OneValve};
-use super::fixed_step::{Walk, stepped};
+use super::fixed_step::Journey;
 use super::kernel::Method;
 use super::rig::{Rig, State};
 use super::sample::Sample;
@@ -67,17 +67,17 @@ pub fn simulate_controlled_watched<R: Real, C: Controller<R>>(
 /// Steps one rig under control through time at fixed steps, as [`super::FixedStepper`] does; a step is divided at sampling
 /// instants too.
 #[derive(Debug)]
-pub struct ControlledStepper<'c, R: Real<Time = R>, C: Controller<R>> {
+pub struct ControlledStepper<R: Real<Time = R>, C: Controller<R>> {
     rig: Rig<R>,
     method: Method,
-    walk: Walk<R>,
-    closed_loop: ClosedLoop<'c, R, C>,
+    journey: Journey<R>,
+    closed_loop: ClosedLoop<R, C>,
     clockwork: OneValve<R, C>,
     decisions: Vec<Decision<R>>,
 }
 
-impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
-    /// Starts at t = 0 in a state, with a controller in place of the rig's own command.
+impl<R: Real<Time = R>, C: Controller<R>> ControlledStepper<R, C> {
+    /// Starts at t = 0 in a state, with a controller in place of the rig's own command: its own, or a reference to one.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when the rig has no valve or its valve cannot do what the controller asks.
@@ -85,22 +85,36 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
         rig: &Rig<R>,
         start: State<R>,
         method: Method,
-        controller: &'c C,
-        (sampling, sensors): (Sampling<R>, Sensors<R>),
+        controller: C,
+        set_up: (Sampling<R>, Sensors<R>),
     ) -> Result<Self, Error> {
-        let closed_loop = ClosedLoop { controller, sensors };
-        let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
-        rig.check_no_tendon()?;
-        let mut walk = Walk::new(&rig, stepped(&rig, start));
-        walk.pass(&rig, &rig.timetable());
-        let mut stepper = Self { rig, method, walk, closed_loop, clockwork, decisions: Vec::new() };
+        let mut stepper = Self::begin(rig, start, method, controller, set_up)?;
         stepper.take_due()?;
         Ok(stepper)
     }
 
-    /// Everything that is known at the time that has been reached.
+    /// The same before the first sample is taken.
+    pub(crate) fn begin(
+        rig: &Rig<R>,
+        start: State<R>,
+        method: Method,
+        controller: C,
+        (sampling, sensors): (Sampling<R>, Sensors<R>),
+    ) -> Result<Self, Error> {
+        let closed_loop = ClosedLoop { controller, sensors };
+        let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
+        let journey = Journey::begin(&rig, start);
+        Ok(Self { rig, method, journey, closed_loop, clockwork, decisions: Vec::new() })
+    }
+
+    /// The time in s that has been reached.
+    pub fn time(&self) -> R {
+        self.journey.time()
+    }
+
+    /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        self.walk.sample(&self.rig)
+        self.journey.sample(&self.rig)
     }
 
     /// What has been decided, in order of time.
@@ -122,20 +136,20 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
             let instant = self.clockwork.next();
             let due = is_due(instant, until);
             let end = if due { instant.smaller(until) } else { until };
-            self.walk.advance_to(&self.rig, &self.rig.timetable(), self.method, end, None)?;
+            self.journey.advance_to(&self.rig, self.method, end)?;
             self.take_due()?;
-            if until.le(self.walk.course.time) {
+            if until.le(self.time()) {
                 return Ok(());
             }
         }
     }
 
     /// Takes the sample that is due at the time that has been reached.
-    fn take_due(&mut self) -> Result<(), Error> {
-        if is_due(self.clockwork.next(), self.walk.course.time) {
+    pub(crate) fn take_due(&mut self) -> Result<(), Error> {
+        if is_due(self.clockwork.next(), self.time()) {
             let truth = self.sample();
             self.decisions.push(self.closed_loop.sample(&mut self.clockwork, &truth, &mut self.rig)?);
-            self.walk.pass(&self.rig, &self.rig.timetable());
+            self.journey.pass(&self.rig);
         }
         Ok(())
     }

@@ -14,7 +14,7 @@ use super::kernel::{Held, Method};
 use super::piped::{OUTLET, PIPED, RESERVOIR, Stepped, of_rig, volume};
 use super::rig::{Rig, State};
 use super::sample::Sample;
-use super::tendon_step::FarEnd;
+use super::tendon_step::{By, FarEnd};
 use super::timetable::{Progress, Timetable};
 use crate::error::Error;
 use crate::force::Statics;
@@ -30,55 +30,45 @@ use crate::valve::{Port, Ports};
 pub struct FixedStepper<'a, R: Real<Time = R> = f64> {
     rig: &'a Rig<R>,
     method: Method,
-    walk: Walk<R>,
-    far_end: Option<FarEnd<R>>,
+    journey: Journey<R>,
 }
 
 impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// Starts at t = 0 in a state.
     pub fn new(rig: &'a Rig<R>, start: State<R>, method: Method) -> Self {
-        let mut walk = Walk::new(rig, stepped(rig, start));
-        let far_end = FarEnd::begin(rig, &mut walk);
-        match &far_end {
-            None => walk.pass(rig, &rig.timetable()),
-            Some(far_end) => walk.pass(far_end.guided(), &far_end.timetable()),
-        }
-        Self { rig, method, walk, far_end }
+        Self { rig, method, journey: Journey::begin(rig, start) }
     }
 
     /// The time in s that has been reached.
     pub fn time(&self) -> R {
-        self.walk.course.time
+        self.journey.walk.course.time
     }
 
     /// The state at that time: the actuator's own where a tendon is in series.
     pub fn state(&self) -> State<R> {
-        State::from_array(of_rig(&self.walk.course.state))
+        State::from_array(of_rig(&self.journey.walk.course.state))
     }
 
     /// The states of the air line at that time, in the order of its parts: the pressures (Pa, absolute) of the hose's volumes
     /// from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and regulator.
     /// As far as there are such parts.
     pub fn line(&self) -> impl Iterator<Item = R> {
-        self.rig.states_of_line().map(|(place, ..)| self.walk.course.state[place])
+        self.rig.states_of_line().map(|(place, ..)| self.journey.walk.course.state[place])
     }
 
     /// Which passages are open at that time.
     pub fn ports(&self) -> Ports {
-        self.walk.ports
+        self.journey.walk.ports
     }
 
     /// What the hysteresis remembers at that time.
     pub fn memory(&self) -> &Memory<R> {
-        &self.walk.course.held.memory
+        &self.journey.walk.course.held.memory
     }
 
     /// Everything that is known at that time.
     pub fn sample(&self) -> Sample<R> {
-        match &self.far_end {
-            None => self.walk.sample(self.rig),
-            Some(far_end) => far_end.seen(self.walk.sample(far_end.guided())),
-        }
+        self.journey.sample(self.rig)
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -86,9 +76,53 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        self.journey.advance_to(self.rig, self.method, until)
+    }
+}
+
+/// The way through time of a rig that its owner keeps: on its actuator, and on a tendon in series if it has one.
+#[derive(Clone, Debug)]
+pub(crate) struct Journey<R: Real<Time = R>> {
+    walk: Walk<R>,
+    far_end: Option<FarEnd<R>>,
+}
+
+impl<R: Real<Time = R>> Journey<R> {
+    /// At t = 0 in a state.
+    pub(crate) fn begin(rig: &Rig<R>, start: State<R>) -> Self {
+        let mut walk = Walk::new(rig, stepped(rig, start));
+        let far_end = FarEnd::begin(rig, &mut walk);
+        let mut journey = Self { walk, far_end };
+        journey.pass(rig);
+        journey
+    }
+
+    /// The time in s that has been reached.
+    pub(crate) fn time(&self) -> R {
+        self.walk.course.time
+    }
+
+    /// Everything that is known at that time.
+    pub(crate) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
+        match &self.far_end {
+            None => self.walk.sample(rig),
+            Some(far_end) => far_end.seen(self.walk.sample(far_end.guided())),
+        }
+    }
+
+    /// Passes what is due.
+    pub(crate) fn pass(&mut self, rig: &Rig<R>) {
+        match &self.far_end {
+            None => self.walk.pass(rig, &rig.timetable()),
+            Some(far_end) => self.walk.pass(far_end.guided(), &rig.seats()),
+        }
+    }
+
+    /// As [`FixedStepper::advance_to`].
+    pub(crate) fn advance_to(&mut self, rig: &Rig<R>, method: Method, until: R) -> Result<(), Error> {
         match &mut self.far_end {
-            None => self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None),
-            Some(far_end) => far_end.advance_to(&mut self.walk, self.method, until),
+            None => self.walk.advance_to(rig, &rig.timetable(), method, until, None),
+            Some(far_end) => far_end.advance_to(&mut self.walk, &By { method, seats: rig.seats() }, until),
         }
     }
 }

@@ -14,9 +14,9 @@
 
 use super::member::{Member, Trace};
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
-use super::plumbing::{LineMode, Plumbing, Room};
+use super::plumbing::{FIRST, LineMode, Plumbing};
 use super::rig::{Rig, State};
-use super::system::{GuardForm, Guards, HybridSystem};
+use super::system::{self, GuardForm, Guards, HybridSystem};
 use super::tendon_mode::Tether;
 use super::timetable::Progress;
 use super::zones::{Places, Through};
@@ -32,6 +32,8 @@ pub(super) const LENGTH: usize = 0;
 pub(super) const VELOCITY: usize = 1;
 pub(super) const PRESSURE: usize = 2;
 pub(super) const AIR_MASS: usize = 3;
+
+type Room<const N: usize> = system::Room<N, FIRST>;
 
 /// The mode with what its clocks remember.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +115,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
     /// The tendon in series, if there is one.
     #[inline(always)]
     pub(super) fn tether<const N: usize>(&self) -> Option<&Tether<R>> {
-        if Room::<N>::FOR_LINE { self.tether.as_ref() } else { None }
+        if Room::<N>::BESIDE { self.tether.as_ref() } else { None }
     }
 
     /// How many states the rig has with its line.
@@ -129,7 +131,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
     /// Deflection in m of the bristles, if there are such.
     #[inline(always)]
     pub(super) fn bristles<T: Copy, const N: usize>(&self, state: &[T; N]) -> Option<T> {
-        (Room::<N>::FOR_LINE && self.lugre().is_some()).then(|| state[self.line_states()])
+        (Room::<N>::BESIDE && self.lugre().is_some()).then(|| state[self.line_states()])
     }
 
     /// LuGre's law, the deflection of its bristles, and velocity and direction of sliding, where the ends move.
@@ -171,7 +173,7 @@ impl<'a, R: Real> RigSystem<'a, R> {
 
     /// The states at the start: the rig's four, and those of its line; zero in places that have no meaning.
     pub fn start<const N: usize>(&self, rig: State<R>) -> [R; N] {
-        debug_assert!(Room::<N>::FOR_LINE || self.states() == 4, "{} states have no room in {N}", self.states());
+        debug_assert!(Room::<N>::BESIDE || self.states() == 4, "{} states have no room in {N}", self.states());
         let mut state = [R::zero(); N];
         state[..4].copy_from_slice(&rig.to_array());
         if let Some(plumbing) = &self.plumbing {
@@ -430,7 +432,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
 
     #[inline(always)]
     fn states(&self) -> usize {
-        if Room::<N>::FOR_LINE { RigSystem::states(self) } else { N }
+        if Room::<N>::BESIDE { RigSystem::states(self) } else { N }
     }
 
     #[inline(always)]
@@ -459,7 +461,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         {
             rates[self.line_states()] = law.rate(bent, velocity, direction);
         }
-        [rates[PRESSURE], rates[AIR_MASS]] = if Room::<N>::FOR_LINE
+        [rates[PRESSURE], rates[AIR_MASS]] = if Room::<N>::BESIDE
             && let Some(plumbing) = &self.plumbing
         {
             let [length, velocity, pressure, mass] = air;
@@ -491,7 +493,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         if self.tether::<N>().is_some() {
             fastest = settling.max(settles(LENGTH));
         }
-        if Room::<N>::FOR_LINE
+        if Room::<N>::BESIDE
             && let Some(plumbing) = &self.plumbing
         {
             let rates = |place| seeded_at(place, Dual::variable(state[place], 0));
@@ -517,7 +519,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             pressure + 0.1 * atmosphere,
             mass + 0.1 * air_mass,
         ]);
-        if Room::<N>::FOR_LINE
+        if Room::<N>::BESIDE
             && let Some(plumbing) = &self.plumbing
         {
             plumbing.scales(&self.member, state, &mut scales);
@@ -602,7 +604,7 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
             return value;
         }
         let [length, velocity, _] = ends(state);
-        if Room::<N>::FOR_LINE
+        if Room::<N>::BESIDE
             && let Some(plumbing) = &self.plumbing
         {
             if matches!(guard, Guard::ExhaustDown | Guard::ExhaustUp) {

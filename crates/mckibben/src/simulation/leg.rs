@@ -15,6 +15,7 @@
 use super::manifold::Manifold;
 use super::modular::ModularActuator;
 use super::rig::{Initial, InitialLength, Rig, State};
+use super::sample::Sample;
 use crate::control::Drive;
 use crate::error::Error;
 use crate::load::Load;
@@ -29,6 +30,17 @@ pub struct LegStepper<R: Real<Time = R> = f64> {
     state: LegState<R>,
     actuators: [ModularActuator<R>; STRANDS],
     manifold: Option<Manifold<R>>,
+}
+
+/// What is known of a leg at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegSample<R = f64> {
+    /// Time in s.
+    pub time: R,
+    /// Angles and angular velocities.
+    pub state: LegState<R>,
+    /// Of each strand its actuator, with velocity and tension at these angular velocities.
+    pub actuators: [Sample<R>; STRANDS],
 }
 
 impl LegStepper {
@@ -108,6 +120,16 @@ impl<R: Real<Time = R>> LegStepper<R> {
     /// Tensions of the actuators in N.
     pub fn tensions(&self) -> [R; STRANDS] {
         self.tensions_at(&self.state.rates)
+    }
+
+    /// Everything that is known at the time that has been reached.
+    pub fn sample(&self) -> LegSample<R> {
+        let (velocities, tensions) = (self.leg.velocities(&self.state.rates), self.tensions());
+        let actuators = core::array::from_fn(|strand| {
+            let (velocity, tension) = (velocities[strand], tensions[strand]);
+            Sample { velocity, tension, ..self.actuators[strand].sample() }
+        });
+        LegSample { time: self.time(), state: self.state, actuators }
     }
 
     fn tensions_at(&self, rates: &[R; 2]) -> [R; STRANDS] {

@@ -52,6 +52,8 @@ mod segments;
 #[cfg(feature = "alloc")]
 mod series_tendon;
 #[cfg(feature = "alloc")]
+mod stepper;
+#[cfg(feature = "alloc")]
 mod stored;
 pub mod system;
 mod tendon_mode;
@@ -86,7 +88,7 @@ pub use joint::{
 };
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
-pub use leg::LegStepper;
+pub use leg::{LegSample, LegStepper};
 #[cfg(feature = "alloc")]
 pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
@@ -98,5 +100,7 @@ pub use sample::{Sample, SampleTimes, steps_between};
 pub use segments::simulate_in_segments;
 #[cfg(feature = "alloc")]
 pub use series_tendon::TendonActuator;
+#[cfg(feature = "alloc")]
+pub use stepper::Stepper;
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

@@ -28,7 +28,7 @@ use crate::scalar::{Over, Real};
 use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
-const FIRST: usize = 4;
+pub(super) const FIRST: usize = 4;
 /// The most states that a rig with a line, bristles and a load on a tendon may have.
 #[cfg(feature = "alloc")]
 pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 4;
@@ -36,14 +36,6 @@ pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 4;
 const SLOW: f64 = 0.1;
 /// Part of a bound between two regimes by which it is passed at least: their slopes agree there.
 const LEAST_BAND: f64 = 1e-6;
-
-/// Whether `N` states have room for those of a line: known where a system is compiled, so that a rig alone does not carry
-/// a line's code.
-pub(super) struct Room<const N: usize>;
-
-impl<const N: usize> Room<N> {
-    pub(super) const FOR_LINE: bool = N > FIRST;
-}
 
 /// The line's part of the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]

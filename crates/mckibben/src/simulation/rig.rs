@@ -310,21 +310,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.tendon.as_ref()
     }
 
-    /// That the load hangs on the actuator itself.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] for a tendon in series.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn check_no_tendon(&self) -> Result<(), Error> {
-        match self.tendon {
-            None => Ok(()),
-            Some(_) => Err(Error::Unsupported {
-                what: "controllers, linear models, modular actuators and batches take no rig with a tendon in series",
-                remedy: "simulate it with a command, or leave out [tendon]",
-            }),
-        }
-    }
-
     /// The same rig with another load.
     pub(super) fn with_load_of(self, load: Load<S>) -> Self {
         Self { load, ..self }
@@ -389,7 +374,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
 impl<S: Real> Rig<S> {
     /// The instants at which its seats move.
-    #[cfg(feature = "alloc")]
     pub(super) fn seats(&self) -> Timetable<'_, S> {
         Timetable { actuation: self.actuation.as_ref(), motion: None }
     }

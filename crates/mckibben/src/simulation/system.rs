@@ -73,6 +73,14 @@ impl<G: Copy> Default for Guards<G> {
     }
 }
 
+/// Whether `N` states have room for more than a system's `OWN`: known where it is compiled, so that one which has no more does
+/// not carry their code.
+pub(super) struct Room<const N: usize, const OWN: usize>;
+
+impl<const N: usize, const OWN: usize> Room<N, OWN> {
+    pub(super) const BESIDE: bool = N > OWN;
+}
+
 /// A system of `N` states that is smooth between events.
 pub trait HybridSystem<R: Real, const N: usize> {
     /// The discrete state: which formulas hold, and what a clock remembers.

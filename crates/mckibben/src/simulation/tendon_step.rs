@@ -45,6 +45,12 @@ const SLOPE: f64 = 1e-7;
 /// Doublings of a step away from the last length within which the balance must lie.
 const MOST_DOUBLINGS: u32 = 60;
 
+/// By what the actuator is stepped: a method, with the instants of its valve.
+pub(super) struct By<'a, R> {
+    pub(super) method: Method,
+    pub(super) seats: Timetable<'a, R>,
+}
+
 /// The load at the far end of a tendon, and the actuator with its ends moved to where the tendon has them.
 #[derive(Clone, Debug)]
 pub(super) struct FarEnd<R> {
@@ -78,32 +84,27 @@ impl<R: Real<Time = R>> FarEnd<R> {
         &self.guided
     }
 
-    /// The instants of that rig: those of its valve.
-    pub(super) fn timetable(&self) -> Timetable<'_, R> {
-        Timetable { actuation: self.guided.actuation(), motion: None }
-    }
-
     /// A sample of the actuator with the tension of the tendon, and where the load is.
     pub(super) fn seen(&self, sample: Sample<R>) -> Sample<R> {
         Sample { tension: self.tension, load_distance: self.distance, load_velocity: self.velocity, ..sample }
     }
 
-    /// Goes on to `until`, with a step to each instant of the valve up to then.
-    pub(super) fn advance_to(&mut self, walk: &mut Walk<R>, method: Method, until: R) -> Result<(), Error> {
-        while let Some(instant) = self.timetable().next(&walk.progress, until) {
-            self.step_to(walk, method, instant.smaller(until))?;
+    /// Goes on to `until`, with a step to each instant of the valve's timetable up to then.
+    pub(super) fn advance_to(&mut self, walk: &mut Walk<R>, by: &By<'_, R>, until: R) -> Result<(), Error> {
+        while let Some(instant) = by.seats.next(&walk.progress, until) {
+            self.step_to(walk, by, instant.smaller(until))?;
         }
-        self.step_to(walk, method, until)
+        self.step_to(walk, by, until)
     }
 
-    fn step_to(&mut self, walk: &mut Walk<R>, method: Method, until: R) -> Result<(), Error> {
+    fn step_to(&mut self, walk: &mut Walk<R>, by: &By<'_, R>, until: R) -> Result<(), Error> {
         let step = until - walk.course.time;
         if step.le(R::zero()) {
-            return walk.advance_to(&self.guided, &self.timetable(), method, until, None);
+            return walk.advance_to(&self.guided, &by.seats, by.method, until, None);
         }
         let go = self.foreseen(step);
-        let length = self.balance(walk, method, until, &go)?;
-        *walk = self.taken(walk, method, until, length)?;
+        let length = self.balance(walk, by, until, &go)?;
+        *walk = self.taken(walk, by, until, length)?;
         self.tension = go.tension(length);
         if let Some(inertia) = self.inertia {
             let mean = R::constant(0.5) * (go.acceleration + (inertia.pull - self.tension) / inertia.mass);
@@ -129,22 +130,22 @@ impl<R: Real<Time = R>> FarEnd<R> {
     }
 
     /// The actuator taken to a length in m at `until`.
-    fn taken(&self, walk: &Walk<R>, method: Method, until: R, length: R) -> Result<Walk<R>, Error> {
+    fn taken(&self, walk: &Walk<R>, by: &By<'_, R>, until: R, length: R) -> Result<Walk<R>, Error> {
         let mut walk = *walk;
         let course = &mut walk.course;
         let slope = (length - course.state[0]) / (until - course.time);
         course.held.line = Line { time: course.time, length: course.state[0], slope };
         course.state[1] = slope;
         course.enter(&self.guided);
-        walk.advance_to(&self.guided, &self.timetable(), method, until, None)?;
+        walk.advance_to(&self.guided, &by.seats, by.method, until, None)?;
         // Whatever the rounding of the line.
         walk.course.state[0] = length;
         Ok(walk)
     }
 
     /// By how much in N the actuator pulls harder than the tendon if it ends at a length in m; rises with the length.
-    fn excess(&self, walk: &Walk<R>, method: Method, until: R, go: &Foreseen<R>, length: R) -> Result<R, Error> {
-        let course = self.taken(walk, method, until, length)?.course;
+    fn excess(&self, walk: &Walk<R>, by: &By<'_, R>, until: R, go: &Foreseen<R>, length: R) -> Result<R, Error> {
+        let course = self.taken(walk, by, until, length)?.course;
         let (rig, [_, velocity, pressure, ..]) = (&self.guided, course.state);
         let actuator = rig.actuator();
         let taut = R::zero().lt(actuator.limits().force(length, velocity));
@@ -154,10 +155,10 @@ impl<R: Real<Time = R>> FarEnd<R> {
     }
 
     /// The length in m of the actuator at `until` at which both tensions are equal.
-    fn balance(&self, walk: &Walk<R>, method: Method, until: R, go: &Foreseen<R>) -> Result<R, Error> {
+    fn balance(&self, walk: &Walk<R>, by: &By<'_, R>, until: R, go: &Foreseen<R>) -> Result<R, Error> {
         let (start, shortest) = (walk.course.state[0], self.guided.actuator().limits().min_length());
         if self.guided.actuator().friction().has_coulomb() {
-            let stays = self.taken(walk, method, until, start)?.course;
+            let stays = self.taken(walk, by, until, start)?.course;
             let rubbing = self.guided.rubbing(start, R::zero(), &stays.held);
             let (least, most) = self.guided.holdable(start, stays.state[2], rubbing);
             let pull = go.tension(start);
@@ -165,7 +166,7 @@ impl<R: Real<Time = R>> FarEnd<R> {
                 return Ok(start);
             }
         }
-        let excess = |length: R| self.excess(walk, method, until, go, length);
+        let excess = |length: R| self.excess(walk, by, until, go, length);
         let at = |length: f64| excess(R::constant(length)).map(R::value);
         let (from, least) = (start.value(), shortest.value());
         let at_start = at(from)?;

@@ -253,6 +253,20 @@ pub(crate) fn scaled(rig: &Rig, row: &'static Parameter, relative: f64) -> Rig {
     rig.map(|parameter, value| if std::ptr::eq(parameter, row) { value * (1.0 + relative) } else { value })
 }
 
+/// One step of the classical Runge–Kutta method; rates by the time since its start, and the state.
+pub(crate) fn runge_kutta<const N: usize>(
+    state: [f64; N],
+    step: f64,
+    rates: impl Fn(f64, [f64; N]) -> [f64; N],
+) -> [f64; N] {
+    let at = |part: f64, k: [f64; N]| rates(part * step, std::array::from_fn(|i| state[i] + part * step * k[i]));
+    let k1 = rates(0.0, state);
+    let k2 = at(0.5, k1);
+    let k3 = at(0.5, k2);
+    let k4 = at(1.0, k3);
+    std::array::from_fn(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+}
+
 /// Root of a function that changes sign between two places, by bisection to the last bit.
 pub(crate) fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     let rises = function(high) > 0.0;

@@ -1,6 +1,6 @@
 //! A muscle on an elastic tendon, and the same written out.
 
-use super::{ATMOSPHERE, GRAVITY, LB, Paper, bisect};
+use super::{ATMOSPHERE, GRAVITY, LB, Paper, bisect, runge_kutta};
 use mckibben::simulation::{Rig, SeriesTendon};
 use std::f64::consts::PI;
 
@@ -69,12 +69,7 @@ pub(crate) fn independent(paper: &Paper, viscous: f64, until: f64) -> [f64; 2] {
     };
     let mut state = [start.length + REST + muscle.force(start.length) / STIFFNESS, paper.velocity, start.length];
     for _ in 0..steps {
-        let ahead = |k: [f64; 3], h: f64| [0, 1, 2].map(|i| state[i] + h * k[i]);
-        let k1 = rates(state);
-        let k2 = rates(ahead(k1, 0.5 * step));
-        let k3 = rates(ahead(k2, 0.5 * step));
-        let k4 = rates(ahead(k3, step));
-        state = [0, 1, 2].map(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        state = runge_kutta(state, step, |_, state| rates(state));
     }
     [state[0], length(state[0], state[2])]
 }

@@ -26,6 +26,7 @@ fn point(model: &Model<'_>) -> Vec<(&'static str, f64)> {
         ("tension_n", point.tension()),
         ("coulomb_bound_n", point.coulomb_bound()),
     ];
+    values.extend(point.load_distance().map(|distance| ("load_distance_m", distance)));
     if let Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } = point.rig.load() {
         values.push(("load_mass_kg", *mass));
     }

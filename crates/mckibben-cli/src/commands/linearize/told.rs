@@ -5,9 +5,12 @@ use super::export::over_fastest;
 use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::terminal::{HEADING, NOTABLE, styled, width, wrap};
+use mckibben::ActuatorState;
 use mckibben::air::Process;
 use mckibben::linearize::{Averaged, Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
+use mckibben::simulation::State;
+use mckibben::valve::Ports;
 use std::f64::consts::TAU;
 
 /// The whole text.
@@ -72,8 +75,11 @@ fn point(model: &Model<'_>) -> Vec<(&'static str, String)> {
             ),
         ),
         ("load", load),
-        ("air", format!("{} at {:.1} K", quantity(state.air_mass, "kg"), point.temperature())),
     ];
+    if let Some(distance) = point.load_distance() {
+        lines.push(("tendon", format!("the load is at {}", quantity(distance, "m"))));
+    }
+    lines.push(("air", format!("{} at {:.1} K", quantity(state.air_mass, "kg"), point.temperature())));
     if point.rig.load().inertia().is_some() {
         let constant = actuator.stiffness(state.length, state.pressure);
         let sealed = actuator.sealed_stiffness(state.length, state.pressure);
@@ -224,10 +230,10 @@ fn notes(model: &Model<'_>) -> Vec<String> {
     }
     let bound = point.coulomb_bound();
     if bound > 0.0 && point.rig.load().inertia().is_some() {
-        let system = &model.system;
-        let pressure = system.states.iter().position(|signal| signal.name == "pressure");
-        let per_pressure = system.output("tension").zip(pressure).map_or(0.0, |(row, column)| system.c[row][column]);
-        let sealed = point.rig.actuator().sealed_stiffness(point.state.length, point.state.pressure);
+        let (actuator, State { length, pressure, air_mass, .. }) = (point.rig.actuator(), point.state);
+        let air = ActuatorState::new(pressure, air_mass, length);
+        let per_pressure = actuator.respond(&air, length, 0.0, Ports::CLOSED).per_pressure;
+        let sealed = actuator.sealed_stiffness(length, pressure);
         let sliding = if model.oscillation.is_some() { "" } else { " The model is about sliding without it." };
         notes.push(format!(
             "Coulomb friction holds the load at rest within ± {}: that is ± {} with the valve shut, or ± {} of \

@@ -14,7 +14,7 @@ use crate::scalar::{Over, Real};
 use crate::simulation::member::{Member, Trace};
 use crate::simulation::mode::{Extent, Guard};
 use crate::simulation::regulated::{PortMode, RegulatedPort};
-use crate::simulation::system::GuardForm;
+use crate::simulation::system::{self, GuardForm};
 use crate::simulation::zones::{Places, Through};
 
 /// States of a joint with seats that are whole or under way, and without bristles.
@@ -23,12 +23,7 @@ pub(super) const PLAIN: usize = 6;
 #[cfg(feature = "alloc")]
 pub(super) const MOST: usize = PLAIN + 4;
 
-/// Whether `N` states have room for more than a joint's own: known where a system is compiled.
-struct Room<const N: usize>;
-
-impl<const N: usize> Room<N> {
-    const BESIDE: bool = N > PLAIN;
-}
+type Room<const N: usize> = system::Room<N, PLAIN>;
 
 /// Which states there are beside the six, and where.
 #[derive(Clone, Copy, Debug)]

@@ -104,17 +104,17 @@ type TwoValves<R, C> = Clockwork<R, <C as JointController<R>>::Memory, 2>;
 /// Steps one joint under control through time at fixed steps, as [`JointStepper`] does; a step is divided at sampling instants
 /// too.
 #[derive(Debug)]
-pub struct ControlledJointStepper<'c, R: Real<Time = R>, C: JointController<R>> {
+pub struct ControlledJointStepper<R: Real<Time = R>, C: JointController<R>> {
     stepper: JointStepper<R>,
     course: JointCourse<R>,
-    controller: &'c C,
+    controller: C,
     sensors: JointSensors<R>,
     clockwork: TwoValves<R, C>,
     decisions: Vec<JointDecision<R>>,
 }
 
-impl<'c, R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<'c, R, C> {
-    /// Starts at t = 0 in a state, with a controller in place of the rig's own commands.
+impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
+    /// Starts at t = 0 in a state, with a controller in place of the rig's own commands: its own, or a reference to one.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when an actuator has no valve or its valve cannot do what the controller asks.
@@ -122,7 +122,7 @@ impl<'c, R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<'c, R,
         rig: &JointRig<R>,
         start: JointState<R>,
         method: Method,
-        controller: &'c C,
+        controller: C,
         (sampling, sensors): (Sampling<R>, JointSensors<R>),
     ) -> Result<Self, Error> {
         let mut rig = rig.clone();
@@ -134,7 +134,12 @@ impl<'c, R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<'c, R,
         Ok(controlled)
     }
 
-    /// Everything that is known at the time that has been reached.
+    /// The time in s that has been reached.
+    pub fn time(&self) -> R {
+        self.course.time()
+    }
+
+    /// Everything that is known at that time.
     pub fn sample(&self) -> JointSample<R> {
         self.stepper.sample(&self.course)
     }
@@ -169,7 +174,7 @@ impl<'c, R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<'c, R,
     fn take_due(&mut self) -> Result<(), Error> {
         if is_due(self.clockwork.next(), self.course.time()) {
             let truth = self.sample();
-            let of = (self.controller, &self.sensors);
+            let of = (&self.controller, &self.sensors);
             self.decisions.push(decide(&mut self.clockwork, of, &truth, self.stepper.rig_mut())?);
             self.stepper.pass(&mut self.course);
         }

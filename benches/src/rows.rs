@@ -1,0 +1,124 @@
+//! What a step costs of rows that go by themselves: one alone, and many on one thread and on two.
+//!
+//! `cargo run --release --bin rows -- ../examples/antagonistic-joint.toml ../examples/control/joint-bang-bang.toml ../examples/tendon.toml`
+//!
+//! Rows of a file are alike, and go through 0.1 s in steps of 0.1 ms by the stable method; a leg on six actuators of the first
+//! file with one actuator is measured besides, its numbers those of `crates/mckibben-cli/examples/leg.rs`. The least of several
+//! repeats counts.
+
+use mckibben::batch::RowByRow;
+use mckibben::control::Drive;
+use mckibben::load::leg::{Leg, LegState, Range, STRANDS, Segment, Strand};
+use mckibben::simulation::{
+    ControlledJointStepper, ControlledStepper, FixedStepper, JointStepper, LegStepper, Method, Rig, Stepper,
+};
+use mckibben::valve::Request;
+use mckibben::{Error, GaugePressure};
+use mckibben_scenario::{Diagnostics, Document};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+const METHOD: Method = Method::Stable;
+const DURATION: f64 = 0.1;
+const STEPS: u64 = 1000;
+const ROWS: usize = 64;
+const REPEATS: usize = 7;
+
+fn main() -> ExitCode {
+    println!("ns/step of a row, {ROWS} rows alike, {STEPS} steps of 0.1 ms by the stable method, least of {REPEATS}");
+    println!("{:<48}{:>12}{:>12}{:>12}", "file", "alone", "one thread", "two threads");
+    let mut leg = None;
+    for file in std::env::args().skip(1) {
+        match of_file(&file, &mut leg) {
+            Ok(cost) => tell(&file, cost),
+            Err(text) => {
+                eprintln!("{file}: {text}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    match leg.map(|rig| measure(|| of_leg(&rig))) {
+        Some(Ok(cost)) => tell("a leg on six of the actuators", cost),
+        Some(Err(text)) => {
+            eprintln!("{text}");
+            return ExitCode::FAILURE;
+        }
+        None => {}
+    }
+    ExitCode::SUCCESS
+}
+
+fn tell(name: &str, cost: [f64; 3]) {
+    println!("{name:<48}{}", cost.map(|value| format!("{value:>12.0}")).concat());
+}
+
+/// The costs of a file's rows; its rig serves for a leg if there is none yet.
+fn of_file(file: &str, leg: &mut Option<Rig>) -> Result<[f64; 3], String> {
+    let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
+    let told = |error: Diagnostics| error.to_string();
+    if let Some(of) = document.controlled_joint_experiment().map_err(told)? {
+        let (rig, start) = (&of.experiment.rig, of.experiment.start);
+        return measure(|| ControlledJointStepper::new(rig, start, METHOD, &of.law, (of.sampling, of.sensors)));
+    }
+    if let Some(of) = document.joint_experiment().map_err(told)? {
+        let stepper = JointStepper::new(of.rig, METHOD);
+        return measure(|| Ok((&stepper, stepper.begin(of.start))));
+    }
+    if let Some(of) = document.controlled_experiment().map_err(told)? {
+        let (rig, start) = (&of.experiment.rig, of.experiment.start);
+        return measure(|| ControlledStepper::new(rig, start, METHOD, &of.law, (of.sampling, of.sensors)));
+    }
+    let of = document.experiment().map_err(told)?;
+    let cost = measure(|| Ok(FixedStepper::new(&of.rig, of.start, METHOD)));
+    if of.rig.actuation().is_some() && of.rig.tendon().is_none() {
+        leg.get_or_insert(of.rig);
+    }
+    cost
+}
+
+/// Nanoseconds a step of a row: alone, among many on one thread, and on two.
+fn measure<S: Stepper + Send>(begin: impl Fn() -> Result<S, Error> + Sync) -> Result<[f64; 3], String> {
+    let batch = |rows: usize| RowByRow::new((0..rows).map(|_| begin()).collect::<Result<Vec<S>, Error>>()?);
+    let mut cost = [f64::INFINITY; 3];
+    for (least, (rows, threads)) in cost.iter_mut().zip([(1, 1), (ROWS, 1), (ROWS, 2)]) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
+        for _ in 0..REPEATS {
+            let mut batch = batch(rows).map_err(|error| error.to_string())?;
+            let spent = pool.install(|| {
+                let began = Instant::now();
+                batch.advance(DURATION, STEPS);
+                began.elapsed().as_secs_f64()
+            });
+            batch.samples().into_iter().try_for_each(|sample| sample.map(drop)).map_err(|error| error.to_string())?;
+            *least = least.min(spent / (rows as f64 * STEPS as f64) * 1e9);
+        }
+    }
+    Ok(cost)
+}
+
+fn of_leg(rig: &Rig) -> Result<LegStepper, Error> {
+    let range = |low: f64, high: f64| Range { ends: [low, high], damping: 0.02, stop_stiffness: 50.0, stop_damping: 0.3 };
+    let pair = |hip: f64, knee: f64, rest_length: f64| {
+        [1.0, -1.0].map(|way| Strand { arms: [way * hip, way * knee], rest_length })
+    };
+    let [hips, knees, both] = [pair(0.018, 0.0, 0.080), pair(0.0, 0.015, 0.078), pair(0.008, 0.008, 0.080)];
+    let leg = Leg {
+        segments: [
+            Segment { length: 0.22, mass: 0.40, distance: 0.09, inertia: 1.6e-3 },
+            Segment { length: 0.22, mass: 0.22, distance: 0.10, inertia: 0.9e-3 },
+        ],
+        gravity: 9.806_65,
+        ranges: [range(-1.0, 1.0), range(-1.7, -0.1)],
+        strands: [hips[0], hips[1], knees[0], knees[1], both[0], both[1]],
+        belt: None,
+    };
+    let start = LegState { angles: [0.1, -0.5], rates: [0.0; 2] };
+    let mut stepper = LegStepper::new(leg, start, [(rig, GaugePressure(1e5)); STRANDS], 293.15, 25.0)?;
+    stepper.drive([0.5, 0.4, 0.3, 0.4, 0.25, 0.25].map(|duty| Drive::Pulses {
+        duty,
+        pulse: Request::Fill,
+        rest: Request::Exhaust,
+    }))?;
+    Ok(stepper)
+}
