@@ -33,7 +33,7 @@ fn measured_muscles_are_fitted_by_every_law() {
         let folder = Folder::new(&format!("identify-{name}"));
         let output = identify(&folder, &of_repository(&format!("validation/martens-boblan-2017/{name}-study.toml")));
         let told = told(&output);
-        assert!(told.contains(largest) && told.contains("held-out lengths"), "{told}");
+        assert!(told.contains(largest) && told.contains("held-out"), "{told}");
         let comparison = read(&folder, "out/comparison.csv");
         // The figures of docs/force-laws.md, here with the slack points.
         let in_sample = cell(&comparison, "ideal-braid + saturating bladder", "rms %");

@@ -1,7 +1,7 @@
 //! How far off the model is in a run that it has not seen: each run in turn is left out of the fit.
 
 use super::{Identified, Observed, Recorded, Runs, Task};
-use crate::least_squares::{self, Search, Unknown};
+use crate::least_squares::{self, Search};
 
 /// The errors of one run, in it and out of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,11 +25,10 @@ impl Task {
             scales[*observed as usize] = *scale;
         }
         let values = found.found.fit.values();
-        let from = |(unknown, start): (&Unknown, &f64)| Unknown { start: *start, ..unknown.clone() };
-        let from: Vec<Unknown> = self.unknowns.iter().zip(&values).map(from).collect();
+        let from = least_squares::starting_at(&self.unknowns, &values);
         let few = Search { most_steps: 50, ..self.search };
         let without = |place: usize| {
-            let of = |runs| Runs { runs, scales, until: f64::INFINITY, tolerance: self.tolerance };
+            let of = |runs| Runs::whole(runs, scales, self.tolerance);
             let others: Vec<Recorded> =
                 self.runs.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, run)| run.clone()).collect();
             let fit = least_squares::fit(&of(&others), &from, &few).ok()?;

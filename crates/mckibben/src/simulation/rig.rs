@@ -62,11 +62,13 @@ pub struct State<S = f64> {
 }
 
 impl<S: Scalar> State<S> {
-    pub(crate) fn to_array(self) -> [S; 4] {
+    /// Length in m, velocity in m/s, absolute pressure in Pa and mass of the air in kg.
+    pub fn to_array(self) -> [S; 4] {
         [self.length, self.velocity, self.pressure.0, self.air_mass]
     }
 
-    pub(crate) fn from_array([length, velocity, pressure, air_mass]: [S; 4]) -> Self {
+    /// The state of these four, in the order and the units of [`State::to_array`].
+    pub fn from_array([length, velocity, pressure, air_mass]: [S; 4]) -> Self {
         Self { length, velocity, pressure: AbsolutePressure(pressure), air_mass }
     }
 }

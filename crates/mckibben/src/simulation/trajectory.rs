@@ -237,8 +237,9 @@ impl<R: Real> Trajectory<R> {
         })
     }
 
-    /// The least and the greatest value of each of the rig's four states, at five points of each step.
-    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
+    /// The least and the greatest value of each of the rig's four states, at five points of each step: length in m, velocity
+    /// in m/s, absolute pressure in Pa, mass of the air in kg.
+    pub fn ranges(&self) -> [(f64, f64); 4] {
         with_run!(&self.run, stored => four(stored.ranges()))
     }
 

@@ -171,6 +171,22 @@ fn column(recording: &Recording, quantity: Quantity) -> Result<&Column, Failure>
     })
 }
 
+/// The pressure that a recording has over time, gauge or absolute, with its times in s and values in Pa.
+fn pressure_over_time(recording: &Recording) -> Result<(Quantity, Vec<f64>, Vec<f64>), Failure> {
+    // Says what is missing.
+    let measured = match recording.column(Quantity::AbsolutePressure) {
+        Some(_) if recording.column(Quantity::GaugePressure).is_none() => Quantity::AbsolutePressure,
+        _ => column(recording, Quantity::GaugePressure)?.quantity,
+    };
+    match recording.channel(measured) {
+        Some((times, values)) => Ok((measured, times, values)),
+        None => {
+            let title = format!("the run `{}` has no {} over time", recording.name, measured.words());
+            Err(Failure::input(title, "add `[columns.time]`, in the same table"))
+        }
+    }
+}
+
 /// The gauge pressures of a recording in Pa, from whichever pressure was measured.
 fn gauge_pressures(recording: &Recording, atmosphere: f64) -> Result<Vec<f64>, Failure> {
     match recording.column(Quantity::AbsolutePressure) {

@@ -1,6 +1,6 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
-use super::outcome::{Outcome, WARNED};
+use super::outcome::{self, Outcome, WARNED};
 use super::{Material, sought, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -14,7 +14,7 @@ use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
 use mckibben_identify::trajectories::{
     Course, Drift, HeldOutRun, Identified, Observed, Recorded, Task, TrajectoryError, Unexplained,
 };
-use mckibben_scenario::{Place, Scenario};
+use mckibben_scenario::Place;
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let task = task(material)?;
@@ -41,10 +41,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     }
     warnings.extend(task.drifts(&found).iter().map(drifting));
     warnings.extend(task.unexplained(&found).iter().map(unexplained));
-    let scenarios = scenarios(&task, &found);
+    let scenarios = outcome::files(task.runs.iter().map(|run| run.name.as_str()).zip(&found.scenarios));
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
     let table = left(&found, &held_out);
-    let sections = sections(&task, &found, &[&numbers, &table], &scenarios);
+    let sections = sections(&task, &found, [&numbers, &table], &scenarios);
     Ok(Outcome {
         title: format!("{} from courses in time", material.document.source().name()),
         introduction: introduction(&task, &found),
@@ -163,30 +163,13 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     Table { caption, head: head.into_iter().map(String::from).collect(), rows: rows.collect() }
 }
 
-/// A scenario file for each run whose scenario differs, or one for all.
-fn scenarios(task: &Task, found: &Identified) -> Vec<(String, String)> {
-    let text = |scenario: &Scenario| format!("# By `mckibben identify`.\n\n{}", scenario.to_toml());
-    let texts: Vec<String> = found.scenarios.iter().map(text).collect();
-    match texts.windows(2).all(|pair| pair[0] == pair[1]) {
-        true => texts.into_iter().take(1).map(|text| ("scenario.toml".to_owned(), text)).collect(),
-        false => task.runs.iter().zip(texts).map(|(run, text)| (format!("scenario-{}.toml", run.name), text)).collect(),
-    }
-}
-
-fn sections(task: &Task, found: &Identified, tables: &[&Table; 2], files: &[(String, String)]) -> Vec<Section> {
-    let tables = tables.iter().map(|table| (*table).clone());
+fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(String, String)]) -> Vec<Section> {
+    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]).collect();
     // A page of the first few runs is enough to see how they fit; the table speaks of all.
     let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
     let plates = task.runs.iter().zip(&found.trajectories).zip(stems);
     vec![
-        Section {
-            id: "numbers",
-            label: "Numbers",
-            title: "What was found",
-            tables: tables.chain([values::correlations(&found.found.fit)]).collect(),
-            files: files.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
-            ..Section::default()
-        },
+        outcome::numbers(tables, scenarios),
         Section {
             id: "runs",
             label: "Runs",
@@ -222,7 +205,6 @@ fn plate(run: &Recorded, trajectory: &Trajectory, stem: &'static str) -> Plate {
                 )
                 .series(Series::line("simulated", times, curve)),
         );
-        let rest = Panel::new(Axis::new("off", unit)).horizontal(0.0, "").height_mm(16.0).legend(Legend::Hidden);
         data.rows.extend(
             course
                 .times
@@ -231,7 +213,7 @@ fn plate(run: &Recorded, trajectory: &Trajectory, stem: &'static str) -> Plate {
                 .zip(&off)
                 .map(|((time, value), off)| vec![f64::from(course.observed as u8), *time, *value, value + off]),
         );
-        panels.push(rest.series(Series::dots("", course.times.clone(), off)));
+        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(16.0));
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);

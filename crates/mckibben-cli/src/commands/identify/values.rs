@@ -24,6 +24,16 @@ fn with_last_digit(value: f64, last: i32) -> String {
     }
 }
 
+/// A value and half of its interval, in a unit that is so many times smaller.
+pub(super) fn give_or_take(estimate: &Estimate, factor: f64) -> String {
+    let deviation = estimate.deviation.map(|deviation| factor * deviation);
+    let value = rounded(factor * estimate.value, deviation);
+    match estimate.interval {
+        Some([low, high]) => format!("{value} ± {}", rounded(0.5 * factor * (high - low), deviation)),
+        None => value,
+    }
+}
+
 /// Why a number has no interval.
 fn silence(estimate: &Estimate) -> &'static str {
     if estimate.on_bound { "on its bound" } else { "not told by the data" }

@@ -1,10 +1,10 @@
 //! A tank that is charged or discharged: C and b of the valve, or the volume.
 
-use super::super::outcome::{Outcome, WARNED};
-use super::super::{Material, gauge_pressures, values};
+use super::super::outcome::{self, Outcome, WARNED, file};
+use super::super::{Material, pressure_over_time, values};
 use super::steady::curve_plate;
-use super::{STUCK, put, says_its_end, told, valve_of, with_conductance};
-use super::{Stems, actuator_of, at_its_end, conductance, failed, file, law_of, longest_at_the_end, named, passage_of};
+use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, passage_of};
+use super::{put, says_its_end, told, valve_of, with_conductance};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
@@ -12,6 +12,7 @@ use crate::report::{Data, Plate, Section, Table};
 use mckibben::valve::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use mckibben::{AbsolutePressure, parameter};
 use mckibben_identify::least_squares::Estimate;
+use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
 use mckibben_identify::study::{Direction, Quantity, Recording, TankEntry, TankTarget};
 use mckibben_identify::valve::{FlowCurve, Scatter, Sought, SteadyPoint, Tank, TankFit, TankRecord, Transfer};
 use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
@@ -73,14 +74,7 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         scenarios.push((name, file(&found.scenario)));
     }
     let sections = vec![
-        Section {
-            id: "numbers",
-            label: "Numbers",
-            title: "What was found",
-            tables: vec![numbers.clone()],
-            files: scenarios.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
-            ..Section::default()
-        },
+        outcome::numbers(vec![numbers.clone()], &scenarios),
         Section { id: "tank", label: "Tank", title: "Measured and fitted", plates, ..Section::default() },
     ];
     Ok(Outcome {
@@ -132,16 +126,7 @@ fn experiment<'a>(
             }
         }
     };
-    let measured = match recording.column(Quantity::GaugePressure) {
-        Some(_) => Quantity::GaugePressure,
-        None => Quantity::AbsolutePressure,
-    };
-    // Says what is missing.
-    gauge_pressures(recording, atmosphere)?;
-    let Some((times, values)) = recording.channel(measured) else {
-        let title = format!("the run `{run}` has no {} over time", measured.words());
-        return Err(Failure::input(title, "add `[columns.time]`, in the same table"));
-    };
+    let (measured, times, values) = pressure_over_time(recording)?;
     let shift = if measured == Quantity::GaugePressure { atmosphere } else { 0.0 };
     let [from, to] = [entry.begins.unwrap_or(f64::NEG_INFINITY), entry.ends.unwrap_or(f64::INFINITY)];
     let counts = |(time, _): &(f64, f64)| (from..=to).contains(time);
@@ -374,13 +359,7 @@ fn pressure_plate(of: &Experiment<'_>, found: Option<&TankFit>, stem: &'static s
     data.rows = (0..of.times.len()).map(|row| vec![of.times[row], of.pressures[row], fitted[row]]).collect();
     if found.is_some() {
         top = top.series(Series::line("fitted", of.times.clone(), fitted));
-        panels.push(
-            Panel::new(Axis::new("off", "Pa"))
-                .horizontal(0.0, "")
-                .legend(Legend::Hidden)
-                .height_mm(20.0)
-                .series(Series::dots("", of.times.clone(), off)),
-        );
+        panels.push(outcome::off("off", "Pa", Series::dots("", of.times.clone(), off)));
         caption.push_str(", measured and fitted, and the one less the other");
     }
     panels.insert(0, top);
