@@ -110,7 +110,7 @@ struct Lane<R> {
 
 impl<R: Number> Lane<R> {
     fn timetable(&self) -> Timetable<'_, f64> {
-        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
+        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion(), pressure: None }
     }
 
     fn openings(&self) -> Openings<f64> {
@@ -195,7 +195,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: row.rig.check_no_tendon().err(),
+            fault: row.rig.check_four_states().err(),
             control: None,
         };
         // Lanes without a row hold no number.
@@ -214,7 +214,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             state,
             held: Held { memory, compressor: W::mask(runs), ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_no_tendon().is_ok())),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_four_states().is_ok())),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,

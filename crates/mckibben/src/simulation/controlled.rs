@@ -90,7 +90,7 @@ impl<'c, R: Real<Time = R>, C: Controller<R>> ControlledStepper<'c, R, C> {
     ) -> Result<Self, Error> {
         let closed_loop = ClosedLoop { controller, sensors };
         let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
-        rig.check_no_tendon()?;
+        rig.check_four_states()?;
         let mut walk = Walk::new(&rig, stepped(&rig, start));
         walk.pass(&rig, &rig.timetable());
         let mut stepper = Self { rig, method, walk, closed_loop, clockwork, decisions: Vec::new() };

@@ -85,7 +85,9 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
+    /// [`Error::Unsupported`] for a rig whose pressure is given over time.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        self.rig.check_pressure_is_free()?;
         match &mut self.far_end {
             None => self.walk.advance_to(self.rig, &self.rig.timetable(), self.method, until, None),
             Some(far_end) => far_end.advance_to(&mut self.walk, self.method, until),

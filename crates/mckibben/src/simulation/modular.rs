@@ -94,7 +94,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// series, and for a valve without seats.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
         parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
-        rig.check_no_tendon()?;
+        rig.check_four_states()?;
         if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
             return Err(Error::Unsupported {
                 what: "a modular actuator is driven by requests, which neither a pressure regulator nor a proportional spool takes",

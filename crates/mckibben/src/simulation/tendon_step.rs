@@ -80,7 +80,7 @@ impl<R: Real<Time = R>> FarEnd<R> {
 
     /// The instants of that rig: those of its valve.
     pub(super) fn timetable(&self) -> Timetable<'_, R> {
-        Timetable { actuation: self.guided.actuation(), motion: None }
+        Timetable { actuation: self.guided.actuation(), motion: None, pressure: None }
     }
 
     /// A sample of the actuator with the tension of the tendon, and where the load is.
