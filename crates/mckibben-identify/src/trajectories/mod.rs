@@ -136,6 +136,13 @@ impl Recorded {
         times.fold(0.0, |last, time| time.max(last))
     }
 
+    /// The run at values of all unknowns, with only some of these looked for, which are then all.
+    fn only(&self, unknowns: &[usize], values: &[f64]) -> Result<Self, Error> {
+        let place = |(number, unknown): (usize, &usize)| Some((number, unknowns.iter().position(|of| of == unknown)?));
+        let (numbers, unknowns): (Vec<usize>, Vec<usize>) = self.unknowns.iter().enumerate().filter_map(place).unzip();
+        Ok(Self { adjustable: self.adjustable.only(&numbers, &self.own(values))?, unknowns, ..self.clone() })
+    }
+
     /// The run with values of all unknowns.
     fn built(&self, values: &[f64]) -> Result<Built, Error> {
         let scenario = self.adjustable.at(&self.own(values))?;

@@ -43,6 +43,7 @@ A study file:
   kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\", and of a valve
                                           # \"flow-curve\", \"steady-flow\", \"tank\", \"pulse-train\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
+  input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
   name = \"P_bar\"
@@ -62,6 +63,7 @@ A study file:
   [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for
   from = \"0 N*s/m\"
   to = \"50 N*s/m\"
+  per_run = true                          # each run has a value of its own
 
 Of a valve:
   kind = \"flow-curve\" finds C and b of ISO 6358, \"steady-flow\" the efficiency, from the columns upstream_absolute_pressure,

@@ -1,7 +1,8 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
 use super::outcome::{self, Outcome, WARNED};
-use super::{Material, sought, values};
+use super::sought::{self, OfRun};
+use super::{Material, pressure_over_time, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::progress::Progress;
@@ -10,14 +11,15 @@ use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben::simulation::Trajectory;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
+use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
     Course, Drift, HeldOutRun, Identified, Observed, Recorded, Task, TrajectoryError, Unexplained,
 };
-use mckibben_scenario::Place;
+use mckibben_scenario::{PressureCourse, Scenario};
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
-    let task = task(material)?;
+    let mut warnings = material.notes();
+    let task = task(material, &mut warnings)?;
     let progress = Progress::begin("fitting", None);
     let found = task.identify().map_err(|error| match error {
         TrajectoryError::Fit(_) => Failure::stopped(error.to_string()),
@@ -25,7 +27,6 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })?;
     let held_out = task.held_out(&found);
     drop(progress);
-    let mut warnings = material.notes();
     warnings.extend(values::warnings(&found.found.fit));
     if found.found.tried > 1 {
         let (tried, agreeing) = (found.found.tried, found.found.agreeing);
@@ -56,27 +57,28 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })
 }
 
-fn task(material: &Material) -> Result<Task, Failure> {
-    let (_, unknowns) = sought::all(material)?;
-    let mut runs = Vec::new();
+fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure> {
+    let mut scenarios = Vec::new();
+    let mut given = Vec::new();
     for recording in &material.recordings {
         let document = material.document_of(recording)?;
         let mut scenario = document.scenario()?;
-        let place = |entry: &SoughtEntry| {
-            Place::find(&entry.path, &mut scenario)
-                .map_err(|error| Failure::input(error.to_string(), format!("of the run `{}`", recording.name)))
-        };
-        let places = material.study.sought.iter().map(place).collect::<Result<Vec<_>, _>>()?;
-        let given = document.contains(parameter::MIN_LENGTH.key);
-        let courses = courses(recording, scenario.air.atmospheric_pressure);
-        let adjustable = Adjustable::new(scenario, places, given);
-        runs.push(Recorded {
-            name: recording.name.clone(),
-            adjustable,
-            unknowns: (0..unknowns.len()).collect(),
-            courses,
-        });
+        if material.study.input == Input::GaugePressure {
+            give_pressure(&mut scenario, recording, warnings)?;
+        }
+        scenarios.push((recording.name.clone(), scenario));
+        given.push(document.contains(parameter::MIN_LENGTH.key));
     }
+    let (unknowns, numbers) = sought::of_runs(material, &mut scenarios)?;
+    let parts = material.recordings.iter().zip(scenarios).zip(numbers).zip(given);
+    let run = |(((recording, (name, scenario)), of), given): (((&Recording, (String, Scenario)), OfRun), bool)| {
+        let mut courses = courses(recording, scenario.air.atmospheric_pressure);
+        if scenario.pressure.is_some() {
+            courses.retain(|course| course.observed != Observed::GaugePressure);
+        }
+        Recorded { name, adjustable: Adjustable::new(scenario, of.places, given), unknowns: of.unknowns, courses }
+    };
+    let runs = parts.map(run).collect();
     let starts = sought::more_starts(&unknowns, material.study.more_starts);
     Ok(Task {
         runs,
@@ -86,6 +88,34 @@ fn task(material: &Material) -> Result<Task, Failure> {
         search: material.search(),
         tolerance: 1e-8,
     })
+}
+
+/// Drives a run by the pressure that was measured, in place of what the scenario says.
+fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
+    let (measured, time, mut gauge_pressure) = pressure_over_time(recording)?;
+    if measured == Quantity::AbsolutePressure {
+        gauge_pressure.iter_mut().for_each(|pressure| *pressure -= scenario.air.atmospheric_pressure);
+    }
+    let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
+    let others = [Quantity::Length, Quantity::Tension].into_iter().filter_map(|of| last(recording.channel(of)?));
+    let (ends, until) = (time.last().copied().unwrap_or(0.0), others.fold(0.0, f64::max));
+    if until > ends {
+        warnings.push(format!(
+            "{WARNED}`{}`: the pressure was read up to {}, the others up to {}; it is held at its last value.",
+            recording.name,
+            quantity(ends, "s"),
+            quantity(until, "s")
+        ));
+    }
+    if scenario.valve.is_some() {
+        let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+        if !warnings.iter().any(|warning| warning == words) {
+            warnings.push(words.to_owned());
+        }
+    }
+    (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
+    scenario.pressure = Some(PressureCourse { time, gauge_pressure });
+    Ok(())
 }
 
 fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
