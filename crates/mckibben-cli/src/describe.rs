@@ -35,6 +35,9 @@ fn mass_of(mass: f64) -> String {
 
 /// What drives the valve, or that there is none.
 pub fn drive(scenario: &Scenario) -> String {
+    if let Some(course) = &scenario.pressure {
+        return format!("pressure given at {} instants", course.time.len());
+    }
     let (Some(valve), Some(command), Some(supply)) = (&scenario.valve, &scenario.command, &scenario.supply) else {
         return "sealed, no valve".to_owned();
     };

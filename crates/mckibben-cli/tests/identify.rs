@@ -33,7 +33,7 @@ fn measured_muscles_are_fitted_by_every_law() {
         let folder = Folder::new(&format!("identify-{name}"));
         let output = identify(&folder, &of_repository(&format!("validation/martens-boblan-2017/{name}-study.toml")));
         let told = told(&output);
-        assert!(told.contains(largest) && told.contains("held-out lengths"), "{told}");
+        assert!(told.contains(largest) && told.contains("held-out"), "{told}");
         let comparison = read(&folder, "out/comparison.csv");
         // The figures of docs/force-laws.md, here with the slack points.
         let in_sample = cell(&comparison, "ideal-braid + saturating bladder", "rms %");
@@ -120,6 +120,52 @@ fn what_the_simulator_recorded_is_found_again() {
     }
     for file in ["scenario-five.toml", "scenario-eight.toml", "run-1.svg", "run-2.png", "index.html"] {
         assert!(folder.path("out").join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn a_measured_pressure_and_masses_of_each_run() {
+    let folder = Folder::new("identify-pressure");
+    let truth = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+                 [command]\nkind = \"pwm\"\nfrequency = \"12 Hz\"\nduty = 0.45\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
+                 [initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.4 s\"\nsample_interval = \"0.1 ms\"\n";
+    folder.file("truth.toml", truth);
+    for (mass, file) in [("2 kg", "two.csv"), ("3 kg", "three.csv")] {
+        let set = format!("load.mass=\"{mass}\"");
+        let output = folder
+            .mckibben()
+            .args(["simulate", "truth.toml", "--set", &set, "--output", file])
+            .output()
+            .expect("it runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    folder.file("muscle.toml", &truth.replace("[supply]", "[actuator.friction]\nviscous = \"6 N*s/m\"\n[supply]"));
+    let study = "[study]\nkind = \"trajectories\"\nscenario = \"muscle.toml\"\ninput = \"gauge-pressure\"\n\
+                 [columns.time]\nname = \"time_s\"\nunit = \"s\"\n[columns.length]\nname = \"length_m\"\nunit = \"m\"\n\
+                 [columns.absolute_pressure]\nname = \"pressure_pa\"\nunit = \"Pa\"\n\
+                 [[run]]\nfile = \"two.csv\"\n[[run]]\nfile = \"three.csv\"\n\
+                 [fit.\"actuator.friction.viscous\"]\nfrom = \"0.1 N*s/m\"\nto = \"50 N*s/m\"\n[fit.\"load.mass\"]\nper_run = true\n";
+    let output = identify(&folder, &folder.file("study.toml", study));
+    let told = told(&output);
+    assert!(told.contains("take no part"), "{told}");
+    let values = read(&folder, "out/values.csv");
+    let expected = [("actuator.friction.viscous", 3.502_536_705), ("load.mass [two]", 2.0), ("load.mass [three]", 3.0)];
+    for (name, expected) in expected {
+        let value = cell(&values, name, "value");
+        // Straight lines through a pressure every 0.1 ms.
+        assert!((value / expected - 1.0).abs() < 1e-3, "{name}: {value} is not {expected}\n{told}");
+    }
+    let scenario = read(&folder, "out/scenario-two.toml");
+    assert!(scenario.contains("[pressure]") && !scenario.contains("[valve]"), "{scenario}");
+    let run = folder.mckibben().args(["simulate", "out/scenario-two.toml"]).output().expect("the program runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    for (from, to, words) in [
+        ("kind = \"trajectories\"", "kind = \"ring-down\"", "`per_run` of `load.mass` in [fit]"),
+        ("actuator.friction.viscous", "valve.efficiency", "is no number of this scenario"),
+    ] {
+        let output = identify(&folder, &folder.file("study.toml", &study.replace(from, to)));
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && error.contains(words), "`{words}` is not in\n{error}");
     }
 }
 

@@ -318,7 +318,7 @@ fn a_tank_gives_its_valve_by_the_trajectory_and_by_windows() {
     found(&folder, &tank_study(&(known + "windows = 40\n")));
     holds(&folder, "valve.sonic_conductance", CONDUCTANCE, 0.05);
     holds(&folder, "valve.critical_ratio", RATIO, 0.5);
-    there(&folder, &["flow-curve-1.svg"]);
+    there(&folder, &["flow-curve.svg"]);
 }
 
 #[test]
@@ -347,8 +347,43 @@ fn a_charge_gives_the_external_volume() {
         &(study.replace("[tank]", "[[run]]\nname = \"late\"\nfile = \"gauge.csv\"\n[tank]\nends = \"0.6 s\"")),
     );
     holds(&folder, "actuator.external_volume", 5e-4, 0.02);
-    runs(&folder, "scenario-gauge.toml", &["external_volume"]);
-    runs(&folder, "scenario-late.toml", &["external_volume"]);
+    // The same scenario, once.
+    runs(&folder, "scenario.toml", &["external_volume"]);
+}
+
+#[test]
+fn two_discharges_give_one_valve() {
+    let folder = Folder::new("valve-tanks");
+    folder.file("rig.toml", &tank_rig().replace("[supply]", "[actuator]\npreset = \"colbrunn-2001\"\n[supply]"));
+    let pressures = [("high", "7 bar", 50.0), ("low", "4 bar", 200.0)];
+    for (name, start, deviation) in pressures {
+        let table = recorded(&folder, &truth("exhaust", start), &["run.sample_interval=\"4 ms\""], deviation);
+        folder.file(&format!("{name}.csv"), &table);
+    }
+    let of = |files: &[&str]| {
+        let runs: String = files.iter().map(|name| format!("[[run]]\nfile = \"{name}.csv\"\n")).collect();
+        let known = "find = \"valve\"\ntransfer = \"discharge\"\nvolume = \"504.526 cm^3\"\n";
+        tank_study(known).replace("[[run]]\nfile = \"run.csv\"\n", &runs)
+    };
+    let width = || {
+        let [low, high] = interval(&folder, "valve.critical_ratio");
+        high - low
+    };
+    found(&folder, &of(&["low"]));
+    let alone = width();
+    let told = found(&folder, &of(&["high", "low"]));
+    assert!(told.contains("of 2 runs together"), "{told}");
+    holds(&folder, "valve.sonic_conductance", CONDUCTANCE, 0.01);
+    holds(&folder, "valve.critical_ratio", RATIO, 0.1);
+    assert!(width() < alone, "{} is not below {alone}", width());
+    // Each run has its own noise, and its own scatter about the common valve.
+    let csv = read(&folder, "out/comparison.csv");
+    let left = |run: &str| {
+        let line = csv.lines().find(|line| line.starts_with(run)).unwrap_or_else(|| panic!("{csv}"));
+        line.split(',').nth(2).and_then(|left| left.split(' ').next()?.parse::<f64>().ok()).expect("a number")
+    };
+    assert!((left("high") / 50.0 - 1.0).abs() < 0.2 && (left("low") / 200.0 - 1.0).abs() < 0.2, "{csv}");
+    there(&folder, &["tank-1.svg", "tank-2.svg"]);
 }
 
 #[test]

@@ -35,6 +35,15 @@ impl Adjustable {
         Self { base, places, thread }
     }
 
+    /// The same at these values, with only the numbers of these indices looked for.
+    ///
+    /// # Errors
+    /// As [`Adjustable::at`].
+    pub(crate) fn only(&self, numbers: &[usize], values: &[f64]) -> Result<Self, Error> {
+        let places = numbers.iter().map(|number| self.places[*number]).collect();
+        Ok(Self::new(self.at(values)?, places, self.thread.is_none()))
+    }
+
     /// The numbers that are looked for.
     pub fn places(&self) -> &[Place] {
         &self.places

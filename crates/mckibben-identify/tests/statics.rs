@@ -179,7 +179,8 @@ fn held_out_lengths_between_others_are_those_of_an_independent_solver() {
         let between = out.between().expect("a law for each").root_mean_square;
         println!("{file}: {between} of {out:?}");
         assert!((between - expected).abs() < 1e-4, "{file}: {between}, {expected}");
-        let ends = out.folds[0].errors.expect("a fit").count + out.folds[out.folds.len() - 1].errors.expect("a fit").count;
+        let ends =
+            out.folds[0].errors.expect("a fit").count + out.folds[out.folds.len() - 1].errors.expect("a fit").count;
         assert_eq!(out.between().expect("errors").count + ends, map.held().count());
     }
 }

@@ -6,7 +6,7 @@ use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
-use mckibben_scenario::{Place, Scenario};
+use mckibben_scenario::{Effectiveness, Load, Place, PressureCourse, Scenario};
 use noise::Noise;
 
 /// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
@@ -235,4 +235,74 @@ fn a_run_that_was_left_out_is_foretold() {
         assert!((0.8..1.5).contains(&(outside / noise)), "{observed:?} {outside}");
     }
     assert!(task(runs[..1].to_vec(), &SOUGHT, 1.0).held_out(&found).is_empty());
+}
+
+const STATIC: [&str; 2] = ["actuator.friction.viscous", "actuator.effectiveness.constant"];
+
+/// A run of a muscle on a valve whose pressure was measured, with noise in m and Pa; the scenario knows nothing of the valve.
+fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded {
+    let mut truth = scenario(supply);
+    truth.actuator.effectiveness = Effectiveness::Constant(0.87);
+    let mut run = recorded(&truth, &STATIC, [length, 0.0], 0.4);
+    let experiment = truth.experiment().expect("an experiment");
+    let course = simulate(&experiment.rig, experiment.start, 0.4, 1e-10).expect("a run");
+    let time: Vec<f64> = (0..=3200).map(|step| 0.4 * f64::from(step) / 3200.0).collect();
+    let gauge = |time: &f64| course.at(*time).pressure.0 - truth.air.atmospheric_pressure;
+    let gauges: Vec<f64> = time.iter().map(gauge).collect();
+    let gauge_pressure = Noise::new(5).added_to(&gauges, pressure);
+    (truth.valve, truth.supply, truth.command) = (None, None, None);
+    truth.pressure = Some(PressureCourse { time, gauge_pressure });
+    run.courses.retain(|course| course.observed == Observed::Length);
+    let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
+    Recorded { adjustable: Adjustable::new(truth, places, false), ..run }
+}
+
+#[test]
+fn a_measured_pressure_stands_for_the_valve_that_made_it() {
+    let runs = [100.0, 70.0].map(|psi| driven_by_its_pressure(psi, [2e-5, 0.0]));
+    let task = task(runs.to_vec(), &STATIC, 1.2);
+    let found = identified(&task);
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
+        let deviation = estimate.deviation.expect("a deviation");
+        assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < 0.02 * truth, "{estimate:?}: {truth}");
+    }
+    // Noise of the pressure goes into the force, of which the intervals do not know.
+    let noisy = self::task(vec![driven_by_its_pressure(100.0, [2e-5, 3e2])], &STATIC, 1.2);
+    for (estimate, truth) in identified(&noisy).found.fit.estimates.iter().zip(truth_of(&noisy)) {
+        assert!((estimate.value / truth - 1.0).abs() < 0.02, "{estimate:?}: {truth}");
+    }
+}
+
+#[test]
+fn each_run_may_have_a_number_of_its_own() {
+    let sought = ["actuator.friction.viscous", "load.mass"];
+    let deviations = [2e-5, 1e3];
+    let masses = [1.8, 2.2, 2.7];
+    let runs = masses.map(|mass| {
+        let mut truth = scenario(100.0);
+        truth.load = Load::HangingMass { mass, gravity: 9.80665 };
+        recorded(&truth, &sought, deviations, 0.4)
+    });
+    let mut task = task(runs.to_vec(), &sought, 1.2);
+    let mass = task.unknowns.remove(1);
+    for (place, run) in (1..).zip(&mut task.runs) {
+        task.unknowns.push(Unknown { name: format!("load.mass [{place}]"), ..mass.clone() });
+        run.unknowns = vec![0, place];
+    }
+    let found = identified(&task);
+    let viscous = truth_of(&self::task(runs.to_vec(), &sought[..1], 1.0))[0];
+    let truths = [viscous, masses[0], masses[1], masses[2]];
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(truths) {
+        let deviation = estimate.deviation.expect("a deviation");
+        assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < 0.03 * truth, "{estimate:?}: {truth}");
+    }
+    for (scenario, mass) in found.scenarios.iter().zip(&found.found.fit.values()[1..]) {
+        assert!(matches!(&scenario.load, Load::HangingMass { mass: own, .. } if own == mass));
+    }
+    // A run that was left out tells its own mass, and the others tell the friction.
+    let held_out = task.held_out(&found);
+    assert_eq!(held_out.len(), 3);
+    for (observed, [_, outside]) in held_out.iter().flat_map(|run| &run.errors) {
+        assert!((0.8..1.5).contains(&(outside / deviations[*observed as usize])), "{observed:?} {outside}");
+    }
 }

@@ -12,8 +12,8 @@ use mckibben::valve::{
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure};
 use mckibben_identify::valve::{
-    Delays, DutyPoint, FlowCurve, PulseTrain, Scatter, Sought, SteadyPoint, Tank, TankRecord, Transfer, ValveError,
-    delay_difference, efficiency, flow_coefficient,
+    Delays, DutyPoint, FlowCurve, PulseTrain, Scatter, Sought, SteadyPoint, Tank, TankFit, TankRecord, Transfer,
+    ValveError, delay_difference, efficiency, flow_coefficient,
 };
 use noise::{HITS, Noise, coverage, holds};
 
@@ -263,6 +263,37 @@ fn intervals_of_a_discharge_hold_c_and_b_in_95_of_100_trials() {
     });
     println!("discharge: C, b {hits:?}");
     assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?}");
+}
+
+#[test]
+fn a_charge_and_a_discharge_together_tell_more_than_either() {
+    let supply = AbsolutePressure(7e5);
+    let charge = tank(Process::Isothermal, Transfer::Charge { supply, temperature: ROOM });
+    let discharge = tank(Process::Isothermal, Transfer::Discharge);
+    let runs = [(charge, ATMOSPHERE, 0.8, 50.0, 3), (discharge, 8e5, 1.6, 200.0, 4)];
+    let records = runs.map(|(tank, from, until, noise, seed)| {
+        let times = times(until, 401);
+        let exact = tank.pressures(AbsolutePressure(from), VALVE, 1.0, &times).expect("pressures");
+        (tank, TankRecord::new(times, Noise::new(seed).added_to(&exact, noise)).expect("a record"))
+    });
+    let guess = Sought::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
+    let both = records.each_ref().map(|(tank, record)| (*tank, record));
+    let together = Tank::fit_together(&both, guess, false).expect("a fit");
+    let alone = records.each_ref().map(|(tank, record)| tank.fit(record, guess, false).expect("a fit"));
+    let estimates = |fit: &TankFit| [&fit.sonic_conductance, &fit.critical_ratio].map(|of| of.clone().expect("told"));
+    let deviations = |fit: &TankFit| estimates(fit).map(|estimate| estimate.deviation.expect("a deviation"));
+    for ((estimate, truth), place) in estimates(&together).iter().zip([CONDUCTANCE, RATIO]).zip(0..) {
+        let own = deviations(&together)[place];
+        assert!((estimate.value - truth).abs() < 4.0 * own, "{estimate:?}");
+        // By the weights of both: 1/s² of the whole is the sum of those of the parts, or more where they complete each other.
+        let parts: f64 = alone.iter().map(|fit| deviations(fit)[place].powi(-2)).sum();
+        assert!(own.powi(-2) > 0.9 * parts, "{own}, {parts}");
+    }
+    for ([scatter, noise], deviation) in together.of_records.iter().zip([50.0, 200.0]) {
+        close(*scatter, deviation, 0.15, "the scatter");
+        close(*noise, deviation, 0.2, "the noise");
+    }
+    assert!(Tank::fit_together(&[], guess, false).is_err());
 }
 
 #[test]

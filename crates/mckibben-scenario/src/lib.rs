@@ -75,7 +75,7 @@ pub use model::{Experiment, JointExperiment};
 pub use place::{Place, PlaceError, Seeds};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
-    Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage,
+    Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage, PressureCourse,
     PressureRegulator, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon, Spool,
     Supply, Taper, Tendon, TonduLopezCoefficients, Valve,
 };

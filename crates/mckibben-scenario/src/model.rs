@@ -11,7 +11,7 @@ use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{
-    self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, JointStepError, Rig, State,
+    self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, JointStepError, PressureCourse, Rig, State,
     joint_step_for_accuracy,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
@@ -147,6 +147,13 @@ impl Scenario {
             );
             return Err(failed(Error::Unsupported { what, remedy }));
         }
+        if self.pressure.is_some() {
+            let (what, remedy) = (
+                "the pressures of an antagonistic joint cannot be given over time yet",
+                "leave out [pressure], or choose another load.kind",
+            );
+            return Err(failed(Error::Unsupported { what, remedy }));
+        }
         if self.has_line() || second.has_line() {
             let (what, remedy) = (
                 "an antagonistic joint takes no air line yet",
@@ -264,8 +271,14 @@ impl Scenario {
         let line = self.core_line(actuator.air())?;
         let load = self.core_load(actuator.law().law.end_length())?;
         let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
-        let Some(tendon) = self.tendon else { return Ok(rig) };
-        rig.with_tendon(load::SeriesTendon::new(tendon.stiffness, tendon.rest_length)?)
+        let rig = match self.tendon {
+            Some(of) => rig.with_tendon(load::SeriesTendon::new(of.stiffness, of.rest_length)?)?,
+            None => rig,
+        };
+        match &self.pressure {
+            Some(course) => rig.with_pressure(PressureCourse::new(&course.time, &course.gauge_pressure)?),
+            None => Ok(rig),
+        }
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.

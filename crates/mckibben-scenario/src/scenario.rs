@@ -26,6 +26,8 @@ pub struct Scenario {
     pub hose: Option<Hose>,
     /// What the valve is told; there exactly when `valve` is.
     pub command: Option<Command>,
+    /// The pressure in the actuator over time, where it is given; in place of a valve.
+    pub pressure: Option<PressureCourse>,
     /// The elastic tendon between actuator and load, if there is one.
     pub tendon: Option<SeriesTendon>,
     /// What the actuator pulls on.
@@ -336,6 +338,15 @@ pub struct Hose {
     pub viscosity: f64,
     /// Polytropic exponent κ of its air.
     pub polytropic_index: f64,
+}
+
+/// The pressure in the actuator as a given function of time: straight lines between points, constant outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureCourse {
+    /// Times in s, strictly increasing, from zero on.
+    pub time: Vec<f64>,
+    /// Gauge pressure in Pa at each.
+    pub gauge_pressure: Vec<f64>,
 }
 
 /// An elastic tendon between actuator and load.

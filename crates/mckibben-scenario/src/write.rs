@@ -72,6 +72,10 @@ impl Scenario {
         actuator(w, self);
         air(w, self);
         drive(w, self);
+        if let Some(course) = &self.pressure {
+            w.list(&p::COURSE_TIME, &course.time);
+            w.list(&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure);
+        }
         series_tendon(w, self);
         load(w, &self.load);
         initial_and_run(w, self);
@@ -526,7 +530,9 @@ fn load(w: &mut Writer, load: &Load) {
 
 fn initial_and_run(w: &mut Writer, scenario: &Scenario) {
     let (initial, run) = (&scenario.initial, &scenario.run);
-    w.number(&p::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure);
+    if scenario.pressure.is_none() {
+        w.number(&p::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure);
+    }
     w.number(&p::INITIAL_TEMPERATURE, initial.temperature);
     match initial.length {
         InitialLength::Equilibrium => w.word(p::INITIAL_LENGTH.key, EQUILIBRIUM.name),

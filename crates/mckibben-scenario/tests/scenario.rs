@@ -3,7 +3,7 @@
 
 use mckibben_scenario::{
     Command, CommandState, Document, Effectiveness, Engine, InitialLength, Load, Method, MomentArm, Motion, Passage,
-    Process, Scenario, ValveKind, starter,
+    PressureCourse, Process, Scenario, ValveKind, starter,
 };
 use proptest::prelude::*;
 
@@ -383,4 +383,34 @@ fn mistakes_in_a_joint_are_shown_where_they_are() {
         "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"1 s\"\n[antagonist]\nactuator.turns = 3",
     );
     assert!(error.contains("[antagonist] has no meaning"), "{error}");
+}
+
+#[test]
+fn a_pressure_over_time_is_read_built_and_written() {
+    let file = "[pressure]\ntime = [\"0 s\", \"100 ms\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
+                [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"\n";
+    let read = Scenario::from_str(file, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    let course = PressureCourse { time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
+    assert_eq!(read.pressure, Some(course));
+    let experiment = read.experiment().expect("an experiment");
+    assert!((experiment.start.pressure.0 - 201_325.0).abs() < 1e-6);
+    let text = read.to_toml();
+    let again = Scenario::from_str(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert_eq!(again, read);
+    for (more, words) in [
+        ("[initial]\ngauge_pressure = \"1 bar\"\n", "`initial.gauge_pressure` has no meaning where `[pressure]`"),
+        (
+            "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n[command]\nkind = \"fill\"\n",
+            "`valve` has no meaning where `[pressure]`",
+        ),
+        ("[tendon]\nstiffness = \"10 kN/m\"\n", "only the event-located engine"),
+        ("[actuator]\nleakage = \"1e-12 m^3/(s*Pa)\"\n", "in place of valve and line"),
+    ] {
+        let document = Document::parse(&format!("{file}{more}"), "test.toml").expect("it is TOML");
+        let error = document.experiment().expect_err("a mistake").to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let short = file.replace(", \"3 bar\"", "");
+    let error = Document::parse(&short, "test.toml").expect("it is TOML").experiment().expect_err("short").to_string();
+    assert!(error.contains("equally long"), "{error}");
 }

@@ -245,6 +245,22 @@ impl<S: Scalar> Air<S> {
         pressure.0 * volume / (T::of(self.gas_constant) * temperature)
     }
 
+    /// The net flow into a chamber in kg/s with which its pressure changes at a rate in Pa/s, when what comes in is as warm as
+    /// the air inside: [`Air::pressure_rate`] turned round.
+    pub fn flow_for<T: Over<S>>(&self, chamber: &Chamber<T>, pressure_rate: T) -> T {
+        let Chamber { pressure, mass, volume, volume_rate, .. } = *chamber;
+        match self.process {
+            Process::EnergyBalance { heat_transfer, wall_temperature } => {
+                let gamma = T::of(self.heat_capacity_ratio);
+                let temperature = self.temperature(chamber);
+                let heat = (gamma - T::one()) * T::of(heat_transfer) * (T::of(wall_temperature) - temperature);
+                let enthalpy = pressure_rate * volume + gamma * pressure * volume_rate - heat;
+                enthalpy / (gamma * T::of(self.gas_constant) * temperature)
+            }
+            _ => mass * (pressure_rate / (T::of(self.index()) * pressure) + volume_rate / volume),
+        }
+    }
+
     /// `dP/dt` in Pa/s, with inflow at `inflow_temperature` in K.
     #[inline(always)]
     pub fn pressure_rate<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, inflow_temperature: T) -> T {

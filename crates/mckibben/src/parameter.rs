@@ -426,6 +426,12 @@ parameters! {
     COMMAND_POSITION = "command.position", "u", "", Range { low: -1.0, low_included: true, high: 1.0, high_included: true }, None,
         "Positions of a proportional spool from each of those times on, as shares of its stroke: 1 opens the supply, -1 the exhaust.",
         "choice of the experiment", "give positions from -1 to 1";
+    COURSE_TIME = "pressure.time", "t", "s", Range::NON_NEGATIVE, None,
+        "Times of the rows of a pressure that is given, strictly rising.",
+        "choice of the experiment", "give times of zero or more in rising order";
+    COURSE_GAUGE_PRESSURE = "pressure.gauge_pressure", "P_g(t)", "Pa", Range::FINITE, None,
+        "Gauge pressure in the actuator at each of those times, with straight lines between them.",
+        "choice of the experiment", "give gauge pressures above minus the atmospheric pressure";
     TENDON_STIFFNESS = "tendon.stiffness", "k", "N/m", Range::POSITIVE, None,
         "Stiffness of an elastic tendon in series with the actuator.",
         "Hooke", "give a stiffness above zero, or leave [tendon] out";

@@ -45,6 +45,7 @@ mod lugre;
 mod manifold;
 mod modular;
 mod moment_arm;
+mod pressure_course;
 mod properties;
 mod ramped_rig;
 mod regulated_rig;

@@ -70,34 +70,61 @@ impl Table {
 
     /// Aligned columns: words to the left, numbers to the right.
     pub fn to_text(&self) -> String {
-        let columns = self.head.len();
-        let lines = || std::iter::once(&self.head).chain(&self.rows);
-        let width = |column: usize| {
-            lines().map(|line| line.get(column).map_or(0, |cell| cell.chars().count())).max().unwrap_or(0)
+        self.to_text_within(usize::MAX)
+    }
+
+    /// The same in lines of at most so many characters, as far as words can be broken: the heads first, then the words of the
+    /// widest column.
+    pub fn to_text_within(&self, wide: usize) -> String {
+        let widths = self.widths(wide);
+        let right: Vec<bool> = (0..widths.len()).map(|column| self.is_numeric(column)).collect();
+        let fold = |line: &Vec<String>| -> Vec<Vec<String>> {
+            line.iter().zip(&widths).map(|(cell, width)| folded(cell, *width)).collect()
         };
-        let widths: Vec<usize> = (0..columns).map(width).collect();
-        let right: Vec<bool> = (0..columns).map(|column| self.is_numeric(column)).collect();
         let mut out = String::new();
-        for (place, line) in lines().enumerate() {
-            let mut text = String::new();
-            for (column, cell) in line.iter().enumerate() {
-                let room = widths.get(column).copied().unwrap_or(0);
-                let gap = if column == 0 { "" } else { GAP };
-                // Writing to a string cannot fail.
-                let _ = match right.get(column) {
-                    Some(true) => write!(text, "{gap}{cell:>room$}"),
-                    _ => write!(text, "{gap}{cell:<room$}"),
-                };
-            }
-            out.push_str(text.trim_end());
-            out.push('\n');
-            if place == 0 {
-                let rule: Vec<String> = widths.iter().map(|w| "─".repeat(*w)).collect();
-                out.push_str(&rule.join(GAP));
+        let mut put = |cells: &[Vec<String>], from_below: bool| {
+            let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+            for row in 0..height {
+                let mut text = String::new();
+                for (column, lines) in cells.iter().enumerate() {
+                    let above = if from_below { height - lines.len() } else { 0 };
+                    let cell = row.checked_sub(above).and_then(|row| lines.get(row)).map_or("", String::as_str);
+                    let (gap, room) = (if column == 0 { "" } else { GAP }, widths[column]);
+                    // Writing to a string cannot fail.
+                    let _ = match right[column] {
+                        true => write!(text, "{gap}{cell:>room$}"),
+                        false => write!(text, "{gap}{cell:<room$}"),
+                    };
+                }
+                out.push_str(text.trim_end());
                 out.push('\n');
             }
-        }
+        };
+        put(&fold(&self.head), true);
+        put(&[vec![widths.iter().map(|width| "─".repeat(*width)).collect::<Vec<_>>().join(GAP)]], false);
+        self.rows.iter().for_each(|row| put(&fold(row), false));
         out
+    }
+
+    /// The widths of the columns with which lines are at most so long, as far as that can be.
+    fn widths(&self, wide: usize) -> Vec<usize> {
+        let longest_word = |cell: &String| cell.split(' ').map(|word| word.chars().count()).max().unwrap_or(0);
+        let of = |column: usize, of_head: &dyn Fn(&String) -> usize, of_cell: &dyn Fn(&String) -> usize| {
+            let cells = self.rows.iter().filter_map(|row| row.get(column)).map(of_cell);
+            cells.chain([of_head(&self.head[column])]).max().unwrap_or(0)
+        };
+        let whole = |cell: &String| cell.chars().count();
+        let total = |widths: &[usize]| widths.iter().sum::<usize>() + GAP.len() * widths.len().saturating_sub(1);
+        let mut widths: Vec<usize> = (0..self.head.len()).map(|column| of(column, &whole, &whole)).collect();
+        if total(&widths) > wide {
+            widths = (0..self.head.len()).map(|column| of(column, &longest_word, &whole)).collect();
+        }
+        let words = (0..widths.len()).filter(|column| !self.is_numeric(*column)).max_by_key(|column| widths[*column]);
+        if let (Some(column), over @ 1..) = (words, total(&widths).saturating_sub(wide)) {
+            let least = of(column, &longest_word, &longest_word);
+            widths[column] = widths[column].saturating_sub(over).max(least);
+        }
+        widths
     }
 
     /// The caption on a line of its own, then the columns.
@@ -111,6 +138,21 @@ impl Table {
         let starts = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '−' | '–' | '±'));
         column > 0 && cells().all(starts) && cells().any(|cell| cell.starts_with(|c: char| c.is_ascii_digit()))
     }
+}
+
+/// A cell in lines of at most so many characters, as far as its words allow.
+fn folded(cell: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in cell.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// Words without the marks that only the page understands.
@@ -131,6 +173,25 @@ mod tests {
             rows: vec![vec!["ä".into(), "10.5".into()], vec!["bcdef".into(), "−2.0".into()]],
         };
         assert_eq!(table.to_text(), "what      N\n─────  ────\nä      10.5\nbcdef  −2.0\n");
+    }
+
+    #[test]
+    fn a_table_that_is_too_wide_breaks_its_heads_and_then_its_words() {
+        let table = Table {
+            caption: String::new(),
+            head: ["law", "held out: worst %"].map(String::from).to_vec(),
+            rows: vec![vec!["a longer name".into(), "10.5".into()], vec!["b".into(), "2.0".into()]],
+        };
+        assert_eq!(
+            table.to_text_within(20),
+            "                held\n                out:\n               worst\nlaw                %\n\
+             ─────────────  ─────\na longer name   10.5\nb                2.0\n"
+        );
+        assert_eq!(
+            table.to_text_within(15),
+            "           held\n           out:\n          worst\nlaw           %\n\
+             ────────  ─────\na longer   10.5\nname\nb           2.0\n"
+        );
     }
 
     #[test]

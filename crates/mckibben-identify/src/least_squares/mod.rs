@@ -101,6 +101,11 @@ impl Unknown {
     }
 }
 
+/// The same unknowns, each starting at a value.
+pub(crate) fn starting_at(unknowns: &[Unknown], values: &[f64]) -> Vec<Unknown> {
+    unknowns.iter().zip(values).map(|(unknown, start)| Unknown { start: *start, ..unknown.clone() }).collect()
+}
+
 /// How much a large residual counts, by its size in deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Loss {
@@ -209,8 +214,7 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
         if deviation == 0.0 {
             break;
         }
-        let from = |(unknown, start): (&Unknown, f64)| Unknown { start, ..unknown.clone() };
-        let from: Vec<Unknown> = unknowns.iter().zip(found.values()).map(from).collect();
+        let from = starting_at(unknowns, &found.values());
         let search = Search { loss: search.loss.of_deviation(deviation), ..*search };
         found = Fit::new(model, unknowns, &search, solver::minimum(model, &from, &search)?);
     }
@@ -245,11 +249,9 @@ pub fn fit_from(
     search: &Search,
 ) -> Result<Found, FitError> {
     let of = |start: &[f64]| {
-        let moved = |(unknown, start): (&Unknown, &f64)| Unknown {
-            start: start.clamp(unknown.bounds[0], unknown.bounds[1]),
-            ..unknown.clone()
-        };
-        fit(model, &unknowns.iter().zip(start).map(moved).collect::<Vec<_>>(), search)
+        let within = |(unknown, start): (&Unknown, &f64)| start.clamp(unknown.bounds[0], unknown.bounds[1]);
+        let start: Vec<f64> = unknowns.iter().zip(start).map(within).collect();
+        fit(model, &starting_at(unknowns, &start), search)
     };
     let first = fit(model, unknowns, search);
     let fits: Vec<Result<Fit, FitError>> = std::iter::once(first).chain(starts.iter().map(|start| of(start))).collect();

@@ -25,8 +25,14 @@ use std::fmt;
 const FAR: f64 = 8.0;
 /// Readings of whose median it is judged.
 const WINDOW: usize = 9;
-/// Equal extreme readings on end from which on a sensor is taken to be at its end, and their least share.
-const STUCK: usize = 8;
+/// Equal largest readings on end from which on a sensor may be taken to be at its end.
+pub const STUCK: usize = 8;
+
+/// The longest row of equal readings that are the largest of all, and that reading; what is no number does not count.
+pub fn longest_at_the_end(values: &[f64]) -> (usize, f64) {
+    let largest = values.iter().copied().filter(|value| value.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+    (values.split(|value| *value != largest).map(<[f64]>::len).max().unwrap_or(0), largest)
+}
 
 /// The rules of one column.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -321,9 +327,8 @@ impl Work<'_> {
             return Ok(());
         }
         let timed = self.table.columns.len() > 1 && column.quantity != Quantity::Time;
-        let largest = column.values.iter().copied().filter(|value| value.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+        let (longest, largest) = longest_at_the_end(&column.values);
         let least = column.values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
-        let longest = column.values.split(|value| *value != largest).map(<[f64]>::len).max().unwrap_or(0);
         let pressed = matches!(column.quantity, Quantity::Tension | Quantity::Length);
         if timed && pressed && largest > least && longest >= STUCK && 50 * longest >= column.values.len() {
             let unit = column.quantity.unit();

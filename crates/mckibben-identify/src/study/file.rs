@@ -49,6 +49,17 @@ impl Kind {
     }
 }
 
+/// What drives the runs of trajectories.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Input {
+    /// What the scenario says: its valve under its command, or nothing.
+    #[default]
+    Scenario,
+    /// The pressure that was measured.
+    GaugePressure,
+}
+
 /// A study file as it was read.
 #[derive(Clone, Debug)]
 pub struct Study {
@@ -58,6 +69,8 @@ pub struct Study {
     pub kind: Kind,
     /// The scenario file.
     pub scenario: PathBuf,
+    /// What drives the runs of trajectories.
+    pub input: Input,
     /// What the columns measure.
     pub columns: Vec<ColumnEntry>,
     /// The runs.
@@ -121,6 +134,8 @@ pub struct SoughtEntry {
     pub to: Option<String>,
     /// Mean and standard deviation of what is known beforehand.
     pub prior: Option<[String; 2]>,
+    /// Whether each run has a value of its own.
+    pub per_run: bool,
 }
 
 #[derive(Deserialize)]
@@ -145,6 +160,8 @@ struct File {
 struct Head {
     kind: Kind,
     scenario: PathBuf,
+    #[serde(default)]
+    input: Input,
     #[serde(default)]
     units_are_right: bool,
 }
@@ -192,6 +209,8 @@ struct RawSought {
     from: Option<Text>,
     to: Option<Text>,
     prior: Option<RawPrior>,
+    #[serde(default)]
+    per_run: bool,
 }
 
 #[derive(Deserialize)]
@@ -275,7 +294,17 @@ impl Study {
             from: raw.from.map(Text::text),
             to: raw.to.map(Text::text),
             prior: raw.prior.map(|prior| [prior.mean.text(), prior.deviation.text()]),
+            per_run: raw.per_run,
         });
+        let sought: Vec<SoughtEntry> = sought.collect();
+        if let Some(entry) = sought.iter().find(|entry| entry.per_run && head.kind != Kind::Trajectories) {
+            let what = format!("`per_run` of `{}` in [fit] is of a study of the kind \"trajectories\"", entry.path);
+            return Err(within.fault(None, what, "leave it out"));
+        }
+        if head.input == Input::GaugePressure && head.kind != Kind::Trajectories {
+            let what = "`input` is of a study of the kind \"trajectories\"";
+            return Err(within.fault(Some(head_at), what, "leave it out"));
+        }
         let robust = file.search.robust;
         if robust.is_some_and(|scale| scale.is_nan() || scale <= 0.0) {
             return Err(within.fault(
@@ -302,9 +331,10 @@ impl Study {
             path: path.to_path_buf(),
             kind: head.kind,
             scenario: beside(path, &head.scenario),
+            input: head.input,
             columns,
             runs,
-            sought: sought.collect(),
+            sought,
             more_starts: file.search.more_starts,
             robust,
             horizon,

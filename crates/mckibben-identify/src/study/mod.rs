@@ -5,6 +5,7 @@
 //! [study]
 //! kind = "force-map"                 # or "hysteresis", "ring-down", "trajectories", "flow-curve", …
 //! scenario = "muscle.toml"           # the muscle and the rig as far as they are known
+//! input = "gauge-pressure"           # of trajectories: the runs are driven by the pressure that was measured
 //!
 //! [columns.gauge_pressure]           # also length, tension, time, absolute_pressure
 //! name = "P_bar"                     # in the table's head
@@ -20,6 +21,9 @@
 //! file = "slow.csv"
 //! held = { length = "250 mm" }       # what has no column
 //! set = { "load.mass" = "5 lb" }     # keys of the scenario that differ in this run
+//!
+//! [fit."load.mass"]                  # a number that is looked for
+//! per_run = true                     # of trajectories: each run has its own
 //! ```
 //!
 //! | module | what it holds |
@@ -37,7 +41,7 @@ mod table;
 mod valve;
 
 pub use clean::{Note, Severity};
-pub use file::{ColumnEntry, Kind, RunEntry, SoughtEntry, Study};
+pub use file::{ColumnEntry, Input, Kind, RunEntry, SoughtEntry, Study};
 pub use valve::{Direction, FlowEntry, PulsesEntry, TankEntry, TankTarget};
 
 use mckibben_scenario::Dimension;

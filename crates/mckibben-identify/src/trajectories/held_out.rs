@@ -1,4 +1,5 @@
-//! How far off the model is in a run that it has not seen: each run in turn is left out of the fit.
+//! How far off the model is in a run that it has not seen: each run in turn is left out of the fit. A number that only this run
+//! has cannot come from the others: it is found from the run itself, with all others held.
 
 use super::{Identified, Observed, Recorded, Runs, Task};
 use crate::least_squares::{self, Search, Unknown};
@@ -25,21 +26,32 @@ impl Task {
             scales[*observed as usize] = *scale;
         }
         let values = found.found.fit.values();
-        let from = |(unknown, start): (&Unknown, &f64)| Unknown { start: *start, ..unknown.clone() };
-        let from: Vec<Unknown> = self.unknowns.iter().zip(&values).map(from).collect();
+        let from = least_squares::starting_at(&self.unknowns, &values);
         let few = Search { most_steps: 50, ..self.search };
-        let without = |place: usize| {
-            let of = |runs| Runs { runs, scales, until: f64::INFINITY, tolerance: self.tolerance };
-            let others: Vec<Recorded> =
-                self.runs.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, run)| run.clone()).collect();
-            let fit = least_squares::fit(&of(&others), &from, &few).ok()?;
-            // What the others do not tell cannot be foretold.
-            if !fit.untold.is_empty() {
-                return None;
+        // The unknowns that count, as these runs tell them from these values.
+        let told = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
+            let runs: Vec<Recorded> = runs.iter().map(|run| run.only(of, values)).collect::<Result<_, _>>().ok()?;
+            let from: Vec<Unknown> = of.iter().map(|unknown| from[*unknown].clone()).collect();
+            let fit = least_squares::fit(&Runs::whole(&runs, scales, self.tolerance), &from, &few).ok()?;
+            for (unknown, value) in of.iter().zip(fit.values()) {
+                values[*unknown] = value;
             }
-            let alone = of(std::slice::from_ref(&self.runs[place]));
+            // What they do not tell cannot be foretold.
+            fit.untold.is_empty().then_some(())
+        };
+        let without = |place: usize| {
+            let others = [&self.runs[..place], &self.runs[place + 1..]].concat();
+            let of_others = |unknown: &usize| others.iter().any(|run| run.unknowns.contains(unknown));
+            let (common, own): (Vec<usize>, Vec<usize>) = (0..values.len()).partition(of_others);
+            let mut foretold = values.clone();
+            told(&others, &common, &mut foretold)?;
+            let this = std::slice::from_ref(&self.runs[place]);
+            if !own.is_empty() {
+                told(this, &own, &mut foretold)?;
+            }
+            let alone = Runs::whole(this, scales, self.tolerance);
             let error = |values: &[f64]| alone.scatter(&alone.tried(&self.runs[place], values));
-            let (inside, outside) = (error(&values), error(&fit.values()));
+            let (inside, outside) = (error(&values), error(&foretold));
             let errors = Observed::ALL.into_iter().filter_map(|of| {
                 let scale = scales[of as usize];
                 Some((of, [inside[of as usize]? * scale, outside[of as usize]? * scale]))

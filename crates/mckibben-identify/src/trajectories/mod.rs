@@ -34,6 +34,7 @@ pub use search::{Horizon, Identified, Task, TrajectoryError};
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{Evaluation, Model};
 use crate::study::Quantity;
+use mckibben::parameter::Parameter;
 use mckibben::simulation::{Rig, Sample, State, Trajectory, simulate};
 use mckibben::{Error, Real};
 use mckibben_scenario::Scenario;
@@ -99,6 +100,25 @@ pub struct Recorded {
     pub courses: Vec<Course>,
 }
 
+/// A run with values of its numbers.
+struct Built {
+    scenario: Scenario,
+    rig: Rig,
+    start: State,
+}
+
+impl Built {
+    /// The rig and its start over dual numbers.
+    fn over(
+        &self,
+        mut seed: impl FnMut(&'static Parameter, f64) -> Seeded,
+    ) -> Result<(Rig<Seeded>, State<Seeded>), Error> {
+        let rig = self.rig.map(&mut seed);
+        let start = rig.begin(&self.scenario.initial().map(&mut seed))?;
+        Ok((rig, start))
+    }
+}
+
 /// All runs, as far as a horizon.
 pub(crate) struct Runs<'a> {
     pub(crate) runs: &'a [Recorded],
@@ -116,17 +136,49 @@ impl Recorded {
         times.fold(0.0, |last, time| time.max(last))
     }
 
-    /// The rig of values of its own numbers, and where it starts.
-    fn built(&self, values: &[f64]) -> Result<(Scenario, Rig), Error> {
-        let scenario = self.adjustable.at(values)?;
+    /// The run at values of all unknowns, with only some of these looked for, which are then all.
+    fn only(&self, unknowns: &[usize], values: &[f64]) -> Result<Self, Error> {
+        let place = |(number, unknown): (usize, &usize)| Some((number, unknowns.iter().position(|of| of == unknown)?));
+        let (numbers, unknowns): (Vec<usize>, Vec<usize>) = self.unknowns.iter().enumerate().filter_map(place).unzip();
+        Ok(Self { adjustable: self.adjustable.only(&numbers, &self.own(values))?, unknowns, ..self.clone() })
+    }
+
+    /// The run with values of all unknowns.
+    fn built(&self, values: &[f64]) -> Result<Built, Error> {
+        let scenario = self.adjustable.at(&self.own(values))?;
         let rig = scenario.rig()?;
-        rig.start(&scenario.initial())?;
-        Ok((scenario, rig))
+        let start = rig.start(&scenario.initial())?;
+        Ok(Built { scenario, rig, start })
+    }
+
+    /// The same over dual numbers, in the pass of its numbers that begins with `first`.
+    fn seeded(&self, built: &Built, first: usize) -> Result<(Rig<Seeded>, State<Seeded>), Error> {
+        let mut seeds = self.adjustable.seeds(first);
+        built.over(|parameter, value| seeds.over(parameter, value))
+    }
+
+    /// The run as it is simulated with values of all unknowns, up to its last reading.
+    fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Trajectory, TrajectoryError> {
+        let duration = self.duration(f64::INFINITY).max(1e-9);
+        let run = |built: Built| simulate(&built.rig, built.start, duration, tolerance);
+        self.built(values).and_then(run).map_err(|error| self.failed(error))
+    }
+
+    /// That it cannot be simulated.
+    fn failed(&self, error: Error) -> TrajectoryError {
+        TrajectoryError::AtStart { run: self.name.clone(), error }
     }
 
     /// Values of its own numbers out of those of all unknowns.
     fn own(&self, values: &[f64]) -> Vec<f64> {
         self.unknowns.iter().map(|unknown| values[*unknown]).collect()
+    }
+}
+
+impl<'a> Runs<'a> {
+    /// From beginning to end.
+    pub(crate) fn whole(runs: &'a [Recorded], scales: [f64; 3], tolerance: f64) -> Self {
+        Self { runs, scales, until: f64::INFINITY, tolerance }
     }
 }
 
@@ -145,19 +197,15 @@ impl Runs<'_> {
 
     /// Residuals of one run and their derivatives by its own numbers; what has no value is not a number.
     fn of_run(&self, run: &Recorded, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let own = run.own(values);
-        let count = self.readings(run).count();
-        let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * own.len()]);
-        let Ok((scenario, rig)) = run.built(&own) else { return (residuals, slopes) };
+        let (count, width) = (self.readings(run).count(), run.unknowns.len());
+        let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * width]);
+        let Ok(built) = run.built(values) else { return (residuals, slopes) };
         for first in run.adjustable.passes() {
-            let mut seeds = run.adjustable.seeds(first);
-            let seeded: Rig<Seeded> = rig.map(|parameter, value| seeds.over(parameter, value));
-            let initial = scenario.initial().map(|parameter, value| seeds.over(parameter, value));
-            let Ok(start) = seeded.begin(&initial) else { return (vec![f64::NAN; count], slopes) };
+            let Ok((rig, start)) = run.seeded(&built, first) else { return (vec![f64::NAN; count], slopes) };
             let mut row = 0;
-            let full = self.course(run, &seeded, start, |residual| {
+            let full = self.course(run, &rig, start, |residual| {
                 residuals[row] = residual.value;
-                run.adjustable.spread(first, &residual.slope, 1.0, &mut slopes[row * own.len()..][..own.len()]);
+                run.adjustable.spread(first, &residual.slope, 1.0, &mut slopes[row * width..][..width]);
                 row += 1;
             });
             if full.is_err() {
@@ -170,9 +218,8 @@ impl Runs<'_> {
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        let built = run.built(&run.own(values)).and_then(|(scenario, rig)| Ok((rig.start(&scenario.initial())?, rig)));
-        let full = built.and_then(|(start, rig)| self.course(run, &rig, start, |residual| residuals.push(residual)));
-        match full {
+        let course = |built: Built| self.course(run, &built.rig, built.start, |residual| residuals.push(residual));
+        match run.built(values).and_then(course) {
             Ok(()) => residuals,
             Err(_) => vec![f64::NAN; self.readings(run).count()],
         }

@@ -57,7 +57,7 @@ impl Task {
 
     /// The courses whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
-        let runs = Runs { runs: &self.runs, scales: [1.0; 3], until: f64::INFINITY, tolerance: self.tolerance };
+        let runs = Runs::whole(&self.runs, [1.0; 3], self.tolerance);
         let mut drifts = Vec::new();
         for (run, trajectory) in self.runs.iter().zip(&found.trajectories) {
             let mut residuals = Vec::new();

@@ -4,7 +4,7 @@ use super::{Course, Observed, Recorded, Runs, shooting};
 use crate::least_squares::{self, Evaluation, Fit, FitError, Found, Model, Search, Unknown};
 use crate::series;
 use mckibben::Error;
-use mckibben::simulation::{Trajectory, simulate};
+use mckibben::simulation::Trajectory;
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
 
@@ -115,16 +115,14 @@ impl Task {
         let (scales, known) = (spans.map(|(scale, _)| scale), spans.map(|(_, known)| known));
         let all_known = Observed::ALL.into_iter().zip(known).all(|(of, known)| known || !self.has(of));
         let search = Search { known_scales: all_known, ..self.search };
-        let mut runs = Runs { runs: &self.runs, scales, until: f64::INFINITY, tolerance: self.tolerance };
+        let mut runs = Runs::whole(&self.runs, scales, self.tolerance);
         let mut unknowns = self.unknowns.clone();
         let mut starts = self.starts.clone();
         if let Horizon::Growing(ends) = &self.horizon {
             for end in ends {
                 runs.until = *end;
                 let found = least_squares::fit_from(&runs, &unknowns, &starts, &search)?;
-                for (unknown, value) in unknowns.iter_mut().zip(found.fit.values()) {
-                    unknown.start = value;
-                }
+                unknowns = least_squares::starting_at(&unknowns, &found.fit.values());
                 starts.clear();
             }
             runs.until = f64::INFINITY;
@@ -138,9 +136,7 @@ impl Task {
                 // What is left of noiseless data says nothing: its scale is the span's rounding.
                 runs.scales[place] = (left.unwrap_or(1.0) * rough[place]).max(1e-9 * rough[place]);
             }
-            for (unknown, value) in unknowns.iter_mut().zip(found.0.fit.values()) {
-                unknown.start = value;
-            }
+            unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());
             match self.searched(&runs, &unknowns, &[], &search) {
                 Ok((polished, trajectories)) => found = (Found { fit: polished.fit, ..found.0 }, trajectories),
                 // Readings without noise leave nothing to weigh by.
@@ -149,20 +145,14 @@ impl Task {
         }
         let (found, joined) = found;
         let values = found.fit.values();
-        let built = |run: &Recorded| {
-            let failed = |error| TrajectoryError::AtStart { run: run.name.clone(), error };
-            let (scenario, rig) = run.built(&run.own(&values)).map_err(failed)?;
-            let duration = run.duration(f64::INFINITY).max(1e-9);
-            let whole =
-                rig.start(&scenario.initial()).and_then(|start| simulate(&rig, start, duration, self.tolerance));
-            Ok((scenario, whole.map_err(failed)?))
-        };
-        let built: Result<Vec<_>, TrajectoryError> = self.runs.iter().map(built).collect();
-        let (scenarios, whole) = built?.into_iter().unzip();
+        let scenario = |run: &Recorded| run.adjustable.at(&run.own(&values)).map_err(|error| run.failed(error));
+        let scenarios = self.runs.iter().map(scenario).collect::<Result<_, _>>()?;
         let segments = match (&self.horizon, &joined) {
             (Horizon::Segments(every), Some(_)) => Some(*every),
             _ => None,
         };
+        let whole = || self.runs.iter().map(|run| run.simulated(&values, self.tolerance)).collect();
+        let trajectories = joined.map_or_else(whole, Ok)?;
         let scatter = runs.scatter(&found.fit.residuals);
         let scaled = |factor: &dyn Fn(usize) -> Option<f64>| {
             let of = |(place, observed): (usize, Observed)| Some((observed, factor(place)? * runs.scales[place]));
@@ -170,7 +160,7 @@ impl Task {
         };
         let left = scaled(&|place| scatter[place]);
         let scales = scaled(&|place| scatter[place].map(|_| 1.0));
-        Ok(Identified { found, scenarios, left, scales, trajectories: joined.unwrap_or(whole), segments })
+        Ok(Identified { found, scenarios, left, scales, trajectories, segments })
     }
 
     /// The best values from these starts, with the runs in segments where they cannot be fitted whole.
@@ -185,8 +175,7 @@ impl Task {
             return Ok((least_squares::fit_from(runs, unknowns, starts, search)?, None));
         };
         let (joined, trajectories) = shooting::fit(runs, unknowns, every, search)?;
-        let from = |(unknown, start): (&Unknown, f64)| Unknown { start, ..unknown.clone() };
-        let from: Vec<Unknown> = unknowns.iter().zip(joined.values()).map(from).collect();
+        let from = least_squares::starting_at(unknowns, &joined.values());
         // From there a run that can be fitted whole is, in a few steps.
         let few = Search { most_steps: 20, ..*search };
         let squares = |fit: &Fit| fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
@@ -194,12 +183,6 @@ impl Task {
             Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found { fit, tried: 1, agreeing: 1 }, None)),
             _ => Ok((Found { fit: joined, tried: 1, agreeing: 1 }, Some(trajectories))),
         }
-    }
-
-    /// Residuals at values of the unknowns, each over the scale of its quantity, with their exact derivatives.
-    pub fn evaluate(&self, values: &[f64]) -> Evaluation {
-        let scales = Observed::ALL.map(|observed| self.scale(observed).0);
-        Runs { runs: &self.runs, scales, until: f64::INFINITY, tolerance: self.tolerance }.evaluate(values)
     }
 
     pub(super) fn courses(&self, observed: Observed) -> impl Iterator<Item = &Course> {
@@ -226,6 +209,7 @@ impl Task {
         if !Observed::ALL.into_iter().any(|observed| self.has(observed)) {
             return Err(TrajectoryError::NoReadings);
         }
+        let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         for run in &self.runs {
             for course in &run.courses {
                 let observed = course.observed;
@@ -238,10 +222,7 @@ impl Task {
                     )));
                 }
             }
-            let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
-            let own = run.own(&first);
-            let failed = |error| TrajectoryError::AtStart { run: run.name.clone(), error };
-            run.built(&own).map_err(failed)?;
+            run.built(&first).map_err(|error| run.failed(error))?;
         }
         if let Horizon::Segments(every) = self.horizon {
             let duration = self.runs.iter().fold(0.0_f64, |longest, run| longest.max(run.duration(f64::INFINITY)));
@@ -249,11 +230,10 @@ impl Task {
                 return Err(TrajectoryError::Segments { every, duration });
             }
         }
-        let runs = Runs { runs: &self.runs, scales: [1.0; 3], until: f64::INFINITY, tolerance: self.tolerance };
+        let runs = Runs::whole(&self.runs, [1.0; 3], self.tolerance);
         if runs.residuals() == 0 {
             return Err(TrajectoryError::NoReadings);
         }
-        let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         let Evaluation { residuals, slopes } = runs.evaluate(&first);
         if !residuals.iter().all(|residual| residual.is_finite()) {
             return Err(FitError::NoStart.into());

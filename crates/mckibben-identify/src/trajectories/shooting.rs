@@ -16,7 +16,7 @@
 //!
 //! Source: Bock (1983), Recent advances in parameter identification techniques for ODE.
 
-use super::{Observed, Recorded, Runs, TrajectoryError};
+use super::{Built, Observed, Recorded, Runs, TrajectoryError};
 use crate::adjustable::Seeded;
 use crate::least_squares::{self, Evaluation, Fit, Model, Search, Unknown};
 use crate::series::Polynomial;
@@ -60,40 +60,20 @@ fn slot(joint: usize) -> usize {
     STATES * (joint % 2)
 }
 
-fn at_start(run: &Recorded, error: Error) -> TrajectoryError {
-    TrajectoryError::AtStart { run: run.name.clone(), error }
-}
-
-fn array<S: Scalar>(state: State<S>) -> [S; STATES] {
-    [state.length, state.velocity, state.pressure.0, state.air_mass]
-}
-
-fn state<S: Scalar>([length, velocity, pressure, air_mass]: [S; STATES]) -> State<S> {
-    State { length, velocity, pressure: AbsolutePressure(pressure), air_mass }
-}
-
 impl Chain {
     /// Joints every so many seconds; the states there are those that were measured, where they were, and else those of the
     /// simulation from the joint before.
     fn begin(run: &Recorded, values: &[f64], every: f64, tolerance: f64, first: usize) -> Result<Self, Error> {
-        let (scenario, rig) = run.built(&run.own(values))?;
+        let Built { rig, start, .. } = run.built(values)?;
         let duration = run.duration(f64::INFINITY);
         let joints: Vec<f64> = (1..).map(|place| every * f64::from(place)).take_while(|t| *t < duration).collect();
         let mut begun = Vec::new();
-        let start = rig.start(&scenario.initial())?;
         let trajectory = simulate_in_segments(&rig, start, (duration, tolerance), &joints, |place, reached| {
             let here = measured(run, &rig, reached, joints[place], every);
-            begun.push(array(here));
+            begun.push(here.to_array());
             here
         })?;
-        let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); STATES];
-        for sample in trajectory.samples(0.1 * every) {
-            let numbers = [sample.length, sample.velocity, sample.pressure.0, sample.air_mass];
-            for ((low, high), number) in ranges.iter_mut().zip(numbers) {
-                (*low, *high) = (low.min(number), high.max(number));
-            }
-        }
-        let spans = ranges.map(|(low, high)| if high > low { high - low } else { low.abs().max(1e-9) });
+        let spans = trajectory.ranges().map(|(low, high)| if high > low { high - low } else { low.abs().max(1e-9) });
         Ok(Self { joints, begun, spans, first })
     }
 
@@ -150,10 +130,10 @@ impl Segments<'_> {
         let trajectory =
             simulate_in_segments(rig, start, (duration, self.runs.tolerance), &chain.joints, |joint, reached| {
                 let here = seed(joint, chain.at(joint, values));
-                for ((reached, here), span) in array(reached).into_iter().zip(here).zip(chain.spans) {
+                for ((reached, here), span) in reached.to_array().into_iter().zip(here).zip(chain.spans) {
                     lacking.push((reached - here) / R::constant(self.slack * span));
                 }
-                state(here)
+                State::from_array(here)
             })?;
         self.runs.compare(run, &trajectory, &mut visit);
         lacking.into_iter().for_each(visit);
@@ -163,12 +143,8 @@ impl Segments<'_> {
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, chain: &Chain, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        let built = run.built(&run.own(values)).and_then(|(scenario, rig)| Ok((rig.start(&scenario.initial())?, rig)));
-        let full = built.and_then(|(start, rig)| {
-            self.course((run, chain), (&rig, start), values, |_, at| at, |residual| residuals.push(residual)).map(drop)
-        });
-        match full {
-            Ok(()) => residuals,
+        match self.trajectory(run, chain, values, |residual| residuals.push(residual)) {
+            Ok(_) => residuals,
             Err(_) => vec![f64::NAN; self.count(run, chain)],
         }
     }
@@ -194,16 +170,22 @@ impl Segments<'_> {
             of_readings.extend_from_slice(&residuals[..self.runs.readings(run).count()]);
             reduced.residuals.extend(residuals);
             reduced.slopes.extend(own.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>()));
-            trajectories.push(self.trajectory(run, chain, &at).map_err(|error| at_start(run, error))?);
+            trajectories.push(self.trajectory(run, chain, &at, |_| ()).map_err(|error| run.failed(error))?);
         }
         let fit = Fit::of_eliminated(self, unknowns, search, (values, reduced), self.joint_unknowns());
         Ok((Fit { residuals: of_readings, ..fit }, trajectories))
     }
 
-    fn trajectory(&self, run: &Recorded, chain: &Chain, values: &[f64]) -> Result<Trajectory, Error> {
-        let (scenario, rig) = run.built(&run.own(values))?;
-        let start = rig.start(&scenario.initial())?;
-        self.course((run, chain), (&rig, start), values, |_, at| at, |_| ())
+    /// One run in its segments; visits the residuals.
+    fn trajectory(
+        &self,
+        run: &Recorded,
+        chain: &Chain,
+        values: &[f64],
+        visit: impl FnMut(f64),
+    ) -> Result<Trajectory, Error> {
+        let Built { rig, start, .. } = run.built(values)?;
+        self.course((run, chain), (&rig, start), values, |_, at| at, visit)
     }
 
     fn joint_unknowns(&self) -> usize {
@@ -223,17 +205,13 @@ impl Segments<'_> {
         let (count, width) = (self.count(run, chain), values.len());
         let nothing = || (vec![f64::NAN; count], vec![0.0; count * width]);
         let (mut residuals, mut slopes) = nothing();
-        let own = run.own(values);
-        let Ok((scenario, rig)) = run.built(&own) else { return nothing() };
+        let Ok(built) = run.built(values) else { return nothing() };
         for first in run.adjustable.passes() {
-            let mut seeds = run.adjustable.seeds(first);
-            let seeded: Rig<Seeded> = rig.map(|parameter, value| seeds.over(parameter, value));
-            let initial = scenario.initial().map(|parameter, value| seeds.over(parameter, value));
-            let Ok(start) = seeded.begin(&initial) else { return nothing() };
+            let Ok((rig, start)) = run.seeded(&built, first) else { return nothing() };
             let mut row = 0;
             let constant = |_: usize, at: [f64; STATES]| at.map(Seeded::constant);
-            let full = self.course((run, chain), (&seeded, start), values, constant, |residual| {
-                let mut by_own = vec![0.0; own.len()];
+            let full = self.course((run, chain), (&rig, start), values, constant, |residual| {
+                let mut by_own = vec![0.0; run.unknowns.len()];
                 run.adjustable.spread(first, &residual.slope, 1.0, &mut by_own);
                 for (unknown, slope) in run.unknowns.iter().zip(by_own) {
                     slopes[row * width + unknown] += slope;
@@ -245,14 +223,11 @@ impl Segments<'_> {
                 return nothing();
             }
         }
-        let constant = rig.map(|_, value| Seeded::constant(value));
-        let Ok(start) = constant.begin(&scenario.initial().map(|_, value| Seeded::constant(value))) else {
-            return nothing();
-        };
+        let Ok((rig, start)) = built.over(|_, value| Seeded::constant(value)) else { return nothing() };
         let seed = |joint: usize, at: [f64; STATES]| std::array::from_fn(|n| Seeded::variable(at[n], slot(joint) + n));
         let readings: Vec<f64> = self.runs.readings(run).map(|(_, time, _)| time).collect();
         let mut row = 0;
-        let full = self.course((run, chain), (&constant, start), values, seed, |residual| {
+        let full = self.course((run, chain), (&rig, start), values, seed, |residual| {
             // A reading knows the joint behind which it lies, what a joint lacks its own state and that of the joint before.
             let joints = match readings.get(row) {
                 Some(time) => [chain.joints.partition_point(|joint| *joint <= *time).checked_sub(1), None],
@@ -313,14 +288,14 @@ pub(super) fn fit(
     let mut chains = Vec::new();
     let mut first = unknowns.len();
     for run in runs.runs {
-        let chain = Chain::begin(run, &values, every, runs.tolerance, first).map_err(|error| at_start(run, error))?;
+        let chain = Chain::begin(run, &values, every, runs.tolerance, first).map_err(|error| run.failed(error))?;
         first += STATES * chain.joints.len();
         chains.push(chain);
     }
     let mut segments = Segments { runs, numbers: unknowns.len(), chains, slack: f64::INFINITY };
     for (slack, steps) in STAGES {
         segments.slack = slack;
-        let from = unknowns.iter().zip(&values).map(|(unknown, start)| Unknown { start: *start, ..unknown.clone() });
+        let from = least_squares::starting_at(unknowns, &values).into_iter();
         let all: Vec<Unknown> = from.chain(segments.chains.iter().flat_map(Chain::unknowns)).collect();
         let found = least_squares::descended(&segments, &all, &Search { most_steps: steps, ..*search })?;
         segments.chains.iter_mut().for_each(|chain| chain.move_to(&found));

@@ -6,6 +6,9 @@
 //! any process      P(t) of the simulated tank
 //! ```
 //!
+//! Several records are fitted together by [`Tank::fit_together`]: they need not begin at the same pressure, and a charge goes
+//! with a discharge where the passage is the same.
+//!
 //! [`Tank::isothermal_flow`] makes points of steady flow for [`FlowCurve`](super::FlowCurve): the slope of a cubic through
 //! the samples of each of a number of windows that share none, so that their errors are independent. [`Tank::fit`] fits the
 //! trajectory, with exact derivatives. A tank is simulated as an actuator that is held at one length: the external volume
@@ -112,7 +115,7 @@ pub enum Sought {
     },
 }
 
-/// The trajectory that fits best.
+/// The trajectories that fit best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TankFit {
     /// C in m³/(s·Pa), where it was sought.
@@ -123,8 +126,10 @@ pub struct TankFit {
     pub volume: Option<Estimate>,
     /// Heat transfer h A in W/K, where it was sought.
     pub heat_transfer: Option<Estimate>,
-    /// Standard deviation of a sample about the trajectory in Pa.
+    /// Standard deviation of a sample about the trajectory in Pa, over all records.
     pub scatter: f64,
+    /// Of each record: the same in Pa, and the noise of its samples as their neighbours tell it.
+    pub of_records: Vec<[f64; 2]>,
     /// The least squares behind it.
     pub fit: Fit,
 }
@@ -167,12 +172,27 @@ impl Tank {
     /// several starts, since b and the heat transfer can stand in for each other.
     ///
     /// # Errors
-    /// [`ValveError::Unsupported`] for heat without an energy balance, [`ValveError::CriticalRatio`] for a b outside 0 to 1,
-    /// [`ValveError::Physics`] for a number outside its range, [`ValveError::Fit`] when nothing fits.
+    /// As [`Tank::fit_together`].
     pub fn fit(&self, record: &TankRecord, sought: Sought, heat: bool) -> Result<TankFit, ValveError> {
-        let rig = self.rig(sought)?;
-        let mut unknowns = vec![Unknown::new("pressure", "Pa", record.pressure[0]).between(1.0, f64::INFINITY)];
-        let mut rows = vec![&parameter::INITIAL_GAUGE_PRESSURE];
+        Self::fit_together(&[(*self, record)], sought, heat)
+    }
+
+    /// The same over several records, of discharges and charges from any pressures: what is sought is common to all of them,
+    /// the pressure at the first sample is each one's own, and each is weighed by the noise of its samples. Guesses of
+    /// volume and heat transfer are those of the first tank.
+    ///
+    /// # Errors
+    /// [`ValveError::Unsupported`] for heat without an energy balance or no record at all, [`ValveError::CriticalRatio`] for a
+    /// b outside 0 to 1, [`ValveError::Physics`] for a number outside its range, [`ValveError::Fit`] when nothing fits.
+    pub fn fit_together(runs: &[(Self, &TankRecord)], sought: Sought, heat: bool) -> Result<TankFit, ValveError> {
+        let Some((first, _)) = runs.first() else {
+            return Err(ValveError::Unsupported { what: "there is no record of a tank", remedy: "give one or more" });
+        };
+        let mut unknowns: Vec<Unknown> = runs
+            .iter()
+            .map(|(_, record)| Unknown::new("pressure", "Pa", record.pressure[0]).between(1.0, f64::INFINITY))
+            .collect();
+        let mut rows = Vec::new();
         match sought {
             Sought::Valve { sonic_conductance, critical_ratio } => {
                 rows.extend([&parameter::SONIC_CONDUCTANCE, &parameter::CRITICAL_RATIO]);
@@ -185,11 +205,11 @@ impl Tank {
             Sought::Volume { .. } => {
                 rows.push(&parameter::EXTERNAL_VOLUME);
                 unknowns
-                    .push(Unknown::new("volume", "m^3", self.volume).between(1e-3 * self.volume, 1e3 * self.volume));
+                    .push(Unknown::new("volume", "m^3", first.volume).between(1e-3 * first.volume, 1e3 * first.volume));
             }
         }
         if heat {
-            let Process::EnergyBalance { heat_transfer, .. } = self.air.process() else {
+            let Process::EnergyBalance { heat_transfer, .. } = first.air.process() else {
                 return Err(ValveError::Unsupported {
                     what: "heat transfer is sought of air whose process has none",
                     remedy: "give the air an energy balance with a guess of h A",
@@ -198,9 +218,13 @@ impl Tank {
             rows.push(&parameter::HEAT_TRANSFER);
             unknowns.push(Unknown::new("heat_transfer", "W/K", heat_transfer).between(0.0, f64::INFINITY));
         }
-        let noise = series::noise(&record.time, &record.pressure).max(f64::EPSILON * record.pressure[0]);
-        let trajectory = Trajectory { tank: self, rig: &rig, rows: &rows, record, noise };
-        let fit = fit_from(&trajectory, &unknowns, &starts(&unknowns), &Search::default())?.fit;
+        let trajectory = |(tank, record): &(Self, &TankRecord)| {
+            let noise = series::noise(&record.time, &record.pressure).max(f64::EPSILON * record.pressure[0]);
+            Ok(Trajectory { tank: *tank, rig: tank.rig(sought)?, record: (*record).clone(), noise })
+        };
+        let trajectories = runs.iter().map(trajectory).collect::<Result<Vec<_>, ValveError>>()?;
+        let together = Together { trajectories, rows };
+        let fit = fit_from(&together, &unknowns, &starts(&unknowns), &Search::default())?.fit;
         let of = |name: &str| fit.estimates.iter().find(|estimate| estimate.name == name).cloned();
         if let Some(ratio) = of("critical_ratio") {
             let reaches = ratio.interval.unwrap_or([ratio.value; 2]);
@@ -213,7 +237,8 @@ impl Tank {
             critical_ratio: of("critical_ratio"),
             volume: of("volume"),
             heat_transfer: of("heat_transfer"),
-            scatter: fit.scatter * noise,
+            scatter: together.scatter(&fit),
+            of_records: together.of_records(&fit),
             fit,
         })
     }
@@ -289,29 +314,35 @@ fn starts(unknowns: &[Unknown]) -> Vec<Vec<f64>> {
 /// More directions than there are unknowns; the engine is compiled for these anyway.
 type D = Seeded;
 
-/// The tank's pressure over time, by the unknowns.
-struct Trajectory<'a> {
-    tank: &'a Tank,
-    rig: &'a Rig,
-    /// The row of each unknown; the pressure at the start comes first.
-    rows: &'a [&'static Parameter],
-    record: &'a TankRecord,
+/// The pressure over time in one tank.
+struct Trajectory {
+    tank: Tank,
+    rig: Rig,
+    record: TankRecord,
     noise: f64,
 }
 
-impl Trajectory<'_> {
-    /// Pressures at the times; `None` where the physics ends.
-    fn pressures(&self, values: &[f64]) -> Option<Vec<D>> {
+/// All of them, by the pressures at their starts and what is common.
+struct Together {
+    trajectories: Vec<Trajectory>,
+    /// The row of each common number.
+    rows: Vec<&'static Parameter>,
+}
+
+impl Trajectory {
+    /// Pressures at the times by the pressure at the start, direction 0, and the common numbers, the directions after it;
+    /// `None` where the physics ends.
+    fn pressures(&self, rows: &[&'static Parameter], start: f64, common: &[f64]) -> Option<Vec<D>> {
         let atmosphere = self.tank.air.atmosphere().0;
         let number = |row: &'static Parameter, value: f64| {
-            let place = self.rows.iter().position(|free| std::ptr::eq(*free, row));
-            place.map_or(D::of(value), |place| match place {
-                0 => D::variable(values[0], 0) - D::of(atmosphere),
-                _ => D::variable(values[place], place),
-            })
+            if std::ptr::eq(row, &parameter::INITIAL_GAUGE_PRESSURE) {
+                return D::variable(start, 0) - D::of(atmosphere);
+            }
+            let place = rows.iter().position(|free| std::ptr::eq(*free, row));
+            place.map_or(D::of(value), |place| D::variable(common[place], 1 + place))
         };
         let rig = self.rig.map(number);
-        let initial = self.tank.initial(AbsolutePressure(values[0])).map(number);
+        let initial = self.tank.initial(AbsolutePressure(start)).map(number);
         let start = rig.begin(&initial).ok()?;
         let time = &self.record.time;
         let run = simulate(&rig, start, D::constant(time[time.len() - 1] - time[0]), TOLERANCE).ok()?;
@@ -319,20 +350,56 @@ impl Trajectory<'_> {
     }
 }
 
-impl Model for Trajectory<'_> {
+impl Together {
+    /// Samples of each record with its noise, in the order of the residuals.
+    fn counts(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.trajectories.iter().map(|of| (of.record.time.len(), of.noise))
+    }
+
+    /// Scatter about the trajectory and noise of each record in Pa; each has its share of the degrees of freedom.
+    fn of_records(&self, fit: &Fit) -> Vec<[f64; 2]> {
+        let freedom = fit.degrees_of_freedom.max(1) as f64 / self.residuals() as f64;
+        let mut rest = fit.residuals.as_slice();
+        let of = |(count, noise): (usize, f64)| {
+            let (own, behind) = rest.split_at(count);
+            rest = behind;
+            let squares: f64 = own.iter().map(|residual| residual * residual).sum();
+            [noise * (squares / (count as f64 * freedom)).sqrt(), noise]
+        };
+        self.counts().map(of).collect()
+    }
+
+    fn scatter(&self, fit: &Fit) -> f64 {
+        let squares =
+            self.of_records(fit).into_iter().zip(self.counts()).map(|([own, _], (count, _))| count as f64 * own * own);
+        (squares.sum::<f64>() / self.residuals() as f64).sqrt()
+    }
+}
+
+impl Model for Together {
     fn residuals(&self) -> usize {
-        self.record.time.len()
+        self.counts().map(|(count, _)| count).sum()
     }
 
     fn evaluate(&self, values: &[f64]) -> Evaluation {
-        let (samples, unknowns) = (self.record.time.len(), values.len());
-        let Some(pressures) = self.pressures(values) else {
-            return Evaluation { residuals: vec![f64::NAN; samples], slopes: vec![f64::NAN; samples * unknowns] };
-        };
-        let residual = |(at, measured): (&D, &f64)| (at.value - measured) / self.noise;
-        Evaluation {
-            residuals: pressures.iter().zip(&self.record.pressure).map(residual).collect(),
-            slopes: pressures.iter().flat_map(|at| at.slope[..unknowns].iter().map(|s| s / self.noise)).collect(),
+        let (own, common) = values.split_at(self.trajectories.len());
+        let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
+        for (run, of) in self.trajectories.iter().enumerate() {
+            let Some(pressures) = of.pressures(&self.rows, own[run], common) else {
+                residuals.extend(vec![f64::NAN; of.record.time.len()]);
+                slopes.extend(vec![f64::NAN; of.record.time.len() * values.len()]);
+                continue;
+            };
+            for (at, measured) in pressures.iter().zip(&of.record.pressure) {
+                residuals.push((at.value - measured) / of.noise);
+                let mut row = vec![0.0; values.len()];
+                row[run] = at.slope[0] / of.noise;
+                for (into, slope) in row[own.len()..].iter_mut().zip(&at.slope[1..]) {
+                    *into = slope / of.noise;
+                }
+                slopes.extend(row);
+            }
         }
+        Evaluation { residuals, slopes }
     }
 }

@@ -1,4 +1,4 @@
-//! What the actuator pulls on, how it starts, and how long it is watched.
+//! A pressure that is given, what the actuator pulls on, how it starts, and how long it is watched.
 //!
 //! An isometric load takes its length from `initial.length`, which must then be a length; a prescribed motion says its
 //! own length and velocity at the start, so neither may be given.
@@ -9,8 +9,34 @@ use crate::diagnostic::{Class, Diagnostic};
 use crate::keys::EQUILIBRIUM;
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
-use crate::scenario::{Air, Initial, InitialLength, Load, Motion, Run, SeriesTendon};
+use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureCourse, Run, SeriesTendon};
 use mckibben::parameter as p;
+
+/// The pressure over time, if the file gives it: then there is no valve, and the start follows.
+pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureCourse> {
+    let section = r.key_place("pressure")?;
+    for path in [p::COURSE_TIME.key, p::COURSE_GAUGE_PRESSURE.key] {
+        if !r.has(path) {
+            r.missing(path, "");
+        }
+    }
+    for (path, help) in [
+        ("valve", "remove `[valve]`, `[supply]` and `[command]`, or `[pressure]`"),
+        (p::INITIAL_GAUGE_PRESSURE.key, "remove it: the run starts at the pressure of the first row"),
+    ] {
+        if let Some(place) = r.key_place(path) {
+            let title = format!("`{path}` has no meaning where `[pressure]` gives the pressure over time");
+            r.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                    .related(Some(section.clone()), "given here")
+                    .help(help),
+            );
+        }
+    }
+    let (time, gauges) = (r.list(&p::COURSE_TIME), r.list(&p::COURSE_GAUGE_PRESSURE));
+    let (time, gauge_pressure) = columns(r, &p::COURSE_TIME, time, p::COURSE_GAUGE_PRESSURE.key, gauges);
+    Some(PressureCourse { time, gauge_pressure })
+}
 
 /// The tendon in series, if the file has one.
 pub(super) fn tendon(r: &mut Reader<'_>) -> Option<SeriesTendon> {

@@ -10,7 +10,7 @@
 //! | `controller` | controller |
 //! | `line` | hose, reservoir and regulator of the supply |
 //! | `passage` | how much the valve's passages let through |
-//! | `course` | load, initial, run |
+//! | `course` | pressure, tendon, load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
 //!
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
@@ -49,6 +49,7 @@ impl Document {
         let air = body::air(r);
         let driven = drive::drive(r, &air);
         let hose = line::hose(r);
+        let pressure = course::pressure(r);
         let tendon = course::tendon(r);
         let load = if self.contains("load") { course::load(r, &air) } else { None };
         let initial = course::initial(r, load.as_ref(), &air);
@@ -57,7 +58,7 @@ impl Document {
         match (load, run) {
             (Some(load), Some(run)) => {
                 let (supply, valve, command) = driven;
-                Ok(Scenario { actuator, air, supply, valve, hose, command, tendon, load, initial, run })
+                Ok(Scenario { actuator, air, supply, valve, hose, command, pressure, tendon, load, initial, run })
             }
             // Not reached: a part that could not be read has been noted. Said rather than assumed.
             _ => Err(Diagnostic::whole(Class::Missing, self.source().name(), "the scenario is incomplete").into()),

@@ -76,8 +76,7 @@ impl<R: Number> Single<R> {
         let state = start.map(R::constant);
         let memory = Memory::relaxed(lane.rig.actuator().limits().actuator_length(state[0]));
         let held = Held { memory, compressor: compressor_starts(&row.rig, &start), ..Held::nothing() };
-        let mut walk =
-            Walk { course: Course { time: 0.0, state, held }, progress: lane.progress, ports: lane.ports };
+        let mut walk = Walk { course: Course { time: 0.0, state, held }, progress: lane.progress, ports: lane.ports };
         if lane.fault.is_none() {
             lane.fault = lane.pass(&mut walk).err();
         }
@@ -101,7 +100,8 @@ impl<R: Number> Single<R> {
         let observed = lane.rig.observe(R::of_time(*time), state, held).map(|number| number.value());
         let hose = lane.rig.hose_content(state).map(|air| [state[volume(0)].value(), air.value()]);
         let supply = lane.rig.feed(state).map(|pressure| pressure.value());
-        let sample = Sample::of_values(*time, of_rig(state).map(|number| number.value()), &observed, (walk.ports, hose, supply));
+        let sample =
+            Sample::of_values(*time, of_rig(state).map(|number| number.value()), &observed, (walk.ports, hose, supply));
         Ok(match lane.openings() {
             Openings::Whole => sample,
             _ => lane.under_way(walk, sample),

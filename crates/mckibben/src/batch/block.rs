@@ -133,7 +133,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             state,
             held: Held { memory, compressor: W::mask(runs), ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| lane < rows.len()),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_pressure_is_free().is_ok())),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,

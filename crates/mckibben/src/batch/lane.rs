@@ -43,13 +43,13 @@ impl<R: Number> Lane<R> {
             progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
             ports: Ports::CLOSED,
             next: f64::INFINITY,
-            fault: None,
+            fault: row.rig.check_pressure_is_free().err(),
             control: None,
         }
     }
 
     fn timetable(&self) -> Timetable<'_, f64> {
-        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
+        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion(), pressure: None }
     }
 
     pub(super) fn openings(&self) -> Openings<f64> {
@@ -89,7 +89,13 @@ impl<R: Number> Lane<R> {
 
     /// Goes on to `until` in s by itself, with every sample of the controller on the way. The end of one whole step is given
     /// where it is known already.
-    pub(super) fn go(&mut self, walk: &mut Walk<R>, method: Method, until: f64, mut end: Option<States<R>>) -> Result<(), Error> {
+    pub(super) fn go(
+        &mut self,
+        walk: &mut Walk<R>,
+        method: Method,
+        until: f64,
+        mut end: Option<States<R>>,
+    ) -> Result<(), Error> {
         loop {
             let sampling = self.sampling().filter(|instant| is_due(*instant, until));
             let to = sampling.map_or(until, |instant| instant.smaller(until));

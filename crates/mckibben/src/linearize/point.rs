@@ -141,6 +141,7 @@ pub(super) fn air_mass(rig: &Rig, pressure: AbsolutePressure, length: f64, conte
 
 /// The rig with its load, and the pressure and the length in m at which they balance.
 pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePressure, f64), Error> {
+    rig.check_pressure_is_free()?;
     if rig.has_plumbing() {
         return Err(Error::Unsupported {
             what: "a linear model has no states for an air line or a pressure regulator yet",

@@ -75,6 +75,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
+    /// [`Error::Unsupported`] for a rig whose pressure is given over time.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         self.journey.advance_to(self.rig, self.method, until)
     }
@@ -120,6 +121,7 @@ impl<R: Real<Time = R>> Journey<R> {
 
     /// As [`FixedStepper::advance_to`].
     pub(crate) fn advance_to(&mut self, rig: &Rig<R>, method: Method, until: R) -> Result<(), Error> {
+        rig.check_pressure_is_free()?;
         match &mut self.far_end {
             None => self.walk.advance_to(rig, &rig.timetable(), method, until, None),
             Some(far_end) => far_end.advance_to(&mut self.walk, &By { method, seats: rig.seats() }, until),

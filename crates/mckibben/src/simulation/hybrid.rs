@@ -40,7 +40,7 @@ type Room<const N: usize> = system::Room<N, FIRST>;
 pub struct Phase<R = f64> {
     /// Which formulas hold.
     pub mode: Mode,
-    progress: Progress<R>,
+    pub(super) progress: Progress<R>,
     openings: Openings<R>,
     /// `P V/m` of an isothermal process, which nothing changes.
     isothermal: Option<R>,
@@ -206,6 +206,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
     /// Flow into the actuator at a time in s.
     pub(super) fn inflow<T: Over<R>, const N: usize>(&self, time: T, state: &[T; N], phase: &Phase<R>) -> Flow<T> {
         let (through, chamber) = (phase.through(time), self.chamber(state, &phase.mode));
+        if let Some([_, rate]) = self.given(time, phase) {
+            return self.flow_for(&chamber, rate);
+        }
         match &self.plumbing {
             Some(plumbing) => plumbing.inflow(&self.member, &chamber, state, (through, &phase.line)),
             None => self.member.flow(&chamber, through),
@@ -231,6 +234,9 @@ impl<'a, R: Real> RigSystem<'a, R> {
     #[cfg(feature = "alloc")]
     pub(super) fn exchange<const N: usize>(&self, time: R, state: &[R; N], phase: &Phase<R>) -> Flow<R> {
         let (through, chamber) = (phase.through(time), self.chamber(state, &phase.mode));
+        if let Some([_, rate]) = self.given(time, phase) {
+            return self.flow_for(&chamber, rate);
+        }
         match &self.plumbing {
             Some(plumbing) => plumbing.exchange(&self.member, &chamber, state, through),
             None => self.member.flow(&chamber, through),
@@ -461,7 +467,11 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         {
             rates[self.line_states()] = law.rate(bent, velocity, direction);
         }
-        [rates[PRESSURE], rates[AIR_MASS]] = if Room::<N>::BESIDE
+        [rates[PRESSURE], rates[AIR_MASS]] = if let Some([_, rate]) = self.given(time, phase) {
+            let slack = mode.extent == Extent::Slack;
+            let chamber = self.rig.actuator().chamber(length, velocity, state[PRESSURE], state[AIR_MASS], slack);
+            [rate, self.flow_for(&chamber, rate).net()]
+        } else if Room::<N>::BESIDE
             && let Some(plumbing) = &self.plumbing
         {
             let [length, velocity, pressure, mass] = air;
@@ -652,7 +662,12 @@ impl<R: Real, const N: usize> HybridSystem<R, N> for RigSystem<'_, R> {
         if let Some(tether) = self.tether::<N>() {
             self.keep_balance(tether, state, phase);
         }
-        if let Some(content) = phase.isothermal {
+        if let Some([gauge, _]) = self.given(time, phase) {
+            state[PRESSURE] = gauge + self.rig.actuator().air().atmosphere().0;
+            if let Some(content) = phase.isothermal {
+                state[AIR_MASS] = state[PRESSURE] * self.rig.actuator().volume(state[LENGTH]) / content;
+            }
+        } else if let Some(content) = phase.isothermal {
             state[PRESSURE] = content * state[AIR_MASS] / self.rig.actuator().volume(state[LENGTH]);
         }
     }
@@ -690,6 +705,10 @@ impl<R: Real> RigSystem<'_, R> {
             && plumbing.pass_set_points(time, state, &mut phase.line)
         {
             return EventKind::SetPoint;
+        }
+        if timetable.pass_row(&mut phase.progress, time) {
+            self.project(time, state, phase);
+            return EventKind::Corner;
         }
         phase.progress.corners_passed += 1;
         self.project(time, state, phase);

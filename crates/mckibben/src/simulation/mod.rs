@@ -43,6 +43,7 @@ mod mode;
 mod modular;
 pub(crate) mod piped;
 mod plumbing;
+mod pressure_course;
 mod regulated;
 pub(crate) mod rig;
 mod rosenbrock;
@@ -94,6 +95,7 @@ pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
 pub use modular::ModularActuator;
+pub use pressure_course::PressureCourse;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]

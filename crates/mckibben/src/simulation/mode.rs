@@ -80,7 +80,7 @@ impl Mode {
 pub enum EventKind {
     /// A valve seat moved.
     Valve,
-    /// A prescribed motion turned a corner.
+    /// A prescribed motion, or a pressure that is given over time, turned a corner.
     Corner,
     /// The velocity came to zero and friction holds the load.
     Stick,

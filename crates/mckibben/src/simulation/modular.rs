@@ -100,6 +100,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
                 remedy: "make a TendonActuator, or leave out [tendon]",
             });
         }
+        rig.check_pressure_is_free()?;
         if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
             return Err(Error::Unsupported {
                 what: "a modular actuator is driven by requests, which neither a pressure regulator nor a proportional spool takes",

@@ -15,6 +15,7 @@
 //! | m | `air_mass` | kg |
 
 use super::mode::Sliding;
+use super::pressure_course::PressureCourse;
 use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
@@ -46,6 +47,7 @@ pub struct Rig<S = f64, L = Characteristic<S>> {
     load: Load<S>,
     line: Line<S>,
     tendon: Option<SeriesTendon<S>>,
+    pressure: Option<PressureCourse<S>>,
 }
 
 /// The four states.
@@ -62,11 +64,13 @@ pub struct State<S = f64> {
 }
 
 impl<S: Scalar> State<S> {
-    pub(crate) fn to_array(self) -> [S; 4] {
+    /// Length in m, velocity in m/s, absolute pressure in Pa and mass of the air in kg.
+    pub fn to_array(self) -> [S; 4] {
         [self.length, self.velocity, self.pressure.0, self.air_mass]
     }
 
-    pub(crate) fn from_array([length, velocity, pressure, air_mass]: [S; 4]) -> Self {
+    /// The state of these four, in the order and the units of [`State::to_array`].
+    pub fn from_array([length, velocity, pressure, air_mass]: [S; 4]) -> Self {
         Self { length, velocity, pressure: AbsolutePressure(pressure), air_mass }
     }
 }
@@ -179,7 +183,7 @@ impl Rig {
                 remedy: "make a `ModularActuator` of a rig with any other load",
             });
         }
-        Ok(Self { actuator, actuation, load, line: Line::NONE, tendon: None })
+        Ok(Self { actuator, actuation, load, line: Line::NONE, tendon: None, pressure: None })
     }
 
     /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
@@ -188,6 +192,9 @@ impl Rig {
     /// [`Error::Unsupported`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
     /// regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
+        if !line.is_none() {
+            self.check_pressure_is_free()?;
+        }
         if self.actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
             return Err(Error::Unsupported {
                 what: "a hose or a reservoir is given, but the actuator has no valve",
@@ -208,6 +215,7 @@ impl Rig {
     /// # Errors
     /// [`Error::Unsupported`] for a prescribed motion.
     pub fn with_tendon(self, tendon: SeriesTendon) -> Result<Self, Error> {
+        self.check_pressure_is_free()?;
         if self.load.motion().is_some() {
             return Err(Error::Unsupported {
                 what: "a tendon in series has a load or held ends, and no prescribed motion yet",
@@ -215,6 +223,12 @@ impl Rig {
             });
         }
         Ok(Self { tendon: Some(tendon), ..self })
+    }
+
+    /// The same rig with the pressure in its actuator given.
+    #[cfg(feature = "alloc")]
+    pub(super) fn driven_at(self, course: PressureCourse) -> Self {
+        Self { pressure: Some(course), ..self }
     }
 
     /// The same rig with another load.
@@ -272,6 +286,7 @@ impl<S: Scalar> Rig<S> {
             load: self.load.convert(convert),
             line: self.line.convert(convert),
             tendon: self.tendon.as_ref().map(|tendon| tendon.convert(convert)),
+            pressure: self.pressure.as_ref().map(|course| course.convert(convert)),
         }
     }
 
@@ -294,6 +309,7 @@ impl<S: Scalar> Rig<S> {
             load: self.load.clone(),
             line: self.line,
             tendon: self.tendon,
+            pressure: self.pressure.clone(),
         })
     }
 }
@@ -308,6 +324,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The elastic tendon between actuator and load, if there is one.
     pub fn tendon(&self) -> Option<&SeriesTendon<S>> {
         self.tendon.as_ref()
+    }
+
+    /// The gauge pressure in the actuator over time, where it is given.
+    #[inline(always)]
+    pub fn pressure_course(&self) -> Option<&PressureCourse<S>> {
+        self.pressure.as_ref()
     }
 
     /// The same rig with another load.
@@ -375,12 +397,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 impl<S: Real> Rig<S> {
     /// The instants at which its seats move.
     pub(super) fn seats(&self) -> Timetable<'_, S> {
-        Timetable { actuation: self.actuation.as_ref(), motion: None }
+        Timetable { actuation: self.actuation.as_ref(), motion: None, pressure: None }
     }
 
     /// Where instants come from.
     pub(crate) fn timetable(&self) -> Timetable<'_, S> {
-        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion() }
+        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion(), pressure: self.pressure.as_ref() }
     }
 
     /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.
@@ -398,7 +420,11 @@ impl<S: Real> Rig<S> {
     /// [`Error::Unsupported`] when an equilibrium is asked for and there is none.
     pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
         let air = self.actuator.air();
-        let pressure = initial.gauge_pressure.absolute(air.atmosphere());
+        let gauge = match &self.pressure {
+            Some(course) => GaugePressure(course.at(S::zero(), 0)[0]),
+            None => initial.gauge_pressure,
+        };
+        let pressure = gauge.absolute(air.atmosphere());
         let (length, velocity) = match (&self.load, initial.length) {
             (Load::Prescribed(motion), _) => {
                 let [length, velocity, _] = motion.at(S::zero(), 0);

@@ -1,6 +1,7 @@
 //! The instants that are known beforehand: a seat moves or arrives, a regulated pressure takes another
-//! course, or a prescribed motion turns a corner. Both engines and the batches ask here.
+//! course, or a motion or a pressure that is given turns a corner. Both engines and the batches ask here.
 
+use super::pressure_course::PressureCourse;
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
 use crate::scalar::Real;
@@ -8,11 +9,12 @@ use crate::valve::{Openings, Ports, RegulatorClock, SeatClock, SpoolClock, is_du
 #[cfg(feature = "alloc")]
 use crate::valve::{Request, Solenoid};
 
-/// Where the instants of a rig come from: what drives its valve, and the corners of a prescribed motion.
+/// Where the instants of a rig come from: what drives its valve, and the corners of a motion or a pressure that is given.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timetable<'a, S> {
     pub(crate) actuation: Option<&'a Actuation<S>>,
     pub(crate) motion: Option<&'a Motion<S>>,
+    pub(crate) pressure: Option<&'a PressureCourse<S>>,
 }
 
 /// How far along its timetable a rig is.
@@ -25,13 +27,15 @@ pub(crate) struct Progress<S> {
     /// Of a pressure regulator whose pressure is a known function of time and no state.
     regulator: Option<RegulatorClock<S>>,
     pub(crate) corners_passed: usize,
+    /// Rows of a pressure that is given.
+    pub(crate) rows_passed: usize,
 }
 
 impl<S: Real> Progress<S> {
     /// Before the first instant.
     pub(crate) fn none() -> Self {
         let (clock, spool) = (SeatClock::released(), SpoolClock::resting());
-        Self { clock, spool, spool_passed: 0, regulator: None, corners_passed: 0 }
+        Self { clock, spool, spool_passed: 0, regulator: None, corners_passed: 0, rows_passed: 0 }
     }
 
     /// The same with the clock of a pressure regulator.
@@ -53,7 +57,7 @@ impl<S: Real> Progress<S> {
 
 impl<S: Real> Timetable<'_, S> {
     /// The next instant in s, up to and with `until`, at which a seat moves or arrives, a regulated pressure takes another
-    /// course, or a prescribed motion turns a corner.
+    /// course, or a motion or a pressure that is given turns a corner.
     pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
         let seat = self.actuation.and_then(|Actuation { solenoid, command }| {
             match (solenoid.spool(), solenoid.regulator(), &progress.regulator) {
@@ -63,7 +67,8 @@ impl<S: Real> Timetable<'_, S> {
             }
         });
         let corner = self.corner(progress.corners_passed).filter(|corner| is_due(*corner, until));
-        [seat, corner].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
+        let row = self.row(progress.rows_passed).filter(|row| is_due(*row, until));
+        [seat, corner, row].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Passes everything up to and with `time` (s); which passages are open then.
@@ -71,7 +76,15 @@ impl<S: Real> Timetable<'_, S> {
         while self.corner(progress.corners_passed).is_some_and(|corner| is_due(corner, time)) {
             progress.corners_passed += 1;
         }
+        while self.pass_row(progress, time) {}
         self.pass_seats(progress, time)
+    }
+
+    /// Passes a row of a pressure that is given, if it is due up to and with `time` (s); whether it was.
+    pub(crate) fn pass_row(&self, progress: &mut Progress<S>, time: S) -> bool {
+        let due = self.row(progress.rows_passed).is_some_and(|row| is_due(row, time));
+        progress.rows_passed += usize::from(due);
+        due
     }
 
     /// Passes what moves seats up to and with `time` (s), and no corner; which passages are open then.
@@ -106,5 +119,9 @@ impl<S: Real> Timetable<'_, S> {
 
     fn corner(&self, index: usize) -> Option<S> {
         self.motion?.corner(index)
+    }
+
+    fn row(&self, index: usize) -> Option<S> {
+        self.pressure?.row(index)
     }
 }

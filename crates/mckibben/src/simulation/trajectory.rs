@@ -11,6 +11,7 @@ use super::zones::Places;
 use crate::air::Flow;
 use crate::error::Error;
 use crate::parameter;
+use crate::pressure::GaugePressure;
 use crate::scalar::Real;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -124,11 +125,15 @@ impl<R: Real> Trajectory<R> {
         with_run!(&self.run, stored => State::from_array(four(stored.reached().1)))
     }
 
-    /// Goes on from other states; valve and command go on as they were. For a rig without an air line or a memory.
-    pub(super) fn resume(&mut self, state: State<R>) {
+    /// Goes on from other states; valve, command and a pressure that is given go on as they were. For a rig without an air line
+    /// or a memory.
+    pub(super) fn resume(&mut self, mut state: State<R>) {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         with_run!(&mut self.run, stored => {
             let (time, _, phase) = *stored.reached();
+            if let Some([gauge, _]) = system.given(time, &phase) {
+                state.pressure = GaugePressure(gauge).absolute(self.rig.actuator().air().atmosphere());
+            }
             let state = system.start(state);
             stored.resume(state, system.resume(time, &state, &phase));
         });
@@ -237,8 +242,9 @@ impl<R: Real> Trajectory<R> {
         })
     }
 
-    /// The least and the greatest value of each of the rig's four states, at five points of each step.
-    pub(super) fn ranges(&self) -> [(f64, f64); 4] {
+    /// The least and the greatest value of each of the rig's four states, at five points of each step: length in m, velocity
+    /// in m/s, absolute pressure in Pa, mass of the air in kg.
+    pub fn ranges(&self) -> [(f64, f64); 4] {
         with_run!(&self.run, stored => four(stored.ranges()))
     }
 

@@ -1,6 +1,6 @@
 //! Loops of tension over length to friction and hysteresis: tables, figures and words.
 
-use super::outcome::Outcome;
+use super::outcome::{self, Outcome};
 use super::{Material, column, gauge_pressures, sought, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -33,9 +33,9 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })?;
     let mut warnings = material.notes();
     warnings.extend(values::warnings(&found.found.fit));
-    let text = format!("# By `mckibben identify`.\n\n{}", found.scenario.to_toml());
+    let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, &numbers, &text)?;
+    let sections = sections(&task, &found, &numbers, &scenarios)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
         "{} numbers from {readings} tensions of {} loops, length and pressure taken as they were measured. What is left of the tension: {} root mean square.",
@@ -50,7 +50,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         table: Table::default(),
         values: numbers,
         warnings,
-        scenarios: vec![("scenario.toml".to_owned(), text)],
+        scenarios,
     })
 }
 
@@ -73,7 +73,12 @@ fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
         .map_err(|error| Failure::input(error.to_string(), "see `mckibben identify --help`"))
 }
 
-fn sections(task: &LoopTask, found: &LoopFit, numbers: &Table, text: &str) -> Result<Vec<Section>, Failure> {
+fn sections(
+    task: &LoopTask,
+    found: &LoopFit,
+    numbers: &Table,
+    scenarios: &[(String, String)],
+) -> Result<Vec<Section>, Failure> {
     let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
     let stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5", "loop-6"];
     let plates = task.loops.iter().zip(stems).map(|(of, stem)| {
@@ -92,11 +97,7 @@ fn sections(task: &LoopTask, found: &LoopFit, numbers: &Table, text: &str) -> Re
             .height_mm(60.0)
             .series(Series::dots("measured", lengths.clone(), measured).colour(Colour::Category(1)))
             .series(Series::line("fitted", lengths.clone(), fitted));
-        let rest = Panel::new(Axis::new("off", "N"))
-            .horizontal(0.0, "")
-            .legend(Legend::Hidden)
-            .height_mm(20.0)
-            .series(Series::dots("", lengths, off));
+        let rest = outcome::off("off", "N", Series::dots("", lengths, off));
         let figure =
             Figure { width_mm: 130.0, x: Axis::new("length", "m"), panels: vec![top, rest], ..Figure::default() };
         Plate {
@@ -107,14 +108,7 @@ fn sections(task: &LoopTask, found: &LoopFit, numbers: &Table, text: &str) -> Re
         }
     });
     Ok(vec![
-        Section {
-            id: "numbers",
-            label: "Numbers",
-            title: "What was found",
-            tables: vec![numbers.clone(), values::correlations(&found.found.fit)],
-            files: vec![("scenario.toml".into(), text.to_owned().into())],
-            ..Section::default()
-        },
+        outcome::numbers(vec![numbers.clone(), values::correlations(&found.found.fit)], scenarios),
         Section {
             id: "loops",
             label: "Loops",

@@ -43,6 +43,7 @@ A study file:
   kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\", and of a valve
                                           # \"flow-curve\", \"steady-flow\", \"tank\", \"pulse-train\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
+  input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
   name = \"P_bar\"
@@ -62,6 +63,7 @@ A study file:
   [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for
   from = \"0 N*s/m\"
   to = \"50 N*s/m\"
+  per_run = true                          # each run has a value of its own
 
 Of a valve:
   kind = \"flow-curve\" finds C and b of ISO 6358, \"steady-flow\" the efficiency, from the columns upstream_absolute_pressure,
@@ -169,6 +171,22 @@ fn column(recording: &Recording, quantity: Quantity) -> Result<&Column, Failure>
         let title = format!("the run `{}` has no {}", recording.name, quantity.words());
         Failure::input(title, format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()))
     })
+}
+
+/// The pressure that a recording has over time, gauge or absolute, with its times in s and values in Pa.
+fn pressure_over_time(recording: &Recording) -> Result<(Quantity, Vec<f64>, Vec<f64>), Failure> {
+    // Says what is missing.
+    let measured = match recording.column(Quantity::AbsolutePressure) {
+        Some(_) if recording.column(Quantity::GaugePressure).is_none() => Quantity::AbsolutePressure,
+        _ => column(recording, Quantity::GaugePressure)?.quantity,
+    };
+    match recording.channel(measured) {
+        Some((times, values)) => Ok((measured, times, values)),
+        None => {
+            let title = format!("the run `{}` has no {} over time", recording.name, measured.words());
+            Err(Failure::input(title, "add `[columns.time]`, in the same table"))
+        }
+    }
 }
 
 /// The gauge pressures of a recording in Pa, from whichever pressure was measured.

@@ -2,12 +2,45 @@
 
 use crate::failure::Failure;
 use crate::output;
+use crate::plot::{Axis, Legend, Panel, Series};
 use crate::report::{Report, Section, Table};
 use crate::terminal;
+use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
 
 /// How a sentence begins that is a warning, among those that are good to know.
 pub(super) const WARNED: &str = "! ";
+
+/// A scenario file of what was found.
+pub(super) fn file(scenario: &Scenario) -> String {
+    format!("# By `mckibben identify`.\n\n{}", scenario.to_toml())
+}
+
+/// A scenario file for each run whose scenario differs, or one for all.
+pub(super) fn files<'a>(named: impl Iterator<Item = (&'a str, &'a Scenario)>) -> Vec<(String, String)> {
+    let texts: Vec<(&str, String)> = named.map(|(run, scenario)| (run, file(scenario))).collect();
+    match texts.windows(2).all(|pair| pair[0].1 == pair[1].1) {
+        true => texts.into_iter().take(1).map(|(_, text)| ("scenario.toml".to_owned(), text)).collect(),
+        false => texts.into_iter().map(|(run, text)| (format!("scenario-{run}.toml"), text)).collect(),
+    }
+}
+
+/// The part of a page with the numbers that were found, and the scenario files that have them.
+pub(super) fn numbers(tables: Vec<Table>, scenarios: &[(String, String)]) -> Section {
+    Section {
+        id: "numbers",
+        label: "Numbers",
+        title: "What was found",
+        tables,
+        files: scenarios.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
+        ..Section::default()
+    }
+}
+
+/// The panel below a figure with how far what was found is off.
+pub(super) fn off(words: impl Into<String>, unit: &str, series: Series) -> Panel {
+    Panel::new(Axis::new(words, unit)).horizontal(0.0, "").legend(Legend::Hidden).height_mm(20.0).series(series)
+}
 
 /// What was found.
 #[derive(Debug, Default)]
@@ -38,7 +71,8 @@ impl Outcome {
         }
         for table in [&self.table, &self.values] {
             if !table.head.is_empty() {
-                text.push_str(&format!("\n{}", table.to_text_with_caption().replace('`', "")));
+                let caption = terminal::wrap(&table.caption, "", wide);
+                text.push_str(&format!("\n{caption}\n\n{}", table.to_text_within(wide)).replace('`', ""));
             }
         }
         if !self.warnings.is_empty() {

@@ -1,12 +1,12 @@
 //! Ring-downs to friction: every estimator beside the others.
 
-use super::outcome::{Outcome, WARNED};
-use super::{Material, values};
+use super::Material;
+use super::outcome::{self, Outcome, WARNED};
+use super::values::give_or_take;
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
-use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, compare};
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_scenario::Scenario;
@@ -99,20 +99,13 @@ fn name(estimator: Estimator) -> &'static str {
 }
 
 fn cells(run: &str, row: &Row) -> Vec<String> {
-    let told = |estimate: &Estimate, factor: f64| {
-        let scaled =
-            |value: f64| values::rounded(factor * value, estimate.deviation.map(|deviation| factor * deviation));
-        let interval =
-            estimate.interval.map_or(String::new(), |[low, high]| format!(" ({} to {})", scaled(low), scaled(high)));
-        format!("{}{interval}", scaled(estimate.value))
-    };
     vec![
         run.to_owned(),
         name(row.estimator).to_owned(),
-        row.law_width.as_ref().map_or("–".to_owned(), |width| told(width, 1e3)),
-        told(&row.coulomb_width, 1e3),
-        told(&row.viscous, 1.0),
-        told(&row.damping_ratio, 1.0),
+        row.law_width.as_ref().map_or("–".to_owned(), |width| give_or_take(width, 1e3)),
+        give_or_take(&row.coulomb_width, 1e3),
+        give_or_take(&row.viscous, 1.0),
+        give_or_take(&row.damping_ratio, 1.0),
         row.scatter.map_or("–".to_owned(), |scatter| quantity(scatter, "m")),
     ]
 }
@@ -147,13 +140,7 @@ fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> 
             .collect();
         data.rows =
             times.iter().zip(&lengths).zip(&off).map(|((time, length), off)| vec![*time, *length, *off]).collect();
-        panels.push(
-            Panel::new(Axis::new("waveform off", "m"))
-                .horizontal(0.0, "")
-                .height_mm(20.0)
-                .legend(Legend::Hidden)
-                .series(Series::dots("", times, off)),
-        );
+        panels.push(outcome::off("waveform off", "m", Series::dots("", times, off)));
     } else {
         data.rows = times.iter().zip(&lengths).map(|(time, length)| vec![*time, *length, f64::NAN]).collect();
     }

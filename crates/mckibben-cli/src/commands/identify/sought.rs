@@ -4,29 +4,67 @@ use super::Material;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::SoughtEntry;
-use mckibben_scenario::{Place, quantity as grammar};
+use mckibben_scenario::{Place, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
 pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Failure> {
-    let entries = &material.study.sought;
-    if entries.is_empty() {
-        let help = "add for instance `[fit.\"actuator.friction.viscous\"]` with `from` and `to`";
-        return Err(Failure::input("the study does not say what to look for", help));
-    }
     let mut scenario = material.document.scenario()?;
     let mut found = (Vec::new(), Vec::new());
-    for entry in entries {
-        let place =
-            Place::find(&entry.path, &mut scenario).map_err(|error| Failure::input(error.to_string(), "mend [fit]"))?;
-        found.1.push(unknown(entry, &place, place.value(&mut scenario).unwrap_or(0.0))?);
+    for entry in entries(material)? {
+        let place = place(entry, &mut scenario, "mend [fit]".to_owned())?;
+        found.1.push(unknown(entry, &place, &mut scenario)?);
         found.0.push(place);
     }
     Ok(found)
 }
 
+/// The numbers of one run: their places in its scenario, and which unknown each of them is.
+pub(super) struct OfRun {
+    pub(super) places: Vec<Place>,
+    pub(super) unknowns: Vec<usize>,
+}
+
+/// All of them in the scenarios of runs, each with its name. A number that is each run's own is an unknown for each, named
+/// behind its path; a common one starts at the first run's value.
+pub(super) fn of_runs(
+    material: &Material,
+    runs: &mut [(String, Scenario)],
+) -> Result<(Vec<Unknown>, Vec<OfRun>), Failure> {
+    let mut unknowns: Vec<Unknown> = Vec::new();
+    let mut numbers: Vec<OfRun> = runs.iter().map(|_| OfRun { places: Vec::new(), unknowns: Vec::new() }).collect();
+    for entry in entries(material)? {
+        let first = unknowns.len();
+        for ((name, scenario), of) in runs.iter_mut().zip(&mut numbers) {
+            let place = place(entry, scenario, format!("of the run `{name}`"))?;
+            if entry.per_run {
+                let own = unknown(entry, &place, scenario)?;
+                unknowns.push(Unknown { name: format!("{} [{name}]", entry.path), ..own });
+            } else if unknowns.len() == first {
+                unknowns.push(unknown(entry, &place, scenario)?);
+            }
+            of.unknowns.push(unknowns.len() - 1);
+            of.places.push(place);
+        }
+    }
+    Ok((unknowns, numbers))
+}
+
+fn entries(material: &Material) -> Result<&[SoughtEntry], Failure> {
+    let entries = &material.study.sought;
+    if entries.is_empty() {
+        let help = "add for instance `[fit.\"actuator.friction.viscous\"]` with `from` and `to`";
+        return Err(Failure::input("the study does not say what to look for", help));
+    }
+    Ok(entries)
+}
+
+fn place(entry: &SoughtEntry, scenario: &mut Scenario, help: String) -> Result<Place, Failure> {
+    Place::find(&entry.path, scenario).map_err(|error| Failure::input(error.to_string(), help))
+}
+
 /// Bounds are those of the study within those of the parameter.
-fn unknown(entry: &SoughtEntry, place: &Place, first: f64) -> Result<Unknown, Failure> {
-    let row = place.parameter();
+fn unknown(entry: &SoughtEntry, place: &Place, scenario: &mut Scenario) -> Result<Unknown, Failure> {
+    let (row, first) = (place.parameter(), place.value(scenario).unwrap_or(0.0));
     let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
         let Some(text) = text else { return Ok(None) };
         let wrong = |why: String| {

@@ -1,7 +1,8 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
-use super::outcome::{Outcome, WARNED};
-use super::{Material, sought, values};
+use super::outcome::{self, Outcome, WARNED};
+use super::sought::{self, OfRun};
+use super::{Material, pressure_over_time, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::progress::Progress;
@@ -10,14 +11,15 @@ use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben::simulation::Trajectory;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::study::{Quantity, Recording, SoughtEntry};
+use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
     Course, Drift, HeldOutRun, Identified, Observed, Recorded, Task, TrajectoryError, Unexplained,
 };
-use mckibben_scenario::{Place, Scenario};
+use mckibben_scenario::{PressureCourse, Scenario};
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
-    let task = task(material)?;
+    let mut warnings = material.notes();
+    let task = task(material, &mut warnings)?;
     let progress = Progress::begin("fitting", None);
     let found = task.identify().map_err(|error| match error {
         TrajectoryError::Fit(_) => Failure::stopped(error.to_string()),
@@ -25,7 +27,6 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })?;
     let held_out = task.held_out(&found);
     drop(progress);
-    let mut warnings = material.notes();
     warnings.extend(values::warnings(&found.found.fit));
     if found.found.tried > 1 {
         let (tried, agreeing) = (found.found.tried, found.found.agreeing);
@@ -41,10 +42,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     }
     warnings.extend(task.drifts(&found).iter().map(drifting));
     warnings.extend(task.unexplained(&found).iter().map(unexplained));
-    let scenarios = scenarios(&task, &found);
+    let scenarios = outcome::files(task.runs.iter().map(|run| run.name.as_str()).zip(&found.scenarios));
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
     let table = left(&found, &held_out);
-    let sections = sections(&task, &found, &[&numbers, &table], &scenarios);
+    let sections = sections(&task, &found, [&numbers, &table], &scenarios);
     Ok(Outcome {
         title: format!("{} from courses in time", material.document.source().name()),
         introduction: introduction(&task, &found),
@@ -56,27 +57,28 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })
 }
 
-fn task(material: &Material) -> Result<Task, Failure> {
-    let (_, unknowns) = sought::all(material)?;
-    let mut runs = Vec::new();
+fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure> {
+    let mut scenarios = Vec::new();
+    let mut given = Vec::new();
     for recording in &material.recordings {
         let document = material.document_of(recording)?;
         let mut scenario = document.scenario()?;
-        let place = |entry: &SoughtEntry| {
-            Place::find(&entry.path, &mut scenario)
-                .map_err(|error| Failure::input(error.to_string(), format!("of the run `{}`", recording.name)))
-        };
-        let places = material.study.sought.iter().map(place).collect::<Result<Vec<_>, _>>()?;
-        let given = document.contains(parameter::MIN_LENGTH.key);
-        let courses = courses(recording, scenario.air.atmospheric_pressure);
-        let adjustable = Adjustable::new(scenario, places, given);
-        runs.push(Recorded {
-            name: recording.name.clone(),
-            adjustable,
-            unknowns: (0..unknowns.len()).collect(),
-            courses,
-        });
+        if material.study.input == Input::GaugePressure {
+            give_pressure(&mut scenario, recording, warnings)?;
+        }
+        scenarios.push((recording.name.clone(), scenario));
+        given.push(document.contains(parameter::MIN_LENGTH.key));
     }
+    let (unknowns, numbers) = sought::of_runs(material, &mut scenarios)?;
+    let parts = material.recordings.iter().zip(scenarios).zip(numbers).zip(given);
+    let run = |(((recording, (name, scenario)), of), given): (((&Recording, (String, Scenario)), OfRun), bool)| {
+        let mut courses = courses(recording, scenario.air.atmospheric_pressure);
+        if scenario.pressure.is_some() {
+            courses.retain(|course| course.observed != Observed::GaugePressure);
+        }
+        Recorded { name, adjustable: Adjustable::new(scenario, of.places, given), unknowns: of.unknowns, courses }
+    };
+    let runs = parts.map(run).collect();
     let starts = sought::more_starts(&unknowns, material.study.more_starts);
     Ok(Task {
         runs,
@@ -86,6 +88,34 @@ fn task(material: &Material) -> Result<Task, Failure> {
         search: material.search(),
         tolerance: 1e-8,
     })
+}
+
+/// Drives a run by the pressure that was measured, in place of what the scenario says.
+fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
+    let (measured, time, mut gauge_pressure) = pressure_over_time(recording)?;
+    if measured == Quantity::AbsolutePressure {
+        gauge_pressure.iter_mut().for_each(|pressure| *pressure -= scenario.air.atmospheric_pressure);
+    }
+    let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
+    let others = [Quantity::Length, Quantity::Tension].into_iter().filter_map(|of| last(recording.channel(of)?));
+    let (ends, until) = (time.last().copied().unwrap_or(0.0), others.fold(0.0, f64::max));
+    if until > ends {
+        warnings.push(format!(
+            "{WARNED}`{}`: the pressure was read up to {}, the others up to {}; it is held at its last value.",
+            recording.name,
+            quantity(ends, "s"),
+            quantity(until, "s")
+        ));
+    }
+    if scenario.valve.is_some() {
+        let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+        if !warnings.iter().any(|warning| warning == words) {
+            warnings.push(words.to_owned());
+        }
+    }
+    (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
+    scenario.pressure = Some(PressureCourse { time, gauge_pressure });
+    Ok(())
 }
 
 fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
@@ -163,30 +193,13 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     Table { caption, head: head.into_iter().map(String::from).collect(), rows: rows.collect() }
 }
 
-/// A scenario file for each run whose scenario differs, or one for all.
-fn scenarios(task: &Task, found: &Identified) -> Vec<(String, String)> {
-    let text = |scenario: &Scenario| format!("# By `mckibben identify`.\n\n{}", scenario.to_toml());
-    let texts: Vec<String> = found.scenarios.iter().map(text).collect();
-    match texts.windows(2).all(|pair| pair[0] == pair[1]) {
-        true => texts.into_iter().take(1).map(|text| ("scenario.toml".to_owned(), text)).collect(),
-        false => task.runs.iter().zip(texts).map(|(run, text)| (format!("scenario-{}.toml", run.name), text)).collect(),
-    }
-}
-
-fn sections(task: &Task, found: &Identified, tables: &[&Table; 2], files: &[(String, String)]) -> Vec<Section> {
-    let tables = tables.iter().map(|table| (*table).clone());
+fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(String, String)]) -> Vec<Section> {
+    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]).collect();
     // A page of the first few runs is enough to see how they fit; the table speaks of all.
     let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
     let plates = task.runs.iter().zip(&found.trajectories).zip(stems);
     vec![
-        Section {
-            id: "numbers",
-            label: "Numbers",
-            title: "What was found",
-            tables: tables.chain([values::correlations(&found.found.fit)]).collect(),
-            files: files.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
-            ..Section::default()
-        },
+        outcome::numbers(tables, scenarios),
         Section {
             id: "runs",
             label: "Runs",
@@ -222,7 +235,6 @@ fn plate(run: &Recorded, trajectory: &Trajectory, stem: &'static str) -> Plate {
                 )
                 .series(Series::line("simulated", times, curve)),
         );
-        let rest = Panel::new(Axis::new("off", unit)).horizontal(0.0, "").height_mm(16.0).legend(Legend::Hidden);
         data.rows.extend(
             course
                 .times
@@ -231,7 +243,7 @@ fn plate(run: &Recorded, trajectory: &Trajectory, stem: &'static str) -> Plate {
                 .zip(&off)
                 .map(|((time, value), off)| vec![f64::from(course.observed as u8), *time, *value, value + off]),
         );
-        panels.push(rest.series(Series::dots("", course.times.clone(), off)));
+        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(16.0));
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);

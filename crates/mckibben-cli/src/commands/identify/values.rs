@@ -24,6 +24,16 @@ fn with_last_digit(value: f64, last: i32) -> String {
     }
 }
 
+/// A value and half of its interval, in a unit that is so many times smaller.
+pub(super) fn give_or_take(estimate: &Estimate, factor: f64) -> String {
+    let deviation = estimate.deviation.map(|deviation| factor * deviation);
+    let value = rounded(factor * estimate.value, deviation);
+    match estimate.interval {
+        Some([low, high]) => format!("{value} ± {}", rounded(0.5 * factor * (high - low), deviation)),
+        None => value,
+    }
+}
+
 /// Why a number has no interval.
 fn silence(estimate: &Estimate) -> &'static str {
     if estimate.on_bound { "on its bound" } else { "not told by the data" }
@@ -60,7 +70,11 @@ pub(super) fn correlations(fit: &Fit) -> Table {
     if fit.estimates.len() < 2 {
         return Table::default();
     }
-    let short = |name: &str| name.rsplit_once('.').map_or(name, |(_, last)| last).to_owned();
+    let short = |name: &str| {
+        let (path, run) = name.split_once(" [").unwrap_or((name, ""));
+        let last = path.rsplit_once('.').map_or(path, |(_, last)| last);
+        if run.is_empty() { last.to_owned() } else { format!("{last} [{run}") }
+    };
     let names: Vec<String> = fit.estimates.iter().map(|estimate| short(&estimate.name)).collect();
     let row = |(name, row): (&String, &Vec<f64>)| {
         let cells = row.iter().map(|value| format!("{value:.3}").replace('-', "−"));
@@ -93,7 +107,9 @@ pub(super) fn warnings(fit: &Fit) -> Vec<String> {
         ));
     }
     let wide = |estimate: &&Estimate| estimate.interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
-    for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !estimate.name.contains('[')) {
+    // An entry of a list, such as a coefficient, may well be zero.
+    let entry = |estimate: &&Estimate| estimate.name.contains('[') && !estimate.name.contains(" [");
+    for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {
         warnings.push(format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name));
     }
     if fit.condition > 1e6 && fit.untold.is_empty() {

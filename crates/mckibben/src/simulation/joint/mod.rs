@@ -252,7 +252,7 @@ impl<S: Real> JointRig<S> {
     }
 
     fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
-        Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None }
+        Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None, pressure: None }
     }
 
     /// The state at a start that has been checked, over any scalar with one value.

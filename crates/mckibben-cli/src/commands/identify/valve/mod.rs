@@ -25,9 +25,6 @@ use mckibben_identify::study::{Direction, Quantity, Recording};
 use mckibben_identify::valve::ValveError;
 use mckibben_scenario::{Passage, Place, Scenario, Valve};
 
-/// Equal extreme readings on end from which on a sensor is taken to be at its end.
-const STUCK: usize = 8;
-
 /// What the files of six runs are called; a page shows no more.
 type Stems = [&'static str; 6];
 
@@ -172,17 +169,6 @@ fn with_conductance(
     let [of_conductance, of_ratio, _] = rows(direction, valve_of(&scenario)?);
     put(&mut scenario, &[(of_conductance, sonic_conductance), (of_ratio, critical_ratio)])?;
     Ok((scenario, vec![named(conductance, of_conductance), named(ratio, of_ratio)]))
-}
-
-/// A scenario file of what was found.
-fn file(scenario: &Scenario) -> String {
-    format!("# By `mckibben identify`.\n\n{}", scenario.to_toml())
-}
-
-/// The longest row of equal readings that are the largest of all, and that reading.
-fn longest_at_the_end(values: &[f64]) -> (usize, f64) {
-    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (values.split(|value| *value != largest).map(<[f64]>::len).max().unwrap_or(0), largest)
 }
 
 /// Whether the study says of a quantity where its sensor ends: what is left then is meant.

@@ -1,13 +1,14 @@
 //! Delays of a seat from the pressure under pulse trains.
 
-use super::super::outcome::{Outcome, WARNED};
-use super::super::{Material, gauge_pressures, values};
-use super::{STUCK, Stems, at_its_end, failed, file, longest_at_the_end, named, put, says_its_end, told, valve_of};
+use super::super::outcome::{self, Outcome, WARNED, file};
+use super::super::{Material, pressure_over_time, values};
+use super::{Stems, at_its_end, failed, named, put, says_its_end, told, valve_of};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Span, Symbol};
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter::{self, Parameter};
 use mckibben_identify::least_squares::Estimate;
+use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
 use mckibben_identify::study::{PulsesEntry, Quantity, Recording};
 use mckibben_identify::valve::{Delays, DutyPoint, Onset, PulseTrain, delay_difference};
 use mckibben_scenario::{Command, CommandState, Scenario, ValveKind};
@@ -60,15 +61,9 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
     plates.extend(duty_plate(&points, &delays));
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &numbers);
     let table = table(&runs);
+    let scenarios = vec![("scenario.toml".to_owned(), text)];
     let sections = vec![
-        Section {
-            id: "numbers",
-            label: "Numbers",
-            title: "What was found",
-            tables: vec![numbers.clone(), table.clone()],
-            files: vec![("scenario.toml".into(), text.clone().into())],
-            ..Section::default()
-        },
+        outcome::numbers(vec![numbers.clone(), table.clone()], &scenarios),
         Section { id: "pulses", label: "Pulses", title: "Onsets, and duties", plates, ..Section::default() },
     ];
     Ok(Outcome {
@@ -78,23 +73,15 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         table,
         values: numbers,
         warnings,
-        scenarios: vec![("scenario.toml".to_owned(), text)],
+        scenarios,
     })
 }
 
 fn run<'a>(material: &Material, recording: &'a Recording, warnings: &mut Vec<String>) -> Result<Run<'a>, Failure> {
     let name = recording.name.as_str();
     let scenario = material.document_of(recording)?.scenario()?;
-    // Says what is missing; only the course counts, so either pressure will do as it stands.
-    gauge_pressures(recording, 0.0)?;
-    let quantity = match recording.column(Quantity::GaugePressure) {
-        Some(_) => Quantity::GaugePressure,
-        None => Quantity::AbsolutePressure,
-    };
-    let Some((times, pressures)) = recording.channel(quantity) else {
-        let title = format!("the run `{name}` has no {} over time", quantity.words());
-        return Err(Failure::input(title, "add `[columns.time]`, in the same table"));
-    };
+    // Only the course counts, so either pressure will do as it stands.
+    let (quantity, times, pressures) = pressure_over_time(recording)?;
     let (stuck, largest) = longest_at_the_end(&pressures);
     let silent = !says_its_end(material, quantity);
     if silent && stuck >= STUCK && 50 * stuck >= pressures.len() {
@@ -223,9 +210,10 @@ fn table(runs: &[Run<'_>]) -> Table {
             Some([frequency, duty]) => [format!("{frequency:.3}"), format!("{duty:.4}")],
             None => ["–", "–"].map(String::from),
         };
-        let effective = run.found.effective_duty.as_ref().map_or("–".to_owned(), |duty| told(duty, 1.0, ""));
+        let effective =
+            run.found.effective_duty.as_ref().map_or("–".to_owned(), |duty| values::give_or_take(duty, 1.0));
         let onsets = format!("{} of {}", run.found.onsets.len(), run.train.edges().len());
-        let [opening, closing] = [&run.found.opening, &run.found.closing].map(|delay| told(delay, 1e3, ""));
+        let [opening, closing] = [&run.found.opening, &run.found.closing].map(|delay| values::give_or_take(delay, 1e3));
         vec![run.name.to_owned(), frequency, duty, effective, opening, closing, onsets]
     };
     Table {

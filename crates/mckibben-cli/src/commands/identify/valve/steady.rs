@@ -1,8 +1,8 @@
 //! Steady flow through a valve: C and b of a flow curve, or the factor on the calculated flow.
 
-use super::super::outcome::{Outcome, WARNED};
+use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, column, values};
-use super::{absolute_pressures, actuator_of, conductance, file, law_of, named, passage_of, put, rows, told, valve_of};
+use super::{absolute_pressures, actuator_of, conductance, law_of, named, passage_of, put, rows, told, valve_of};
 use super::{says_its_end, with_conductance, with_passage};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series, Span};
@@ -60,7 +60,7 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
     let split = entry.passage == Direction::Exhaust;
     let (scenario, numbers) = with_conductance(&scenario, entry.passage, both, split, &mut warnings)?;
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &numbers);
-    let text = file(&scenario);
+    let scenarios = vec![("scenario.toml".to_owned(), file(&scenario))];
     let introduction = format!(
         "{} points of steady flow, {} of them choked: C = {} and b = {}, by least squares over all of them at once. {}",
         points.points.len(),
@@ -70,7 +70,7 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
         scatter_words(entry.scatter)
     );
     let sections = vec![
-        numbers_section(&numbers, vec![the_standards_way(&found)], text.clone()),
+        outcome::numbers(vec![numbers.clone(), the_standards_way(&found)], &scenarios),
         Section {
             id: "curve",
             label: "Curve",
@@ -84,7 +84,7 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
             ..Section::default()
         },
     ];
-    Ok(outcome(material, "Flow curve", introduction, sections, numbers, warnings, text))
+    Ok(outcome(material, "Flow curve", introduction, sections, numbers, warnings, scenarios))
 }
 
 /// The efficiency of the scenario's valve, or the flow coefficient of an area.
@@ -128,7 +128,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
         }
     };
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &numbers);
-    let text = file(&scenario);
+    let scenarios = vec![("scenario.toml".to_owned(), file(&scenario))];
     let introduction = format!(
         "{} points of steady flow: the {name} of (22), measured over calculated flow, is {}. {}",
         points.points.len(),
@@ -136,7 +136,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
         scatter_words(entry.scatter)
     );
     let sections = vec![
-        numbers_section(&numbers, Vec::new(), text.clone()),
+        outcome::numbers(vec![numbers.clone()], &scenarios),
         Section {
             id: "ratios",
             label: "Ratios",
@@ -150,7 +150,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             ..Section::default()
         },
     ];
-    Ok(outcome(material, "Steady flow", introduction, sections, numbers, warnings, text))
+    Ok(outcome(material, "Steady flow", introduction, sections, numbers, warnings, scenarios))
 }
 
 fn outcome(
@@ -160,7 +160,7 @@ fn outcome(
     sections: Vec<Section>,
     values: Table,
     warnings: Vec<String>,
-    text: String,
+    scenarios: Vec<(String, String)>,
 ) -> Outcome {
     Outcome {
         title: format!("{title} of {}", material.document.source().name()),
@@ -169,7 +169,7 @@ fn outcome(
         table: Table::default(),
         values,
         warnings,
-        scenarios: vec![("scenario.toml".to_owned(), text)],
+        scenarios,
     }
 }
 
@@ -177,17 +177,6 @@ fn scatter_words(scatter: Scatter) -> &'static str {
     match scatter {
         Scatter::Constant => "Flows are taken to scatter alike, whatever their size (`flow.scatter`).",
         Scatter::Proportional => "Flows are taken to scatter by the same part of each (`flow.scatter`).",
-    }
-}
-
-fn numbers_section(numbers: &Table, more: Vec<Table>, text: String) -> Section {
-    Section {
-        id: "numbers",
-        label: "Numbers",
-        title: "What was found",
-        tables: std::iter::once(numbers.clone()).chain(more).collect(),
-        files: vec![("scenario.toml".into(), text.into())],
-        ..Section::default()
     }
 }
 
@@ -340,11 +329,7 @@ pub(super) fn curve_plate(
         .vertical(critical_ratio, "b")
         .series(Series::line("fitted", fine, curve))
         .series(Series::points("measured", ratios.clone(), measured).colour(Colour::Category(1)));
-    let rest = Panel::new(Axis::new("off", "% of C"))
-        .horizontal(0.0, "")
-        .legend(Legend::Hidden)
-        .height_mm(20.0)
-        .series(Series::points("", ratios, off));
+    let rest = outcome::off("off", "% of C", Series::points("", ratios, off));
     let x = Axis::new("downstream over upstream pressure", "").starting_at(0.0).ending_at(1.0);
     Ok(Plate {
         stem,

@@ -1,10 +1,10 @@
 //! A tank that is charged or discharged: C and b of the valve, or the volume.
 
-use super::super::outcome::{Outcome, WARNED};
-use super::super::{Material, gauge_pressures, values};
+use super::super::outcome::{self, Outcome, WARNED};
+use super::super::{Material, pressure_over_time, values};
 use super::steady::curve_plate;
-use super::{STUCK, put, says_its_end, told, valve_of, with_conductance};
-use super::{Stems, actuator_of, at_its_end, conductance, failed, file, law_of, longest_at_the_end, named, passage_of};
+use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, passage_of};
+use super::{put, says_its_end, told, valve_of, with_conductance};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
@@ -12,6 +12,7 @@ use crate::report::{Data, Plate, Section, Table};
 use mckibben::valve::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use mckibben::{AbsolutePressure, parameter};
 use mckibben_identify::least_squares::Estimate;
+use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
 use mckibben_identify::study::{Direction, Quantity, Recording, TankEntry, TankTarget};
 use mckibben_identify::valve::{FlowCurve, Scatter, Sought, SteadyPoint, Tank, TankFit, TankRecord, Transfer};
 use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
@@ -20,6 +21,9 @@ use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 const LARGEST_RATIO: f64 = 0.9;
 /// Deviations of a reading by which a trajectory may be off before it is told.
 const MISFIT: f64 = 1.5;
+
+/// The files of the runs' pressures; a page shows no more.
+const PRESSURES: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
 
 /// A run, and the tank that it is of.
 struct Experiment<'a> {
@@ -33,61 +37,45 @@ struct Experiment<'a> {
     record: TankRecord,
 }
 
-/// What a run comes to.
+/// What the runs come to together.
 struct Found {
-    scenario: Scenario,
+    /// Of each run.
+    scenarios: Vec<Scenario>,
     numbers: Vec<Estimate>,
     words: String,
     plates: Vec<Plate>,
+    /// What is left of each run.
+    left: Table,
 }
 
-/// C and b, or the volume, of every run.
+/// C and b, or the volume, common to all runs.
 pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
     let Some(entry) = &material.study.tank else {
         return Err(Failure::input("the study does not say what tank it is", "add `[tank]`"));
     };
     let mut warnings = material.notes();
-    let (mut introduction, mut plates, mut scenarios) = (Vec::new(), Vec::new(), Vec::new());
-    let mut numbers = values::of("Numbers with their 95 % intervals".to_owned(), &[]);
-    let several = material.recordings.len() > 1;
-    if several {
-        numbers.head.insert(0, "run".to_owned());
-    }
-    let pressures: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
-    let curves: Stems =
-        ["flow-curve-1", "flow-curve-2", "flow-curve-3", "flow-curve-4", "flow-curve-5", "flow-curve-6"];
-    for (place, recording) in material.recordings.iter().enumerate() {
-        let stems = pressures.get(place).zip(curves.get(place)).map(|(pressure, curve)| [*pressure, *curve]);
-        let experiment = experiment(material, recording, entry, &mut warnings)?;
-        let found = match entry.windows {
-            Some(windows) => by_windows(&experiment, windows, stems, &mut warnings)?,
-            None => by_trajectory(&experiment, stems, &mut warnings)?,
-        };
-        introduction.push(format!("`{}`: {}", recording.name, found.words));
-        numbers.rows.extend(found.numbers.iter().map(|estimate| {
-            let of_run = several.then(|| recording.name.clone());
-            of_run.into_iter().chain(values::row(estimate)).collect()
-        }));
-        plates.extend(found.plates);
-        let name = if several { format!("scenario-{}.toml", recording.name) } else { "scenario.toml".to_owned() };
-        scenarios.push((name, file(&found.scenario)));
-    }
+    let runs: Vec<Experiment<'_>> = material
+        .recordings
+        .iter()
+        .map(|recording| experiment(material, recording, entry, &mut warnings))
+        .collect::<Result<_, _>>()?;
+    let found = match entry.windows {
+        Some(windows) => by_windows(&runs, windows, &mut warnings)?,
+        None => by_trajectory(&runs, &mut warnings)?,
+    };
+    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &found.numbers);
+    let scenarios = outcome::files(runs.iter().map(|run| run.run).zip(&found.scenarios));
+    let left = if runs.len() > 1 { found.left } else { Table::default() };
+    let tables = [&numbers, &left].into_iter().filter(|table| !table.head.is_empty()).cloned().collect();
     let sections = vec![
-        Section {
-            id: "numbers",
-            label: "Numbers",
-            title: "What was found",
-            tables: vec![numbers.clone()],
-            files: scenarios.iter().map(|(name, text)| (name.clone().into(), text.clone().into())).collect(),
-            ..Section::default()
-        },
-        Section { id: "tank", label: "Tank", title: "Measured and fitted", plates, ..Section::default() },
+        outcome::numbers(tables, &scenarios),
+        Section { id: "tank", label: "Tank", title: "Measured and fitted", plates: found.plates, ..Section::default() },
     ];
     Ok(Outcome {
         title: format!("Tank of {}", material.document.source().name()),
-        introduction,
+        introduction: vec![found.words],
         sections,
-        table: Table::default(),
+        table: left,
         values: numbers,
         warnings,
         scenarios,
@@ -132,16 +120,7 @@ fn experiment<'a>(
             }
         }
     };
-    let measured = match recording.column(Quantity::GaugePressure) {
-        Some(_) => Quantity::GaugePressure,
-        None => Quantity::AbsolutePressure,
-    };
-    // Says what is missing.
-    gauge_pressures(recording, atmosphere)?;
-    let Some((times, values)) = recording.channel(measured) else {
-        let title = format!("the run `{run}` has no {} over time", measured.words());
-        return Err(Failure::input(title, "add `[columns.time]`, in the same table"));
-    };
+    let (measured, times, values) = pressure_over_time(recording)?;
     let shift = if measured == Quantity::GaugePressure { atmosphere } else { 0.0 };
     let [from, to] = [entry.begins.unwrap_or(f64::NEG_INFINITY), entry.ends.unwrap_or(f64::INFINITY)];
     let counts = |(time, _): &(f64, f64)| (from..=to).contains(time);
@@ -237,78 +216,135 @@ fn possible(
     }
 }
 
-/// C and b from the slopes of windows, in an isothermal tank.
-fn by_windows(
-    of: &Experiment<'_>,
-    windows: usize,
-    stems: Option<[&'static str; 2]>,
-    warnings: &mut Vec<String>,
-) -> Result<Found, Failure> {
-    if of.scenario.air.process != Process::Isothermal {
-        let title = "`tank.windows` is of an isothermal tank, which `air.process` of the scenario is not";
-        let help =
-            "say `process = \"isothermal\"` in `[air]` of a tank stuffed with metal wool, or leave `windows` out";
-        return Err(Failure::input(title, help));
+/// C and b from the slopes of windows, in isothermal tanks: one flow curve through the points of all runs.
+fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String>) -> Result<Found, Failure> {
+    let (mut points, mut rows) = (Vec::new(), Vec::new());
+    for of in runs {
+        if of.scenario.air.process != Process::Isothermal {
+            let title = "`tank.windows` is of an isothermal tank, which `air.process` of the scenario is not";
+            let help =
+                "say `process = \"isothermal\"` in `[air]` of a tank stuffed with metal wool, or leave `windows` out";
+            return Err(Failure::input(title, help));
+        }
+        let own = of.tank.isothermal_flow(&of.record, windows).map_err(|error| failed(of.run, &error))?;
+        let own: Vec<SteadyPoint> = own.into_iter().filter(|point| point.ratio() < LARGEST_RATIO).collect();
+        rows.push(vec![format!("`{}`", of.run), own.len().to_string()]);
+        points.extend(own);
     }
-    let wrong = |error| failed(of.run, &error);
-    let points = of.tank.isothermal_flow(&of.record, windows).map_err(wrong)?;
-    let points: Vec<SteadyPoint> = points.into_iter().filter(|point| point.ratio() < LARGEST_RATIO).collect();
-    let found = FlowCurve::fit(&points, &of.tank.air, Scatter::Constant).map_err(wrong)?;
+    let (names, air) = (names(runs), runs[0].tank.air);
+    let found = FlowCurve::fit(&points, &air, Scatter::Constant).map_err(|error| failed(&names, &error))?;
     let both = [&found.sonic_conductance, &found.critical_ratio];
-    let (scenario, numbers) = with_conductance(&of.scenario, of.entry.transfer, both, false, warnings)?;
+    let (scenarios, numbers) = with_both(runs, both, warnings)?;
     let words = format!(
         "C = {} and b = {} from the slopes of {} windows with a pressure ratio below {LARGEST_RATIO}, as of an isothermal tank.",
         conductance(&found.sonic_conductance),
         told(&found.critical_ratio, 1.0, ""),
         points.len()
     );
-    let plates = match stems {
-        Some([pressure, curve]) => {
-            vec![pressure_plate(of, None, pressure), curve_plate(&points, &found, &of.tank.air, curve)?]
-        }
-        None => Vec::new(),
+    let mut plates: Vec<Plate> = runs.iter().zip(PRESSURES).map(|(of, stem)| pressure_plate(of, None, stem)).collect();
+    plates.push(curve_plate(&points, &found, &air, "flow-curve")?);
+    let left = Table {
+        caption: "The windows of each run that count.".to_owned(),
+        head: ["run", "windows"].map(String::from).to_vec(),
+        rows,
     };
-    Ok(Found { scenario, numbers, words, plates })
+    Ok(Found { scenarios, numbers, words, plates, left })
 }
 
-/// The valve or the volume from the whole trajectory.
-fn by_trajectory(
-    of: &Experiment<'_>,
-    stems: Option<[&'static str; 2]>,
-    warnings: &mut Vec<String>,
-) -> Result<Found, Failure> {
-    let found = of.tank.fit(&of.record, sought(of)?, of.entry.heat).map_err(|error| failed(of.run, &error))?;
-    if found.fit.scatter > MISFIT {
+/// The valve or the volume from the whole trajectories.
+fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<Found, Failure> {
+    let names = names(runs);
+    let records: Vec<(Tank, &TankRecord)> = runs.iter().map(|of| (of.tank, &of.record)).collect();
+    let found = Tank::fit_together(&records, sought(&runs[0])?, runs[0].entry.heat).map_err(|e| failed(&names, &e))?;
+    for (of, [scatter, noise]) in runs.iter().zip(&found.of_records).filter(|(_, [left, noise])| *left > MISFIT * noise)
+    {
         warnings.push(format!(
             "{WARNED}`{}`: the trajectory is {} off (root mean square), {:.1} times the noise of the readings: check `air.process`, \
              `begins`, and the temperature. The intervals do not know of it.",
             of.run,
-            quantity(found.scatter, "Pa"),
-            found.fit.scatter
+            quantity(*scatter, "Pa"),
+            scatter / noise
         ));
     }
     warnings.extend(values::warnings(&found.fit));
-    let (mut scenario, mut numbers, mut words) = match (&found.sonic_conductance, &found.critical_ratio, &found.volume)
+    let (mut scenarios, mut numbers, mut words) = match (&found.sonic_conductance, &found.critical_ratio, &found.volume)
     {
         (Some(c), Some(b), _) => {
-            let (scenario, numbers) = with_conductance(&of.scenario, of.entry.transfer, [c, b], false, warnings)?;
-            (scenario, numbers, format!("C = {} and b = {}", conductance(c), told(b, 1.0, "")))
+            let (scenarios, numbers) = with_both(runs, [c, b], warnings)?;
+            (scenarios, numbers, format!("C = {} and b = {}", conductance(c), told(b, 1.0, "")))
         }
-        (_, _, Some(volume)) => with_volume(of, volume)?,
+        (_, _, Some(volume)) => with_volumes(runs, volume)?,
         _ => return Err(Failure::stopped("nothing was found")),
     };
     if let Some(heat) = &found.heat_transfer {
-        put(&mut scenario, &[(&parameter::HEAT_TRANSFER, heat.value)])?;
+        for scenario in &mut scenarios {
+            put(scenario, &[(&parameter::HEAT_TRANSFER, heat.value)])?;
+        }
         words.push_str(&format!(", h A = {}", told(heat, 1.0, "W/K")));
         numbers.push(named(heat, &parameter::HEAT_TRANSFER));
     }
     words.push_str(&format!(
-        ", from {} readings that scatter by {} about the trajectory.",
-        of.times.len(),
+        ", from {} readings{} that scatter by {} about the trajectory.",
+        runs.iter().map(|of| of.times.len()).sum::<usize>(),
+        if runs.len() > 1 { format!(" of {} runs together", runs.len()) } else { String::new() },
         quantity(found.scatter, "Pa")
     ));
-    let plates = stems.map(|[pressure, _]| pressure_plate(of, Some(&found), pressure)).into_iter().collect();
-    Ok(Found { scenario, numbers, words, plates })
+    let plates = runs.iter().enumerate().zip(PRESSURES);
+    let plates = plates.map(|((run, of), stem)| pressure_plate(of, Some(off(runs, &found, run)), stem));
+    let row = |(of, [scatter, noise]): (&Experiment<'_>, &[f64; 2])| {
+        let [told, of_noise] = [scatter, noise].map(|pressure| quantity(*pressure, "Pa"));
+        vec![format!("`{}`", of.run), of.times.len().to_string(), told, of_noise]
+    };
+    let left = Table {
+        caption:
+            "What is left of each run about its trajectory, and the noise of its readings as their neighbours tell it."
+                .to_owned(),
+        head: ["run", "readings", "left", "noise"].map(String::from).to_vec(),
+        rows: runs.iter().zip(&found.of_records).map(row).collect(),
+    };
+    let plates = plates.collect();
+    Ok(Found { scenarios, numbers, words, plates, left })
+}
+
+/// The names of the runs, as a mistake names what it is of.
+fn names(runs: &[Experiment<'_>]) -> String {
+    runs.iter().map(|of| of.run).collect::<Vec<_>>().join("`, `")
+}
+
+/// Simulated less measured pressure in Pa of one of the runs.
+fn off(runs: &[Experiment<'_>], found: &TankFit, run: usize) -> Vec<f64> {
+    let before: usize = runs[..run].iter().map(|of| of.times.len()).sum();
+    let own = &found.fit.residuals[before..][..runs[run].times.len()];
+    own.iter().map(|residual| residual * found.of_records[run][1]).collect()
+}
+
+/// The scenario of each run with C and b; what is told of it is told once.
+fn with_both(
+    runs: &[Experiment<'_>],
+    both: [&Estimate; 2],
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Scenario>, Vec<Estimate>), Failure> {
+    let (mut scenarios, mut numbers) = (Vec::new(), Vec::new());
+    for of in runs {
+        let mut told = Vec::new();
+        let (scenario, named) = with_conductance(&of.scenario, of.entry.transfer, both, false, &mut told)?;
+        scenarios.push(scenario);
+        numbers = named;
+        told.retain(|warning| !warnings.contains(warning));
+        warnings.extend(told);
+    }
+    Ok((scenarios, numbers))
+}
+
+/// The scenario of each run with the external volume.
+fn with_volumes(runs: &[Experiment<'_>], volume: &Estimate) -> Result<(Vec<Scenario>, Vec<Estimate>, String), Failure> {
+    let mut all = (Vec::new(), Vec::new(), String::new());
+    for of in runs {
+        let (scenario, numbers, words) = with_volume(of, volume)?;
+        all.0.push(scenario);
+        (all.1, all.2) = (numbers, words);
+    }
+    Ok(all)
 }
 
 /// What is unknown; guesses of C and b are those of the scenario's passage.
@@ -355,32 +391,20 @@ fn told_volume(volume: f64) -> String {
     format!("{:.3} cm³", 1e6 * volume)
 }
 
-/// Pressure over time, measured and fitted.
-fn pressure_plate(of: &Experiment<'_>, found: Option<&TankFit>, stem: &'static str) -> Plate {
+/// Pressure over time, measured and, where it was simulated, fitted.
+fn pressure_plate(of: &Experiment<'_>, off: Option<Vec<f64>>, stem: &'static str) -> Plate {
     let measured = Series::dots("measured", of.times.clone(), of.pressures.clone()).colour(Colour::Category(1));
     let mut top =
         Panel::new(Axis::new("absolute pressure", "Pa")).legend(Legend::Above).height_mm(55.0).series(measured);
     let mut panels = Vec::new();
     let mut data = Data::new(&["time_s", "measured_pa", "fitted_pa"]);
     let mut caption = format!("`{}`: the pressure in the tank", of.run);
-    let off: Vec<f64> = match found {
-        Some(found) => {
-            let noise = found.scatter / found.fit.scatter.max(f64::MIN_POSITIVE);
-            found.fit.residuals.iter().map(|residual| residual * noise).collect()
-        }
-        None => vec![f64::NAN; of.times.len()],
-    };
-    let fitted: Vec<f64> = of.pressures.iter().zip(&off).map(|(pressure, off)| pressure + off).collect();
+    let of_fit = off.clone().unwrap_or_else(|| vec![f64::NAN; of.times.len()]);
+    let fitted: Vec<f64> = of.pressures.iter().zip(&of_fit).map(|(pressure, off)| pressure + off).collect();
     data.rows = (0..of.times.len()).map(|row| vec![of.times[row], of.pressures[row], fitted[row]]).collect();
-    if found.is_some() {
+    if let Some(off) = off {
         top = top.series(Series::line("fitted", of.times.clone(), fitted));
-        panels.push(
-            Panel::new(Axis::new("off", "Pa"))
-                .horizontal(0.0, "")
-                .legend(Legend::Hidden)
-                .height_mm(20.0)
-                .series(Series::dots("", of.times.clone(), off)),
-        );
+        panels.push(outcome::off("off", "Pa", Series::dots("", of.times.clone(), off)));
         caption.push_str(", measured and fitted, and the one less the other");
     }
     panels.insert(0, top);

@@ -1,0 +1,158 @@
+//! The pressure in the actuator as a given function of time, in place of a valve.
+//!
+//! ```text
+//! P_g(t)   straight lines between (t, P_g), constant before the first row and after the last
+//! ṁ        what the process of the air then takes: κ P (ṁ/m − V̇/V) = dP/dt, or by the energy balance
+//! ```
+//!
+//! So what a rig does, and the numbers of its load, force law and friction, follow from a pressure that was measured, whatever
+//! made it: nothing of valve, supply or hose need be known. What comes in is as warm as the air inside; the motion does not
+//! ask for it. The rows are exact instants, at which the rate jumps.
+//!
+//! Only the event-located engine takes it. Checked by `tests/pressure_course.rs`: the static force of an isometric rig, a
+//! rig that is fed back the pressure of a simulated valve, the air by each process, and derivatives against differences.
+
+use super::hybrid::{Phase, RigSystem};
+use super::rig::Rig;
+use crate::air::{Chamber, Flow};
+use crate::convert::Convert;
+use crate::error::Error;
+use crate::force::Statics;
+use crate::line::split;
+#[cfg(feature = "alloc")]
+use crate::parameter;
+#[cfg(feature = "alloc")]
+use crate::pressure::GaugePressure;
+use crate::scalar::{Over, Real, Scalar};
+
+/// What such a pressure does not go together with.
+const ALONE: Error = Error::Unsupported {
+    what: "only the event-located engine takes a pressure that is given over time, in place of valve and line, and without a tendon \
+           in series",
+    remedy: "set run.engine = \"event-located\" and leave out [valve], [hose], actuator.leakage and [tendon], or leave out [pressure]",
+};
+
+#[cfg(feature = "alloc")]
+type Rows<S> = alloc::vec::Vec<[S; 2]>;
+/// Without a place for rows there are none.
+#[cfg(not(feature = "alloc"))]
+type Rows<S> = [[S; 2]; 0];
+
+/// Gauge pressures over time, with straight lines between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureCourse<S = f64> {
+    /// Time in s and gauge pressure in Pa.
+    rows: Rows<S>,
+}
+
+#[cfg(feature = "alloc")]
+impl PressureCourse {
+    /// Straight lines through `(time, gauge_pressure)` in s and Pa.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists differ in length, are empty, or the times are negative or do not rise;
+    /// [`Error::OutOfRange`] for a pressure that is not finite.
+    pub fn new(time: &[f64], gauge_pressure: &[f64]) -> Result<Self, Error> {
+        if time.len() != gauge_pressure.len() || time.is_empty() {
+            return Err(Error::Table {
+                name: parameter::COURSE_GAUGE_PRESSURE.key,
+                problem: "there is not one pressure for each time",
+                entry: time.len().min(gauge_pressure.len()) + 1,
+                remedy: "give as many pressures as times",
+            });
+        }
+        crate::valve::check_times(parameter::COURSE_TIME.key, time)?;
+        let row = |(time, gauge): (&f64, &f64)| Ok([*time, parameter::COURSE_GAUGE_PRESSURE.check(*gauge)?]);
+        Ok(Self { rows: time.iter().zip(gauge_pressure).map(row).collect::<Result<_, Error>>()? })
+    }
+
+    /// The least of its gauge pressures.
+    pub(super) fn least(&self) -> GaugePressure {
+        GaugePressure(self.rows.iter().fold(f64::INFINITY, |least, [_, gauge]| least.min(*gauge)))
+    }
+}
+
+impl<S: Scalar> PressureCourse<S> {
+    /// The same over another scalar.
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> PressureCourse<T> {
+        #[cfg(not(feature = "alloc"))]
+        let rows = {
+            let _ = convert;
+            []
+        };
+        #[cfg(feature = "alloc")]
+        let rows = {
+            let row = |[time, gauge]: &[S; 2]| {
+                let time = convert.parameter(&parameter::COURSE_TIME, *time);
+                [time, convert.parameter(&parameter::COURSE_GAUGE_PRESSURE, *gauge)]
+            };
+            self.rows.iter().map(row).collect()
+        };
+        PressureCourse { rows }
+    }
+
+    /// Instant in s of the row of index `row`.
+    pub fn row(&self, row: usize) -> Option<S> {
+        self.rows.get(row).map(|[time, _]| *time)
+    }
+
+    /// Gauge pressure in Pa and its rate in Pa/s at a time in s, after so many rows have passed.
+    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 2] {
+        let rows = &self.rows[..];
+        let next = rows.get(passed);
+        let [[start, gauge], [end, next]] = match (passed.checked_sub(1).and_then(|last| rows.get(last)), next) {
+            (Some(last), Some(next)) => [*last, *next],
+            (Some(only), None) | (None, Some(only)) => return [T::of(only[1]), T::zero()],
+            // More rows than there are have passed, or there is none: neither can be.
+            (None, None) => return [T::of(rows.last().map_or(S::zero(), |row| row[1])), T::zero()],
+        };
+        let rate = T::of((next - gauge) / (end - start));
+        [T::of(gauge) + rate * (time - T::of(start)), rate]
+    }
+}
+
+impl Rig {
+    /// The same rig with the gauge pressure in its actuator given over time. It starts at the first row's, whatever
+    /// [`Initial`](super::Initial) says.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a rig with a valve, a leak or a tendon in series; [`Error::Inconsistent`] for a pressure
+    /// below vacuum.
+    #[cfg(feature = "alloc")]
+    pub fn with_pressure(self, course: PressureCourse) -> Result<Self, Error> {
+        if self.actuator().valve().is_some() || self.has_plumbing() || self.tendon().is_some() {
+            return Err(ALONE);
+        }
+        let (air, least) = (self.actuator().air(), course.least());
+        if least.absolute(air.atmosphere()).0 <= 0.0 {
+            return Err(crate::valve::below_vacuum(&parameter::COURSE_GAUGE_PRESSURE, least, air));
+        }
+        Ok(self.driven_at(course))
+    }
+}
+
+impl<S: Scalar, L: Statics<S>> Rig<S, L> {
+    /// That the air of the actuator is what its valve makes it.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a pressure that is given over time.
+    pub(crate) fn check_pressure_is_free(&self) -> Result<(), Error> {
+        match self.pressure_course() {
+            None => Ok(()),
+            Some(_) => Err(ALONE),
+        }
+    }
+}
+
+impl<R: Real> RigSystem<'_, R> {
+    /// Gauge pressure in Pa and its rate in Pa/s at a time in s, where they are given.
+    #[inline(always)]
+    pub(super) fn given<T: Over<R>>(&self, time: T, phase: &Phase<R>) -> Option<[T; 2]> {
+        self.rig.pressure_course().map(|course| course.at(time, phase.progress.rows_passed))
+    }
+
+    /// The flow that the rate of a given pressure in Pa/s takes.
+    pub(super) fn flow_for<T: Over<R>>(&self, chamber: &Chamber<T>, rate: T) -> Flow<T> {
+        split(self.rig.actuator().air().flow_for(chamber, rate))
+    }
+}

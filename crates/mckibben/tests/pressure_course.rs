@@ -1,0 +1,143 @@
+//! A pressure that is given over time: the static force at it, the motion that a simulated valve made, the air by each process
+//! in closed form, derivatives against differences, and what does not take it.
+
+use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
+use mckibben::air::Process;
+use mckibben::parameter;
+use mckibben::simulation::{EventKind, FixedStepper, InitialLength, Method, PressureCourse, Rig, simulate};
+use mckibben::valve::{Command, Request};
+use mckibben::{Dual, Scalar};
+
+const TIME: [f64; 4] = [0.02, 0.1, 0.15, 0.3];
+const GAUGE: [f64; 4] = [20.0 * PSI, 80.0 * PSI, 75.0 * PSI, 30.0 * PSI];
+
+fn course() -> PressureCourse {
+    PressureCourse::new(&TIME, &GAUGE).expect("a course")
+}
+
+fn given(paper: &Paper) -> Rig {
+    paper.rig().with_pressure(course()).expect("a rig")
+}
+
+/// The straight lines, by hand.
+fn gauge(time: f64) -> f64 {
+    let next = TIME.iter().position(|row| *row > time).unwrap_or(TIME.len());
+    match next {
+        0 => GAUGE[0],
+        4 => GAUGE[3],
+        _ => {
+            let part = (time - TIME[next - 1]) / (TIME[next] - TIME[next - 1]);
+            GAUGE[next - 1] + part * (GAUGE[next] - GAUGE[next - 1])
+        }
+    }
+}
+
+#[test]
+fn an_isometric_rig_pulls_with_the_static_force_of_the_pressure() {
+    let paper = Paper::sealed().isometric(0.085);
+    let rig = given(&paper);
+    let start = rig.start(&paper.initial()).expect("a start");
+    assert_close(start.pressure.0, GAUGE[0] + ATMOSPHERE, 1e-15);
+    let run = simulate(&rig, start, 0.4, 1e-9).expect("a run");
+    for time in (0..=80).map(|step| 5e-3 * f64::from(step)) {
+        let sample = run.at(time);
+        assert_close(sample.pressure.0, gauge(time) + ATMOSPHERE, 1e-13);
+        assert_close(sample.tension, rig.actuator().static_force(0.085, gauge(time) + ATMOSPHERE), 1e-12);
+    }
+    let corners: Vec<f64> =
+        run.events().iter().filter(|event| event.kind == EventKind::Corner).map(|event| event.time).collect();
+    assert_eq!(corners, TIME);
+}
+
+/// The pressure that a valve made, read so often that straight lines between two readings are it.
+#[test]
+fn the_pressure_of_a_valve_moves_the_load_as_the_valve_did() {
+    let paper = Paper::pwm(20.0, 0.45).gauge(30.0 * PSI).mass(6.0);
+    let valve = paper.run(0.4, 1e-11);
+    let mut times: Vec<f64> = (0..=20_000).map(|step| 2e-5 * f64::from(step)).collect();
+    // Where a seat moves the pressure has a corner.
+    times.extend(valve.events().iter().map(|event| event.time));
+    times.sort_by(f64::total_cmp);
+    times.dedup_by(|a, b| *a - *b < 1e-9);
+    let gauges: Vec<f64> = times.iter().map(|time| valve.at(*time).pressure.0 - ATMOSPHERE).collect();
+    let sealed = Paper { command: None, ..paper };
+    let rig = sealed.rig().with_pressure(PressureCourse::new(&times, &gauges).expect("a course")).expect("a rig");
+    let run = simulate(&rig, rig.start(&sealed.initial()).expect("a start"), 0.4, 1e-10).expect("a run");
+    for time in (0..=200).map(|step| 2e-3 * f64::from(step)) {
+        let (ours, theirs) = (run.at(time), valve.at(time));
+        assert_within(ours.length, theirs.length, 1e-7);
+        // The paper's air has one entropy, whichever way its pressure came about.
+        assert_close(ours.air_mass, theirs.air_mass, 1e-5);
+    }
+}
+
+#[test]
+fn the_air_follows_by_its_process() {
+    let gamma = 1.4;
+    let without_heat = Process::EnergyBalance { heat_transfer: 0.0, wall_temperature: 293.15 };
+    let warm = Process::EnergyBalance { heat_transfer: 1e3, wall_temperature: 293.15 };
+    // P ∝ m^κ at one volume; much heat keeps the wall's temperature.
+    for (process, index, within) in [
+        (Process::Isentropic, gamma, 1e-8),
+        (Process::Isothermal, 1.0, 1e-12),
+        (Process::Polytropic { index: 1.2 }, 1.2, 1e-8),
+        (without_heat, gamma, 1e-8),
+        (warm, 1.0, 1e-3),
+    ] {
+        let paper = Paper::sealed().isometric(0.085).process(process);
+        let rig = given(&paper);
+        let start = rig.start(&paper.initial()).expect("a start");
+        let run = simulate(&rig, start, 0.35, 1e-10).expect("a run");
+        for time in [0.05, 0.1, 0.12, 0.2, 0.35] {
+            let sample = run.at(time);
+            let expected = start.air_mass * (sample.pressure.0 / start.pressure.0).powf(1.0 / index);
+            assert_close(sample.air_mass, expected, within);
+            let rate = slope(1e-5, |dt| run.at(time - 1e-3 + dt).air_mass);
+            assert_within(run.at(time - 1e-3).mass_flow, rate, 1e-3 * rate.abs() + 1e-12);
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_differences() {
+    let paper = Paper::sealed().mass(6.0);
+    let rig = given(&paper);
+    let run = |rig: &Rig| {
+        let start = rig.start(&paper.initial()).expect("a start");
+        let sample = simulate(rig, start, 0.25, 1e-12).expect("a run").at(0.25);
+        [sample.length, sample.velocity]
+    };
+    for row in [&parameter::MASS, &parameter::VISCOUS, &parameter::TURNS, &parameter::COURSE_GAUGE_PRESSURE] {
+        type One = Dual<f64, 1>;
+        let seeded = seeded(&rig, row);
+        let start = seeded.begin(&paper.initial().map(|_, value| One::constant(value))).expect("a start");
+        let sample = simulate(&seeded, start, One::constant(0.25), 1e-12).expect("a run").at(One::constant(0.25));
+        for (place, exact) in [sample.length, sample.velocity].into_iter().enumerate() {
+            let difference = slope(1e-5, |part| run(&scaled(&rig, row, part))[place]);
+            assert_within(exact.slope[0], difference, 1e-5 * difference.abs() + 1e-9);
+        }
+    }
+}
+
+#[test]
+fn what_does_not_go_together_is_refused() {
+    let error = Paper::driven(Command::Constant(Request::Fill)).rig().with_pressure(course()).expect_err("a valve");
+    assert!(error.to_string().contains("in place of valve and line"), "{error}");
+    let vacuum = PressureCourse::new(&[0.0, 1.0], &[0.0, -1.1e5]).expect("a course");
+    let error = Paper::sealed().rig().with_pressure(vacuum).expect_err("below vacuum");
+    assert!(error.to_string().contains("pressure.gauge_pressure = -110000"), "{error}");
+    for (times, gauges, words) in [
+        (&[0.0, 1.0][..], &[1e5][..], "entry 2"),
+        (&[], &[], "not one pressure for each time"),
+        (&[1.0, 0.5], &[1e5, 1e5], "do not rise"),
+        (&[0.0], &[f64::NAN], "pressure.gauge_pressure"),
+    ] {
+        let error = PressureCourse::new(times, gauges).expect_err("no course").to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let paper = Paper::sealed().with(|paper| paper.length = InitialLength::At(0.09));
+    let rig = given(&paper);
+    let start = rig.start(&paper.initial()).expect("a start");
+    let error = FixedStepper::new(&rig, start, Method::Stable).advance_to(1e-3).expect_err("fixed steps");
+    assert!(error.to_string().contains("only the event-located engine"), "{error}");
+}
