@@ -65,7 +65,8 @@ use core::f64::consts::PI;
 pub struct Linearization {
     /// Where.
     pub point: OperatingPoint,
-    /// All states that can move: the four, or pressure and air mass where both ends are held.
+    /// All states that can move: the four, or pressure and air mass where both ends are held; on a tendon the load's beside the
+    /// actuator's.
     pub system: StateSpace,
     /// The valve's mean flow, if that is part of the model.
     pub averaged: Option<Averaged>,

@@ -10,6 +10,8 @@
 //! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way,
 //! [`simulate_joint_controlled`] the first of these for a joint.
 //!
+//! Whatever goes through time at fixed steps is a [`Stepper`].
+//!
 //! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop,
 //! and a [`Manifold`] feeds several that are unlike from one supply.
 
