@@ -33,7 +33,7 @@ use crate::air::Air;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Mask, Over, Scalar};
 use core::f64::consts::PI;
 
 /// Reynolds number up to which the flow is laminar.
@@ -286,17 +286,62 @@ fn steepest_drive<T: Scalar>(drive: T) -> T {
 #[inline(always)]
 pub fn reynolds_at<T: Scalar>(drive: T) -> T {
     let number = T::constant;
-    let laminar = drive * number(1.0 / 32.0);
-    // Beyond its own range each formula is asked for nothing worse than the value at its end.
-    let turbulent = turbulent_at(drive.larger(number(TURBULENT_DRIVE)));
-    let transition = transition_at(drive.larger(number(LAMINAR_DRIVE)).smaller(number(TURBULENT_DRIVE)));
-    let below = T::select(drive.lt(number(LAMINAR_DRIVE)), laminar, transition);
-    T::select(drive.lt(number(TURBULENT_DRIVE)), below, turbulent)
+    let is_laminar = drive.lt(number(LAMINAR_DRIVE));
+    let mut reynolds = drive * number(1.0 / 32.0);
+    // What no lane needs is not computed.
+    if (!is_laminar).any() {
+        // Beyond its own range each formula is asked for nothing worse than the value at its end.
+        let transition = transition_at(drive.larger(number(LAMINAR_DRIVE)).smaller(number(TURBULENT_DRIVE)));
+        reynolds = T::select(is_laminar, reynolds, transition);
+        let is_below = drive.lt(number(TURBULENT_DRIVE));
+        if (!is_below).any() {
+            let turbulent = turbulent_at(drive.larger(number(TURBULENT_DRIVE)));
+            reynolds = T::select(is_below, reynolds, turbulent);
+        }
+    }
+    reynolds
 }
 
 #[inline(always)]
 fn turbulent_at<T: Scalar>(drive: T) -> T {
-    (drive * T::constant(1.0 / BLASIUS)).power(T::constant(4.0 / 7.0))
+    four_sevenths(drive * T::constant(1.0 / BLASIUS))
+}
+
+/// `z^(4/7)` for z from `4000^(7/4)` on, to the last digits up to Re = 10⁷: `z^(1/2) z^(1/16) (z^(1/64))^(4/7)`, with Padé's fraction
+/// of the last factor about [`MIDDLE`]. Lanes have roots; they have no logarithm.
+#[inline(always)]
+fn four_sevenths<T: Scalar>(z: T) -> T {
+    let half = z.sqrt();
+    let eighth = half.sqrt().sqrt();
+    let sixteenth = eighth.sqrt();
+    let sixty_fourth = sixteenth.sqrt().sqrt();
+    let off = sixty_fourth * T::constant(1.0 / MIDDLE) - T::one();
+    half * sixteenth * T::constant(OF_MIDDLE) * polynomial(off, PADE[0]) / polynomial(off, PADE[1])
+}
+
+#[inline(always)]
+fn polynomial<T: Scalar>(x: T, [zeroth, first, second, third, fourth, fifth]: [f64; 6]) -> T {
+    let high = x.multiply_add(x.multiply_add(T::constant(fifth), T::constant(fourth)), T::constant(third));
+    x.multiply_add(x.multiply_add(x.multiply_add(high, T::constant(second)), T::constant(first)), T::constant(zeroth))
+}
+
+/// `z^(1/64)` in the middle of the turbulent range, and its power 4/7.
+const MIDDLE: f64 = 1.35;
+const OF_MIDDLE: f64 = 1.187_070_299_682_377;
+
+/// Numerator and denominator of Padé's fraction of `(1 + x)^(4/7)`, of order 5 over 5, in rising powers of x.
+const PADE: [[f64; 6]; 2] = [pade(4.0 / 7.0), pade(-4.0 / 7.0)];
+
+const fn pade(exponent: f64) -> [f64; 6] {
+    let mut coefficients = [1.0; 6];
+    let mut power = 1;
+    while power < 6 {
+        let before = (power - 1) as f64;
+        let grows = (5.0 - before) / (before + 1.0) * (exponent + 5.0 - before) / (10.0 - before);
+        coefficients[power] = coefficients[power - 1] * grows;
+        power += 1;
+    }
+    coefficients
 }
 
 /// The turbulent law, below its start by four terms of its series there: the power itself has no value below zero.
