@@ -149,7 +149,7 @@ impl<F: Float> Batch<F> {
     }
 
     /// A batch at t = 0 whose rows have a controller each, with the widest instructions of this machine. Each row is the run of
-    /// [`ControlledStepper`](crate::simulation::ControlledStepper), bit for bit.
+    /// [`ControlledStepper`], bit for bit.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when a rig has no valve, or one without seats.

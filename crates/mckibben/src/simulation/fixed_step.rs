@@ -41,7 +41,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
 
     /// The time in s that has been reached.
     pub fn time(&self) -> R {
-        self.journey.walk.course.time
+        self.journey.time()
     }
 
     /// The state at that time: the actuator's own where a tendon is in series.
