@@ -70,15 +70,16 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
         given.push(document.contains(parameter::MIN_LENGTH.key));
     }
     let (unknowns, numbers) = sought::of_runs(material, &mut scenarios)?;
-    let parts = material.recordings.iter().zip(scenarios).zip(numbers).zip(given);
-    let run = |(((recording, (name, scenario)), of), given): (((&Recording, (String, Scenario)), OfRun), bool)| {
+    let mut runs = Vec::new();
+    for (((name, scenario), OfRun { places, unknowns }), (recording, given)) in
+        scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(given))
+    {
         let mut courses = courses(recording, scenario.air.atmospheric_pressure);
         if scenario.pressure.is_some() {
             courses.retain(|course| course.observed != Observed::GaugePressure);
         }
-        Recorded { name, adjustable: Adjustable::new(scenario, of.places, given), unknowns: of.unknowns, courses }
-    };
-    let runs = parts.map(run).collect();
+        runs.push(Recorded { name, adjustable: Adjustable::new(scenario, places, given), unknowns, courses });
+    }
     let starts = sought::more_starts(&unknowns, material.study.more_starts);
     Ok(Task {
         runs,
