@@ -1,7 +1,7 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
 use super::outcome::{self, Outcome, WARNED};
-use super::sought;
+use super::sought::{self, OfRun};
 use super::{Material, pressure_over_time, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -70,15 +70,15 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
         given.push(document.contains(parameter::MIN_LENGTH.key));
     }
     let (unknowns, numbers) = sought::of_runs(material, &mut scenarios)?;
-    let parts = material.recordings.iter().zip(scenarios).zip(numbers).zip(given);
     let mut runs = Vec::new();
-    for (((recording, (name, scenario)), of), given) in parts {
+    for (((name, scenario), OfRun { places, unknowns }), (recording, given)) in
+        scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(given))
+    {
         let mut courses = courses(recording, scenario.air.atmospheric_pressure);
         if scenario.pressure.is_some() {
             courses.retain(|course| course.observed != Observed::GaugePressure);
         }
-        let adjustable = Adjustable::new(scenario, of.places, given);
-        runs.push(Recorded { name, adjustable, unknowns: of.unknowns, courses });
+        runs.push(Recorded { name, adjustable: Adjustable::new(scenario, places, given), unknowns, courses });
     }
     let starts = sought::more_starts(&unknowns, material.study.more_starts);
     Ok(Task {
