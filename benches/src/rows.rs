@@ -98,7 +98,8 @@ fn measure<S: Stepper + Send>(begin: impl Fn() -> Result<S, Error> + Sync) -> Re
 }
 
 fn of_leg(rig: &Rig) -> Result<LegStepper, Error> {
-    let range = |low: f64, high: f64| Range { ends: [low, high], damping: 0.02, stop_stiffness: 50.0, stop_damping: 0.3 };
+    let range =
+        |low: f64, high: f64| Range { ends: [low, high], damping: 0.02, stop_stiffness: 50.0, stop_damping: 0.3 };
     let pair = |hip: f64, knee: f64, rest_length: f64| {
         [1.0, -1.0].map(|way| Strand { arms: [way * hip, way * knee], rest_length })
     };
