@@ -130,6 +130,8 @@ fn test(root: &Path) -> Result<Tally, String> {
     let mut command = cargo(root);
     command.args(["test", "--workspace", "--locked", "--no-fail-fast"]);
     command.env("MCKIBBEN_REFERENCE", python::reference_folder(root)).stdout(Stdio::piped());
+    // What is compiled once keeps nothing for the next time.
+    command.env("CARGO_INCREMENTAL", "0");
     let mut child = command.spawn().map_err(|error| format!("cargo test could not be started: {error}"))?;
     let (mut passed, mut failed) = (0, 0);
     if let Some(output) = child.stdout.take() {
