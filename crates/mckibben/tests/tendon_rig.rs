@@ -2,8 +2,6 @@
 
 use crate::common::tendon::{MASS, Muscle, REST, STIFFNESS, independent, on_tendon, smooth};
 use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
-#[cfg(feature = "batch")]
-use mckibben::batch::{Batch, Row};
 use mckibben::load::{Load, Motion};
 use mckibben::parameter::{self, Parameter};
 use mckibben::simulation::{FixedStepper, Method, ModularActuator, Rig, Sample, SeriesTendon, State, simulate};
@@ -192,9 +190,4 @@ fn whoever_does_not_take_it_says_so() {
     let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");
     let told = paper.rig().with_load(moved).with_tendon(tendon).expect_err("refused").to_string();
     assert!(told.contains("isometric"), "{told}");
-    #[cfg(feature = "batch")]
-    {
-        let batch: Batch<f64> = Batch::new(vec![Row { rig, start }], Method::Stable);
-        assert!(batch.samples()[0].is_err());
-    }
 }
