@@ -28,6 +28,7 @@ from mckibben._mckibben import (
     LinearModel,
     Response,
     Scenario,
+    Sweep,
     Trajectory,
     curves,
     identify,
@@ -35,6 +36,7 @@ from mckibben._mckibben import (
     presets,
     simulate,
 )
+from mckibben._sweep import Swept, sweep
 from mckibben.errors import Error, InputError, OutputError, StoppedError
 
 __all__ = [
@@ -51,10 +53,13 @@ __all__ = [
     "Response",
     "Scenario",
     "StoppedError",
+    "Sweep",
+    "Swept",
     "Trajectory",
     "curves",
     "identify",
     "linearize",
     "presets",
     "simulate",
+    "sweep",
 ]

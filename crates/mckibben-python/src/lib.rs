@@ -9,6 +9,7 @@
 //! | `curves` | `curves`, `presets` |
 //! | `linear` | `linearize`, the class `LinearModel` |
 //! | `identification` | `identify`, the classes `Identification` and `Estimate` |
+//! | `sweep` | a sweep by its parts: `Sweep` |
 //! | `columns` | columns of numbers and words as NumPy arrays |
 //! | `typed` | objects with the types that the stubs give them |
 //! | `values` | dictionaries of Python to TOML and back |
@@ -26,6 +27,7 @@ mod identification;
 mod linear;
 mod raised;
 mod scenario;
+mod sweep;
 mod trajectory;
 mod typed;
 mod values;
@@ -45,6 +47,8 @@ mod _mckibben {
     use crate::linear::{LinearModel, linearize};
     #[pymodule_export]
     use crate::scenario::Scenario;
+    #[pymodule_export]
+    use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::trajectory::{Event, Trajectory, restored, simulate};
 

@@ -7,18 +7,18 @@ use crate::failure::Failure;
 use crate::output;
 use crate::plot::{PlotError, Theme};
 use crate::portrait;
-use crate::progress::Progress;
 use crate::quantities::{count, digits, given, quantity};
 use crate::record;
 use crate::settings::Setting;
-use crate::sweep::destination::{Destination, Place};
-use crate::sweep::folder::{Folder, Manifest};
+use crate::sweep::destination::Place;
+use crate::sweep::folder::Folder;
 use crate::sweep::plan::{Plan, Shard};
+use crate::sweep::prepared::Prepared;
 use crate::sweep::step::Choice;
 use crate::sweep::tally::Tally;
-use crate::sweep::{chart, read, rows, schedule, table};
+use crate::sweep::{chart, read};
 use crate::terminal::{self, FAINT, GOOD, HEADING, styled};
-use mckibben_scenario::{Document, Engine, Record, Sweep};
+use mckibben_scenario::{Document, Record, Sweep};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -96,27 +96,26 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let figure = figure.transpose()?;
     let target = Target::of(arguments)?;
     let (document, set) = document(arguments)?;
-    let sweep = document.sweep()?.ok_or_else(|| {
+    let prepared = Prepared::of(&document, &set)?.ok_or_else(|| {
         let title = format!("`{}` has no section [sweep]", arguments.file.display());
         Failure::input(title, "say what varies under [sweep.vary]; `mckibben sweep --help` has an example")
     })?;
+    let (sweep, plan) = (prepared.sweep(), prepared.plan());
     if figure.is_some() && !matches!(sweep.record(), Record::Reductions(_)) {
         let title = "--plot draws reductions, which are not recorded here";
         return Err(Failure::input(title, "set sweep.record = \"reductions\", or leave --plot out"));
     }
-    let plan = Plan { rows: sweep.rows(), part_rows: sweep.part_rows().max(1) };
     figure.map_or(Ok(()), |(path, _)| output::probe(path))?;
 
     let started = Instant::now();
-    let mut tally = Tally::new(&sweep, figure.is_some());
-    let columns = table::columns(&sweep);
+    let mut tally = Tally::new(sweep, figure.is_some());
     let mut parts: Vec<u64> = plan.shard(arguments.shard).collect();
     let place = match target {
         Target::Nothing => Place::Nowhere,
-        Target::File(path, format) => Place::file(path, format, &columns)?,
+        Target::File(path, format) => Place::file(path, format, prepared.columns())?,
         Target::Folder(path) => {
-            let folder = Folder::open(path, &Manifest::new(&plan, &sweep.fingerprint_text()))?;
-            let finished = keep(&folder, &plan, &parts, &sweep, &mut tally)?;
+            let folder = prepared.folder(path)?;
+            let finished = keep(&folder, &plan, &parts, sweep, &mut tally)?;
             parts.retain(|part| !finished.contains(part));
             Place::Folder(folder)
         }
@@ -125,19 +124,17 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let written = parts.len() as u64;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let jobs = arguments.jobs.unwrap_or_else(cores).get();
-    let choice = if parts.is_empty() { None } else { Choice::of(&sweep, jobs)? };
-    let notes = notes(&document, &set, &sweep, choice.as_ref(), &columns);
-    let destination = Destination::new(&sweep, plan, notes, place);
-    simulate((&sweep, choice.as_ref()), plan, parts, jobs, destination, &mut tally)?;
+    let choice = if parts.is_empty() { None } else { Choice::of(sweep, jobs)? };
+    prepared.simulate(choice.as_ref(), parts, jobs, place, &mut tally)?;
     let elapsed = started.elapsed();
 
     if let Some((path, format)) = figure {
         let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let bytes = chart::draw(&sweep, &tally, &title, (path, format))?;
+        let bytes = chart::draw(sweep, &tally, &title, (path, format))?;
         output::write(path, &bytes)?;
     }
     if !arguments.quiet {
-        terminal::print(&told(arguments, &plan, (&sweep, choice.as_ref()), &tally, (kept, written, elapsed)))?;
+        terminal::print(&told(arguments, &plan, (sweep, choice.as_ref()), &tally, (kept, written, elapsed)))?;
     }
     match tally.first_reason() {
         Some(reason) if tally.failed() == tally.runs() => {
@@ -207,12 +204,8 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     for key in idle {
         document.remove(key);
     }
-    let engine = match &arguments.engine {
-        Some(engine) => Some(engine.clone()),
-        None => engine_by_default(&document)?,
-    };
     for (option, key, value) in
-        [("--engine", "run.engine", engine), ("--record", "sweep.record", arguments.record.clone())]
+        [("--engine", "run.engine", arguments.engine.clone()), ("--record", "sweep.record", arguments.record.clone())]
     {
         if let Some(value) = value {
             document.set_text_from(option, key, &format!("\"{value}\""))?;
@@ -222,38 +215,13 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     Ok((document, set))
 }
 
-/// The engine of a sweep that names none: with fixed steps, save where a controller would need one that is not given.
-fn engine_by_default(document: &Document) -> Result<Option<String>, Failure> {
-    if document.contains("run.engine") {
-        return Ok(None);
-    }
-    let mut stepped = document.clone();
-    stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
-    // A sweep with mistakes is read again, and tells them.
-    let needs_step =
-        stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(|of| of.has_controllers() && !of.gives_step()));
-    let engine = if needs_step { Engine::EventLocated } else { Engine::FixedStep };
-    Ok(Some(engine.name().to_owned()))
-}
-
-/// The sweep of a document as it is done without options; none where it has no section `[sweep]`.
-pub(crate) fn of(document: &Document) -> Result<Option<Sweep>, Failure> {
-    let mut document = document.clone();
-    if let Some(engine) = engine_by_default(&document)? {
-        document.set_text("run.engine", &format!("\"{engine}\""))?;
-    }
-    Ok(document.sweep()?)
-}
-
 /// Does all runs of a sweep, on all cores, and draws them.
-pub(crate) fn svg(sweep: &Sweep, theme: Theme) -> Result<Result<String, PlotError>, Failure> {
-    let plan = Plan { rows: sweep.rows(), part_rows: sweep.part_rows().max(1) };
-    let parts = plan.shard(Shard::WHOLE).collect();
+pub(crate) fn svg(prepared: &Prepared, theme: Theme) -> Result<Result<String, PlotError>, Failure> {
     let jobs = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let (sweep, parts) = (prepared.sweep(), prepared.plan().shard(Shard::WHOLE).collect());
     let choice = Choice::of(sweep, jobs)?;
     let mut tally = Tally::new(sweep, true);
-    let destination = Destination::new(sweep, plan, Vec::new(), Place::Nowhere);
-    simulate((sweep, choice.as_ref()), plan, parts, jobs, destination, &mut tally)?;
+    prepared.simulate(choice.as_ref(), parts, jobs, Place::Nowhere, &mut tally)?;
     match tally.first_reason() {
         Some(reason) if tally.failed() == tally.runs() => {
             Err(Failure::stopped(format!("every run failed; the first because {reason}")))
@@ -280,76 +248,6 @@ fn keep(folder: &Folder, plan: &Plan, parts: &[u64], sweep: &Sweep, tally: &mut 
         finished.push(*part);
     }
     Ok(finished)
-}
-
-/// Runs the rows of parts and writes them.
-fn simulate(
-    (sweep, choice): (&Sweep, Option<&Choice>),
-    plan: Plan,
-    parts: Vec<u64>,
-    jobs: usize,
-    mut destination: Destination<'_>,
-    tally: &mut Tally,
-) -> Result<(), Failure> {
-    let rows_of = |part: &u64| plan.rows_of(*part).end - plan.rows_of(*part).start;
-    let total = parts.iter().map(rows_of).sum();
-    let progress = Progress::counted("runs", total);
-    let mut done = 0;
-    let units = plan.units(parts, unit(total, jobs, sweep));
-    let work = |unit: &crate::sweep::plan::Unit| rows::simulate_rows(sweep, choice, unit.rows.clone());
-    schedule::in_order(jobs, units, work, |unit, outcomes| {
-        destination.write(&unit, &outcomes)?;
-        for (row, outcome) in unit.rows.clone().zip(&outcomes) {
-            tally.see(row, outcome);
-        }
-        done += outcomes.len() as u64;
-        progress.at(done);
-        Ok(())
-    })?;
-    destination.finish()
-}
-
-/// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
-fn unit(rows: u64, jobs: usize, sweep: &Sweep) -> u64 {
-    const SHARE: u64 = 8;
-    let one_by_one = sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
-    let least = if one_by_one { 1 } else { rows::side_by_side() as u64 };
-    (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
-}
-
-/// What is said about the sweep in each of its files.
-fn notes(
-    document: &Document,
-    set: &[String],
-    sweep: &Sweep,
-    choice: Option<&Choice>,
-    columns: &[table::Column],
-) -> Vec<(String, String)> {
-    let units: serde_json::Map<String, serde_json::Value> = columns
-        .iter()
-        .filter(|column| column.kind == table::Kind::Number)
-        .map(|column| (column.name.clone(), column.unit.clone().into()))
-        .collect();
-    let source = document.source();
-    // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
-    let name = Path::new(source.name()).file_name();
-    let pairs = [
-        ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("mckibben.units", serde_json::Value::Object(units).to_string()),
-        ("mckibben.scenario_file", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())),
-        ("mckibben.scenario", source.text().to_owned()),
-        ("mckibben.set", serde_json::Value::from(set).to_string()),
-        ("mckibben.sweep", sweep.fingerprint_text()),
-        ("mckibben.design", sweep.design().name().to_owned()),
-        ("mckibben.seed", sweep.seed().to_string()),
-    ];
-    let step = choice.map(|Choice { step, accuracy, reached, unreached }| {
-        let json = serde_json::json!({
-            "longest_s": step, "accuracy": accuracy, "enough_for_runs": reached, "too_long_for_runs": unreached
-        });
-        ("mckibben.step", json.to_string())
-    });
-    pairs.into_iter().chain(step).map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// The summary.

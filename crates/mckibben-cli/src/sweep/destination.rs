@@ -71,8 +71,7 @@ impl<'a> Destination<'a> {
             },
         };
         for (row, outcome) in unit.rows.clone().zip(outcomes) {
-            table::lines(self.sweep, row, outcome, &mut |cells| sheet.line(cells))?;
-            self.failed += u64::from(matches!(outcome, Outcome::Failed(_)));
+            self.failed += table::write(self.sweep, row, outcome, sheet.as_mut())?;
         }
         if let Place::Folder(folder) = &self.place
             && unit.rows.end == rows.end
@@ -98,7 +97,7 @@ impl<'a> Destination<'a> {
 }
 
 /// What is said in a file: about the sweep, and about the rows in it.
-fn about(notes: &[(String, String)], part: u64, rows: std::ops::Range<u64>, failed: u64) -> Vec<(String, String)> {
+pub(super) fn about(notes: &[(String, String)], part: u64, rows: std::ops::Range<u64>, failed: u64) -> Vec<(String, String)> {
     let of_part =
         [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end)), (FAILED, failed.to_string())];
     notes.iter().cloned().chain(of_part.map(|(key, value)| (key.to_owned(), value))).collect()

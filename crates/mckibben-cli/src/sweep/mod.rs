@@ -8,6 +8,7 @@
 //!
 //! | module | its idea |
 //! |---|---|
+//! | [`prepared`] | a sweep that is ready to be done, by this process or part by part by any others |
 //! | [`plan`] | which rows make a part, which parts a shard, which rows a unit of work |
 //! | [`step`] | the step of the fixed-step engine, one for all rows |
 //! | [`rows`] | the runs of a unit, by either engine |
@@ -28,6 +29,7 @@ pub mod chart;
 pub mod destination;
 pub mod folder;
 pub mod plan;
+pub mod prepared;
 pub mod read;
 pub mod reduce;
 pub mod rows;

@@ -11,6 +11,7 @@
 //! one line without results.
 
 use super::rows::{Outcome, Samples};
+use super::sheet::Sheet;
 use crate::failure::Failure;
 use crate::record::{COLUMNS, VALVE, Value, of_joint};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
@@ -96,11 +97,17 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
     columns
 }
 
-/// Hands the lines of a run to `each`.
+/// Writes the lines of a run; 1 if it failed, to be counted.
 ///
 /// # Errors
-/// What `each` returns.
-pub fn lines(
+/// As [`Sheet::line`].
+pub fn write(sweep: &Sweep, row: u64, outcome: &Outcome, sheet: &mut dyn Sheet) -> Result<u64, Failure> {
+    lines(sweep, row, outcome, &mut |cells| sheet.line(cells))?;
+    Ok(u64::from(matches!(outcome, Outcome::Failed(_))))
+}
+
+/// Hands the lines of a run to `each`.
+fn lines(
     sweep: &Sweep,
     row: u64,
     outcome: &Outcome,

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::finished::{Finished, Ready};
 use crate::plot::Theme;
 use crate::portrait::Over;
+use crate::sweep::prepared::Prepared;
 use mckibben::load::Load;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
@@ -32,10 +33,10 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         Ok(Picture { svg, command, note: String::new() })
     };
     let mut note = String::new();
-    if let Some(sweep) = sweep::of(&document)? {
-        let rows = sweep.rows();
-        match sweep.record() {
-            Record::Reductions(_) if rows <= RUNS => return picture(sweep::svg(&sweep, Theme::Auto)?, "sweep", ""),
+    if let Some(prepared) = Prepared::of(&document, &[])? {
+        let rows = prepared.plan().rows;
+        match prepared.sweep().record() {
+            Record::Reductions(_) if rows <= RUNS => return picture(sweep::svg(&prepared, Theme::Auto)?, "sweep", ""),
             _ => note = format!("One run; mckibben sweep {} does the {rows} of its sweep.", file.display()),
         }
     }

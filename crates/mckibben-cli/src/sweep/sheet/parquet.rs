@@ -2,9 +2,8 @@
 //!
 //! Lines are gathered into row groups of a fixed number, so the bytes depend on the lines alone and not on how they came.
 
-use super::Sheet;
+use super::{Sheet, Sink};
 use crate::failure::Failure;
-use crate::output::Pending;
 use crate::sweep::table::{Cell, Column, Kind};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
@@ -19,9 +18,9 @@ use std::sync::Arc;
 /// Lines of a row group: what is held in memory at a time.
 const GROUP: usize = 1 << 16;
 
-pub(super) struct ParquetSheet {
+pub(super) struct ParquetSheet<W: Sink> {
     path: PathBuf,
-    writer: SerializedFileWriter<Pending>,
+    writer: SerializedFileWriter<W>,
     buffers: Vec<Buffer>,
     lines: usize,
 }
@@ -41,14 +40,14 @@ enum Values {
     Words(Vec<ByteArray>),
 }
 
-impl std::fmt::Debug for ParquetSheet {
+impl<W: Sink> std::fmt::Debug for ParquetSheet<W> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ParquetSheet").field("path", &self.path).field("lines", &self.lines).finish_non_exhaustive()
     }
 }
 
-impl ParquetSheet {
-    pub(super) fn begin(columns: &[Column], file: Pending) -> Result<Self, Failure> {
+impl<W: Sink> ParquetSheet<W> {
+    pub(super) fn begin(columns: &[Column], file: W) -> Result<Self, Failure> {
         let path = file.path().to_owned();
         let failed = |error: ParquetError| Failure::output(&path, error);
         let properties = WriterProperties::builder()
@@ -70,7 +69,7 @@ impl ParquetSheet {
     }
 }
 
-impl Sheet for ParquetSheet {
+impl<W: Sink> Sheet for ParquetSheet<W> {
     fn line(&mut self, cells: &[Cell<'_>]) -> Result<(), Failure> {
         for (buffer, cell) in self.buffers.iter_mut().zip(cells) {
             buffer.push(cell);
@@ -121,7 +120,7 @@ impl Buffer {
     }
 }
 
-fn write_group(writer: &mut SerializedFileWriter<Pending>, buffers: &mut [Buffer]) -> Result<(), ParquetError> {
+fn write_group<W: Sink>(writer: &mut SerializedFileWriter<W>, buffers: &mut [Buffer]) -> Result<(), ParquetError> {
     let mut group = writer.next_row_group()?;
     for buffer in buffers {
         if let Some(mut column) = group.next_column()? {

@@ -1,0 +1,174 @@
+//! A sweep that is ready to be done: by the threads of this process, or part by part wherever there is a processor.
+//!
+//! A part follows from the sweep and from the step of its fixed-step engine alone, so whoever computes it gives the same
+//! bytes.
+
+use super::destination::{self, Destination, Place};
+use super::folder::{Folder, Manifest};
+use super::plan::{Plan, Unit};
+use super::sheet::{self, Kept};
+use super::step::Choice;
+use super::table::{self, Column};
+use super::tally::Tally;
+use super::{rows, schedule};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use mckibben_scenario::{Document, Engine, Sweep};
+use std::path::Path;
+
+/// A sweep with its plan, its columns, and what is said of it in each of its files.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    sweep: Sweep,
+    plan: Plan,
+    columns: Vec<Column>,
+    notes: Vec<(String, String)>,
+}
+
+impl Prepared {
+    /// The sweep of a document in which some values were set, told as `KEY=VALUE`; none where it has no section `[sweep]`.
+    ///
+    /// One that names no engine takes fixed steps, save where a controller would need one that is not given.
+    ///
+    /// # Errors
+    /// [`Failure::input`] for what the document says and cannot be.
+    pub fn of(document: &Document, set: &[String]) -> Result<Option<Self>, Failure> {
+        let (mut document, mut set) = (document.clone(), set.to_vec());
+        if !document.contains("run.engine") {
+            let engine = engine_by_default(&document)?.name();
+            document.set_text("run.engine", &format!("\"{engine}\""))?;
+            set.push(format!("run.engine={engine}"));
+        }
+        let Some(sweep) = document.sweep()? else { return Ok(None) };
+        let plan = Plan { rows: sweep.rows(), part_rows: sweep.part_rows().max(1) };
+        let columns = table::columns(&sweep);
+        let notes = notes(&document, &set, &sweep, &columns);
+        Ok(Some(Self { sweep, plan, columns, notes }))
+    }
+
+    /// What varies, and what is recorded.
+    pub fn sweep(&self) -> &Sweep {
+        &self.sweep
+    }
+
+    /// Its rows in parts.
+    pub fn plan(&self) -> Plan {
+        self.plan
+    }
+
+    /// The columns of its table.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Makes its folder, or takes up one that holds the same sweep.
+    ///
+    /// # Errors
+    /// As [`Folder::open`].
+    pub fn folder(&self, path: &Path) -> Result<Folder, Failure> {
+        Folder::open(path, &Manifest::new(&self.plan, &self.sweep.fingerprint_text()))
+    }
+
+    /// Runs the rows of parts on `jobs` threads, and writes and counts them.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when they cannot be written.
+    pub fn simulate(
+        &self,
+        choice: Option<&Choice>,
+        parts: Vec<u64>,
+        jobs: usize,
+        place: Place,
+        tally: &mut Tally,
+    ) -> Result<(), Failure> {
+        let mut destination = Destination::new(&self.sweep, self.plan, self.notes_with(choice), place);
+        let rows_of = |part: &u64| self.plan.rows_of(*part).end - self.plan.rows_of(*part).start;
+        let total = parts.iter().map(rows_of).sum();
+        let progress = Progress::counted("runs", total);
+        let mut done = 0;
+        let units = self.plan.units(parts, self.unit(total, jobs));
+        let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
+        schedule::in_order(jobs, units, work, |unit, outcomes| {
+            destination.write(&unit, &outcomes)?;
+            for (row, outcome) in unit.rows.clone().zip(&outcomes) {
+                tally.see(row, outcome);
+            }
+            done += outcomes.len() as u64;
+            progress.at(done);
+            Ok(())
+        })?;
+        destination.finish()
+    }
+
+    /// The bytes of a part's Parquet file, computed on one thread.
+    ///
+    /// # Errors
+    /// As [`Prepared::simulate`].
+    pub fn part(&self, choice: Option<&Choice>, part: u64) -> Result<Vec<u8>, Failure> {
+        let (kept, rows) = (Kept::default(), self.plan.rows_of(part));
+        let mut sheet = sheet::parquet(&self.columns, kept.clone())?;
+        let mut failed = 0;
+        let units = self.plan.units(vec![part], self.unit(rows.end - rows.start, 1));
+        let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
+        schedule::in_order(1, units, work, |unit, outcomes| {
+            for (row, outcome) in unit.rows.zip(&outcomes) {
+                failed += table::write(&self.sweep, row, outcome, sheet.as_mut())?;
+            }
+            Ok(())
+        })?;
+        sheet.finish(&destination::about(&self.notes_with(choice), part, rows, failed))?;
+        Ok(kept.take())
+    }
+
+    /// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
+    fn unit(&self, rows: u64, jobs: usize) -> u64 {
+        const SHARE: u64 = 8;
+        let sweep = &self.sweep;
+        let one_by_one = sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
+        let least = if one_by_one { 1 } else { rows::side_by_side() as u64 };
+        (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
+    }
+
+    /// What is said in each file, the step too.
+    fn notes_with(&self, choice: Option<&Choice>) -> Vec<(String, String)> {
+        let step = choice.map(|Choice { step, accuracy, reached, unreached }| {
+            let json = serde_json::json!({
+                "longest_s": step, "accuracy": accuracy, "enough_for_runs": reached, "too_long_for_runs": unreached
+            });
+            ("mckibben.step".to_owned(), json.to_string())
+        });
+        self.notes.iter().cloned().chain(step).collect()
+    }
+}
+
+fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
+    let mut stepped = document.clone();
+    stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
+    // A sweep with mistakes is read again, and tells them.
+    let needs_step =
+        stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(|of| of.has_controllers() && !of.gives_step()));
+    Ok(if needs_step { Engine::EventLocated } else { Engine::FixedStep })
+}
+
+/// What is said of the sweep in each of its files.
+fn notes(document: &Document, set: &[String], sweep: &Sweep, columns: &[Column]) -> Vec<(String, String)> {
+    let units: serde_json::Map<String, serde_json::Value> = columns
+        .iter()
+        .filter(|column| column.kind == table::Kind::Number)
+        .map(|column| (column.name.clone(), column.unit.clone().into()))
+        .collect();
+    let source = document.source();
+    // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
+    let name = Path::new(source.name()).file_name();
+    let pairs = [
+        ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("mckibben.units", serde_json::Value::Object(units).to_string()),
+        ("mckibben.scenario_file", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())),
+        ("mckibben.scenario", source.text().to_owned()),
+        ("mckibben.set", serde_json::Value::from(set).to_string()),
+        ("mckibben.sweep", sweep.fingerprint_text()),
+        ("mckibben.design", sweep.design().name().to_owned()),
+        ("mckibben.seed", sweep.seed().to_string()),
+    ];
+    pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
+}

@@ -1,0 +1,170 @@
+//! A sweep by its parts: the class `Sweep`.
+
+use crate::raised::Raised;
+use crate::scenario::Scenario;
+use crate::typed::Names;
+use mckibben_cli::failure::Failure;
+use mckibben_cli::output;
+use mckibben_cli::sweep::destination::Place;
+use mckibben_cli::sweep::folder::Folder;
+use mckibben_cli::sweep::prepared::Prepared;
+use mckibben_cli::sweep::step::Choice;
+use mckibben_cli::sweep::table::Kind;
+use mckibben_cli::sweep::tally::Tally;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// The step that was chosen for all rows: its length in s, the accuracy that it is for, the rows that it is enough for, of
+/// those that were tried, and the rows that no step is enough for.
+type Chosen = (f64, f64, Vec<u64>, Vec<u64>);
+
+/// The runs of a scenario's section `[sweep]`, in parts that can be computed anywhere: what `mckibben sweep` does, to the last
+/// bit.
+///
+/// `mckibben.sweep` does all of them. `chosen` is the step of the fixed-step engine that was chosen for all rows; it is chosen
+/// where it is not given.
+///
+/// Raises `InputError` for a scenario without a sweep, and for one that cannot be.
+#[pyclass(frozen, module = "mckibben")]
+pub(crate) struct Sweep {
+    scenario: Py<Scenario>,
+    prepared: Prepared,
+    choice: Option<Choice>,
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
+}
+
+impl Sweep {
+    /// The parts that are not finished in the sweep's folder, and how many runs failed in the others.
+    fn missing_in(&self, folder: &Folder) -> Result<(Vec<u64>, u64), Failure> {
+        let plan = self.prepared.plan();
+        let (mut missing, mut failed) = (Vec::new(), 0);
+        for part in 0..plan.parts() {
+            match folder.finished(&plan, part)? {
+                Some(count) => failed += count,
+                None => missing.push(part),
+            }
+        }
+        Ok((missing, failed))
+    }
+}
+
+#[pymethods]
+impl Sweep {
+    #[new]
+    #[pyo3(signature = (scenario, chosen = None))]
+    fn new(py: Python<'_>, scenario: Py<Scenario>, chosen: Option<Chosen>) -> PyResult<Self> {
+        let of = scenario.get();
+        let (prepared, choice) = py
+            .detach(|| {
+                let prepared = Prepared::of(&of.document, &of.settings())?.ok_or_else(|| {
+                    let title = format!("`{}` has no section [sweep]", of.document.source().name());
+                    Failure::input(title, "say what varies under [sweep.vary]")
+                })?;
+                let choice = match chosen {
+                    None => Choice::of(prepared.sweep(), cores())?,
+                    Some((step, accuracy, reached, unreached)) => Some(Choice { step, accuracy, reached, unreached }),
+                };
+                Ok::<_, Failure>((prepared, choice))
+            })
+            .raised()?;
+        Ok(Self { scenario, prepared, choice })
+    }
+
+    /// What is swept.
+    #[getter]
+    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
+        self.scenario.clone_ref(py)
+    }
+
+    /// How many runs there are.
+    #[getter]
+    fn rows(&self) -> u64 {
+        self.prepared.plan().rows
+    }
+
+    /// How many parts they make, each a Parquet file.
+    #[getter]
+    fn parts(&self) -> u64 {
+        self.prepared.plan().parts()
+    }
+
+    /// The names of the table's columns in their order.
+    #[getter]
+    fn columns(&self) -> Vec<&str> {
+        self.prepared.columns().iter().map(|column| column.name.as_str()).collect()
+    }
+
+    /// The units of the columns of numbers by their names, in SI.
+    #[getter]
+    fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
+        let units = PyDict::new(py);
+        let numbers = self.prepared.columns().iter().filter(|column| column.kind == Kind::Number);
+        numbers.into_iter().try_for_each(|column| units.set_item(&column.name, &column.unit))?;
+        Ok(Names(units.into_any()))
+    }
+
+    /// The longest step of the fixed-step engine in s that was chosen for all runs; `None` where they have their own.
+    #[getter]
+    fn step(&self) -> Option<f64> {
+        self.choice.as_ref().map(|choice| choice.step)
+    }
+
+    /// Computes a part on one thread, while other threads of Python go on: the bytes of its Parquet file.
+    fn part<'py>(&self, py: Python<'py>, part: u64) -> PyResult<Bound<'py, PyBytes>> {
+        let parts = self.parts();
+        let bytes = py
+            .detach(|| match part < parts {
+                true => self.prepared.part(self.choice.as_ref(), part),
+                false => Err(Failure::input(
+                    format!("the sweep has no part {part}"),
+                    format!("parts are counted from 0, and there are {parts}"),
+                )),
+            })
+            .raised()?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Makes the sweep's folder, or takes up one that holds the same sweep: the numbers of the parts that are not finished in
+    /// it, and how many runs failed in those that are.
+    fn missing(&self, folder: PathBuf) -> PyResult<(Vec<u64>, u64)> {
+        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).raised()
+    }
+
+    /// Puts the bytes of a part into the folder: it is there whole or not at all.
+    fn put(&self, py: Python<'_>, folder: PathBuf, part: u64, bytes: &[u8]) -> PyResult<()> {
+        py.detach(|| {
+            let folder = self.prepared.folder(&folder)?;
+            output::write(&folder.part(part), bytes)?;
+            folder.clear_remains_of(part);
+            Ok::<_, Failure>(())
+        })
+        .raised()
+    }
+
+    /// Computes what is missing in the folder on `jobs` threads, one for each core unless given.
+    #[pyo3(signature = (folder, jobs = None))]
+    fn run(&self, py: Python<'_>, folder: PathBuf, jobs: Option<NonZeroUsize>) -> PyResult<()> {
+        py.detach(|| {
+            let folder = self.prepared.folder(&folder)?;
+            let (missing, _) = self.missing_in(&folder)?;
+            let mut tally = Tally::new(self.prepared.sweep(), false);
+            let jobs = jobs.map_or_else(cores, NonZeroUsize::get);
+            self.prepared.simulate(self.choice.as_ref(), missing, jobs, Place::Folder(folder), &mut tally)
+        })
+        .raised()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<mckibben.Sweep of {:?}, {} runs>", self.scenario.get().title(), self.rows())
+    }
+
+    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, Option<Chosen>) {
+        let chosen = self.choice.clone().map(|of| (of.step, of.accuracy, of.reached, of.unreached));
+        (self.scenario.clone_ref(py), chosen)
+    }
+}

@@ -1,0 +1,159 @@
+"""Sweeps: whoever computes them, the files have the same bytes as those of the command line."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import multiprocessing
+import os
+import pathlib
+import pickle
+import signal
+import time
+
+import pytest
+
+import mckibben
+
+SWEEP = """\
+[load]
+kind = "hanging-mass"
+[initial]
+gauge_pressure = "60 psi"
+length = "85 mm"
+[run]
+duration = "20 ms"
+[sweep]
+reductions = ["length.final", "tension.peak"]
+part_rows = 25
+[sweep.vary]
+"load.mass" = { from = "2 lb", to = "9 lb", count = 20 }
+"initial.gauge_pressure" = { from = "30 psi", to = "90 psi", count = 10 }
+"""
+
+
+def parts(folder: pathlib.Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.fixture(scope="module")
+def swept() -> mckibben.Scenario:
+    return mckibben.Scenario(SWEEP, "sweep.toml")
+
+
+@pytest.fixture(scope="module")
+def expected(program, tmp_path_factory) -> dict[str, bytes]:
+    """What the command line writes."""
+    folder = tmp_path_factory.mktemp("sweep")
+    (folder / "sweep.toml").write_text(SWEEP)
+    program(folder, "sweep", "sweep.toml", "--output", "runs")
+    files = parts(folder / "runs")
+    assert len(files) == 9, "eight parts and sweep.json"
+    return files
+
+
+def test_threads_of_this_process_write_what_the_program_does(swept, expected, tmp_path):
+    done = mckibben.sweep(swept, tmp_path, jobs=2)
+    assert parts(tmp_path) == expected
+    assert (done.rows, done.failed, len(done.parts)) == (200, 0, 8)
+    assert done.units["load_mass_kg"] == "kg"
+    frame = done.to_polars()
+    assert frame.height == 200 and frame["run"].to_list() == list(range(200))
+    assert done.to_pandas()["length_final_m"].tolist() == frame["length_final_m"].to_list()
+
+
+def test_any_executor_gives_the_same_bytes(swept, expected, tmp_path):
+    spawn = multiprocessing.get_context("spawn")
+    seen: list[tuple[int, int]] = []
+    for name, pool in [
+        ("threads", concurrent.futures.ThreadPoolExecutor(3)),
+        ("processes", concurrent.futures.ProcessPoolExecutor(2, mp_context=spawn)),
+    ]:
+        with pool:
+            mckibben.sweep(swept, tmp_path / name, executor=pool, progress=lambda *at: seen.append(at))
+        assert parts(tmp_path / name) == expected
+    assert seen == 2 * [(done, 8) for done in range(1, 9)]
+
+
+def test_what_is_there_is_kept_and_what_is_missing_is_done(swept, expected, tmp_path):
+    mckibben.sweep(swept, tmp_path)
+    (tmp_path / "part-00003.parquet").unlink()
+    before = (tmp_path / "part-00000.parquet").stat()
+    with concurrent.futures.ThreadPoolExecutor(1) as pool:
+        mckibben.sweep(swept, tmp_path, executor=pool)
+    after = (tmp_path / "part-00000.parquet").stat()
+    assert parts(tmp_path) == expected and (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
+
+
+def test_the_parts_of_a_killed_worker_are_done_again(swept, expected, tmp_path):
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        victim = pool.submit(os.getpid).result()
+        pool.submit(time.sleep, 0.5)
+        os.kill(victim, signal.SIGKILL)
+        with pytest.warns(RuntimeWarning, match="the executor broke"):
+            mckibben.sweep(swept, tmp_path, executor=pool)
+    assert parts(tmp_path) == expected
+
+
+def test_dask_gives_the_same_bytes_though_a_worker_is_killed(swept, expected, tmp_path):
+    import distributed
+
+    with distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client, client.get_executor() as executor:
+            client.submit(os.getpid).result()
+            worker = next(iter(cluster.workers.values()))
+
+            def kill(done: int, _: int) -> None:
+                if done == 1:
+                    os.kill(worker.pid, signal.SIGKILL)
+
+            mckibben.sweep(swept, tmp_path, executor=executor, progress=kill)
+    assert parts(tmp_path) == expected
+
+
+def test_ray_gives_the_same_bytes_though_a_node_is_lost(swept, expected, tmp_path):
+    import ray
+    from ray.cluster_utils import Cluster
+
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    other = cluster.add_node(num_cpus=1)
+    ray.init(address=cluster.address, log_to_driver=False)
+    try:
+        assert len([node for node in ray.nodes() if node["Alive"]]) == 2
+
+        def lose(done: int, _: int) -> None:
+            if done == 1:
+                cluster.remove_node(other, allow_graceful=False)
+
+        mckibben.sweep(swept, tmp_path, executor="ray", progress=lose)
+    finally:
+        ray.shutdown()
+        cluster.shutdown()
+    assert parts(tmp_path) == expected
+
+
+def test_runs_that_fail_say_why(swept, tmp_path):
+    impossible = swept.with_values({"sweep.vary": {"load.mass": ["5 lb", "-1 lb"]}})
+    done = mckibben.sweep(impossible, tmp_path)
+    assert (done.rows, done.failed) == (2, 1)
+    assert "load.mass" in done.to_polars()["error"][1]
+
+
+def test_what_cannot_be_is_told(swing, swept, tmp_path):
+    with pytest.raises(mckibben.InputError, match="no section \\[sweep\\]"):
+        mckibben.sweep(swing, tmp_path)
+    mckibben.sweep(swept, tmp_path)
+    with pytest.raises(mckibben.InputError, match="holds another sweep"):
+        mckibben.sweep(swept.with_values({"sweep.part_rows": 10}), tmp_path)
+    with pytest.raises(mckibben.InputError, match="no executor"):
+        mckibben.sweep(swept, tmp_path, executor="slurm")
+    with pytest.raises(mckibben.InputError, match="workers of its own"):
+        mckibben.sweep(swept, tmp_path, executor="ray", jobs=2)
+    with pytest.raises(mckibben.InputError, match="no part 8"):
+        mckibben.Sweep(swept).part(8)
+
+
+def test_a_sweep_can_be_pickled_with_its_step(swept):
+    stepped = mckibben.Sweep(swept)
+    again = pickle.loads(pickle.dumps(stepped))
+    assert again.step == stepped.step is not None
+    assert again.part(7) == stepped.part(7)
