@@ -83,8 +83,8 @@ impl<S: Scalar, const K: usize> Div for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let quotient = self.value / other.value;
-        self.zip(other, quotient, |a, b| (a - quotient * b) / other.value)
+        let (quotient, inverse) = (self.value / other.value, S::one() / other.value);
+        self.zip(other, quotient, |a, b| (a - quotient * b) * inverse)
     }
 }
 
