@@ -13,7 +13,7 @@
 //! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
-use crate::scalar::{Over, Real, Scalar, Work};
+use crate::scalar::{Function, Over, Real, Scalar, Work};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its derivatives in `K` directions.
@@ -103,6 +103,12 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     #[inline(always)]
     fn apart<W: Work>(work: W) -> W::Output {
         S::apart(work)
+    }
+
+    #[inline(always)]
+    fn by<F: Function>(self) -> Self {
+        let value = self.value.by::<F>();
+        self.chain(value, F::slope(self.value, value))
     }
 
     #[inline(always)]

@@ -37,7 +37,7 @@ use crate::air::Air;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
-use crate::scalar::{Mask, Over, Scalar};
+use crate::scalar::{Function, Mask, Over, Scalar};
 use core::f64::consts::PI;
 
 /// Reynolds number up to which the flow is laminar.
@@ -306,19 +306,36 @@ pub fn reynolds_at<T: Scalar>(drive: T) -> T {
 
 #[inline(always)]
 fn turbulent_at<T: Scalar>(drive: T) -> T {
-    four_sevenths(drive * T::constant(1.0 / BLASIUS))
+    (drive * T::constant(1.0 / BLASIUS)).by::<FourSevenths>()
 }
 
-/// `z^(4/7)` for z from `4000^(7/4)` on, to the last digits up to Re = 10⁷: `z^(1/2) z^(1/16) (z^(1/64))^(4/7)`, with Padé's fraction
-/// of the last factor about [`MIDDLE`]. Lanes have roots; they have no logarithm.
+/// `z^(4/7)` for z from `4000^(7/4)` on, to the last digits up to Re = 10⁶ and to 10⁻⁸ up to 10⁷, as the fourth power of the
+/// seventh root: Padé's fraction n/d of `(z^(1/4))^(4/7)` about [`MIDDLE`], then a step of Halley's, with one division for
+/// both. Lanes have roots; they have no logarithm.
+struct FourSevenths;
+
+impl Function for FourSevenths {
+    #[inline(always)]
+    fn value<S: Scalar>(z: S) -> S {
+        let off = z.sqrt().sqrt() * S::constant(1.0 / MIDDLE) - S::one();
+        let (upper, lower) = (polynomial(off, PADE[0]) * S::constant(OF_MIDDLE), polynomial(off, PADE[1]));
+        let (above, below) = (seventh_power(upper), z * seventh_power(lower));
+        let (three, four) = (S::constant(3.0), S::constant(4.0));
+        let root = upper * (three * above + four * below) / (lower * (four * above + three * below));
+        let square = root * root;
+        square * square
+    }
+
+    #[inline(always)]
+    fn slope<S: Scalar>(z: S, power: S) -> S {
+        S::constant(4.0 / 7.0) * power / z
+    }
+}
+
 #[inline(always)]
-fn four_sevenths<T: Scalar>(z: T) -> T {
-    let half = z.sqrt();
-    let eighth = half.sqrt().sqrt();
-    let sixteenth = eighth.sqrt();
-    let sixty_fourth = sixteenth.sqrt().sqrt();
-    let off = sixty_fourth * T::constant(1.0 / MIDDLE) - T::one();
-    half * sixteenth * T::constant(OF_MIDDLE) * polynomial(off, PADE[0]) / polynomial(off, PADE[1])
+fn seventh_power<S: Scalar>(x: S) -> S {
+    let square = x * x;
+    square * square * square * x
 }
 
 #[inline(always)]
@@ -327,9 +344,9 @@ fn polynomial<T: Scalar>(x: T, [zeroth, first, second, third, fourth, fifth]: [f
     x.multiply_add(x.multiply_add(x.multiply_add(high, T::constant(second)), T::constant(first)), T::constant(zeroth))
 }
 
-/// `z^(1/64)` in the middle of the turbulent range, and its power 4/7.
-const MIDDLE: f64 = 1.35;
-const OF_MIDDLE: f64 = 1.187_070_299_682_377;
+/// `z^(1/4)` in the middle of the turbulent range, and its power 4/7.
+const MIDDLE: f64 = 126.0;
+const OF_MIDDLE: f64 = 15.856_660_947_787_232;
 
 /// Numerator and denominator of Padé's fraction of `(1 + x)^(4/7)`, of order 5 over 5, in rising powers of x.
 const PADE: [[f64; 6]; 2] = [pade(4.0 / 7.0), pade(-4.0 / 7.0)];
@@ -369,7 +386,7 @@ fn transition_about<T: Scalar>(drive: T) -> T {
 fn transition_at<T: Scalar>(drive: T) -> T {
     let number = T::constant;
     let within = (drive - number(LAMINAR_DRIVE)) * number(1.0 / (TURBULENT_DRIVE - LAMINAR_DRIVE));
-    share_of_reynolds(within).multiply_add(number(TURBULENT_START - LAMINAR_END), number(LAMINAR_END))
+    within.by::<ShareOfReynolds>().multiply_add(number(TURBULENT_START - LAMINAR_END), number(LAMINAR_END))
 }
 
 /// The drive σ that a Reynolds number of zero or more needs.
@@ -381,7 +398,8 @@ pub fn drive_at<T: Scalar>(reynolds: T) -> T {
     let root = beyond.sqrt();
     let turbulent = beyond * root * root.sqrt() * number(BLASIUS);
     let within = (reynolds - number(LAMINAR_END)) * number(1.0 / (TURBULENT_START - LAMINAR_END));
-    let transition = share_of_drive(within).multiply_add(number(TURBULENT_DRIVE - LAMINAR_DRIVE), number(LAMINAR_DRIVE));
+    let transition =
+        share_of_drive(within).multiply_add(number(TURBULENT_DRIVE - LAMINAR_DRIVE), number(LAMINAR_DRIVE));
     let below = T::select(reynolds.lt(number(LAMINAR_END)), laminar, transition);
     T::select(reynolds.lt(number(TURBULENT_START)), below, turbulent)
 }
@@ -395,10 +413,25 @@ fn share_of_drive<T: Scalar>(t: T) -> T {
 }
 
 /// t at a u from 0 to 1: the root of `(1 − a + u κ) t² + (a − u κ) t − u = 0` with `κ = a + e − 2`.
-#[inline(always)]
-fn share_of_reynolds<T: Scalar>(u: T) -> T {
-    let linear = u.multiply_add(T::constant(-BEND), T::constant(SLOPES[0]));
-    let square = T::constant(4.0) * u * (T::one() - linear);
-    let root = linear.multiply_add(linear, square).sqrt();
-    (u + u) / (linear + root)
+struct ShareOfReynolds;
+
+impl Function for ShareOfReynolds {
+    #[inline(always)]
+    fn value<S: Scalar>(u: S) -> S {
+        let linear = u.multiply_add(S::constant(-BEND), S::constant(SLOPES[0]));
+        let square = S::constant(4.0) * u * (S::one() - linear);
+        let root = linear.multiply_add(linear, square).sqrt();
+        (u + u) / (linear + root)
+    }
+
+    /// One over `∂u/∂t = (e t² + 2 t (1 − t) + a (1 − t)²)/(1 + κ t (1 − t))²`.
+    #[inline(always)]
+    fn slope<S: Scalar>(_: S, t: S) -> S {
+        let rest = S::one() - t;
+        let divisor = (t * rest).multiply_add(S::constant(BEND), S::one());
+        let both = S::constant(2.0) * t * rest;
+        let rises =
+            (t * t).multiply_add(S::constant(SLOPES[1]), (rest * rest).multiply_add(S::constant(SLOPES[0]), both));
+        divisor * divisor / rises
+    }
 }

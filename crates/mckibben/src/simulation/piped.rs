@@ -41,7 +41,7 @@ use crate::valve::Port;
 pub(crate) const PLAIN: usize = 4;
 pub(crate) const PIPED: usize = 6 + 2 * MAX_CELLS;
 /// How many there are with a line that has no cells.
-const SHORT: usize = 7;
+pub(crate) const SHORT: usize = 7;
 /// Places of the reservoir's pressure and of the regulator's.
 pub(crate) const RESERVOIR: usize = 5;
 pub(crate) const OUTLET: usize = 6;
@@ -83,8 +83,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         L::MAY_HAVE_LINE && (self.line().hose.is_some() || self.line().supply.is_some())
     }
 
+    /// Whether the hose is a line of cells.
     #[inline(always)]
-    fn has_cells(&self) -> bool {
+    pub(crate) fn has_cells(&self) -> bool {
         matches!(self.line().hose, Some(Hose { kind: HoseKind::Distributed { .. }, .. }))
     }
 
@@ -128,9 +129,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     ) -> Stepped<S, N> {
         let midway = held.midway(method, time, step);
         let held = midway.as_ref().unwrap_or(held);
-        // A batch puts rows with a line together, apart from those without.
+        // A batch puts rows with cells together, rows with another line, and rows without any.
         let mut end = if N > PLAIN && (!S::IS_ONE || self.is_piped()) {
-            match self.has_cells() {
+            match N > SHORT && (!S::IS_ONE || self.has_cells()) {
                 true => S::apart(Piped::<S, L, N, MAX_CELLS> { rig: self, method, time, state, step, held }),
                 false => {
                     let state = &shortened(state);
