@@ -78,7 +78,6 @@ impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
     }
 }
 
-#[expect(clippy::suspicious_arithmetic_impl, reason = "the quotient rule multiplies and subtracts")]
 impl<S: Scalar, const K: usize> Div for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
