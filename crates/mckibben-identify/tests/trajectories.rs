@@ -43,7 +43,7 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
         name: format!("{} Pa", truth.supply.map_or(0.0, |supply| supply.gauge_pressure)),
-        adjustable: Adjustable::new(base, places, false),
+        adjustable: Adjustable::new(base, places, [false; 2]),
         unknowns: (0..sought.len()).collect(),
         courses,
     }
@@ -254,7 +254,7 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     truth.pressure = Some(PressureCourse { time, gauge_pressure });
     run.courses.retain(|course| course.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
-    Recorded { adjustable: Adjustable::new(truth, places, false), ..run }
+    Recorded { adjustable: Adjustable::new(truth, places, [false; 2]), ..run }
 }
 
 #[test]
