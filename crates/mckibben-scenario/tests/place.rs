@@ -226,7 +226,7 @@ hanging_angle = "3 deg"
 min_angle = "-40 deg"
 max_angle = "9 deg"
 [initial]
-gauge_pressure = "20 psi"
+gauge_pressure = "22 psi"
 [antagonist]
 initial.gauge_pressure = "25 psi"
 load.moment_arm_angle = ["-30 deg", "0 deg", "30 deg"]
@@ -260,9 +260,8 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
         [angle, angular_velocity, first.0, second.0, mass, other]
     }
     let scenario = Scenario::from_str(JOINT, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
-    let experiment = |scenario: &Scenario| {
-        scenario.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint")
-    };
+    let experiment =
+        |scenario: &Scenario| scenario.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
     let of = |scenario: &Scenario| {
         let of = experiment(scenario);
         numbers(simulate_joint(&of.rig, of.start, 0.11, 1e-12).expect("a run").at(0.11).state())

@@ -60,7 +60,9 @@ pub struct Identified {
 #[derive(Clone, Debug, PartialEq, ThisError)]
 pub enum TrajectoryError {
     /// No readings.
-    #[error("there are no readings of length, gauge pressure or tension, nor of a joint; name their columns in [columns]")]
+    #[error(
+        "there are no readings of length, gauge pressure or tension, nor of a joint; name their columns in [columns]"
+    )]
     NoReadings,
     /// Readings of a joint in a run of one actuator.
     #[error(

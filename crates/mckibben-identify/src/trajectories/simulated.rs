@@ -27,10 +27,7 @@ impl Plant {
     }
 
     /// The same over dual numbers; `seed` is told of which actuator of a joint a parameter is.
-    pub(super) fn over(
-        &self,
-        mut seed: impl FnMut(Option<usize>, &'static Parameter, f64) -> Seeded,
-    ) -> Plant<Seeded> {
+    pub(super) fn over(&self, mut seed: impl FnMut(Option<usize>, &'static Parameter, f64) -> Seeded) -> Plant<Seeded> {
         match self {
             Self::Rig(of) => {
                 let mut seed = |parameter, value| seed(None, parameter, value);
