@@ -271,7 +271,7 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
     // Each actuator's own, and what both have in one.
     let own = places(&mut scenario.clone());
     let both = own.iter().filter(|place| place.path().starts_with("actuator.")).map(|place| place.of_both());
-    let both: Vec<Place> = both.filter(|place| place.path().ends_with("turns")).collect();
+    let both: Vec<Place> = both.filter(|place| place.path().ends_with("thread_length")).collect();
     for (place, of_both) in own.into_iter().map(|of| (of, false)).chain(both.into_iter().map(|of| (of, true))) {
         let value = place.value(&mut scenario.clone()).expect("a number");
         // How long and how exactly to run is no number of the model; what is absent at zero is no part.
@@ -301,7 +301,7 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
         "antagonist.load.rest_length",
         "actuator.turns",
         "antagonist.actuator.turns",
-        "both actuator.turns",
+        "both actuator.thread_length",
         "antagonist.actuator.effectiveness.constant",
         "antagonist.actuator.bladder.force",
         "antagonist.valve.opening_delay",
