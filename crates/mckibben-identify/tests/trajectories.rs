@@ -368,7 +368,7 @@ fn a_joint_gives_back_its_limb_and_both_braids() {
         run.unknowns = vec![0, 1, 2, 3, place];
     }
     let found = identified(&task);
-    let psi = 6894.757_293_168;
+    let psi = 6_894.757_293_168;
     let mut first = joint(starts[0]);
     let value = |path: &&str| Place::find(path, &mut first).expect("a number").value(&mut first).expect("a value");
     let truths: Vec<f64> = OF_BOTH.iter().map(value).chain(starts.map(|of| of * psi)).collect();
