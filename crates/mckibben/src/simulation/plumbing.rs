@@ -29,9 +29,6 @@ use crate::valve::{Beyond, FlowZone, Port, Valve};
 
 /// Place of the first state of the line.
 pub(super) const FIRST: usize = 4;
-/// Room for a lumped hose with a supply, bristles or a tendon: rates, polynomials and Jacobians are as large as the room.
-#[cfg(feature = "alloc")]
-pub(super) const FEW: usize = FIRST + 4;
 /// The most states that a rig with a line, bristles and a load on a tendon may have.
 #[cfg(feature = "alloc")]
 pub(super) const MOST: usize = FIRST + 2 * MAX_CELLS + 4;

@@ -3,7 +3,7 @@
 use super::hybrid::{Phase, RigSystem};
 use super::integrator::{Counts, Piece};
 use super::mode::{EventKind, Mode};
-use super::plumbing::{FEW, MOST};
+use super::plumbing::MOST;
 use super::rig::{Rig, State};
 use super::sample::{Sample, SampleTimes};
 use super::stored::Stored;
@@ -41,11 +41,10 @@ pub struct Trajectory<R: Real = f64> {
 /// The run of a rig with `N` states.
 type Of<R, const N: usize> = Stored<R, Phase<R>, EventKind, N>;
 
-/// A run of a rig alone; or with an air line, bristles or a tendon in series, in room for a few states or for the most.
+/// A run of a rig alone, or with an air line, bristles or a tendon in series.
 #[derive(Clone, Debug)]
 enum Run<R: Real> {
     Rig(Of<R, 4>),
-    Few(Box<Of<R, FEW>>),
     Line(Box<Of<R, MOST>>),
 }
 
@@ -54,7 +53,6 @@ macro_rules! with_run {
     ($run:expr, $stored:ident => $do:expr) => {
         match $run {
             Run::Rig($stored) => $do,
-            Run::Few($stored) => $do,
             Run::Line($stored) => $do,
         }
     };
@@ -105,10 +103,10 @@ impl<R: Real> Trajectory<R> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         rig.check_located(&start)?;
         let system = RigSystem::new(&rig, relative_tolerance);
-        let run = match system.states() {
-            4 if !rig.has_plumbing() => Run::Rig(begin(&system, start)),
-            ..=FEW => Run::Few(Box::new(begin(&system, start))),
-            _ => Run::Line(Box::new(begin(&system, start))),
+        let beside = rig.actuator().friction().lugre().is_some() || rig.tendon().is_some();
+        let run = match rig.has_plumbing() || beside {
+            false => Run::Rig(begin(&system, start)),
+            true => Run::Line(Box::new(begin(&system, start))),
         };
         Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
     }
