@@ -46,7 +46,7 @@ mod _mckibben {
     #[pymodule_export]
     use crate::scenario::Scenario;
     #[pymodule_export]
-    use crate::trajectory::{Event, Trajectory, restored, simulate};
+    use crate::trajectory::{Event, Trajectory, simulate};
 
     /// A library has no progress bars.
     #[pymodule_init]
