@@ -1,7 +1,8 @@
 //! `cargo xtask test`: the whole check, the same on a laptop and in CI.
 //!
 //! It sets up what it needs by itself: a Python environment in `.venv` with SciPy, from which the independent reference
-//! trajectories are computed. Nothing is skipped because something is missing.
+//! trajectories are computed, and with the package that is built and tested in it. Nothing is skipped because something is
+//! missing.
 
 mod python;
 mod steps;
@@ -13,7 +14,8 @@ usage: cargo xtask test [STEP...]
        cargo xtask accuracy
        cargo xtask rows [COUNT]
 
-test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test.
+test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test,
+          python.
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
 rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
 ";

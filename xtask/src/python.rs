@@ -1,8 +1,13 @@
-//! The Python side: an environment of its own, and the reference trajectories made in it.
+//! The Python side: an environment of its own, the reference trajectories made in it, and the package with its tests.
 
-use crate::steps::succeed;
+use crate::steps::{cargo, counted, succeed};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// The stubs of what is compiled of the package: made from it, and kept beside it for who installs the package.
+const STUBS: &str = "python/mckibben/_mckibben.pyi";
+/// As the tests are compiled: then everything but the package's own crate is there already.
+const AS_TESTS: [(&str, &str); 2] = [("CARGO_PROFILE_DEV_OPT_LEVEL", "2"), ("CARGO_INCREMENTAL", "0")];
 
 /// Where the reference trajectories lie.
 pub(crate) fn reference_folder(root: &Path) -> PathBuf {
@@ -11,7 +16,7 @@ pub(crate) fn reference_folder(root: &Path) -> PathBuf {
 
 /// Computes the reference trajectory of every scenario under `validation/reference`.
 pub(crate) fn reference(root: &Path) -> Result<(), String> {
-    let python = environment(root)?;
+    let python = environment(root, "validation/requirements.txt")?;
     let folder = reference_folder(root);
     std::fs::create_dir_all(&folder).map_err(|error| format!("{} could not be made: {error}", folder.display()))?;
     let script = root.join("validation/reference.py");
@@ -30,8 +35,49 @@ pub(crate) fn reference(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The interpreter of `.venv`, which is made if it is not there, with the packages of `validation/requirements.txt`.
-fn environment(root: &Path) -> Result<PathBuf, String> {
+/// Builds the package and runs its tests; how many passed and how many failed.
+pub(crate) fn package(root: &Path) -> Result<(u64, u64), String> {
+    let python = environment(root, "python/tests/requirements.txt")?;
+    let stubs = || std::fs::read_to_string(root.join(STUBS)).unwrap_or_default();
+    let kept = stubs();
+    let mut build = Command::new(&python);
+    build.current_dir(root).args([
+        "-m",
+        "maturin",
+        "develop",
+        "--locked",
+        "--generate-stubs",
+        "--features",
+        "as-tests",
+    ]);
+    build.envs(AS_TESTS);
+    succeed(build.env("VIRTUAL_ENV", root.join(".venv")))?;
+    if stubs() != kept {
+        return Err(format!("{STUBS} was not what the package is now: it has been made anew, and is to be committed"));
+    }
+    // What its runs are compared with.
+    let mut program = cargo(root);
+    program.args([
+        "build",
+        "--locked",
+        "--bin",
+        "mckibben",
+        "--package",
+        "mckibben-cli",
+        "--package",
+        "mckibben-python",
+    ]);
+    succeed(program.args(["--features", "mckibben-python/as-tests"]).envs(AS_TESTS))?;
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let mut tests = Command::new(&python);
+    tests.current_dir(root).args(["-m", "pytest", "--quiet", "--durations=5"]);
+    counted(
+        tests.env("MCKIBBEN_PROGRAM", target.join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION)),
+    )
+}
+
+/// The interpreter of `.venv`, which is made if it is not there, with the packages that a file lists.
+fn environment(root: &Path, requirements: &str) -> Result<PathBuf, String> {
     let folder = root.join(".venv");
     let scripts = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
     let python = scripts.join(if cfg!(windows) { "python.exe" } else { "python" });
@@ -41,6 +87,6 @@ fn environment(root: &Path) -> Result<PathBuf, String> {
     }
     let mut install = Command::new(&python);
     install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
-    succeed(install.arg(root.join("validation/requirements.txt")))?;
+    succeed(install.arg(root.join(requirements)))?;
     Ok(python)
 }

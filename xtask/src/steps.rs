@@ -12,8 +12,15 @@ type Tally = Option<(u64, u64)>;
 /// A step's name and what it does; an error says in words what went wrong.
 type Step = (&'static str, fn(&Path) -> Result<Tally, String>);
 
-const STEPS: [Step; 6] =
-    [("format", format), ("lint", lint), ("docs", docs), ("no-std", no_std), ("reference", reference), ("test", test)];
+const STEPS: [Step; 7] = [
+    ("format", format),
+    ("lint", lint),
+    ("docs", docs),
+    ("no-std", no_std),
+    ("reference", reference),
+    ("test", test),
+    ("python", python_package),
+];
 
 /// Runs the chosen steps, or all of them, and prints what ran.
 pub(crate) fn run(chosen: &[String]) -> ExitCode {
@@ -68,7 +75,7 @@ fn root() -> PathBuf {
     here.parent().unwrap_or(here).to_owned()
 }
 
-fn cargo(root: &Path) -> Command {
+pub(crate) fn cargo(root: &Path) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root);
     command
@@ -123,6 +130,29 @@ fn no_std(root: &Path) -> Result<Tally, String> {
 /// The independent reference trajectories, computed anew.
 fn reference(root: &Path) -> Result<Tally, String> {
     python::reference(root).map(|()| None)
+}
+
+/// The Python package: built, its stubs as they are kept, its tests and its types.
+fn python_package(root: &Path) -> Result<Tally, String> {
+    python::package(root).map(Some)
+}
+
+/// Runs pytest, and counts what it says of passed and failed tests.
+pub(crate) fn counted(tests: &mut Command) -> Result<(u64, u64), String> {
+    let line = words(tests);
+    let lost = |error| format!("`{line}` could not be run: {error}");
+    let mut child = tests.stdout(Stdio::piped()).spawn().map_err(lost)?;
+    let (mut passed, mut failed) = (0, 0);
+    if let Some(output) = child.stdout.take() {
+        for line in BufReader::new(output).lines().map_while(Result::ok) {
+            println!("{line}");
+            // The last line has the counts.
+            (passed, failed) = (count_before(&line, " passed"), count_before(&line, " failed"));
+            failed += count_before(&line, " error");
+        }
+    }
+    let status = child.wait().map_err(lost)?;
+    if status.success() || failed > 0 { Ok((passed, failed)) } else { Err(format!("`{line}` ended with {status}")) }
 }
 
 /// Every test of the workspace, the examples in the documentation included.

@@ -174,11 +174,8 @@ impl Closed {
     ///
     /// # Errors
     /// What the core finds.
-    pub fn outcome<'e>(
-        &self,
-        experiment: &'e Experiment,
-        watch: &mut dyn FnMut(&Sample),
-    ) -> Result<Outcome<'e>, Error> {
+    pub fn outcome(&self, watch: &mut dyn FnMut(&Sample)) -> Result<Outcome, Error> {
+        let experiment = &self.experiment;
         match &self.trajectory {
             Some(trajectory) => Ok(Outcome::Located(Box::new(trajectory.clone()))),
             None => engine::run_steps(experiment, experiment.step()?, self.instants.clone(), watch),

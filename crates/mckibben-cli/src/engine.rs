@@ -16,13 +16,13 @@ use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
 #[derive(Clone, Debug)]
-pub enum Outcome<'e> {
+pub enum Outcome {
     /// By the event-located engine.
     Located(Box<Trajectory>),
     /// By the fixed-step engine.
     Stepped {
         /// What is repeated to read it.
-        experiment: &'e Experiment,
+        experiment: Box<Experiment>,
         /// The longest step in s.
         step: f64,
         /// The error of that step, when it was chosen for the accuracy.
@@ -39,7 +39,7 @@ pub enum Outcome<'e> {
 ///
 /// # Errors
 /// [`Error::Stopped`] when the simulation cannot go on, and what the core finds out of range.
-pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Result<Outcome<'e>, Error> {
+pub fn run(experiment: &Experiment, watch: &mut dyn FnMut(&Sample)) -> Result<Outcome, Error> {
     let run = &experiment.run;
     match run.engine {
         Engine::EventLocated => {
@@ -65,12 +65,12 @@ pub fn run<'e>(experiment: &'e Experiment, watch: &mut dyn FnMut(&Sample)) -> Re
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_steps<'e>(
-    experiment: &'e Experiment,
+pub fn run_steps(
+    experiment: &Experiment,
     (step, chosen): (f64, Option<StepError>),
     divisions: Vec<f64>,
     watch: &mut dyn FnMut(&Sample),
-) -> Result<Outcome<'e>, Error> {
+) -> Result<Outcome, Error> {
     let progress = Progress::begin("simulating", Some(rows(&experiment.run)));
     let (mut steps, mut row) = (0, 0);
     step_through(experiment, regular(&experiment.run, step), &divisions, &mut |sample, recorded| {
@@ -82,10 +82,11 @@ pub fn run_steps<'e>(
         }
         Ok::<_, Error>(())
     })?;
+    let experiment = Box::new(experiment.clone());
     Ok(Outcome::Stepped { experiment, step, chosen, steps: steps - 1, divisions })
 }
 
-impl Outcome<'_> {
+impl Outcome {
     /// The rig that was run.
     pub fn rig(&self) -> &Rig {
         match self {

@@ -2,6 +2,8 @@
 //!
 //! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
 //! of the event they say what holds from then on.
+//!
+//! [`Log`] holds the same in memory, of an actuator or a joint.
 
 use crate::engine::Outcome;
 use crate::failure::Failure;
@@ -18,7 +20,7 @@ pub(crate) const OF_ACTUATOR: [&str; 6] =
     ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
 
 /// The events of a run, or `None` where the engine keeps no log of them.
-pub fn of<'o>(outcome: &'o Outcome<'_>) -> Option<&'o [Event]> {
+pub fn of(outcome: &Outcome) -> Option<&[Event]> {
     match outcome {
         Outcome::Located(trajectory) => Some(trajectory.events()),
         Outcome::Stepped { .. } => None,
@@ -49,20 +51,41 @@ pub fn table(events: &[Event]) -> String {
     text
 }
 
-/// Writes the log as CSV.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when writing fails.
-pub fn write(events: &[Event], path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
-    let failed = |error: csv::Error| Failure::output(path, error);
-    let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(["time_s", "event"].into_iter().chain(OF_ACTUATOR)).map_err(failed)?;
-    for event in events {
-        let time = format!("{:?}", event.time);
-        let own = [time.as_str(), event.kind.name()];
-        writer.write_record(own.into_iter().chain(words(&event.after))).map_err(failed)?;
+/// A log of events in words.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// The names of the words, the first of them `event`.
+    pub columns: Vec<String>,
+    /// The times of the events in s, in order.
+    pub times: Vec<f64>,
+    /// The words of each event.
+    pub rows: Vec<Vec<&'static str>>,
+}
+
+impl Log {
+    /// The log of an actuator's run.
+    pub fn new(events: &[Event]) -> Self {
+        let columns = ["event"].into_iter().chain(OF_ACTUATOR).map(str::to_owned).collect();
+        let row = |event: &Event| [event.kind.name()].into_iter().chain(words(&event.after)).collect();
+        let times = events.iter().map(|event| event.time).collect();
+        Self { columns, times, rows: events.iter().map(row).collect() }
     }
-    writer.flush().map_err(|error| Failure::output(path, error))
+
+    /// Writes the log as CSV, with the time of each event before its words.
+    ///
+    /// # Errors
+    /// [`Failure::output`], which names `path`, when writing fails.
+    pub fn write(&self, path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
+        let failed = |error: csv::Error| Failure::output(path, error);
+        let mut writer = csv::Writer::from_writer(out);
+        let columns = self.columns.iter().map(String::as_str);
+        writer.write_record(["time_s"].into_iter().chain(columns)).map_err(failed)?;
+        for (time, words) in self.times.iter().zip(&self.rows) {
+            let time = format!("{time:?}");
+            writer.write_record([time.as_str()].into_iter().chain(words.iter().copied())).map_err(failed)?;
+        }
+        writer.flush().map_err(|error| Failure::output(path, error))
+    }
 }
 
 /// What holds of an actuator, in the order of [`OF_ACTUATOR`].

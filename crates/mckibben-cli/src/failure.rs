@@ -75,6 +75,14 @@ impl Failure {
         Self { reason, message: Message::Words { title, help } }
     }
 
+    /// The same of one thing among several, such as `actuator 7`; places in a file say it themselves.
+    pub fn of(self, whose: &str) -> Self {
+        match self.message {
+            Message::Words { title, help } => Self::words(self.reason, format!("{whose}: {title}"), help),
+            message @ Message::Places(_) => Self { reason: self.reason, message },
+        }
+    }
+
     /// What sort of failure it is.
     pub fn reason(&self) -> Reason {
         self.reason

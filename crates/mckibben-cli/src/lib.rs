@@ -5,10 +5,11 @@
 //! | [`arguments`] | the command line |
 //! | [`commands`] | one module for each command |
 //! | [`settings`] | values of the scenario from the command line |
+//! | [`finished`] | whatever a scenario describes, run |
 //! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, without a controller and with one |
 //! | [`observation`] | the figures of a run |
 //! | [`summary`], [`describe`], [`events`] | a run in words |
-//! | [`record`] | a run as CSV or Parquet |
+//! | [`record`] | a run as columns, as CSV or Parquet |
 //! | [`joint`] | the same for a joint of two actuators |
 //! | [`portrait`], [`plot`] | a run as a figure, and figures in general |
 //! | [`sweep`] | many runs of one scenario |
@@ -25,6 +26,7 @@ pub mod describe;
 pub mod engine;
 pub mod events;
 pub mod failure;
+pub mod finished;
 pub mod joint;
 pub mod observation;
 pub mod output;

@@ -230,7 +230,7 @@ impl Observer {
     }
 
     /// The figures of the run.
-    pub fn finish(mut self, outcome: &Outcome<'_>) -> Observation {
+    pub fn finish(mut self, outcome: &Outcome) -> Observation {
         if let Outcome::Located(trajectory) = outcome {
             self.look_over(trajectory);
         }
@@ -266,7 +266,7 @@ impl Observer {
 }
 
 /// The start of a run as a sample, for a run that showed none.
-fn experiment_without_samples(outcome: &Outcome<'_>) -> Sample {
+fn experiment_without_samples(outcome: &Outcome) -> Sample {
     match outcome {
         Outcome::Located(trajectory) => trajectory.at(0.0),
         Outcome::Stepped { experiment, .. } => {

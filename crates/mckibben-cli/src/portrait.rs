@@ -47,28 +47,13 @@ pub enum Over {
     Length,
 }
 
-/// Draws a run, with the set points of a controller as broken lines; the bytes of the file.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when the figure cannot be drawn.
-pub fn draw(
-    experiment: &Experiment,
-    outcome: &Outcome<'_>,
-    goals: &[Goal],
-    over: Over,
-    title: &str,
-    (path, format): (&Path, Format),
-) -> Result<Vec<u8>, Failure> {
-    bytes(&figure(experiment, outcome, goals, over, title)?, (path, format))
-}
-
-/// The figure of a run.
+/// The figure of a run, with the set points of a controller as broken lines.
 ///
 /// # Errors
 /// What the core finds when a fixed-step run is repeated.
 pub fn figure(
     experiment: &Experiment,
-    outcome: &Outcome<'_>,
+    outcome: &Outcome,
     goals: &[Goal],
     over: Over,
     title: &str,
@@ -140,7 +125,7 @@ impl Bands {
     }
 }
 
-fn courses(experiment: &Experiment, outcome: &Outcome<'_>, goals: &[Goal], title: &str) -> Result<Figure, Error> {
+fn courses(experiment: &Experiment, outcome: &Outcome, goals: &[Goal], title: &str) -> Result<Figure, Error> {
     let duration = experiment.run.duration;
     let curves = curves(experiment, outcome)?;
     let limits = experiment.rig.actuator().limits();
@@ -220,14 +205,14 @@ pub(crate) fn wanted(goal: &Goal, factor: f64) -> Series {
     draw("set point", goal.time.clone(), target).dash(Dash::Dashed)
 }
 
-fn loops(experiment: &Experiment, outcome: &Outcome<'_>, title: &str) -> Result<Figure, Error> {
+fn loops(experiment: &Experiment, outcome: &Outcome, title: &str) -> Result<Figure, Error> {
     let Curves { length, tension, .. } = curves(experiment, outcome)?;
     let length = length.into_iter().map(|length| length * 1e3).collect();
     let panel = Panel::new(Axis::new("tension", "N")).series(Series::line("", length, tension));
     Ok(Figure::new(Axis::new("length", "mm")).title(title).panel(panel).size_mm(120.0, 80.0))
 }
 
-fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Error> {
+fn curves(experiment: &Experiment, outcome: &Outcome) -> Result<Curves, Error> {
     let (duration, interval) = (experiment.run.duration, experiment.run.sample_interval);
     let mut curves = Curves::default();
     let atmosphere = experiment.rig.actuator().air().atmosphere().0;
@@ -273,7 +258,7 @@ fn curves(experiment: &Experiment, outcome: &Outcome<'_>) -> Result<Curves, Erro
 }
 
 /// Symbols at the events of the motion, each kind that is rare enough to be looked at one by one.
-fn marks(outcome: &Outcome<'_>) -> Vec<Marks> {
+fn marks(outcome: &Outcome) -> Vec<Marks> {
     let Outcome::Located(trajectory) = outcome else { return Vec::new() };
     let symbols = [Symbol::Circle, Symbol::Triangle, Symbol::Square, Symbol::Diamond, Symbol::TriangleDown];
     let log = trajectory.events();

@@ -1,11 +1,20 @@
 //! A bar for work that takes longer than a second: on a terminal only, on standard error, gone when the work is done.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::time::Duration;
 
 /// How long work may take before anything is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Whether no bars are wanted.
+static SILENT: AtomicBool = AtomicBool::new(false);
+
+/// No bars are shown from now on, whatever takes how long: another program is the host.
+pub fn silence() {
+    SILENT.store(true, Ordering::Relaxed);
+}
 
 /// Work under way.
 #[derive(Debug)]
@@ -36,6 +45,9 @@ impl Progress {
         let bar =
             ProgressBar::with_draw_target(total, ProgressDrawTarget::hidden()).with_style(style).with_message(name);
         let (done, wait) = mpsc::channel::<()>();
+        if SILENT.load(Ordering::Relaxed) {
+            return Self { bar, _done: done };
+        }
         let shown = bar.clone();
         // A thread shows the bar, because the work may be one call that does not return for minutes.
         std::thread::spawn(move || {

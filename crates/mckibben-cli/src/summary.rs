@@ -33,7 +33,7 @@ pub struct Summary<'a> {
     /// What was simulated.
     pub experiment: &'a Experiment,
     /// The run.
-    pub outcome: &'a Outcome<'a>,
+    pub outcome: &'a Outcome,
     /// The controller's part in it, if there is one.
     pub control: Option<&'a Closed>,
     /// Its figures.

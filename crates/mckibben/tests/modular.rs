@@ -3,6 +3,7 @@
 use crate::common;
 use common::{GRAVITY, LB, Paper, assert_close, between};
 use mckibben::control::Drive;
+use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, Method, ModularActuator, Rig};
@@ -118,6 +119,31 @@ fn dual_numbers_carry_derivatives_through_pulses_and_motion() {
     (1..=50).for_each(|k| actuator.move_to(Dual::of(f64::from(k) * 2e-3), Dual::of(0.09)).expect("a step"));
     let slope = common::slope(1e-4, |change| end(0.85 + change));
     assert_close(actuator.state().pressure.0.slope[0], slope, 1e-7);
+}
+
+#[test]
+fn from_a_snapshot_it_goes_on_as_it_did() {
+    let law = MaxwellSlip::new(&[2e-4], &[0.3]).expect("an element");
+    let paper = Paper::pwm(FREQUENCY, 0.5).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law)));
+    let mut actuator = modular(&paper);
+    actuator.drive(pulses(0.4)).expect("a duty cycle");
+    let go_on = |actuator: &mut ModularActuator| {
+        (0..50)
+            .map(|_| {
+                let (until, length) = (actuator.time() + 1e-3, actuator.state().length - 2e-5);
+                actuator.move_to(until, length).expect("a step");
+                actuator.sample()
+            })
+            .collect::<Vec<_>>()
+    };
+    go_on(&mut actuator);
+    let there = actuator.snapshot();
+    let first = go_on(&mut actuator);
+    let mut other = modular(&paper);
+    for twin in [&mut actuator, &mut other] {
+        twin.restore(&there);
+        assert_eq!(go_on(twin), first);
+    }
 }
 
 #[test]

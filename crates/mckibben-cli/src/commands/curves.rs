@@ -67,7 +67,7 @@ pub enum Over {
 }
 
 /// The pressures when none are given: those of the paper's Fig. 3.
-const USUAL: &str = "35,45,55,65,75,85,95psi";
+pub const USUAL: &str = "35,45,55,65,75,85,95psi";
 /// Intervals of a curve, and every how many stand in the printed table.
 const INTERVALS: usize = 120;
 const PRINTED: usize = 12;
@@ -114,6 +114,17 @@ pub(crate) fn figure(document: &Document) -> Result<Figure, Failure> {
     let pressures = pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
     Ok(curves.figure(Over::Length, &notes(&scenario, document)))
+}
+
+/// The table that `--output` has: for each pressure a row for each length.
+///
+/// # Errors
+/// The scenario or a pressure is wrong.
+pub fn data(document: &Document, pressures: &Pressures) -> Result<Data, Failure> {
+    let scenario = document.scenario()?;
+    let experiment = built(document)?;
+    let pressures = pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
+    Ok(Curves { actuator: experiment.rig.actuator(), pressures }.data())
 }
 
 /// What a scenario describes; its curves do not ask for what drives the valve.

@@ -3,10 +3,10 @@
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
 //! them takes its name.
 
-use crate::closed_loop;
-use crate::engine::{self, Outcome};
-use crate::events;
+use crate::engine;
 use crate::failure::Failure;
+use crate::finished::{ActuatorRun, Finished, Ready};
+use crate::joint;
 use crate::observation::Observer;
 use crate::output::{self, Pending};
 use crate::portrait;
@@ -15,12 +15,10 @@ use crate::record::{self, Provenance};
 use crate::settings::Setting;
 use crate::summary::Summary;
 use crate::terminal;
-use mckibben_scenario::{Document, Engine, Experiment, Scenario};
-use std::io::Write;
+use mckibben::simulation::Sample;
+use mckibben_scenario::{Document, Experiment, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-mod joint;
 
 /// What `mckibben simulate` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -74,25 +72,14 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         setting.apply(&mut document)?;
     }
     let scenario = document.scenario()?;
-    let joint = match document.controlled_joint_experiment()? {
-        Some(controlled) => Some(joint::Joint::Controlled(Box::new(controlled))),
-        None => document.joint_experiment()?.map(Box::new).map(joint::Joint::Open),
-    };
-    if let Some(joint) = joint {
-        if arguments.over != portrait::Over::Time {
-            return Err(Failure::input(
-                "--over: an antagonistic joint has two lengths, so it is drawn over time",
-                "leave --over out, and take the columns of --output for another figure",
-            ));
-        }
-        return joint::run(arguments, &files, &document, &scenario, &joint);
+    let ready = Ready::of(&document)?;
+    if ready.is_joint() && arguments.over != portrait::Over::Time {
+        return Err(Failure::input(
+            "--over: an antagonistic joint has two lengths, so it is drawn over time",
+            "leave --over out, and take the columns of --output for another figure",
+        ));
     }
-    let controlled = document.controlled_experiment()?;
-    let experiment = match &controlled {
-        Some(of) => of.experiment.clone(),
-        None => document.experiment()?,
-    };
-    if arguments.events_output.is_some() && experiment.run.engine == Engine::FixedStep {
+    if arguments.events_output.is_some() && !ready.logs_events() {
         return Err(Failure::input(
             "--events-output: the fixed-step engine keeps no log of events",
             "set run.engine = \"event-located\", or leave --events-output out",
@@ -101,59 +88,55 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     files.probe()?;
 
     let started = Instant::now();
-    let failed = |error| Failure::of_core(&error, &document);
-    let closed = controlled.as_ref().map(closed_loop::close).transpose().map_err(failed)?;
-    let experiment = closed.as_ref().map_or(experiment, |closed| closed.experiment.clone());
-    let mut observer = Observer::new(&experiment);
-    let mut watch = |sample: &_| observer.see(sample);
-    let outcome = match &closed {
-        Some(closed) => closed.outcome(&experiment, &mut watch),
-        None => engine::run(&experiment, &mut watch),
-    }
-    .map_err(failed)?;
+    let mut observer = None;
+    let finished = ready.run(&document, &mut |experiment: &Experiment, sample: &Sample| {
+        observer.get_or_insert_with(|| Observer::new(experiment)).see(sample);
+    })?;
     let elapsed = started.elapsed();
 
-    let interval = experiment.run.sample_interval;
-    match &closed {
-        Some(closed) => files.write_with(
-            arguments,
-            (&document, &scenario),
-            |provenance, target, out| {
-                record::write_controlled(&outcome, &closed.goals, interval, provenance, target, out)
-            },
-            |title, target| portrait::draw(&experiment, &outcome, &closed.goals, arguments.over, title, target),
-            |path, out| events::of(&outcome).map_or(Ok(()), |log| events::write(log, path, out)),
-        )?,
-        None => files.write(arguments, &document, &scenario, &experiment, &outcome)?,
-    }
+    files.write(arguments, (&document, &scenario), &finished)?;
     if arguments.quiet && !arguments.events {
         return Ok(());
     }
     let mut text = String::new();
     if !arguments.quiet {
-        let observation = observer.finish(&outcome);
-        let assumed = document.assumed();
         let name = arguments.file.display().to_string();
-        let summary = Summary {
-            name: &name,
-            scenario: &scenario,
-            experiment: &experiment,
-            outcome: &outcome,
-            control: closed.as_ref(),
-            observation: &observation,
-            elapsed,
-            assumed: &assumed,
-        };
-        text.push_str(&summary.render());
-        text.push_str(&files.told(engine::rows(&experiment.run)));
+        let assumed = document.assumed();
+        text.push_str(&match &finished {
+            Finished::Actuator(of) => {
+                let ActuatorRun { experiment, outcome, control } = of.as_ref();
+                let observation = observer.unwrap_or_else(|| Observer::new(experiment)).finish(outcome);
+                Summary {
+                    name: &name,
+                    scenario: &scenario,
+                    experiment,
+                    outcome,
+                    control: control.as_ref(),
+                    observation: &observation,
+                    elapsed,
+                    assumed: &assumed,
+                }
+                .render()
+            }
+            Finished::Joint(of) => {
+                let antagonist = scenario.of_antagonist();
+                joint::summary::Summary {
+                    name: &name,
+                    scenarios: [&scenario, antagonist.as_ref().unwrap_or(&scenario)],
+                    outcome: &of.outcome,
+                    control: of.control.as_ref(),
+                    elapsed,
+                    assumed: &assumed,
+                }
+                .render()
+            }
+        });
+        text.push_str(&files.told(engine::rows(finished.plan())));
     }
     if arguments.events {
         let gap = if text.is_empty() { "" } else { "\n" };
         text.push_str(gap);
-        text.push_str(&match events::of(&outcome) {
-            Some(log) => events::table(log),
-            None => "the fixed-step engine keeps no log of events\n".to_owned(),
-        });
+        text.push_str(&finished.table().unwrap_or_else(|| "the fixed-step engine keeps no log of events\n".to_owned()));
     }
     terminal::print(&text)
 }
@@ -199,33 +182,12 @@ impl<'a> Files<'a> {
         self.paths().try_for_each(output::probe)
     }
 
+    /// Writes what is asked for, and lets all files take their names when the last is complete.
     fn write(
         &self,
         arguments: &SimulateArguments,
-        document: &Document,
-        scenario: &Scenario,
-        experiment: &Experiment,
-        outcome: &Outcome<'_>,
-    ) -> Result<(), Failure> {
-        let interval = experiment.run.sample_interval;
-        self.write_with(
-            arguments,
-            (document, scenario),
-            |provenance, target, out| record::write(outcome, interval, provenance, target, out),
-            |title, target| portrait::draw(experiment, outcome, &[], arguments.over, title, target),
-            |path, out| events::of(outcome).map_or(Ok(()), |log| events::write(log, path, out)),
-        )
-    }
-
-    /// Writes what is asked for by three functions, of the output, the figure's bytes and the events, and lets all files
-    /// take their names when the last is complete.
-    fn write_with(
-        &self,
-        arguments: &SimulateArguments,
         (document, scenario): (&Document, &Scenario),
-        output: impl FnOnce(&Provenance<'_>, (&Path, record::Format), &mut (dyn Write + Send)) -> Result<(), Failure>,
-        plot: impl FnOnce(&str, (&Path, portrait::Format)) -> Result<Vec<u8>, Failure>,
-        events: impl FnOnce(&Path, &mut dyn Write) -> Result<(), Failure>,
+        finished: &Finished,
     ) -> Result<(), Failure> {
         let _progress = Progress::begin("writing", None);
         let mut pending = Vec::new();
@@ -233,19 +195,19 @@ impl<'a> Files<'a> {
             let set: Vec<String> = arguments.set.iter().map(Setting::to_string).collect();
             let provenance = Provenance { document, set: &set, scenario };
             let mut file = Pending::create(path)?;
-            output(&provenance, (path, format), file.writer())?;
+            finished.write(&provenance, (path, format), file.writer())?;
             pending.push(file);
         }
-        if let Some((path, format)) = self.plot {
+        if let Some(target) = self.plot {
             let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let bytes = plot(&title, (path, format))?;
-            let mut file = Pending::create(path)?;
-            file.writer().write_all(&bytes).map_err(|error| Failure::output(path, error))?;
+            let bytes = portrait::bytes(&finished.figure(arguments.over, &title)?, target)?;
+            let mut file = Pending::create(target.0)?;
+            file.writer().write_all(&bytes).map_err(|error| Failure::output(target.0, error))?;
             pending.push(file);
         }
-        if let Some(path) = self.events {
+        if let (Some(path), Some(log)) = (self.events, finished.log()) {
             let mut file = Pending::create(path)?;
-            events(path, file.writer())?;
+            log.write(path, file.writer())?;
             pending.push(file);
         }
         pending.into_iter().try_for_each(Pending::commit)

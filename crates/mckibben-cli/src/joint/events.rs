@@ -5,14 +5,11 @@
 //! itself, and what stands behind it holds from then on.
 
 use super::NAMES;
-use crate::events::{OF_ACTUATOR, extent, words, zone};
-use crate::failure::Failure;
+use crate::events::{Log, OF_ACTUATOR, extent, words, zone};
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{Contact, End, EventKind, JointEvent, JointMode, Turning};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write;
-use std::path::Path;
 
 /// How many events of each kind there are.
 pub fn counts(events: &[JointEvent]) -> BTreeMap<EventKind, u64> {
@@ -46,24 +43,21 @@ fn then(actuator: Option<usize>, mode: &JointMode) -> String {
     then.join(", ")
 }
 
-/// Writes the log as CSV.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when writing fails.
-pub fn write(events: &[JointEvent], path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
-    let failed = |error: csv::Error| Failure::output(path, error);
-    let mut writer = csv::Writer::from_writer(out);
-    let own = ["time_s", "event", "actuator", "turning", "contact"].map(str::to_owned);
+/// The log in words.
+pub fn log(events: &[JointEvent]) -> Log {
+    let own = ["event", "actuator", "turning", "contact"].map(str::to_owned);
     let names = NAMES.iter().flat_map(|name| OF_ACTUATOR.map(|column| format!("{name}_{column}")));
-    writer.write_record(own.into_iter().chain(names)).map_err(failed)?;
-    for event in events {
+    let row = |event: &JointEvent| {
         let after = &event.after;
-        let time = format!("{:?}", event.time);
         let whose = event.kind.actuator.map_or("", |index| NAMES[index]);
-        let own = [time.as_str(), event.kind.kind.name(), whose, turning(after.turning), contact(after.contact)];
-        writer.write_record(own.into_iter().chain(after.actuators.iter().flat_map(words))).map_err(failed)?;
+        let own = [event.kind.kind.name(), whose, turning(after.turning), contact(after.contact)];
+        own.into_iter().chain(after.actuators.iter().flat_map(words)).collect()
+    };
+    Log {
+        columns: own.into_iter().chain(names).collect(),
+        times: events.iter().map(|event| event.time).collect(),
+        rows: events.iter().map(row).collect(),
     }
-    writer.flush().map_err(|error| Failure::output(path, error))
 }
 
 fn turning(turning: Turning) -> &'static str {

@@ -3,27 +3,11 @@
 use super::NAMES;
 use super::outcome::Outcome;
 use crate::closed_loop::Goal;
-use crate::failure::Failure;
 use crate::plot::{Axis, Dash, Figure, Panel, Series, Span};
-use crate::portrait::{Bands, Format, POINTS, bytes, wanted};
+use crate::portrait::{Bands, POINTS, wanted};
 use mckibben::control::Quantity;
 use mckibben::simulation::{EventKind, JointEvent};
 use std::f64::consts::PI;
-use std::path::Path;
-
-/// Draws a run; the bytes of the file.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when the figure cannot be drawn.
-pub fn draw(
-    outcome: &Outcome,
-    goals: &[Goal],
-    interval: f64,
-    title: &str,
-    target: (&Path, Format),
-) -> Result<Vec<u8>, Failure> {
-    bytes(&figure(outcome, goals, interval, title), target)
-}
 
 /// The figure of a run.
 pub(crate) fn figure(outcome: &Outcome, goals: &[Goal], interval: f64, title: &str) -> Figure {

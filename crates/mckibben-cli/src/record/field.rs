@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// The columns of one actuator in their order: those that every run has, then those of its rig's air line, pressure
 /// regulator and tendon in series.
-pub(super) fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
+fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
     let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
     let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
     let Some(rig) = rig else { return fields };
@@ -54,7 +54,7 @@ pub(super) fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
 }
 
 /// The columns of one actuator under a controller: its goals follow.
-pub(super) fn of_controlled(rig: &Rig, goals: &[Goal]) -> Vec<Field<Sample>> {
+pub(crate) fn of_controlled(rig: &Rig, goals: &[Goal]) -> Vec<Field<Sample>> {
     let mut fields = of_actuator(Some(rig));
     fields.extend(of_goals(goals, |sample: &Sample| sample.time));
     fields

@@ -1,16 +1,19 @@
-//! The file of a run: the columns, and the two formats they are written in.
+//! The columns of a run: in memory, and in the two formats of a file.
 
 mod csv;
 mod field;
+mod memory;
 mod parquet;
 
 use crate::closed_loop::Goal;
 use crate::engine::Outcome;
 use crate::failure::Failure;
 use crate::joint;
-pub(crate) use field::{Field, Value, of_joint};
+pub(crate) use field::{Field, Value, of_controlled, of_joint};
 use mckibben::simulation::{JointSample, Sample};
 use mckibben_scenario::{Document, Scenario};
+pub(crate) use memory::filled;
+pub use memory::{Filled, Values};
 use std::io::Write;
 use std::path::Path;
 
@@ -88,27 +91,12 @@ pub struct Provenance<'a> {
     pub scenario: &'a Scenario,
 }
 
-/// Writes a run.
+/// Writes a run; under a controller with the set points and what was measured after the columns of the run.
 ///
 /// # Errors
 /// [`Failure::output`], which names `path`, when writing fails.
 pub fn write(
-    outcome: &Outcome<'_>,
-    interval: f64,
-    provenance: &Provenance<'_>,
-    (path, format): (&Path, Format),
-    out: &mut (dyn Write + Send),
-) -> Result<(), Failure> {
-    let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_actuator(Some(outcome.rig())), rows, provenance, (path, format), out)
-}
-
-/// Writes a run under a controller: with the set points and what was measured after the columns of the run.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when writing fails.
-pub fn write_controlled(
-    outcome: &Outcome<'_>,
+    outcome: &Outcome,
     goals: &[Goal],
     interval: f64,
     provenance: &Provenance<'_>,
@@ -116,7 +104,7 @@ pub fn write_controlled(
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&field::of_controlled(outcome.rig(), goals), rows, provenance, (path, format), out)
+    write_fields(&of_controlled(outcome.rig(), goals), rows, provenance, (path, format), out)
 }
 
 /// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's, then what a
@@ -133,11 +121,11 @@ pub fn write_joint(
     out: &mut (dyn Write + Send),
 ) -> Result<(), Failure> {
     let rows: Rows<'_, JointSample> = &mut |each| outcome.samples(interval).try_for_each(|sample| each(&sample));
-    write_fields(&field::of_joint(goals), rows, provenance, (path, format), out)
+    write_fields(&of_joint(goals), rows, provenance, (path, format), out)
 }
 
 /// Hands every sample of a run to what it is given.
-type Rows<'r, S> = &'r mut dyn FnMut(&mut dyn FnMut(&S) -> Result<(), Failure>) -> Result<(), Failure>;
+pub(crate) type Rows<'r, S> = &'r mut dyn FnMut(&mut dyn FnMut(&S) -> Result<(), Failure>) -> Result<(), Failure>;
 
 fn write_fields<S>(
     fields: &[Field<S>],

@@ -8,6 +8,9 @@
 //!
 //! feed      the pressure that comes to the valve from now on
 //! drawn     the air that the last step took from the supply
+//!
+//! snapshot  where it is now
+//! restore   back to there, as for a step that is only tried
 //! ```
 //!
 //! A robot's simulator knows how long each actuator is and wants to know how hard it pulls; everything else is kept here.
@@ -82,6 +85,11 @@ pub(super) struct Exchange<R> {
     exhausted: R,
 }
 
+/// Where an actuator is in time, with its air, its valve's seats and pulses and what its hysteresis remembers: kept by a
+/// caller who wants to go on from there more than once.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot<R: Real<Time = R> = f64>(Place<R>);
+
 /// Where an actuator is, to go back to.
 pub(super) type Place<R> = (Walk<R>, Modulator<R>, Exchange<R>);
 
@@ -122,6 +130,16 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// Length, velocity of the last step, pressure and air mass at that time.
     pub fn state(&self) -> State<R> {
         State::from_array(of_rig(&self.walk.course.state))
+    }
+
+    /// Where the actuator is.
+    pub fn snapshot(&self) -> Snapshot<R> {
+        Snapshot(self.going())
+    }
+
+    /// Goes to where an actuator of the same rig was. What feeds its valve stays.
+    pub fn restore(&mut self, snapshot: &Snapshot<R>) {
+        self.back_to(snapshot.0);
     }
 
     /// Which passages are open at that time.

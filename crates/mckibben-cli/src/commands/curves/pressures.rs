@@ -51,6 +51,11 @@ fn split(item: &str) -> Option<(&str, &str)> {
 }
 
 impl Pressures {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
     /// The pressures, when all of them are above vacuum in this atmosphere, in Pa.
     ///
     /// # Errors

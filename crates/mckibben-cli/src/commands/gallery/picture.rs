@@ -2,9 +2,9 @@
 
 use crate::commands::{curves, linearize, sweep};
 use crate::failure::Failure;
+use crate::finished::{Finished, Ready};
 use crate::plot::Theme;
-use crate::portrait::{self, Over};
-use crate::{closed_loop, engine, joint};
+use crate::portrait::Over;
 use mckibben::load::Load;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
@@ -46,34 +46,15 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
         _ => {}
     }
-    if let Some(controlled) = document.controlled_joint_experiment()? {
-        let run = joint::control::close(&controlled, None, |_| ());
-        let (outcome, closed) = run.map_err(|error| Failure::of_core(&error, &document))?;
-        let interval = controlled.experiment.run.sample_interval;
-        let figure = joint::portrait::figure(&outcome, &closed.goals, interval, "");
-        return picture(figure.to_svg(Theme::Auto), "simulate", "");
-    }
-    if let Some(experiment) = document.joint_experiment()? {
-        let run = &experiment.run;
-        let outcome = joint::outcome::run(&experiment).map_err(|error| Failure::of_core(&error, &document))?;
-        let figure = joint::portrait::figure(&outcome, &[], run.sample_interval, "");
-        return picture(figure.to_svg(Theme::Auto), "simulate", "");
-    }
-    let failed = |error| Failure::of_core(&error, &document);
-    if let Some(controlled) = document.controlled_experiment()? {
-        let closed = closed_loop::close(&controlled).map_err(failed)?;
-        let outcome = closed.outcome(&closed.experiment, &mut |_| ()).map_err(failed)?;
-        let figure = portrait::figure(&closed.experiment, &outcome, &closed.goals, Over::Time, "")?;
-        return Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", "")? });
-    }
-    let experiment = document.experiment()?;
-    let outcome = engine::run(&experiment, &mut |_| ()).map_err(failed)?;
+    let finished = Ready::of(&document)?.run(&document, &mut |_, _| ())?;
     // A given motion is not worth a curve; what it costs in force is.
-    let (over, options) = match experiment.rig.load() {
-        Load::Prescribed(_) => (Over::Length, " --over length"),
+    let (over, options) = match &finished {
+        Finished::Actuator(of) if of.control.is_none() && matches!(of.experiment.rig.load(), Load::Prescribed(_)) => {
+            (Over::Length, " --over length")
+        }
         _ => (Over::Time, ""),
     };
-    let figure = portrait::figure(&experiment, &outcome, &[], over, "")?;
+    let figure = finished.figure(over, "")?;
     Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", options)? })
 }
 

@@ -64,6 +64,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table,
         values: told,
+        estimates: best.fit.fit.estimates.clone(),
         warnings,
         scenarios: vec![("scenario.toml".to_owned(), text)],
     })

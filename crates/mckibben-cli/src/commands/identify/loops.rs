@@ -49,6 +49,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table: Table::default(),
         values: numbers,
+        estimates: found.found.fit.estimates,
         warnings,
         scenarios,
     })

@@ -27,8 +27,8 @@ use crate::terminal;
 use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError};
 use mckibben_scenario::Document;
-use outcome::Outcome;
-use std::path::PathBuf;
+pub use outcome::{Outcome, WARNED};
+use std::path::{Path, PathBuf};
 
 /// What `mckibben identify` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -113,14 +113,18 @@ struct Material {
 /// # Errors
 /// The input is wrong, no fit was found, or a file could not be written.
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
-    let outcome = identified(arguments)?;
+    let outcome = identified(&arguments.study)?;
     let page = outcome.write(&arguments.output)?;
     let wrote = terminal::styled(terminal::GOOD, "wrote");
     terminal::print(&format!("{}\n{wrote} {}\n", outcome.told(), page.display()))
 }
 
-fn identified(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
-    let study = Study::load(&arguments.study).map_err(mistake)?;
+/// Fits what a study file asks for.
+///
+/// # Errors
+/// The input is wrong, or no fit was found.
+pub fn identified(study: &Path) -> Result<Outcome, Failure> {
+    let study = Study::load(study).map_err(mistake)?;
     let document = Document::load(&study.scenario)?;
     document.scenario()?;
     let recordings = study.recordings().map_err(mistake)?;

@@ -5,11 +5,12 @@ use crate::output;
 use crate::plot::{Axis, Legend, Panel, Series};
 use crate::report::{Report, Section, Table};
 use crate::terminal;
+use mckibben_identify::least_squares::Estimate;
 use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
 
 /// How a sentence begins that is a warning, among those that are good to know.
-pub(super) const WARNED: &str = "! ";
+pub const WARNED: &str = "! ";
 
 /// A scenario file of what was found.
 pub(super) fn file(scenario: &Scenario) -> String {
@@ -44,21 +45,23 @@ pub(super) fn off(words: impl Into<String>, unit: &str, series: Series) -> Panel
 
 /// What was found.
 #[derive(Debug, Default)]
-pub(super) struct Outcome {
+pub struct Outcome {
     /// The heading of the page.
     pub(super) title: String,
     /// What was done, in a few sentences.
-    pub(super) introduction: Vec<String>,
+    pub introduction: Vec<String>,
     /// The parts of the page behind the one that says what was found in the data.
     pub(super) sections: Vec<Section>,
     /// The table that is printed.
     pub(super) table: Table,
     /// The values that are printed.
     pub(super) values: Table,
+    /// The same as numbers.
+    pub estimates: Vec<Estimate>,
     /// What a reader should know before believing them; warnings begin with [`WARNED`].
-    pub(super) warnings: Vec<String>,
+    pub warnings: Vec<String>,
     /// The scenarios with the values found, each with the name of its file.
-    pub(super) scenarios: Vec<(String, String)>,
+    pub scenarios: Vec<(String, String)>,
 }
 
 impl Outcome {
@@ -89,8 +92,11 @@ impl Outcome {
         text
     }
 
-    /// Writes everything; the page comes last, so that where it stands everything that it refers to stands too.
-    pub(super) fn write(&self, folder: &Path) -> Result<PathBuf, Failure> {
+    /// Writes everything into a folder; the page comes last, so that where it stands everything that it refers to stands too.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when a file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| Failure::output(folder, error))?;
         for plate in self.sections.iter().flat_map(|section| &section.plates) {
             plate.write(folder)?;

@@ -65,6 +65,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table,
         values: Table::default(),
+        estimates: Vec::new(),
         warnings,
         scenarios,
     })

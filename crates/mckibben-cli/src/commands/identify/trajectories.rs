@@ -51,6 +51,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table,
         values: numbers,
+        estimates: found.found.fit.estimates,
         warnings,
         scenarios,
     })

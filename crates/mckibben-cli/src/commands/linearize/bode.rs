@@ -24,14 +24,14 @@ struct View<'m> {
 }
 
 /// The figure of one input; the valve's where none is named.
-pub(super) fn figure(model: &Model<'_>, input: Option<&str>) -> Result<Figure, Failure> {
+pub(super) fn figure(model: &Model, input: Option<&str>) -> Result<Figure, Failure> {
     let averaged = model.linear.averaged.as_slice();
     let outputs = &["length", "pressure", "tension"];
     draw(&View { system: &model.system, poles: &model.poles, averaged, outputs, caption: caption(model) }, input)
 }
 
 /// The figure of one input of a joint; the agonist's valve's where none is named.
-pub(super) fn of_joint(model: &JointModel<'_>, input: Option<&str>) -> Result<Figure, Failure> {
+pub(super) fn of_joint(model: &JointModel, input: Option<&str>) -> Result<Figure, Failure> {
     let averaged = model.linear.averaged.as_ref().map_or(&[][..], |both| &both[..]);
     let outputs = &["angle", "actuator_torque"];
     draw(&View { system: &model.system, poles: &model.poles, averaged, outputs, caption: model.caption() }, input)
@@ -165,7 +165,7 @@ fn unit(output: &Signal, input: &Signal) -> String {
     }
 }
 
-fn caption(model: &Model<'_>) -> String {
+fn caption(model: &Model) -> String {
     let point = &model.linear.point;
     let valve = match &model.linear.averaged {
         Some(averaged) => format!("duty {:.3} at {}", averaged.duty, quantity(averaged.frequency, "Hz")),

@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 const VERSION: u32 = 1;
 
 /// The values at the operating point, each name with its unit at the end.
-fn point(model: &Model<'_>) -> Vec<(&'static str, f64)> {
+pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
     let point = &model.linear.point;
     let state = point.state;
     let mut values = vec![
@@ -36,12 +36,12 @@ fn point(model: &Model<'_>) -> Vec<(&'static str, f64)> {
     values
 }
 
-fn kind(model: &Model<'_>) -> &'static str {
+fn kind(model: &Model) -> &'static str {
     if model.linear.averaged.is_some() { "averaged-pwm" } else { "held-valve" }
 }
 
 /// The model as JSON. A number without a bound is `null`.
-pub(super) fn json(model: &Model<'_>) -> String {
+pub(super) fn json(model: &Model) -> String {
     let system = &model.system;
     let point: Map<String, Value> = point(model).into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
     let poles: Vec<Value> = model.poles.iter().map(pole).collect();
@@ -130,7 +130,7 @@ pub(super) fn over_fastest(averaged: &Averaged, poles: &[Pole]) -> Option<f64> {
 }
 
 /// The model of a joint as JSON.
-pub(super) fn joint_json(model: &JointModel<'_>) -> String {
+pub(super) fn joint_json(model: &JointModel) -> String {
     let system = &model.system;
     let point: Map<String, Value> =
         model.point().into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
@@ -163,11 +163,11 @@ fn assumptions(assumed: &[Assumed]) -> Vec<Value> {
 }
 
 /// The model as a script that MATLAB and Octave run, and that can be read without either.
-pub(super) fn matlab(model: &Model<'_>) -> String {
+pub(super) fn matlab(model: &Model) -> String {
     let kind = if model.linear.averaged.is_some() { "valve under PWM on average" } else { "valve held shut" };
     let mut values = point(model);
     values.extend(model.linear.averaged.as_ref().map(|averaged| ("frequency_hz", averaged.frequency)));
-    script(model.name, kind, &values, &model.system, &model.poles)
+    script(&model.name, kind, &values, &model.system, &model.poles)
 }
 
 /// A model, the values at its point and its poles as a script.

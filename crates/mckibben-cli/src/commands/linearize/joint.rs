@@ -22,8 +22,8 @@ use mckibben::valve::Command;
 use mckibben_scenario::{Assumed, JointExperiment};
 
 /// A joint's linear model with what is known about it.
-pub(super) struct JointModel<'a> {
-    pub(super) name: &'a str,
+pub(super) struct JointModel {
+    pub(super) name: String,
     pub(super) linear: JointLinearization,
     pub(super) system: StateSpace,
     pub(super) poles: Vec<Pole>,
@@ -32,10 +32,10 @@ pub(super) struct JointModel<'a> {
     pub(super) assumed: Vec<Assumed>,
 }
 
-impl<'a> JointModel<'a> {
+impl JointModel {
     /// The model that the arguments ask for.
     pub(super) fn new(
-        name: &'a str,
+        name: &str,
         experiment: &JointExperiment,
         arguments: &LinearizeArguments,
         assumed: Vec<Assumed>,
@@ -63,7 +63,7 @@ impl<'a> JointModel<'a> {
         let system = if arguments.all_states { linear.system.clone() } else { linear.minimal() };
         let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
         let reach = reach.collect::<Result<_, _>>()?;
-        Ok(Self { name, poles: system.poles()?, reach, system, linear, assumed })
+        Ok(Self { name: name.to_owned(), poles: system.poles()?, reach, system, linear, assumed })
     }
 
     /// How the valves are taken.
@@ -151,7 +151,7 @@ impl<'a> JointModel<'a> {
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
         let kind = format!("antagonistic joint, {}", self.valves());
-        export::script(self.name, &kind, &self.point(), &self.system, &self.poles)
+        export::script(&self.name, &kind, &self.point(), &self.system, &self.poles)
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! | part | what |
 //! |---|---|
+//! | `found` | the model of whatever the scenario describes |
 //! | `given` | the quantities of the command line, and the point that they ask for |
 //! | `told` | the model as text for people |
 //! | `export` | the model as JSON and as a MATLAB or Octave script |
@@ -12,6 +13,7 @@
 
 mod bode;
 mod export;
+mod found;
 mod given;
 mod joint;
 mod told;
@@ -21,6 +23,8 @@ use crate::output::{self, Pending};
 use crate::plot::{Figure, PRINT_SCALE, PlotError, Theme};
 use crate::settings::Setting;
 use crate::terminal;
+use clap::FromArgMatches as _;
+pub use found::Found;
 use given::{Measure, angle, length, load, pressure, stiffness, temperature};
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::{Assumed, Document};
@@ -95,9 +99,9 @@ pub struct LinearizeArguments {
 }
 
 /// A linear model with what is known about it.
-struct Model<'a> {
+struct Model {
     /// The name of the scenario file.
-    name: &'a str,
+    name: String,
     linear: Linearization,
     /// All states, or those that are needed.
     system: StateSpace,
@@ -120,34 +124,33 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
     for setting in &arguments.set {
         setting.apply(&mut document)?;
     }
-    let name = arguments.file.display().to_string();
-    if let Some(experiment) = document.joint_experiment()? {
-        let model = joint::JointModel::new(&name, &experiment, arguments, document.assumed())?;
-        let mut pending = Vec::new();
-        if let Some(path) = &arguments.output {
-            let text = if ending(path) == "json" { model.json() } else { model.matlab() };
-            pending.push((path.as_path(), text.into_bytes()));
-        }
-        if let Some(path) = &arguments.plot {
-            pending.push((path.as_path(), bytes(path, &bode::of_joint(&model, arguments.input.as_deref())?)?));
-        }
-        return finish(pending, model.text());
-    }
-    if arguments.angle.is_some() {
-        return Err(Failure::input("--angle: the scenario's load is no joint", "leave out --angle and --stiffness"));
-    }
-    let experiment = document.experiment()?;
-    let linear = given::linearization(arguments, &experiment)?;
-    let model = Model::new(&name, linear, arguments, document.assumed())?;
+    let found = Found::of(&arguments.file.display().to_string(), &document, arguments)?;
     let mut pending = Vec::new();
     if let Some(path) = &arguments.output {
-        let text = if ending(path) == "json" { export::json(&model) } else { export::matlab(&model) };
+        let text = if ending(path) == "json" { found.json() } else { found.matlab() };
         pending.push((path.as_path(), text.into_bytes()));
     }
     if let Some(path) = &arguments.plot {
-        pending.push((path.as_path(), bytes(path, &bode::figure(&model, arguments.input.as_deref())?)?));
+        pending.push((path.as_path(), bytes(path, &found.figure(arguments.input.as_deref())?)?));
     }
-    finish(pending, told::text(&model))
+    finish(pending, found.text())
+}
+
+impl LinearizeArguments {
+    /// What is asked by options as on the command line, without a file: the same words mean the same and are refused alike.
+    ///
+    /// # Errors
+    /// [`Failure::input`] with what is wrong, for other options and for values that they cannot have.
+    pub fn of_options(options: impl IntoIterator<Item = String>) -> Result<Self, Failure> {
+        let words = ["linearize", "scenario.toml"].map(str::to_owned).into_iter().chain(options);
+        let command = <Self as clap::Args>::augment_args(clap::Command::new("linearize"));
+        let read = command.try_get_matches_from(words).and_then(|found| Self::from_arg_matches(&found));
+        read.map_err(|error| {
+            let told = error.render().to_string();
+            let title = told.strip_prefix("error: ").unwrap_or(&told).lines().next().unwrap_or_default().to_owned();
+            Failure::input(title, "see `mckibben linearize --help`")
+        })
+    }
 }
 
 /// A figure in the format that the name of its file asks for.
@@ -175,19 +178,12 @@ fn finish(pending: Vec<(&Path, Vec<u8>)>, mut text: String) -> Result<(), Failur
 
 /// The Bode plot of a scenario at its own point.
 pub(crate) fn figure(file: &Path, document: &Document) -> Result<Figure, Failure> {
-    let arguments = LinearizeArguments::default();
-    let name = file.display().to_string();
-    if let Some(experiment) = document.joint_experiment()? {
-        let model = joint::JointModel::new(&name, &experiment, &arguments, document.assumed())?;
-        return bode::of_joint(&model, None);
-    }
-    let linear = given::linearization(&arguments, &document.experiment()?)?;
-    bode::figure(&Model::new(&name, linear, &arguments, document.assumed())?, None)
+    Found::of(&file.display().to_string(), document, &LinearizeArguments::default())?.figure(None)
 }
 
-impl<'a> Model<'a> {
+impl Model {
     fn new(
-        name: &'a str,
+        name: &str,
         linear: Linearization,
         arguments: &LinearizeArguments,
         assumed: Vec<Assumed>,
@@ -203,7 +199,7 @@ impl<'a> Model<'a> {
         let system = if arguments.all_states { linear.system.clone() } else { linear.minimal() };
         let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
         let reach = reach.collect::<Result<_, _>>()?;
-        Ok(Self { name, poles: system.poles()?, system, reach, linear, oscillation, assumed })
+        Ok(Self { name: name.to_owned(), poles: system.poles()?, system, reach, linear, oscillation, assumed })
     }
 }
 

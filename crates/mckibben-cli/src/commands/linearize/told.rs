@@ -14,7 +14,7 @@ use mckibben::valve::Ports;
 use std::f64::consts::TAU;
 
 /// The whole text.
-pub(super) fn text(model: &Model<'_>) -> String {
+pub(super) fn text(model: &Model) -> String {
     let valve = match &model.linear.averaged {
         Some(averaged) => format!("PWM at {} on average", quantity(averaged.frequency, "Hz")),
         None => "valve held shut".to_owned(),
@@ -51,7 +51,7 @@ pub(super) fn lines(lines: &[(&str, String)]) -> String {
     lines.iter().map(told).collect()
 }
 
-fn point(model: &Model<'_>) -> Vec<(&'static str, String)> {
+fn point(model: &Model) -> Vec<(&'static str, String)> {
     let point = &model.linear.point;
     let state = point.state;
     let actuator = point.rig.actuator();
@@ -92,7 +92,7 @@ fn point(model: &Model<'_>) -> Vec<(&'static str, String)> {
 }
 
 /// How far length and tension swing under the pulses, as far as the model has them.
-fn swings(model: &Model<'_>) -> Vec<String> {
+fn swings(model: &Model) -> Vec<String> {
     let swing = |(name, unit): &(&str, &str)| Some(format!("{name} {}", quantity(model.linear.ripple(name)?, unit)));
     [("length", "m"), ("tension", "N")].iter().filter_map(swing).collect()
 }
@@ -212,7 +212,7 @@ pub(super) fn reach(system: &StateSpace, reach: &[Controllability]) -> Table {
 }
 
 /// What the model leaves out, and what is assumed.
-fn notes(model: &Model<'_>) -> Vec<String> {
+fn notes(model: &Model) -> Vec<String> {
     let point = &model.linear.point;
     let keeps = !matches!(point.rig.actuator().air().process(), Process::EnergyBalance { .. });
     let mut notes = Vec::new();

@@ -59,7 +59,8 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
     let stems: Stems = ["pulses-1", "pulses-2", "pulses-3", "pulses-4", "pulses-5", "pulses-6"];
     let mut plates: Vec<Plate> = runs.iter().zip(stems).map(|(run, stem)| onset_plate(run, stem)).collect();
     plates.extend(duty_plate(&points, &delays));
-    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &numbers);
+    let estimates = numbers;
+    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &estimates);
     let table = table(&runs);
     let scenarios = vec![("scenario.toml".to_owned(), text)];
     let sections = vec![
@@ -72,6 +73,7 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         sections,
         table,
         values: numbers,
+        estimates: estimates.to_vec(),
         warnings,
         scenarios,
     })

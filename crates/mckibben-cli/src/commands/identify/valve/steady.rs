@@ -59,7 +59,8 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
     let both = [&found.sonic_conductance, &found.critical_ratio];
     let split = entry.passage == Direction::Exhaust;
     let (scenario, numbers) = with_conductance(&scenario, entry.passage, both, split, &mut warnings)?;
-    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &numbers);
+    let estimates = numbers;
+    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &estimates);
     let scenarios = vec![("scenario.toml".to_owned(), file(&scenario))];
     let introduction = format!(
         "{} points of steady flow, {} of them choked: C = {} and b = {}, by least squares over all of them at once. {}",
@@ -84,7 +85,7 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
             ..Section::default()
         },
     ];
-    Ok(outcome(material, "Flow curve", introduction, sections, numbers, warnings, scenarios))
+    Ok(outcome(material, "Flow curve", introduction, sections, (numbers, estimates), warnings, scenarios))
 }
 
 /// The efficiency of the scenario's valve, or the flow coefficient of an area.
@@ -127,7 +128,8 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             (found, scenario, numbers, "flow coefficient C_q")
         }
     };
-    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &numbers);
+    let estimates = numbers;
+    let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &estimates);
     let scenarios = vec![("scenario.toml".to_owned(), file(&scenario))];
     let introduction = format!(
         "{} points of steady flow: the {name} of (22), measured over calculated flow, is {}. {}",
@@ -150,7 +152,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             ..Section::default()
         },
     ];
-    Ok(outcome(material, "Steady flow", introduction, sections, numbers, warnings, scenarios))
+    Ok(outcome(material, "Steady flow", introduction, sections, (numbers, estimates), warnings, scenarios))
 }
 
 fn outcome(
@@ -158,7 +160,7 @@ fn outcome(
     title: &str,
     introduction: String,
     sections: Vec<Section>,
-    values: Table,
+    (values, estimates): (Table, Vec<Estimate>),
     warnings: Vec<String>,
     scenarios: Vec<(String, String)>,
 ) -> Outcome {
@@ -168,6 +170,7 @@ fn outcome(
         sections,
         table: Table::default(),
         values,
+        estimates,
         warnings,
         scenarios,
     }

@@ -77,6 +77,7 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table: left,
         values: numbers,
+        estimates: found.numbers,
         warnings,
         scenarios,
     })

@@ -1,0 +1,96 @@
+//! The linear model of whatever a scenario describes.
+
+use super::joint::JointModel;
+use super::{LinearizeArguments, Model, bode, export, given, told};
+use crate::failure::Failure;
+use crate::plot::Figure;
+use mckibben::linearize::{Pole, StateSpace};
+use mckibben_scenario::Document;
+
+/// A linear model at an operating point, with what is known about it.
+pub struct Found(Kind);
+
+enum Kind {
+    Actuator(Box<Model>),
+    Joint(Box<JointModel>),
+}
+
+impl Found {
+    /// The model that the arguments ask for, of a scenario whose file has a name.
+    ///
+    /// # Errors
+    /// The scenario is wrong, or it has no such point.
+    pub fn of(name: &str, document: &Document, arguments: &LinearizeArguments) -> Result<Self, Failure> {
+        if let Some(experiment) = document.joint_experiment()? {
+            let model = JointModel::new(name, &experiment, arguments, document.assumed())?;
+            return Ok(Self(Kind::Joint(Box::new(model))));
+        }
+        if arguments.angle.is_some() {
+            return Err(Failure::input(
+                "--angle: the scenario's load is no joint",
+                "leave out --angle and --stiffness",
+            ));
+        }
+        let linear = given::linearization(arguments, &document.experiment()?)?;
+        let model = Model::new(name, linear, arguments, document.assumed())?;
+        Ok(Self(Kind::Actuator(Box::new(model))))
+    }
+
+    /// The matrices, of all states or of those that are needed, as was asked.
+    pub fn system(&self) -> &StateSpace {
+        match &self.0 {
+            Kind::Actuator(model) => &model.system,
+            Kind::Joint(model) => &model.system,
+        }
+    }
+
+    /// The poles.
+    pub fn poles(&self) -> &[Pole] {
+        match &self.0 {
+            Kind::Actuator(model) => &model.poles,
+            Kind::Joint(model) => &model.poles,
+        }
+    }
+
+    /// The values at the operating point, each name with its unit at the end.
+    pub fn point(&self) -> Vec<(&'static str, f64)> {
+        match &self.0 {
+            Kind::Actuator(model) => export::point(model),
+            Kind::Joint(model) => model.point(),
+        }
+    }
+
+    /// The model as JSON.
+    pub fn json(&self) -> String {
+        match &self.0 {
+            Kind::Actuator(model) => export::json(model),
+            Kind::Joint(model) => model.json(),
+        }
+    }
+
+    /// The model as a script for MATLAB and Octave.
+    pub fn matlab(&self) -> String {
+        match &self.0 {
+            Kind::Actuator(model) => export::matlab(model),
+            Kind::Joint(model) => model.matlab(),
+        }
+    }
+
+    /// The frequency response to one input; to the valve's where none is named.
+    ///
+    /// # Errors
+    /// There is no such input.
+    pub fn figure(&self, input: Option<&str>) -> Result<Figure, Failure> {
+        match &self.0 {
+            Kind::Actuator(model) => bode::figure(model, input),
+            Kind::Joint(model) => bode::of_joint(model, input),
+        }
+    }
+
+    pub(super) fn text(&self) -> String {
+        match &self.0 {
+            Kind::Actuator(model) => told::text(model),
+            Kind::Joint(model) => model.text(),
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! What a scenario file describes, whatever that is, made ready and run; then its columns, its events and its figure.
+//!
+//! | kind of scenario | run by |
+//! |---|---|
+//! | an actuator on a load | [`engine`] |
+//! | the same under a controller | [`closed_loop`] |
+//! | a joint of two actuators | [`joint::outcome`] |
+//! | the same under a controller | [`joint::control`] |
+//!
+//! Every command and every other host that runs whole scenarios does so here. Checked by `tests/simulate.rs`.
+
+use crate::closed_loop::{self, Closed, Goal};
+use crate::engine::{self, Outcome};
+use crate::events::{self, Log};
+use crate::failure::Failure;
+use crate::joint;
+use crate::plot::Figure;
+use crate::portrait::{self, Over};
+use crate::progress::Progress;
+use crate::record::{self, Filled, Format, Provenance, filled, of_controlled, of_joint};
+use mckibben::simulation::{JointSample, Sample};
+use mckibben_scenario::{
+    ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, Run,
+};
+use std::io::Write;
+use std::path::Path;
+
+/// What a scenario file describes, ready to run.
+#[derive(Clone, Debug)]
+pub enum Ready {
+    /// An actuator on a load.
+    Actuator(Box<Experiment>),
+    /// An actuator on a load, under a controller.
+    Controlled(Box<ControlledExperiment>),
+    /// Two actuators that turn a joint.
+    Joint(Box<JointExperiment>),
+    /// Two actuators that turn a joint, under a controller.
+    ControlledJoint(Box<ControlledJointExperiment>),
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub enum Finished {
+    /// Of an actuator on a load.
+    Actuator(Box<ActuatorRun>),
+    /// Of a joint.
+    Joint(Box<JointRun>),
+}
+
+/// The run of an actuator on a load.
+#[derive(Clone, Debug)]
+pub struct ActuatorRun {
+    /// What was simulated; under a controller with the command that it made.
+    pub experiment: Experiment,
+    /// The run.
+    pub outcome: Outcome,
+    /// The controller's part in it, if there is one.
+    pub control: Option<Closed>,
+}
+
+/// The run of a joint.
+#[derive(Clone, Debug)]
+pub struct JointRun {
+    /// How long was simulated and what was recorded.
+    pub run: Run,
+    /// The run.
+    pub outcome: joint::outcome::Outcome,
+    /// The controller's part in it, if there is one.
+    pub control: Option<joint::control::Closed>,
+}
+
+impl Ready {
+    /// Reads what a document describes.
+    ///
+    /// # Errors
+    /// Every mistake in the file; then the first contradiction that the model finds, shown in the file.
+    pub fn of(document: &Document) -> Result<Self, Failure> {
+        if let Some(controlled) = document.controlled_joint_experiment()? {
+            return Ok(Self::ControlledJoint(Box::new(controlled)));
+        }
+        if let Some(joint) = document.joint_experiment()? {
+            return Ok(Self::Joint(Box::new(joint)));
+        }
+        if let Some(controlled) = document.controlled_experiment()? {
+            return Ok(Self::Controlled(Box::new(controlled)));
+        }
+        Ok(Self::Actuator(Box::new(document.experiment()?)))
+    }
+
+    /// How long is simulated, by which engine, and what is recorded.
+    pub fn plan(&self) -> &Run {
+        match self {
+            Self::Actuator(of) => &of.run,
+            Self::Controlled(of) => &of.experiment.run,
+            Self::Joint(of) => &of.run,
+            Self::ControlledJoint(of) => &of.experiment.run,
+        }
+    }
+
+    /// Whether two actuators turn a joint.
+    pub fn is_joint(&self) -> bool {
+        matches!(self, Self::Joint(_) | Self::ControlledJoint(_))
+    }
+
+    /// Whether the run will have a log of events.
+    pub fn logs_events(&self) -> bool {
+        self.plan().engine == Engine::EventLocated
+    }
+
+    /// Runs it. `watch` sees the start and every step of an actuator at fixed steps, with what is run.
+    ///
+    /// # Errors
+    /// What the core finds, shown in the document.
+    pub fn run(self, document: &Document, watch: &mut dyn FnMut(&Experiment, &Sample)) -> Result<Finished, Failure> {
+        self.finish(watch).map_err(|error| Failure::of_core(&error, document))
+    }
+
+    fn finish(self, watch: &mut dyn FnMut(&Experiment, &Sample)) -> Result<Finished, mckibben::Error> {
+        Ok(match self {
+            Self::Actuator(experiment) => {
+                let outcome = engine::run(&experiment, &mut |sample| watch(&experiment, sample))?;
+                Finished::Actuator(Box::new(ActuatorRun { experiment: *experiment, outcome, control: None }))
+            }
+            Self::Controlled(of) => {
+                let closed = closed_loop::close(&of)?;
+                let experiment = closed.experiment.clone();
+                let outcome = closed.outcome(&mut |sample| watch(&experiment, sample))?;
+                Finished::Actuator(Box::new(ActuatorRun { experiment, outcome, control: Some(closed) }))
+            }
+            Self::Joint(of) => {
+                let outcome = joint::outcome::run(&of)?;
+                Finished::Joint(Box::new(JointRun { run: of.run, outcome, control: None }))
+            }
+            Self::ControlledJoint(of) => {
+                const PARTS: f64 = 1000.0;
+                let (run, progress) = (of.experiment.run, Progress::begin("simulating", Some(PARTS as u64)));
+                let reached = |time: f64| progress.at((PARTS * time / run.duration) as u64);
+                let (outcome, closed) = joint::control::close(&of, None, reached)?;
+                Finished::Joint(Box::new(JointRun { run, outcome, control: Some(closed) }))
+            }
+        })
+    }
+}
+
+impl ActuatorRun {
+    fn goals(&self) -> &[Goal] {
+        self.control.as_ref().map_or(&[], |closed| &closed.goals)
+    }
+}
+
+impl JointRun {
+    fn goals(&self) -> &[Goal] {
+        self.control.as_ref().map_or(&[], |closed| &closed.goals)
+    }
+}
+
+impl Finished {
+    /// How long was simulated, by which engine, and what was recorded.
+    pub fn plan(&self) -> &Run {
+        match self {
+            Self::Actuator(of) => &of.experiment.run,
+            Self::Joint(of) => &of.run,
+        }
+    }
+
+    /// The columns of the run in their order, with a row at t = 0, every sample interval and the end.
+    ///
+    /// # Errors
+    /// What the core finds when a fixed-step run is repeated to be read.
+    pub fn columns(&self) -> Result<Vec<Filled>, Failure> {
+        let interval = self.plan().sample_interval;
+        match self {
+            Self::Actuator(of) => {
+                let rows: record::Rows<'_, Sample> = &mut |each| of.outcome.each_sample(interval, each);
+                filled(of_controlled(of.outcome.rig(), of.goals()), rows)
+            }
+            Self::Joint(of) => {
+                let rows: record::Rows<'_, JointSample> =
+                    &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
+                filled(of_joint(of.goals()), rows)
+            }
+        }
+    }
+
+    /// The columns with a row at each of `times` in s, from the polynomials of the event-located engine.
+    ///
+    /// # Errors
+    /// [`Failure::input`] for a time outside the run, and for a run at fixed steps, which has only its samples.
+    pub fn columns_at(&self, times: &[f64]) -> Result<Vec<Filled>, Failure> {
+        let end = self.plan().duration;
+        if let Some(outside) = times.iter().find(|time| !(0.0..=end).contains(*time)) {
+            return Err(Failure::input(
+                format!("time = {outside} s is outside the run"),
+                format!("give a time from 0 s to {end} s, or a longer run.duration"),
+            ));
+        }
+        match self {
+            Self::Actuator(of) => {
+                let Outcome::Located(trajectory) = &of.outcome else { return Err(between_samples()) };
+                let rows: record::Rows<'_, Sample> =
+                    &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
+                filled(of_controlled(of.outcome.rig(), of.goals()), rows)
+            }
+            Self::Joint(of) => {
+                let Some(trajectory) = of.outcome.located() else { return Err(between_samples()) };
+                let rows: record::Rows<'_, JointSample> =
+                    &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
+                filled(of_joint(of.goals()), rows)
+            }
+        }
+    }
+
+    /// The log of events, or `None` where the engine keeps none.
+    pub fn log(&self) -> Option<Log> {
+        match self {
+            Self::Actuator(of) => events::of(&of.outcome).map(Log::new),
+            Self::Joint(of) => of.outcome.located().map(|trajectory| joint::events::log(trajectory.events())),
+        }
+    }
+
+    /// The log of events as a table for people.
+    pub fn table(&self) -> Option<String> {
+        match self {
+            Self::Actuator(of) => events::of(&of.outcome).map(events::table),
+            Self::Joint(of) => of.outcome.located().map(|trajectory| joint::events::table(trajectory.events())),
+        }
+    }
+
+    /// Writes the columns.
+    ///
+    /// # Errors
+    /// [`Failure::output`], which names the path, when writing fails.
+    pub fn write(
+        &self,
+        provenance: &Provenance<'_>,
+        target: (&Path, Format),
+        out: &mut (dyn Write + Send),
+    ) -> Result<(), Failure> {
+        let interval = self.plan().sample_interval;
+        match self {
+            Self::Actuator(of) => record::write(&of.outcome, of.goals(), interval, provenance, target, out),
+            Self::Joint(of) => record::write_joint(&of.outcome, of.goals(), interval, provenance, target, out),
+        }
+    }
+
+    /// The figure of the run; that of a joint is always over time.
+    ///
+    /// # Errors
+    /// What the core finds when a fixed-step run is repeated to be read.
+    pub fn figure(&self, over: Over, title: &str) -> Result<Figure, Failure> {
+        match self {
+            Self::Actuator(of) => Ok(portrait::figure(&of.experiment, &of.outcome, of.goals(), over, title)?),
+            Self::Joint(of) => Ok(joint::portrait::figure(&of.outcome, of.goals(), of.run.sample_interval, title)),
+        }
+    }
+}
+
+fn between_samples() -> Failure {
+    Failure::input(
+        "the fixed-step engine keeps nothing between its samples",
+        "set run.engine = \"event-located\", or take the samples of the run",
+    )
+}

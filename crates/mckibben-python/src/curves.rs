@@ -1,0 +1,80 @@
+//! `curves`, and the named actuators and valves.
+
+use crate::raised::Raised;
+use crate::scenario::Scenario;
+use crate::typed::{Numbered, Sections};
+use mckibben_cli::commands::curves::{Pressures, USUAL, data};
+use mckibben_cli::failure::Failure;
+use mckibben_scenario::presets::{ACTUATORS, Preset, VALVES};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
+///
+/// `pressures` are gauge pressures as text, such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
+/// has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
+/// the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
+#[pyfunction]
+#[pyo3(signature = (scenario, pressures = USUAL))]
+pub(crate) fn curves<'py>(
+    py: Python<'py>,
+    scenario: &Bound<'py, Scenario>,
+    pressures: &str,
+) -> PyResult<Numbered<'py>> {
+    let document = &scenario.get().document;
+    let (table, count) = py
+        .detach(|| {
+            let pressures: Pressures = pressures
+                .parse()
+                .map_err(|why: String| Failure::input(format!("--pressures: {why}"), "see `curves`"))?;
+            Ok::<_, Failure>((data(document, &pressures)?, pressures.count()))
+        })
+        .raised()?;
+    let arrays = PyDict::new(py);
+    for (place, name) in table.columns.iter().enumerate() {
+        let values = table.rows.iter().map(|row| row[place]).collect();
+        let array = PyArray1::from_vec(py, values).reshape([count, table.rows.len() / count.max(1)])?;
+        arrays.set_item(name, array)?;
+    }
+    Ok(Numbered(arrays.into_any()))
+}
+
+/// The named actuators and valves, by their names: what `mckibben presets` shows.
+///
+/// Of each `section`, in whose `preset` a scenario names it, `meaning`, and `values`: for each key its `value` in `unit`
+/// (SI), the `text` as the source writes it, the `source`, and whether it is `assumed`.
+#[pyfunction]
+pub(crate) fn presets(py: Python<'_>) -> PyResult<Sections<'_>> {
+    let all = PyDict::new(py);
+    for (section, presets) in [("actuator", ACTUATORS), ("valve", VALVES)] {
+        for preset in presets {
+            all.set_item(preset.name, described(py, section, preset)?)?;
+        }
+    }
+    Ok(Sections(all.into_any()))
+}
+
+fn described<'py>(py: Python<'py>, section: &str, preset: &Preset) -> PyResult<Bound<'py, PyDict>> {
+    let (described, values) = (PyDict::new(py), PyDict::new(py));
+    for (path, word) in preset.words {
+        let of = PyDict::new(py);
+        of.set_item("value", word)?;
+        values.set_item(path, of)?;
+    }
+    for number in preset.values {
+        let of = PyDict::new(py);
+        of.set_item("value", number.value())?;
+        of.set_item("unit", number.parameter.unit)?;
+        of.set_item("symbol", number.parameter.symbol)?;
+        of.set_item("meaning", number.parameter.meaning)?;
+        of.set_item("text", number.text)?;
+        of.set_item("source", number.source)?;
+        of.set_item("assumed", number.assumed)?;
+        values.set_item(number.parameter.key, of)?;
+    }
+    described.set_item("section", section)?;
+    described.set_item("meaning", preset.meaning)?;
+    described.set_item("values", values)?;
+    Ok(described)
+}

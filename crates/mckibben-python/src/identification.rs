@@ -1,0 +1,185 @@
+//! `identify`, and the classes `Identification` and `Estimate`.
+
+use crate::raised::Raised;
+use crate::scenario::Scenario;
+use mckibben_cli::commands::identify::{WARNED, identified};
+use mckibben_cli::failure::Failure;
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
+///
+/// With `output`, a folder, the report, the scenarios and the numbers are written there as well.
+///
+/// Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found.
+#[pyfunction]
+#[pyo3(signature = (study, output = None))]
+pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) -> PyResult<Identification> {
+    let found = py
+        .detach(|| {
+            let found = identified(&study)?;
+            if let Some(folder) = &output {
+                found.write(folder)?;
+            }
+            Ok::<_, Failure>(found)
+        })
+        .raised()?;
+    let estimate = |of: &mckibben_identify::least_squares::Estimate| Estimate {
+        name: of.name.clone(),
+        unit: of.unit.to_owned(),
+        value: of.value,
+        deviation: of.deviation,
+        interval: of.interval.map(|[low, high]| (low, high)),
+        on_bound: of.on_bound,
+    };
+    let without_mark = |words: &String| words.strip_prefix(WARNED).unwrap_or(words).to_owned();
+    Ok(Identification {
+        estimates: found.estimates.iter().map(estimate).collect(),
+        notes: found.introduction.clone(),
+        warnings: found.warnings.iter().map(without_mark).collect(),
+        scenarios: found.scenarios,
+    })
+}
+
+/// What was found in measured data.
+#[pyclass(frozen, module = "mckibben")]
+pub(crate) struct Identification {
+    estimates: Vec<Estimate>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+    /// Names and texts.
+    scenarios: Vec<(String, String)>,
+}
+
+/// A number that was found.
+#[pyclass(frozen, from_py_object, module = "mckibben")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Estimate {
+    name: String,
+    unit: String,
+    value: f64,
+    deviation: Option<f64>,
+    interval: Option<(f64, f64)>,
+    on_bound: bool,
+}
+
+#[pymethods]
+impl Identification {
+    #[new]
+    fn new(
+        estimates: Vec<Estimate>,
+        notes: Vec<String>,
+        warnings: Vec<String>,
+        scenarios: Vec<(String, String)>,
+    ) -> Self {
+        Self { estimates, notes, warnings, scenarios }
+    }
+
+    /// The numbers with their intervals. A study of ring-downs tells its own in the report.
+    #[getter]
+    fn estimates(&self) -> Vec<Estimate> {
+        self.estimates.clone()
+    }
+
+    /// The number of this name, such as "actuator.friction.viscous".
+    fn __getitem__(&self, name: &str) -> PyResult<Estimate> {
+        let known = || self.estimates.iter().map(|estimate| estimate.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = self.estimates.iter().find(|estimate| estimate.name == name).cloned();
+        found.ok_or_else(|| pyo3::exceptions::PyKeyError::new_err(format!("there is no `{name}` but {}", known())))
+    }
+
+    /// What was done, in a few sentences.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// What to know before believing the numbers.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// The scenarios with the numbers that were found, by the names of their files.
+    #[getter]
+    fn scenarios(&self) -> PyResult<BTreeMap<String, Scenario>> {
+        let read = |(name, text): &(String, String)| Ok((name.clone(), Scenario::new(text, name, Vec::new())?));
+        self.scenarios.iter().map(read).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let names: Vec<&str> = self.estimates.iter().map(|estimate| estimate.name.as_str()).collect();
+        format!("<mckibben.Identification of {}>", names.join(", "))
+    }
+
+    #[expect(clippy::type_complexity, reason = "the arguments of the constructor")]
+    fn __getnewargs__(&self) -> (Vec<Estimate>, Vec<String>, Vec<String>, Vec<(String, String)>) {
+        (self.estimates.clone(), self.notes.clone(), self.warnings.clone(), self.scenarios.clone())
+    }
+}
+
+#[pymethods]
+impl Estimate {
+    #[new]
+    fn new(
+        name: String,
+        unit: String,
+        value: f64,
+        deviation: Option<f64>,
+        interval: Option<(f64, f64)>,
+        on_bound: bool,
+    ) -> Self {
+        Self { name, unit, value, deviation, interval, on_bound }
+    }
+
+    /// The path of its key in a scenario, with the run behind it where each run has its own.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The unit of its values, in SI; empty for a pure number.
+    #[getter]
+    fn unit(&self) -> &str {
+        &self.unit
+    }
+
+    /// The value that fits best.
+    #[getter]
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    /// Its standard deviation; `None` where the data do not tell it or it rests on a bound.
+    #[getter]
+    fn deviation(&self) -> Option<f64> {
+        self.deviation
+    }
+
+    /// Its 95 % interval, likewise.
+    #[getter]
+    fn interval(&self) -> Option<(f64, f64)> {
+        self.interval
+    }
+
+    /// Whether it rests on one of its bounds.
+    #[getter]
+    fn on_bound(&self) -> bool {
+        self.on_bound
+    }
+
+    /// Whether both are the same.
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get() == self)
+    }
+
+    fn __repr__(&self) -> String {
+        let interval = self.interval.map(|(low, high)| format!(", {low:?} to {high:?}")).unwrap_or_default();
+        format!("<mckibben.Estimate {} = {:?} {}{interval}>", self.name, self.value, self.unit)
+    }
+
+    fn __getnewargs__(&self) -> (&str, &str, f64, Option<f64>, Option<(f64, f64)>, bool) {
+        (&self.name, &self.unit, self.value, self.deviation, self.interval, self.on_bound)
+    }
+}

@@ -1,0 +1,56 @@
+//! The Python package `mckibben`: scenarios, runs and the modular actuator, with NumPy arrays in and out.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `scenario` | the class `Scenario` |
+//! | `trajectory` | `simulate`, the classes `Trajectory` and `Event` |
+//! | `actuator` | the modular actuator, step by step: `Actuator`, `ActuatorState`, `Response` |
+//! | `actuators` | many of them on arrays: `Actuators` |
+//! | `curves` | `curves`, `presets` |
+//! | `linear` | `linearize`, the class `LinearModel` |
+//! | `identification` | `identify`, the classes `Identification` and `Estimate` |
+//! | `columns` | columns of numbers and words as NumPy arrays |
+//! | `typed` | objects with the types that the stubs give them |
+//! | `values` | dictionaries of Python to TOML and back |
+//! | `raised` | failures as the exceptions of `mckibben.errors`, in the words of the command line |
+//!
+//! There is no physics here: everything is done by the core and by the library of the program, so that what Python gives
+//! is what `mckibben simulate` writes, to the last bit. Whatever takes longer than a microsecond runs with the interpreter
+//! released. What is thin and Python's own (plots, data frames) is in `python/mckibben`. Checked by `python/tests`.
+
+mod actuator;
+mod actuators;
+mod columns;
+mod curves;
+mod identification;
+mod linear;
+mod raised;
+mod scenario;
+mod trajectory;
+mod typed;
+mod values;
+
+/// What is compiled of the package `mckibben`.
+#[pyo3::pymodule]
+mod _mckibben {
+    #[pymodule_export]
+    use crate::actuator::{Actuator, ActuatorState, Response};
+    #[pymodule_export]
+    use crate::actuators::Actuators;
+    #[pymodule_export]
+    use crate::curves::{curves, presets};
+    #[pymodule_export]
+    use crate::identification::{Estimate, Identification, identify};
+    #[pymodule_export]
+    use crate::linear::{LinearModel, linearize};
+    #[pymodule_export]
+    use crate::scenario::Scenario;
+    #[pymodule_export]
+    use crate::trajectory::{Event, Trajectory, simulate};
+
+    /// A library has no progress bars.
+    #[pymodule_init]
+    fn quiet() {
+        mckibben_cli::progress::silence();
+    }
+}

@@ -1,0 +1,126 @@
+//! The class `Scenario`.
+
+use crate::raised::Raised;
+use crate::typed::{Sections, Values};
+use crate::values;
+use mckibben_scenario::Document;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// What stands in messages where a file's name would, for values that Python set.
+const SET: &str = "with_values";
+
+/// One experiment: what is built, what drives it, what is recorded; as a scenario file says it.
+///
+/// Every quantity with a dimension is text with its unit, such as "60 psi"; what is wrong raises `InputError` with the
+/// message of the command line. A scenario does not change: `with_values` gives another one.
+///
+/// `Scenario(text)` reads TOML from a string; `name` stands in messages where a file's name would, and `values` are pairs of
+/// a key's path and a value as TOML, put in place of the text's own.
+#[pyclass(frozen, module = "mckibben")]
+pub(crate) struct Scenario {
+    name: String,
+    text: String,
+    /// Paths of keys with the TOML of their values, which were set after reading.
+    set: Vec<(String, String)>,
+    pub(crate) document: Document,
+    /// As it was understood.
+    pub(crate) understood: mckibben_scenario::Scenario,
+}
+
+impl Scenario {
+    fn read(document: Document, set: Vec<(String, String)>) -> PyResult<Self> {
+        let mut document = document;
+        for (key, value) in &set {
+            document.set_text_from(SET, key, value).raised()?;
+        }
+        let understood = document.scenario().raised()?;
+        let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
+        Ok(Self { name, text, set, document, understood })
+    }
+
+    /// What was set after reading, as `KEY=VALUE`.
+    pub(crate) fn settings(&self) -> Vec<String> {
+        self.set.iter().map(|(key, value)| format!("{key}={value}")).collect()
+    }
+
+    /// The name without folder and ending.
+    pub(crate) fn title(&self) -> String {
+        PathBuf::from(&self.name).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+}
+
+#[pymethods]
+impl Scenario {
+    #[new]
+    #[pyo3(signature = (text, name = "scenario.toml", values = Vec::new()))]
+    pub(crate) fn new(text: &str, name: &str, values: Vec<(String, String)>) -> PyResult<Self> {
+        Self::read(Document::parse(text, name).raised()?, values)
+    }
+
+    /// Reads a scenario file.
+    ///
+    /// Raises `InputError` for a file that cannot be read, is not TOML, or says what cannot be.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        Self::read(Document::load(path).raised()?, Vec::new())
+    }
+
+    /// A scenario from a dictionary of its sections, as `tomllib` reads them from a file:
+    /// `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
+    ///
+    /// Lists may be NumPy arrays, and numbers those of NumPy. Messages show the dictionary as TOML.
+    #[staticmethod]
+    #[pyo3(signature = (values, name = "scenario.toml"))]
+    fn from_dict(values: Values<'_>, name: &str) -> PyResult<Self> {
+        let text = values::table_of("", &values.0)?.to_string();
+        Self::new(&text, name, Vec::new())
+    }
+
+    /// The same scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`.
+    fn with_values(&self, values: Values<'_>) -> PyResult<Self> {
+        let mut set = self.set.clone();
+        for (key, value) in values::pairs_of("", &values.0)? {
+            set.retain(|(known, _)| *known != key);
+            set.push((key, value.to_string()));
+        }
+        Self::new(&self.text, &self.name, set)
+    }
+
+    /// The scenario as it was understood, as TOML: every value in SI, no preset, no default.
+    fn to_toml(&self) -> String {
+        self.understood.to_toml()
+    }
+
+    /// The same as a dictionary of its sections, which `from_dict` takes.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Sections<'py>> {
+        // What was written is read back.
+        let table: toml::Table = self.to_toml().parse().unwrap_or_default();
+        Ok(Sections(values::dict_of(py, &table)?.into_any()))
+    }
+
+    /// The name of the file, or what stands in messages in its place.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The text as it was read, without what `with_values` set.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Whether both mean the same.
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().to_toml() == self.to_toml())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<mckibben.Scenario {:?}>", self.name)
+    }
+
+    fn __getnewargs__(&self) -> (&str, &str, Vec<(String, String)>) {
+        (&self.text, &self.name, self.set.clone())
+    }
+}

@@ -1,0 +1,60 @@
+"""Simulator of braided pneumatic actuators (BPA, McKibben muscles): valve state in, force out.
+
+>>> import mckibben
+>>> scenario = mckibben.Scenario('''
+... [load]
+... kind = "hanging-mass"
+... mass = "5 lb"
+... [initial]
+... gauge_pressure = "60 psi"
+... [run]
+... duration = "0.1 s"
+... ''')
+>>> trajectory = mckibben.simulate(scenario)
+>>> trajectory.units["length_m"]
+'m'
+
+Every number is in SI, every quantity of a scenario is text with its unit. What `simulate` gives is what the command
+`mckibben simulate` writes, to the last bit.
+"""
+
+from mckibben._mckibben import (
+    Actuator,
+    Actuators,
+    ActuatorState,
+    Estimate,
+    Event,
+    Identification,
+    LinearModel,
+    Response,
+    Scenario,
+    Trajectory,
+    curves,
+    identify,
+    linearize,
+    presets,
+    simulate,
+)
+from mckibben.errors import Error, InputError, OutputError, StoppedError
+
+__all__ = [
+    "Actuator",
+    "ActuatorState",
+    "Actuators",
+    "Error",
+    "Estimate",
+    "Event",
+    "Identification",
+    "InputError",
+    "LinearModel",
+    "OutputError",
+    "Response",
+    "Scenario",
+    "StoppedError",
+    "Trajectory",
+    "curves",
+    "identify",
+    "linearize",
+    "presets",
+    "simulate",
+]

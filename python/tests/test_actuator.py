@@ -1,0 +1,143 @@
+"""The modular actuator in a loop of Python's own, one by one and many together."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy
+import pytest
+
+import mckibben
+
+STEP = 1e-3
+
+
+@pytest.fixture(scope="module")
+def scenario(examples):
+    return mckibben.Scenario.load(examples / "paper/fig-12.toml")
+
+
+@pytest.fixture(params=["paper/fig-12", "line/hanging-mass", "valves/opening-ramp", "laws/map", "energy-balance"])
+def any_scenario(request, examples):
+    return mckibben.Scenario.load(examples / f"{request.param}.toml")
+
+
+def test_a_motion_that_is_given_is_the_run_of_that_motion(scenario):
+    """The ends moved as a table says give the fixed-step engine's run along that table."""
+    times = numpy.arange(61) * STEP
+    lengths = 0.09 - 0.004 * numpy.sin(40.0 * times)
+    moved = scenario.with_values({
+        "load": {"kind": "prescribed-motion", "time": [f"{t!r} s" for t in times.tolist()],
+                 "table_length": [f"{length!r} m" for length in lengths.tolist()]},
+        "initial": {"gauge_pressure": "20 psi"},
+        "run": {"duration": "60 ms", "sample_interval": "1 ms", "engine": "fixed-step", "step": "1 ms"},
+    })
+    run = mckibben.simulate(moved)
+    actuator = mckibben.Actuator(moved)
+    state, duty = actuator.start(), 0.5
+    for row in range(1, 61):
+        velocity = (lengths[row] - lengths[row - 1]) / STEP
+        command = duty if row == 1 else None
+        state, tension, response = actuator.step(state, lengths[row], velocity, command, STEP)
+        assert state.time == pytest.approx(times[row], rel=1e-12)
+        assert state.pressure == pytest.approx(run.pressure[row], rel=1e-9)
+        assert state.valve == run.valve[row]
+        assert response.mass_flow == pytest.approx(run.mass_flow[row], rel=1e-6, abs=1e-12)
+        assert tension == response.tension
+
+
+def test_derivatives_are_those_of_the_tension(any_scenario):
+    actuator = mckibben.Actuator(any_scenario, 25.0)
+    state = actuator.start()
+    length = state.length
+    for _ in range(20):
+        state, _, response = actuator.step(state, length, 0.01, 0.7, STEP)
+
+    def tension(velocity: float) -> float:
+        return actuator.step(state, length, velocity, None, 1e-9)[1]
+
+    small = 1e-6
+    slope = (tension(0.01 + small) - tension(0.01 - small)) / (2.0 * small)
+    assert response.per_velocity == pytest.approx(slope, rel=1e-4, abs=1e-6)
+
+
+def test_a_step_can_be_taken_again(any_scenario):
+    actuator = mckibben.Actuator(any_scenario, 25.0)
+    state = actuator.start()
+    for row in range(30):
+        other = actuator.step(state, state.length - 1e-4, -0.1, "fill", STEP)
+        state, tension, response = actuator.step(state, state.length - 2e-5, -0.02, 0.4, STEP)
+    again = actuator.step(state, state.length, 0.0, None, STEP)
+    once = pickle.loads(pickle.dumps(actuator)).step(state, state.length, 0.0, None, STEP)
+    assert again[1] == once[1] and again[0].pressure == once[0].pressure
+    assert other[1] != tension
+
+
+def test_many_together_are_each_by_itself(any_scenario):
+    count, steps = 300, 25
+    random = numpy.random.default_rng(7)
+    one = mckibben.Actuator(any_scenario, 25.0)
+    many = mckibben.Actuators(any_scenario, count, 25.0)
+    assert len(many) == count
+    first = one.start().length
+    length, velocity = numpy.full(count, first), numpy.zeros(count)
+    duty = random.uniform(0.0, 1.0, count)
+    tension, per_length, per_velocity, pressure = numpy.zeros((4, count))
+    courses = first + numpy.cumsum(random.uniform(-4e-5, 3e-5, (steps, count)), axis=0)
+    for course in courses:
+        numpy.subtract(course, length, out=velocity)
+        velocity /= STEP
+        length[:] = course
+        many.step(STEP, length, velocity, duty, tension, per_length=per_length, per_velocity=per_velocity,
+                  pressure=pressure)
+    for row in [0, 1, 150, 299]:
+        state, before = one.start(), first
+        for course in courses:
+            state, pull, response = one.step(state, course[row], (course[row] - before) / STEP, duty[row], STEP)
+            before = course[row]
+        assert (pull, response.per_length, response.per_velocity, state.pressure) == (
+            tension[row], per_length[row], per_velocity[row], pressure[row]
+        )
+    many.reset()
+    ended = tension.copy()
+    for row, course in enumerate(courses):
+        velocity[:] = (course - (courses[row - 1] if row else first)) / STEP
+        many.step(STEP, course, velocity, duty, tension)
+    numpy.testing.assert_array_equal(tension, ended)
+
+
+def test_what_cannot_be_asked_is_refused(scenario):
+    actuator = mckibben.Actuator(scenario)
+    state = actuator.start()
+    for command, words in [(1.5, "duty"), (-0.1, "duty"), (float("nan"), "duty"), ("hold", "cannot hold"), ("open", "fill")]:
+        with pytest.raises(mckibben.InputError, match=words):
+            actuator.step(state, 0.09, 0.0, command, STEP)
+    with pytest.raises(mckibben.InputError, match="back in time"):
+        actuator.step(state, 0.09, 0.0, 0.5, 0.0)
+    with pytest.raises(mckibben.StoppedError, match="left the physics"):
+        actuator.step(state, 0.2, 0.0, 0.5, STEP)
+    with pytest.raises(mckibben.InputError, match="pulse_frequency"):
+        mckibben.Actuator(scenario.with_values({"command": {"kind": "fill"}}))
+    sealed = mckibben.Scenario('[load]\nkind = "isometric"\n[initial]\nlength = "85 mm"\n[run]\nduration = "1 s"\n')
+    actuator = mckibben.Actuator(sealed)
+    with pytest.raises(mckibben.InputError, match="has none"):
+        actuator.step(actuator.start(), 0.085, 0.0, 0.5, STEP)
+    actuator.step(actuator.start(), 0.085, 0.0, None, STEP)
+
+
+def test_arrays_that_do_not_fit_are_refused_and_change_nothing(scenario):
+    many = mckibben.Actuators(scenario, 4)
+    length, velocity, duty, tension = numpy.full(4, 0.09), numpy.zeros(4), numpy.full(4, 0.5), numpy.full(4, -1.0)
+    for arguments, error, words in [
+        ((STEP, length[:3], velocity, duty, tension), mckibben.InputError, "length has 3 entries for 4"),
+        ((STEP, length, velocity, duty, numpy.zeros(8)[::2]), mckibben.InputError, "tension has gaps"),
+        ((STEP, length, velocity, numpy.array([0.5, 0.5, 1.5, 0.5]), tension), mckibben.InputError, "actuator 2.*duty"),
+        ((STEP, length, velocity, duty, numpy.zeros(4, dtype=numpy.float32)), TypeError, ""),
+    ]:
+        with pytest.raises(error, match=words):
+            many.step(*arguments)
+    assert (tension == -1.0).all()
+    length[1] = 0.2
+    with pytest.raises(mckibben.StoppedError, match="actuator 1"):
+        many.step(STEP, length, velocity, duty, tension)
+    assert tension[1] == -1.0 and (tension[[0, 2, 3]] > 0.0).all()

@@ -1,0 +1,95 @@
+"""As a guest in a Python program: pickling, threads, memory, and the stubs."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import gc
+import pathlib
+import pickle
+import resource
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+import mckibben
+from conftest import ROOT
+
+PACKAGE = pathlib.Path(mckibben.__file__).parent
+
+
+def same(one: mckibben.Trajectory, other: mckibben.Trajectory) -> None:
+    assert one.columns == other.columns and one.units == other.units and one.events == other.events
+    for name in one.columns:
+        numpy.testing.assert_array_equal(one[name], other[name])
+
+
+@pytest.mark.parametrize("protocol", range(2, pickle.HIGHEST_PROTOCOL + 1))
+def test_everything_can_be_pickled(swing, protocol):
+    def again(thing):
+        return pickle.loads(pickle.dumps(thing, protocol))
+
+    changed = swing.with_values({"load.mass": "6 lb"})
+    assert again(changed) == changed
+    run = mckibben.simulate(changed)
+    copy = again(run)
+    same(run, copy)
+    assert copy.scenario == changed and not copy.length.flags.writeable
+    assert copy.at(0.0123) == run.at(0.0123), "what lies between the samples is simulated anew"
+    assert again(run.events[0]) == run.events[0]
+    with pytest.raises(mckibben.InputError) as raised:
+        mckibben.Scenario("[load]\n")
+    error = again(raised.value)
+    assert type(error) is mckibben.InputError and str(error) == str(raised.value)
+
+
+def test_runs_on_threads_are_those_of_one(swing):
+    scenarios = [swing.with_values({"load.mass": f"{mass} lb"}) for mass in range(4, 12)]
+    alone = [mckibben.simulate(scenario) for scenario in scenarios]
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        for run, other in zip(alone, pool.map(mckibben.simulate, scenarios)):
+            same(run, other)
+
+
+def test_other_threads_go_on_during_a_run(swing):
+    """A thread that only counts gets on while another simulates."""
+    long = swing.with_values({"run.duration": "5 s", "run.engine": "fixed-step", "run.step": "20 us"})
+    with concurrent.futures.ThreadPoolExecutor(1) as pool:
+        run, counted = pool.submit(mckibben.simulate, long), 0
+        while not run.done():
+            counted += 1
+        assert run.result().t[-1] == 5.0
+    assert counted > 100
+
+
+def test_memory_does_not_grow(swing):
+    def peak() -> int:
+        gc.collect()
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    def work(count: int) -> None:
+        for _ in range(count):
+            run = mckibben.simulate(swing.with_values({"run.sample_interval": "2 us"}))
+            run.at(0.01), run.events, run.to_dict(), run.at_times(run.t[:100])
+            with pytest.raises(mckibben.InputError):
+                run.at(-1.0)
+
+    work(5)
+    before = peak()
+    work(20)
+    # One run's columns are 4 MB.
+    assert peak() - before < 20_000, "kB"
+
+
+def test_types_are_checked_by_mypy():
+    command = [sys.executable, "-m", "mypy", "--strict", str(PACKAGE)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_doctest_of_the_package_holds():
+    import doctest
+
+    outcome = doctest.testmod(mckibben)
+    assert outcome.attempted >= 4 and outcome.failed == 0

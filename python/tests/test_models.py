@@ -1,0 +1,108 @@
+"""Static curves, linear models, identification and presets are those of the command line."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import control
+import numpy
+import pytest
+
+import mckibben
+
+
+def test_curves_are_those_of_the_command_line(program, examples, tmp_path):
+    path = examples / "laws/bladder.toml"
+    program(tmp_path, "curves", str(path), "--pressures", "1.5,3,4.5bar", "--output", "curves.csv")
+    with open(tmp_path / "curves.csv", newline="") as file:
+        header, *rows = csv.reader(file)
+    curves = mckibben.curves(mckibben.Scenario.load(path), "1.5, 3, 4.5 bar")
+    assert list(curves) == header
+    for name, written in zip(header, zip(*rows)):
+        assert curves[name].shape[0] == 3
+        finite = numpy.array([float(number) if number else numpy.nan for number in written])
+        own = numpy.where(numpy.isfinite(curves[name]), curves[name], numpy.nan).ravel()
+        numpy.testing.assert_array_equal(own, finite)
+    numpy.testing.assert_array_equal(curves["gauge_pressure_pa"][:, 0], [1.5e5, 3e5, 4.5e5])
+    assert (numpy.diff(curves["length_m"]) > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    "example, options",
+    [
+        ("paper/fig-12", {"pressure": "60 psi"}),
+        ("paper/fig-12", {"duty": 0.5, "all_states": True}),
+        ("paper/fig-12", {"pressure": "50 psi", "pwm": True}),
+        ("line/hanging-mass", {"length": "85 mm", "load": "10 lb", "temperature": "20 degC"}),
+        ("tendon", {"amplitude": "1 mm"}),
+        ("antagonistic-joint", {"angle": "5 deg", "stiffness": "2 N*m/rad"}),
+    ],
+)
+def test_a_linear_model_is_that_of_the_command_line(example, options, program, examples, tmp_path):
+    path = examples / f"{example}.toml"
+    words = [
+        f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}") for name, value in options.items()
+    ]
+    program(tmp_path, "linearize", str(path), *words, "--output", "model.json")
+    written = (tmp_path / "model.json").read_text()
+    model = mckibben.linearize(mckibben.Scenario.load(path), **options)
+    assert model.to_json() == written
+    read = json.loads(written)
+    for name in "ABCD":
+        numpy.testing.assert_array_equal(getattr(model, name), numpy.array(read[name]))
+        assert not getattr(model, name).flags.writeable
+    for kind in ["states", "inputs", "outputs"]:
+        assert getattr(model, kind) == [signal["name"] for signal in read[kind]]
+        assert all(model.units[signal["name"]] == signal["unit"] for signal in read[kind])
+    assert model.operating_point == read["operating_point"]
+
+    system = control.ss(model.A, model.B, model.C, model.D, inputs=model.inputs, outputs=model.outputs)
+    numpy.testing.assert_allclose(
+        numpy.sort_complex(system.poles()), numpy.sort_complex(model.poles), rtol=1e-6, atol=1e-6
+    )
+
+
+def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(program, examples, tmp_path):
+    path = examples / "paper/fig-12.toml"
+    scenario = mckibben.Scenario.load(path)
+    for options in [{"pressure": "60 mm"}, {"pressure": "60 psi", "length": "85 mm", "load": "5 lb"}, {"duty": 1.5}]:
+        words = [f"--{name}={value}" for name, value in options.items()]
+        told = program(tmp_path, "linearize", str(path), *words, code=2).stderr
+        with pytest.raises(mckibben.InputError) as raised:
+            mckibben.linearize(scenario, **options)
+        assert str(raised.value).splitlines()[0] == told.splitlines()[0]
+
+
+@pytest.mark.parametrize("study", ["tank", "steady-flow", "flow-curve", "pulse-train"])
+def test_identification_is_that_of_the_command_line(study, program, examples, tmp_path):
+    study = examples / f"identify/{study}.toml"
+    program(tmp_path, "identify", str(study), "--output", "program")
+    found = mckibben.identify(study, tmp_path / "own")
+    files = {path.name: path.read_bytes() for path in (tmp_path / "program").iterdir()}
+    assert {path.name: path.read_bytes() for path in (tmp_path / "own").iterdir()} == files
+    with open(tmp_path / "program/values.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["number"].strip("`") for row in rows] == [estimate.name for estimate in found.estimates]
+    for row, estimate in zip(rows, found.estimates):
+        assert row["unit"] == estimate.unit
+        assert float(row["value"]) == pytest.approx(estimate.value, rel=1e-2)
+        if estimate.interval is not None:
+            assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
+        assert found[estimate.name] == estimate
+    for name, scenario in found.scenarios.items():
+        assert scenario == mckibben.Scenario.load(tmp_path / "program" / name)
+    assert found.notes and found.scenarios
+
+
+def test_presets_are_those_of_the_command_line(program, tmp_path):
+    presets = mckibben.presets()
+    for name, preset in presets.items():
+        told = program(tmp_path, "presets", name).stdout
+        assert f'{preset["section"]}.preset = "{name}"' in told
+        for key, of in preset["values"].items():
+            row = next(line for line in told.splitlines() if line.split()[:1] == [key])
+            assert of.get("text", of["value"]) in row
+            if of.get("assumed"):
+                assert "assumed" in row
+    assert presets["colbrunn-2001"]["values"]["actuator.max_length"]["value"] == 3.85 * 0.0254
