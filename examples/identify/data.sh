@@ -1,5 +1,6 @@
 #!/bin/sh
-# Makes the data of the studies in this folder, in which 0.6 L/(s·bar), b = 0.32, and delays of 4 ms and 1 ms are to be found:
+# Makes the data of the studies in this folder, in which 0.6 L/(s·bar), b = 0.32, and delays of 4 ms and 1 ms are to be found, and
+# of the joint 1.3e-3 kg·m², 0.03 N·m·s/rad, and 2.8 and 3 turns:
 #     cd examples/identify && sh data.sh
 set -e
 valve='--set valve.sonic_conductance="0.6L/(s*bar)" --set valve.critical_ratio=0.32 --set valve.opening_delay="4ms" --set valve.closing_delay="1ms"'
@@ -36,4 +37,14 @@ for frequency in 10 20 40; do
     mckibben simulate rig.toml $valve --set "command.frequency=\"${frequency}Hz\"" --output run.csv
     measured "pulses-${frequency}hz.csv" $frequency
 done
+
+# A joint every 10 ms, with noise of 0.1 deg and 0.3 kPa in steps of 0.01 deg and 0.1 kPa.
+mckibben simulate ../antagonistic-joint.toml --set 'load.inertia="1.3e-3kg*m^2"' --set 'load.damping="0.03N*m*s/rad"' \
+    --set 'actuator.turns=2.8' --set 'antagonist.actuator.turns=3.0' --set 'run.sample_interval="10ms"' --output run.csv
+awk -F, -v state=7 'function noise() { sum = -6
+            for (n = 0; n < 12; n++) { state = state * 16807 % 2147483647; sum += state / 2147483647 }
+            return sum }
+        NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,angle,P1,P2"; next }
+        { printf "%s,%.2f,%.1f,%.1f\n", $at["time_s"], $at["angle_rad"] * 57.29577951 + 0.1 * noise(),
+            $at["pressure_pa"] / 1000 + 0.3 * noise(), $at["antagonist_pressure_pa"] / 1000 + 0.3 * noise() }' run.csv > joint.csv
 rm run.csv

@@ -41,13 +41,33 @@ pub(crate) fn package(root: &Path) -> Result<(u64, u64), String> {
     let stubs = || std::fs::read_to_string(root.join(STUBS)).unwrap_or_default();
     let kept = stubs();
     let mut build = Command::new(&python);
-    build.current_dir(root).args(["-m", "maturin", "develop", "--locked", "--generate-stubs"]).envs(AS_TESTS);
+    build.current_dir(root).args([
+        "-m",
+        "maturin",
+        "develop",
+        "--locked",
+        "--generate-stubs",
+        "--features",
+        "as-tests",
+    ]);
+    build.envs(AS_TESTS);
     succeed(build.env("VIRTUAL_ENV", root.join(".venv")))?;
     if stubs() != kept {
         return Err(format!("{STUBS} was not what the package is now: it has been made anew, and is to be committed"));
     }
     // What its runs are compared with.
-    succeed(cargo(root).args(["build", "--package", "mckibben-cli", "--locked"]).envs(AS_TESTS))?;
+    let mut program = cargo(root);
+    program.args([
+        "build",
+        "--locked",
+        "--bin",
+        "mckibben",
+        "--package",
+        "mckibben-cli",
+        "--package",
+        "mckibben-python",
+    ]);
+    succeed(program.args(["--features", "mckibben-python/as-tests"]).envs(AS_TESTS))?;
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     let mut tests = Command::new(&python);
     tests.current_dir(root).args(["-m", "pytest", "--quiet", "--durations=5"]);

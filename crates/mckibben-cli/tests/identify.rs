@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Folder, of_repository};
+use mckibben_scenario::Scenario;
 use std::path::Path;
 use std::process::Output;
 
@@ -163,6 +164,57 @@ fn a_measured_pressure_and_masses_of_each_run() {
         ("kind = \"trajectories\"", "kind = \"ring-down\"", "`per_run` of `load.mass` in [fit]"),
         ("actuator.friction.viscous", "valve.efficiency", "is no number of this scenario"),
     ] {
+        let output = identify(&folder, &folder.file("study.toml", &study.replace(from, to)));
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && error.contains(words), "`{words}` is not in\n{error}");
+    }
+}
+
+#[test]
+fn a_joint_is_found_in_its_swings() {
+    let folder = Folder::new("identify-joint");
+    let told = told(&identify(&folder, &of_repository("examples/identify/joint.toml")));
+    let values = read(&folder, "out/values.csv");
+    // What `examples/identify/data.sh` has put in.
+    for (name, truth, part) in [
+        ("load.inertia", 1.3e-3, 0.02),
+        ("load.damping", 0.03, 0.02),
+        ("actuator.turns", 2.8, 0.005),
+        ("antagonist.actuator.turns", 3.0, 0.005),
+    ] {
+        let value = cell(&values, name, "value");
+        assert!((value / truth - 1.0).abs() < part, "{name}: {value} is not {truth}\n{told}");
+    }
+    let page = read(&folder, "out/index.html");
+    assert!(page.contains("antagonist&#39;s gauge pressure") || page.contains("antagonist's gauge pressure"), "{told}");
+    let output = folder.mckibben().args(["simulate", "out/scenario.toml", "--output", "run.csv"]).output();
+    assert!(output.expect("the program runs").status.success());
+    assert!(read(&folder, "run.csv").contains("angle_rad"));
+    // A number that the file says of both actuators is one number of both.
+    let study = std::fs::read_to_string(of_repository("examples/identify/joint.toml")).expect("a study");
+    let scenario = std::fs::read_to_string(of_repository("examples/antagonistic-joint.toml")).expect("a scenario");
+    folder.file("joint.csv", &std::fs::read_to_string(of_repository("examples/identify/joint.csv")).expect("data"));
+    folder.file("antagonistic-joint.toml", &scenario);
+    let study = study.replace("../", "");
+    let both = study.replace("[fit.\"antagonist.actuator.turns\"]", "");
+    let output = identify(&folder, &folder.file("both.toml", &both));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let turns = cell(&read(&folder, "out/values.csv"), "actuator.turns", "value");
+    assert!((2.8..3.0).contains(&turns), "{turns}");
+    let found = Scenario::load(folder.path("out/scenario.toml")).expect("a scenario");
+    assert_eq!(found.of_antagonist().expect("a joint").actuator.turns, found.actuator.turns);
+    for (from, to, words) in [
+        ("unit = \"deg\"", "unit = \"N\"", "`N` is no unit of angle"),
+        ("columns.angle", "columns.angel", "`angel` is no quantity of a study"),
+        ("antagonistic-joint.toml\"", "muscle.toml\"", "of a joint's second actuator, and there is none"),
+        ("kind = \"trajectories\"", "kind = \"trajectories\"\ninput = \"gauge-pressure\"", "leave out `input`"),
+        ("[fit.\"load.inertia\"]", "[search]\nsegments = \"0.1 s\"\n[fit.\"load.inertia\"]", "search.horizon"),
+        ("fit.\"load.damping\"", "fit.\"antagonist.load.damping\"", "write `load.damping`"),
+    ] {
+        folder.file("muscle.toml", "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"0.1 s\"\n");
+        let of_joint = study.replace("[fit.\"load.inertia\"]\n\n[fit.\"load.damping\"]", "");
+        let study = if to.contains("muscle") { &of_joint } else { &study };
+        assert!(study.contains(from), "{from}");
         let output = identify(&folder, &folder.file("study.toml", &study.replace(from, to)));
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && error.contains(words), "`{words}` is not in\n{error}");

@@ -3,7 +3,7 @@
 //! Derivatives are exact and come in blocks of [`WIDTH`] directions, each a pass of its own.
 
 use mckibben::{Dual, Error, parameter};
-use mckibben_scenario::{Place, Scenario, Seeds};
+use mckibben_scenario::{Load, Place, Scenario, Seeds};
 
 /// Directions of one pass.
 pub const WIDTH: usize = 8;
@@ -16,8 +16,8 @@ pub type Seeded = Dual<f64, WIDTH>;
 pub struct Adjustable {
     base: Scenario,
     places: Vec<Place>,
-    /// The thread length among the places, when the least length follows from it.
-    thread: Option<usize>,
+    /// The thread length among the places, when the least length follows from it: of the actuator, and of a joint's second.
+    thread: [Option<usize>; 2],
 }
 
 /// Least length over thread length, where the one follows from the other.
@@ -27,11 +27,16 @@ fn least_over_thread() -> f64 {
 
 impl Adjustable {
     /// A scenario and its numbers. The least length of the actuator follows from a thread length that is looked for,
-    /// unless it was given (`min_length_given`).
-    pub fn new(base: Scenario, places: Vec<Place>, min_length_given: bool) -> Self {
-        let is = |row: &parameter::Parameter| places.iter().position(|place| place.parameter().key == row.key);
-        let thread =
-            is(&parameter::THREAD_LENGTH).filter(|_| !min_length_given && is(&parameter::MIN_LENGTH).is_none());
+    /// unless it was given (`min_length_given`, for the actuator and for a joint's second).
+    pub fn new(base: Scenario, places: Vec<Place>, min_length_given: [bool; 2]) -> Self {
+        let thread = [0, 1].map(|actuator| {
+            let is = |row: &parameter::Parameter| {
+                let is = |place: &Place| place.parameter().key == row.key && place.of_each()[actuator];
+                places.iter().position(is)
+            };
+            let given = min_length_given[actuator] || is(&parameter::MIN_LENGTH).is_some();
+            is(&parameter::THREAD_LENGTH).filter(|_| !given)
+        });
         Self { base, places, thread }
     }
 
@@ -41,7 +46,7 @@ impl Adjustable {
     /// As [`Adjustable::at`].
     pub(crate) fn only(&self, numbers: &[usize], values: &[f64]) -> Result<Self, Error> {
         let places = numbers.iter().map(|number| self.places[*number]).collect();
-        Ok(Self::new(self.at(values)?, places, self.thread.is_none()))
+        Ok(Self::new(self.at(values)?, places, self.thread.map(|thread| thread.is_none())))
     }
 
     /// The numbers that are looked for.
@@ -63,8 +68,14 @@ impl Adjustable {
         for (place, value) in self.places.iter().zip(values) {
             place.set(&mut scenario, *value)?;
         }
-        if self.thread.is_some() {
-            scenario.actuator.min_length = least_over_thread() * scenario.actuator.thread_length;
+        let second = match &mut scenario.load {
+            Load::AntagonisticJoint(joint) => Some(&mut joint.antagonist.actuator),
+            _ => None,
+        };
+        for (actuator, thread) in [Some(&mut scenario.actuator), second].into_iter().zip(self.thread) {
+            if let (Some(actuator), Some(_)) = (actuator, thread) {
+                actuator.min_length = least_over_thread() * actuator.thread_length;
+            }
         }
         Ok(scenario)
     }
@@ -77,13 +88,11 @@ impl Adjustable {
     /// The seeds of the pass that begins with an unknown.
     pub fn seeds(&self, first: usize) -> Seeds {
         let block = self.places.iter().skip(first).take(WIDTH);
-        let seeds = Seeds::new(block.copied());
-        match self.thread {
-            Some(thread) if (first..first + WIDTH).contains(&thread) => {
-                seeds.with_follower(&parameter::MIN_LENGTH, thread - first, least_over_thread())
-            }
-            _ => seeds,
-        }
+        let of_block = |thread: &usize| (first..first + WIDTH).contains(thread);
+        (0..2).fold(Seeds::new(block.copied()), |seeds, actuator| match self.thread[actuator].filter(of_block) {
+            Some(thread) => seeds.with_follower(&parameter::MIN_LENGTH, actuator, thread - first, least_over_thread()),
+            None => seeds,
+        })
     }
 
     /// Puts the derivatives of a pass into the row of a residual, each times a factor.

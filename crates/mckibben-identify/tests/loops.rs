@@ -68,7 +68,7 @@ fn fit(noise: f64) -> LoopFit {
         .map(|place| Unknown::new(SOUGHT[place], "", first[place]).between(1e-6 * first[place], 1e3 * first[place]));
     let loops = [2e5, 4e5].map(|gauge| pulled(&muscle(RATIO), gauge, noise)).to_vec();
     let task = LoopTask {
-        adjustable: Adjustable::new(start, places, false),
+        adjustable: Adjustable::new(start, places, [false; 2]),
         unknowns: unknowns.collect(),
         starts: Vec::new(),
         loops,
@@ -99,7 +99,7 @@ fn without_hysteresis_the_loop_is_left() {
     let path = "actuator.friction.coulomb_width";
     let place = Place::find(path, &mut start).expect("a number");
     let task = LoopTask {
-        adjustable: Adjustable::new(start, vec![place], false),
+        adjustable: Adjustable::new(start, vec![place], [false; 2]),
         unknowns: vec![Unknown::new(path, "m", 1e-4).between(0.0, 1e-2)],
         starts: Vec::new(),
         loops: vec![pulled(&muscle(RATIO), 4e5, 0.0)],

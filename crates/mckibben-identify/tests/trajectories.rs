@@ -2,12 +2,12 @@
 
 mod noise;
 
-use mckibben::simulation::simulate;
+use mckibben::simulation::{JointSample, simulate, simulate_joint};
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::{Search, Unknown};
+use mckibben_identify::least_squares::{Loss, Search, Unknown};
 use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
 use mckibben_scenario::{Effectiveness, Load, Place, PressureCourse, Scenario};
-use noise::Noise;
+use noise::{Noise, holds};
 
 /// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
 fn scenario(supply: f64) -> Scenario {
@@ -43,7 +43,7 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
         name: format!("{} Pa", truth.supply.map_or(0.0, |supply| supply.gauge_pressure)),
-        adjustable: Adjustable::new(base, places, false),
+        adjustable: Adjustable::new(base, places, [false; 2]),
         unknowns: (0..sought.len()).collect(),
         courses,
     }
@@ -254,7 +254,7 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     truth.pressure = Some(PressureCourse { time, gauge_pressure });
     run.courses.retain(|course| course.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
-    Recorded { adjustable: Adjustable::new(truth, places, false), ..run }
+    Recorded { adjustable: Adjustable::new(truth, places, [false; 2]), ..run }
 }
 
 #[test]
@@ -305,4 +305,137 @@ fn each_run_may_have_a_number_of_its_own() {
     for (observed, [_, outside]) in held_out.iter().flat_map(|run| &run.errors) {
         assert!((0.8..1.5).contains(&(outside / deviations[*observed as usize])), "{observed:?} {outside}");
     }
+}
+
+/// A forearm between two of the paper's muscles, each with a valve of its own, from a gauge pressure in the antagonist in psi.
+fn joint(antagonist: f64) -> Scenario {
+    let text = format!(
+        "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"60 psi\"\n\
+         [valve]\npreset = \"matrix-eight-channel\"\nkind = \"fill-hold-exhaust\"\n\
+         [command]\nkind = \"table\"\ntime = [\"0 s\", \"60 ms\", \"0.25 s\", \"0.31 s\"]\nstate = [\"fill\", \"hold\", \"exhaust\", \"hold\"]\n\
+         [load]\nkind = \"antagonistic-joint\"\npulley_radius = \"15 mm\"\nrest_length = \"3.3 in\"\nmass = \"0.5 kg\"\n\
+         distance = \"100 mm\"\ninertia = \"2e-3 kg*m^2\"\ndamping = \"0.02 N*m*s/rad\"\n[initial]\ngauge_pressure = \"20 psi\"\n\
+         [antagonist]\ninitial.gauge_pressure = \"{antagonist} psi\"\nactuator.turns = 2.4\n\
+         [antagonist.command]\nkind = \"table\"\ntime = [\"0 s\", \"0.25 s\", \"0.31 s\"]\nstate = [\"hold\", \"fill\", \"hold\"]\n\
+         [run]\nduration = \"0.5 s\"\n"
+    );
+    Scenario::from_str(&text, "joint.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What is read of a joint, with the deviation of a reading.
+const OF_JOINT: [(Observed, f64); 3] =
+    [(Observed::Angle, 1e-3), (Observed::GaugePressure, 1e3), (Observed::AntagonistGaugePressure, 1e3)];
+
+const OF_BOTH: [&str; 4] = ["load.inertia", "load.damping", "actuator.turns", "antagonist.actuator.turns"];
+
+/// A run of a joint as a rig would record it.
+fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
+    let of = truth.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
+    let run = simulate_joint(&of.rig, of.start, 0.5, 1e-10).expect("a run");
+    let times: Vec<f64> = (1..=200).map(|step| 2.5e-3 * f64::from(step)).collect();
+    let mut noise = Noise::new(seed);
+    let gauge = |sample: &JointSample, i: usize| sample.actuators[i].pressure.0 - truth.air.atmospheric_pressure;
+    let courses = OF_JOINT.map(|(observed, deviation)| {
+        let of = |time: &f64| match (observed, run.at(*time)) {
+            (Observed::Angle, sample) => sample.angle,
+            (Observed::GaugePressure, sample) => gauge(&sample, 0),
+            (_, sample) => gauge(&sample, 1),
+        };
+        let values: Vec<f64> = times.iter().map(of).collect();
+        Course { observed, times: times.clone(), values: noise.added_to(&values, deviation), deviation: None }
+    });
+    let mut base = truth.clone();
+    let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
+    Recorded {
+        name: format!("seed {seed}"),
+        adjustable: Adjustable::new(base, places, [false; 2]),
+        unknowns: (0..sought.len()).collect(),
+        courses: courses.to_vec(),
+    }
+}
+
+#[test]
+fn a_joint_gives_back_its_limb_and_both_braids() {
+    let sought: Vec<&str> = OF_BOTH.into_iter().chain(["antagonist.initial.gauge_pressure"]).collect();
+    let starts = [20.0, 26.0];
+    let runs = [0, 1].map(|run| recorded_joint(&joint(starts[run]), &sought, 11 + run as u64));
+    // The antagonist's pressure at the start is each run's own.
+    let mut task = task(runs.to_vec(), &sought, 1.25);
+    task.unknowns[3].start /= 1.4;
+    let own = task.unknowns.pop().expect("a pressure");
+    for (place, run) in (4..).zip(&mut task.runs) {
+        task.unknowns.push(Unknown { name: format!("{} [{place}]", own.name), ..own.clone() });
+        run.unknowns = vec![0, 1, 2, 3, place];
+    }
+    let found = identified(&task);
+    let psi = 6_894.757_293_168;
+    let mut first = joint(starts[0]);
+    let value = |path: &&str| Place::find(path, &mut first).expect("a number").value(&mut first).expect("a value");
+    let truths: Vec<f64> = OF_BOTH.iter().map(value).chain(starts.map(|of| of * psi)).collect();
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(&truths) {
+        assert!(holds(estimate, *truth), "{estimate:?}: {truth}");
+        assert!((estimate.value / truth - 1.0).abs() < 0.02, "{estimate:?}: {truth}");
+    }
+    assert!(found.found.fit.untold.is_empty() && task.drifts(&found).is_empty() && task.unexplained(&found).is_empty());
+    for ((observed, left), (of, deviation)) in found.left.iter().zip([OF_JOINT[1], OF_JOINT[0], OF_JOINT[2]]) {
+        assert!(*observed == of && (left / deviation - 1.0).abs() < 0.1, "{observed:?}: {left}, not {deviation}");
+    }
+    for (scenario, simulated) in found.scenarios.iter().zip(&found.simulated) {
+        let of = scenario.joint_experiment().expect("a scenario that runs").expect("a joint");
+        let again = simulate_joint(&of.rig, of.start, 0.5, 1e-9).expect("a run").at(0.4);
+        assert!((simulated.read(Observed::Angle, 0.4) - again.angle).abs() < 1e-7);
+        assert!((simulated.read(Observed::AntagonistLength, 0.4) - again.actuators[1].length).abs() < 1e-8);
+        assert!((simulated.read(Observed::Torque, 0.4) - again.torque).abs() < 1e-5);
+    }
+    // Each run is foretold by the numbers of the other and its own pressure at the start.
+    let held_out = task.held_out(&found);
+    assert_eq!(held_out.len(), 2);
+    for (observed, [_, outside]) in held_out.iter().flat_map(|run| &run.errors) {
+        let (_, noise) = OF_JOINT.into_iter().find(|(of, _)| of == observed).expect("what was read");
+        assert!((0.8..1.5).contains(&(outside / noise)), "{observed:?} {outside}");
+    }
+}
+
+#[test]
+fn a_number_of_both_actuators_is_fitted_as_one() {
+    let mut truth = joint(20.0);
+    let path = "actuator.thread_length";
+    let thread = Place::find(path, &mut truth).expect("a number").of_both();
+    let mut run = recorded_joint(&truth, &[path], 3);
+    run.adjustable = Adjustable::new(truth.clone(), vec![thread], [false, true]);
+    let mut sought = task(vec![run], &[path], 1.05);
+    sought.search = Search { loss: Loss::Huber(2.5), ..sought.search };
+    for (course, (_, deviation)) in sought.runs[0].courses.iter_mut().zip(OF_JOINT) {
+        course.deviation = Some(deviation);
+    }
+    let value = thread.value(&mut truth).expect("a value");
+    // A reading that is far off: a robust loss spares it.
+    sought.runs[0].courses[0].values[50] += 0.2;
+    let found = identified(&sought);
+    let estimate = &found.found.fit.estimates[0];
+    assert!(holds(estimate, value) && (estimate.value / value - 1.0).abs() < 1e-3, "{estimate:?}: {value}");
+    let Load::AntagonisticJoint(joint) = &found.scenarios[0].load else { panic!("a joint") };
+    let (first, second) = (&found.scenarios[0].actuator, &joint.antagonist.actuator);
+    assert_eq!([first.thread_length, second.thread_length], [estimate.value; 2]);
+    // Where the file does not give the least length it follows.
+    let least = estimate.value / 3_f64.sqrt();
+    assert!((first.min_length / least - 1.0).abs() < 1e-12, "{}", first.min_length);
+    assert_eq!(second.min_length, truth.actuator.min_length);
+}
+
+#[test]
+fn what_a_joint_cannot_do_says_why() {
+    let rig = recorded(&scenario(100.0), &SOUGHT, [0.0; 2], 0.4);
+    let mut sought = task(vec![rig], &SOUGHT, 1.0);
+    sought.runs[0].courses[0].observed = Observed::Angle;
+    let error = sought.identify().expect_err("a rig has no angle").to_string();
+    assert!(error.contains("readings of the angle") && error.contains("\"antagonistic-joint\""), "{error}");
+    let mut sought = task(vec![recorded_joint(&joint(20.0), &OF_BOTH, 1)], &OF_BOTH, 1.0);
+    sought.horizon = Horizon::Segments(0.1);
+    let error = sought.identify().expect_err("segments").to_string();
+    assert!(error.contains("joint is not divided into segments") && error.contains("search.horizon"), "{error}");
+    sought.horizon = Horizon::Whole;
+    sought.unknowns[0].start = -1.0;
+    let error = sought.identify().expect_err("no inertia").to_string();
+    assert!(error.contains("load.inertia"), "{error}");
 }

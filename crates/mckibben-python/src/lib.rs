@@ -48,9 +48,9 @@ mod _mckibben {
     #[pymodule_export]
     use crate::scenario::Scenario;
     #[pymodule_export]
-    use crate::sweep::Sweep;
+use crate::sweep::Sweep;
     #[pymodule_export]
-    use crate::trajectory::{Event, Trajectory, restored, simulate};
+    use crate::trajectory::{Event, Trajectory, simulate};
 
     /// A library has no progress bars.
     #[pymodule_init]

@@ -80,9 +80,9 @@ impl Scenario {
     /// The same scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`.
     fn with_values(&self, values: Values<'_>) -> PyResult<Self> {
         let mut set = self.set.clone();
-        for (key, value) in &values::table_of("", &values.0)? {
-            set.retain(|(known, _)| known != key);
-            set.push((key.clone(), value.to_string()));
+        for (key, value) in values::pairs_of("", &values.0)? {
+            set.retain(|(known, _)| *known != key);
+            set.push((key, value.to_string()));
         }
         Self::new(&self.text, &self.name, set)
     }

@@ -3,7 +3,7 @@
 use crate::columns::{array, dictionary};
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{self, Columns, Figure, Names, Numbers, Pandas, Parts, Polars, Row, Words};
+use crate::typed::{self, Columns, Figure, Names, Numbers, Pandas, Parts, Polars, Row, Sequence, Words};
 use mckibben_cli::failure::Failure;
 use mckibben_cli::finished::{Finished, Ready};
 use mckibben_cli::output;
@@ -178,6 +178,22 @@ fn beside<'py>(run: &Bound<'py, Trajectory>, name: &str) -> PyResult<Bound<'py, 
 
 #[pymethods]
 impl Trajectory {
+    /// A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
+    #[new]
+    fn restored(
+        scenario: Py<Scenario>,
+        columns: Vec<(String, String, Bound<'_, PyAny>)>,
+        events: Option<Vec<Bound<'_, Event>>>,
+    ) -> PyResult<Self> {
+        let of_column = |(name, unit, values): (String, String, Bound<'_, PyAny>)| {
+            values.call_method1("setflags", (false,))?;
+            Ok(Column { name, unit, values: values.unbind() })
+        };
+        let columns = columns.into_iter().map(of_column).collect::<PyResult<_>>()?;
+        let events = events.map(|events| events.iter().map(|event| event.get().clone()).collect());
+        Ok(Self { scenario, columns, events, kept: Mutex::new(None) })
+    }
+
     /// What was run.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
@@ -305,8 +321,8 @@ impl Trajectory {
     }
 
     /// Every column at each of `times` in s, as arrays by the names of the columns; as `at`.
-    fn at_times<'py>(&self, py: Python<'py>, times: Vec<f64>) -> PyResult<Columns<'py>> {
-        Ok(Columns(self.between(py, &times)?.into_any()))
+    fn at_times<'py>(&self, py: Python<'py>, times: Sequence) -> PyResult<Columns<'py>> {
+        Ok(Columns(self.between(py, &times.0)?.into_any()))
     }
 
     /// The columns as arrays by their names, in their order.
@@ -369,28 +385,10 @@ impl Trajectory {
         Ok(format!("<mckibben.Trajectory of {:?}, {} rows>", self.scenario.get().title(), self.__len__(py)?))
     }
 
-    fn __reduce__<'py>(run: &Bound<'py, Self>) -> PyResult<Parts<'py>> {
+    fn __getnewargs__<'py>(run: &Bound<'py, Self>) -> PyResult<Parts<'py>> {
         let (py, of) = (run.py(), run.get());
         let columns: Vec<_> =
             of.columns.iter().map(|column| (&column.name, &column.unit, column.values.clone_ref(py))).collect();
-        let make = py.import("mckibben._mckibben")?.getattr("restored")?;
-        let parts = (make, (of.scenario.clone_ref(py), columns, of.events.clone())).into_pyobject(py)?;
-        Ok(Parts(parts.into_any()))
+        Ok(Parts((of.scenario.clone_ref(py), columns, of.events.clone()).into_pyobject(py)?.into_any()))
     }
-}
-
-/// A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
-#[pyfunction]
-pub(crate) fn restored(
-    scenario: Py<Scenario>,
-    columns: Vec<(String, String, Bound<'_, PyAny>)>,
-    events: Option<Vec<Bound<'_, Event>>>,
-) -> PyResult<Trajectory> {
-    let of_column = |(name, unit, values): (String, String, Bound<'_, PyAny>)| {
-        values.call_method1("setflags", (false,))?;
-        Ok(Column { name, unit, values: values.unbind() })
-    };
-    let columns = columns.into_iter().map(of_column).collect::<PyResult<_>>()?;
-    let events = events.map(|events| events.iter().map(|event| event.get().clone()).collect());
-    Ok(Trajectory { scenario, columns, events, kept: Mutex::new(None) })
 }

@@ -1,5 +1,6 @@
 //! Python objects with the types that the stubs give them.
 
+use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
@@ -72,6 +73,19 @@ impl<'a, 'py, A: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Given<A> {
 
     fn extract(array: Borrowed<'a, 'py, PyAny>) -> Result<Self, Self::Error> {
         array.extract().map(Self)
+    }
+}
+
+/// Numbers in a sequence or an array of any type and layout.
+pub(crate) struct Sequence(pub(crate) Vec<f64>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = name!("numpy.typing", "ArrayLike");
+
+    fn extract(numbers: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array: PyArrayLike1<'py, f64, AllowTypeChange> = numbers.extract()?;
+        Ok(Self(array.as_array().iter().copied().collect()))
     }
 }
 

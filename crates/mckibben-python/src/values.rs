@@ -36,7 +36,12 @@ pub(crate) fn to_toml(path: &str, value: &Bound<'_, PyAny>) -> PyResult<toml::Va
 
 /// The TOML table of a mapping.
 pub(crate) fn table_of(path: &str, mapping: &Bound<'_, PyMapping>) -> PyResult<toml::Table> {
-    let mut table = toml::Table::new();
+    Ok(pairs_of(path, mapping)?.into_iter().collect())
+}
+
+/// The keys of a mapping with their TOML values, in its order.
+pub(crate) fn pairs_of(path: &str, mapping: &Bound<'_, PyMapping>) -> PyResult<Vec<(String, toml::Value)>> {
+    let mut pairs = Vec::new();
     for pair in mapping.items()?.try_iter()? {
         let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = pair?.extract()?;
         let Ok(name) = key.cast::<PyString>() else {
@@ -44,9 +49,9 @@ pub(crate) fn table_of(path: &str, mapping: &Bound<'_, PyMapping>) -> PyResult<t
         };
         let name = name.to_string();
         let inner = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-        table.insert(name, to_toml(&inner, &value)?);
+        pairs.push((name, to_toml(&inner, &value)?));
     }
-    Ok(table)
+    Ok(pairs)
 }
 
 /// The Python value of a TOML value.

@@ -218,7 +218,7 @@ pub fn is_section_of_antagonist(path: &str) -> bool {
 }
 
 /// The path that a path under [`ANTAGONIST`] stands for, of the first actuator.
-pub(crate) fn in_antagonist(path: &str) -> Option<&str> {
+pub fn in_antagonist(path: &str) -> Option<&str> {
     path.strip_prefix(ANTAGONIST)?.strip_prefix('.')
 }
 

@@ -165,18 +165,29 @@ impl Scenario {
         let output = opposite_output(self, &second).map_err(failed)?;
         let antagonist = second.driven_by(output).map_err(|error| (Part::Antagonist, error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
-        let starts = [self.initial, second.initial];
-        let initial = JointInitial {
-            gauge_pressure: starts.map(|start| GaugePressure(start.gauge_pressure)),
-            temperature: starts.map(|start| start.temperature),
+        let start = rig.start(&self.start_of(joint)).map_err(failed)?;
+        Ok(Some(JointExperiment { rig, start, run: self.run }))
+    }
+
+    /// The start of its joint as the core takes it, or `None` when its load is another.
+    pub fn joint_initial(&self) -> Option<JointInitial> {
+        match &self.load {
+            Load::AntagonisticJoint(joint) => Some(self.start_of(joint)),
+            _ => None,
+        }
+    }
+
+    fn start_of(&self, joint: &Joint) -> JointInitial {
+        let (first, second) = (&self.initial, &joint.antagonist);
+        JointInitial {
+            gauge_pressure: [first.gauge_pressure, second.gauge_pressure].map(GaugePressure),
+            temperature: [first.temperature, second.temperature],
             angle: match joint.angle {
                 InitialAngle::Equilibrium => simulation::InitialAngle::Equilibrium,
                 InitialAngle::At(angle) => simulation::InitialAngle::At(angle),
             },
             angular_velocity: joint.angular_velocity,
-        };
-        let start = rig.start(&initial).map_err(failed)?;
-        Ok(Some(JointExperiment { rig, start, run: self.run }))
+        }
     }
 }
 

@@ -4,6 +4,9 @@
 //! `actuator.friction.hysteresis.stiffness_ratio[2]`. The value is in SI, whatever units the file was written in; of the
 //! coefficients that a file gives over its own units, in those of the plain [`Scenario`].
 //!
+//! Of a joint, `actuator.turns` are the agonist's and `antagonist.actuator.turns` the antagonist's alone; what a file says of
+//! both is one number of both, [`Place::of_both`].
+//!
 //! ```
 //! use mckibben::{Dual, Over};
 //! use mckibben_scenario::{Document, Place, Scenario, Seeds};
@@ -24,10 +27,11 @@
 //!
 //! Checked by `tests/place.rs`: for every key, the derivative that is seeded is that of setting the value.
 
-use crate::keys::KEYS;
+use crate::document::{Document, Node, Value};
+use crate::keys::{ANTAGONIST, KEYS, in_antagonist, is_of_antagonist};
 use crate::nearest::nearest;
-use crate::scenario::{Effectiveness, Force, Hysteresis, Scenario};
-use crate::sweep::field::{Field, field_of};
+use crate::scenario::{Effectiveness, Force, Hysteresis, Load, MomentArm, Scenario};
+use crate::sweep::field::{Field, exchange, field_of};
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::{Dual, Error, Over};
 use std::fmt;
@@ -37,6 +41,8 @@ use std::fmt;
 pub struct Place {
     parameter: &'static Parameter,
     at: At,
+    /// Whether it is of the first actuator and of the second of a joint; what is of neither alone counts as of both.
+    of: [bool; 2],
 }
 
 #[derive(Clone, Copy)]
@@ -90,6 +96,13 @@ static LISTS: &[(&Parameter, List)] = &[
         Some(Hysteresis::MaxwellSlip { stiffness_ratio, .. }) => Some(stiffness_ratio),
         _ => None,
     }),
+    (&p::MOMENT_ARM, |s| match &mut s.load {
+        Load::AntagonisticJoint(joint) => match &mut joint.tendon.arm {
+            MomentArm::Table { arm, .. } => Some(arm),
+            MomentArm::Pulley(_) => None,
+        },
+        _ => None,
+    }),
 ];
 
 /// Why a path is no number of a scenario.
@@ -109,12 +122,29 @@ impl fmt::Display for PlaceError {
 impl std::error::Error for PlaceError {}
 
 impl Place {
-    /// The number at a path.
+    /// The number at a path; of a joint the agonist's, or the antagonist's under `antagonist`.
     ///
     /// # Errors
     /// When there is no such key, when it is no number, or when this scenario has no such number.
     pub fn find(path: &str, scenario: &mut Scenario) -> Result<Self, PlaceError> {
-        let fault = |why: String, remedy: String| PlaceError { path: path.to_owned(), why, remedy };
+        let Some(of_first) = in_antagonist(path) else { return Self::found("", path, scenario) };
+        let fault = |why: &str, remedy: String| PlaceError { path: path.to_owned(), why: why.to_owned(), remedy };
+        if !scenario.has_joint() {
+            let remedy = "leave it out, or set load.kind = \"antagonistic-joint\"".to_owned();
+            return Err(fault("is of a joint's second actuator, and there is none", remedy));
+        }
+        exchange(scenario);
+        let found = Self::found("antagonist.", of_first, scenario);
+        exchange(scenario);
+        match found? {
+            of_one if is_of_antagonist(of_one.parameter.key) => Ok(Self { of: [false, true], ..of_one }),
+            _ => Err(fault("is no number of one actuator alone", format!("write `{of_first}`"))),
+        }
+    }
+
+    /// The number of the first actuator at a path, which stands behind a prefix in messages.
+    fn found(prefix: &str, path: &str, scenario: &mut Scenario) -> Result<Self, PlaceError> {
+        let fault = |why: String, remedy: String| PlaceError { path: format!("{prefix}{path}"), why, remedy };
         let (key, index) = match path.strip_suffix(']').and_then(|path| path.split_once('[')) {
             Some((key, digits)) => {
                 let index = digits.parse::<usize>().map_err(|_| {
@@ -126,22 +156,22 @@ impl Place {
         };
         let list = LISTS.iter().find(|(row, _)| row.key == key);
         let place = match (list, index) {
-            (Some((row, list)), Some(index)) => Self { parameter: row, at: At::Entry(*list, index) },
+            (Some((row, list)), Some(index)) => Self::of_first(row, At::Entry(*list, index)),
             (Some(_), None) => {
-                let remedy = format!("name one of its entries, as in `{key}[0]`");
+                let remedy = format!("name one of its entries, as in `{prefix}{key}[0]`");
                 return Err(fault("is a list".to_owned(), remedy));
             }
             (None, index) => {
                 let row = KEYS.iter().find(|row| row.path == key).and_then(|row| row.parameter());
                 match (row.and_then(|row| Some((row, field_of(row)?))), index) {
-                    (Some((row, field)), None) => Self { parameter: row, at: At::Single(field) },
+                    (Some((row, field)), None) => Self::of_first(row, At::Single(field)),
                     (Some(_), Some(_)) => {
-                        return Err(fault("is no list".to_owned(), format!("write `{key}`")));
+                        return Err(fault("is no list".to_owned(), format!("write `{prefix}{key}`")));
                     }
                     (None, _) => {
                         let known = KEYS.iter().map(|row| row.path);
                         let remedy = match nearest(key, known) {
-                            Some(near) if near != key => format!("did you mean `{near}`?"),
+                            Some(near) if near != key => format!("did you mean `{prefix}{near}`?"),
                             _ => "name a quantity of the actuator, its air, valve, load or start".to_owned(),
                         };
                         return Err(fault("is no number that can be set one by one".to_owned(), remedy));
@@ -149,13 +179,28 @@ impl Place {
                 }
             }
         };
-        match place.slot(scenario) {
+        match place.value(scenario) {
             Some(_) => Ok(place),
             None => {
                 let remedy = "choose the law or part that has it, or another key".to_owned();
                 Err(fault("is no number of this scenario".to_owned(), remedy))
             }
         }
+    }
+
+    fn of_first(parameter: &'static Parameter, at: At) -> Self {
+        Self { parameter, at, of: [true, !is_of_antagonist(parameter.key)] }
+    }
+
+    /// The same number of both actuators of a joint, which then have one value.
+    #[must_use]
+    pub fn of_both(self) -> Self {
+        Self { of: [true; 2], ..self }
+    }
+
+    /// Whether it is of the first actuator, and of the second of a joint.
+    pub fn of_each(&self) -> [bool; 2] {
+        self.of
     }
 
     /// Its row in the table of parameters.
@@ -165,15 +210,16 @@ impl Place {
 
     /// Its path.
     pub fn path(&self) -> String {
-        match self.at {
+        let path = match self.at {
             At::Single(_) => self.parameter.key.to_owned(),
             At::Entry(_, index) => format!("{}[{index}]", self.parameter.key),
-        }
+        };
+        if self.of[0] { path } else { format!("{ANTAGONIST}.{path}") }
     }
 
-    /// The value in a scenario, if that has such a number.
+    /// The value in a scenario, if that has such a number; of both actuators the first's.
     pub fn value(&self, scenario: &mut Scenario) -> Option<f64> {
-        self.slot(scenario).copied()
+        self.with(usize::from(!self.of[0]), scenario, |slot| *slot)
     }
 
     /// Sets the value; `false` when the scenario has no such number.
@@ -182,14 +228,48 @@ impl Place {
     /// [`Error::OutOfRange`] when the value is outside the parameter's range.
     pub fn set(&self, scenario: &mut Scenario, value: f64) -> Result<bool, Error> {
         let value = self.parameter.check(value)?;
-        Ok(self.slot(scenario).map(|slot| *slot = value).is_some())
+        let mut set = false;
+        for actuator in (0..2).filter(|actuator| self.of[*actuator]) {
+            set |= self.with(actuator, scenario, |slot| *slot = value).is_some();
+        }
+        Ok(set)
     }
 
-    fn slot<'s>(&self, scenario: &'s mut Scenario) -> Option<&'s mut f64> {
-        match self.at {
-            At::Single(field) => field(scenario),
-            At::Entry(list, index) => list(scenario)?.get_mut(index),
+    /// Does something with the number of one actuator, if the scenario has it.
+    fn with<T>(&self, actuator: usize, scenario: &mut Scenario, does: impl FnOnce(&mut f64) -> T) -> Option<T> {
+        if actuator == 1 && !scenario.has_joint() {
+            return None;
         }
+        let slot = |scenario: &mut Scenario| match self.at {
+            At::Single(field) => field(scenario).map(does),
+            At::Entry(list, index) => list(scenario)?.get_mut(index).map(does),
+        };
+        if actuator == 0 {
+            return slot(scenario);
+        }
+        exchange(scenario);
+        let done = slot(scenario);
+        exchange(scenario);
+        done
+    }
+}
+
+impl Document {
+    /// Whether what it says of the first actuator of a joint at a key holds for the second too, since `[antagonist]` says
+    /// nothing else; a path to an entry of a list stands for the list.
+    pub fn says_of_both(&self, path: &str) -> bool {
+        let key = path.split_once('[').map_or(path, |(key, _)| key);
+        let Some(section) = self.place(ANTAGONIST).cloned() else { return true };
+        // A mark in its place is there for the second too, or something else is.
+        let mut marked = self.clone();
+        let node = Node { place: section.clone(), value: Value::Number(0.0) };
+        marked.put(key, &section, &node);
+        marked.antagonist().entry(key).is_some_and(|entry| entry.node.place.is(&section))
+    }
+
+    /// Whether it says a key of the first actuator, and of the second of a joint.
+    pub fn says_of_each(&self, key: &str) -> [bool; 2] {
+        [self.contains(key), self.antagonist().contains(key)]
     }
 }
 
@@ -201,7 +281,7 @@ impl fmt::Debug for Place {
 
 impl PartialEq for Place {
     fn eq(&self, other: &Self) -> bool {
-        self.path() == other.path()
+        self.of == other.of && self.path() == other.path()
     }
 }
 
@@ -209,25 +289,25 @@ impl PartialEq for Place {
 #[derive(Clone, Debug)]
 pub struct Seeds {
     places: Vec<Place>,
-    /// How many entries of its list have passed, for each place.
-    passed: Vec<usize>,
+    /// How many entries of its list have passed, for each place and actuator.
+    passed: Vec<[usize; 2]>,
     /// Whether its number has been met.
     met: Vec<bool>,
-    /// Shares of a number in another that follows from it.
-    followers: Vec<(&'static Parameter, usize, f64)>,
+    /// Shares of a number in another that follows from it, of one actuator.
+    followers: Vec<(&'static Parameter, usize, usize, f64)>,
 }
 
 impl Seeds {
     /// One direction for each place, in their order.
     pub fn new(places: impl IntoIterator<Item = Place>) -> Self {
         let places: Vec<Place> = places.into_iter().collect();
-        Self { passed: vec![0; places.len()], met: vec![false; places.len()], followers: Vec::new(), places }
+        Self { passed: vec![[0; 2]; places.len()], met: vec![false; places.len()], followers: Vec::new(), places }
     }
 
-    /// The same where a parameter follows from one of the places, at a rate.
+    /// The same where a parameter of an actuator, 0 or of a joint's second 1, follows from one of the places, at a rate.
     #[must_use]
-    pub fn with_follower(mut self, parameter: &'static Parameter, place: usize, rate: f64) -> Self {
-        self.followers.push((parameter, place, rate));
+    pub fn with_follower(mut self, parameter: &'static Parameter, actuator: usize, place: usize, rate: f64) -> Self {
+        self.followers.push((parameter, actuator, place, rate));
         self
     }
 
@@ -239,15 +319,25 @@ impl Seeds {
 
     /// The number with its derivatives. Directions from `K` on are left out.
     pub fn over<const K: usize>(&mut self, parameter: &'static Parameter, value: f64) -> Dual<f64, K> {
-        let mut dual = Dual::of(value);
-        for (direction, place) in
-            self.places.iter().enumerate().filter(|(_, place)| place.parameter.key == parameter.key)
-        {
+        self.over_of(None, parameter, value)
+    }
+
+    /// The same of a joint's first or second actuator, 0 or 1, or of the joint itself.
+    pub fn over_of<const K: usize>(
+        &mut self,
+        actuator: Option<usize>,
+        parameter: &'static Parameter,
+        value: f64,
+    ) -> Dual<f64, K> {
+        let (mut dual, of) = (Dual::of(value), actuator.unwrap_or(0));
+        let here = |place: &Place| place.parameter.key == parameter.key && place.of[of];
+        for (direction, place) in self.places.iter().enumerate().filter(|(_, place)| here(place)) {
             let met = match place.at {
                 At::Single(_) => true,
                 At::Entry(_, index) => {
-                    self.passed[direction] += 1;
-                    self.passed[direction] == index + 1
+                    let passed = &mut self.passed[direction][of];
+                    *passed += 1;
+                    *passed == index + 1
                 }
             };
             self.met[direction] |= met;
@@ -255,8 +345,9 @@ impl Seeds {
                 *slope = 1.0;
             }
         }
-        for (follower, direction, rate) in &self.followers {
-            if let Some(slope) = dual.slope.get_mut(*direction).filter(|_| follower.key == parameter.key) {
+        for (follower, actuator, direction, rate) in &self.followers {
+            let here = follower.key == parameter.key && *actuator == of;
+            if let Some(slope) = dual.slope.get_mut(*direction).filter(|_| here) {
                 *slope = *rate;
             }
         }

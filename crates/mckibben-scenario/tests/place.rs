@@ -1,10 +1,10 @@
 //! Numbers by their path: what is set is what is differentiated by, for every number of many scenarios.
 
-use mckibben::simulation::simulate;
+use mckibben::simulation::{JointState, simulate, simulate_joint};
 use mckibben::valve::Ports;
 use mckibben::{AbsolutePressure, Actuator, ActuatorState, Dual, Over, Real};
 use mckibben_scenario::keys::KEYS;
-use mckibben_scenario::{Place, Scenario, Seeds};
+use mckibben_scenario::{Document, Place, Scenario, Seeds};
 use std::path::{Path, PathBuf};
 
 fn examples(folder: &str) -> Vec<PathBuf> {
@@ -19,9 +19,9 @@ fn examples(folder: &str) -> Vec<PathBuf> {
 /// Every number of a scenario that has a path.
 fn places(scenario: &mut Scenario) -> Vec<Place> {
     let mut found = Vec::new();
-    for key in KEYS {
-        found.extend(Place::find(key.path, scenario));
-        found.extend((0..).map_while(|index| Place::find(&format!("{}[{index}]", key.path), scenario).ok()));
+    for path in KEYS.iter().flat_map(|key| [key.path.to_owned(), format!("antagonist.{}", key.path)]) {
+        found.extend(Place::find(&path, scenario));
+        found.extend((0..).map_while(|index| Place::find(&format!("{path}[{index}]"), scenario).ok()));
     }
     found
 }
@@ -192,12 +192,176 @@ duration = "0.11 s"
     assert!(names.len() >= 24, "{}: {names:?}", names.len());
 }
 
+/// Two actuators that differ in law, friction, valve and arm, on a limb that meets a stop.
+const JOINT: &str = r#"
+[actuator]
+max_length = "3.85 in"
+thread_length = "4.3218 in"
+turns = 2.5
+[actuator.effectiveness]
+gauge_pressure = ["20 psi", "60 psi", "100 psi"]
+value = [0.8, 0.9, 0.93]
+[actuator.friction]
+viscous = "3.5 N*s/m"
+coulomb_width = "0.1 mm"
+[supply]
+gauge_pressure = "60 psi"
+[valve]
+preset = "matrix-eight-channel"
+kind = "fill-hold-exhaust"
+[command]
+kind = "table"
+time = ["0 s", "60 ms"]
+state = ["fill", "hold"]
+[load]
+kind = "antagonistic-joint"
+pulley_radius = "15 mm"
+rest_length = "3.3 in"
+mass = "0.5 kg"
+distance = "100 mm"
+inertia = "1e-3 kg*m^2"
+damping = "0.02 N*m*s/rad"
+torque = "0.05 N*m"
+hanging_angle = "3 deg"
+min_angle = "-40 deg"
+max_angle = "9 deg"
+[initial]
+gauge_pressure = "22 psi"
+[antagonist]
+initial.gauge_pressure = "25 psi"
+load.moment_arm_angle = ["-30 deg", "0 deg", "30 deg"]
+load.moment_arm = ["13 mm", "15 mm", "14 mm"]
+load.rest_length = "3.32 in"
+[antagonist.actuator]
+turns = 2.4
+[antagonist.actuator.effectiveness]
+constant = 0.9
+[antagonist.actuator.bladder]
+form = "linear"
+force = "20 N"
+[antagonist.supply]
+gauge_pressure = "50 psi"
+[antagonist.valve]
+opening_delay = "3 ms"
+[antagonist.command]
+kind = "pwm"
+frequency = "30 Hz"
+duty = 0.4
+pulse = "exhaust"
+rest = "hold"
+[run]
+duration = "0.11 s"
+"#;
+
+#[test]
+fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
+    fn numbers<S>(state: JointState<S>) -> [S; 6] {
+        let JointState { angle, angular_velocity, pressure: [first, second], air_mass: [mass, other] } = state;
+        [angle, angular_velocity, first.0, second.0, mass, other]
+    }
+    let scenario = Scenario::from_str(JOINT, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
+    let experiment =
+        |scenario: &Scenario| scenario.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
+    let of = |scenario: &Scenario| {
+        let of = experiment(scenario);
+        numbers(simulate_joint(&of.rig, of.start, 0.11, 1e-12).expect("a run").at(0.11).state())
+    };
+    let (sizes, plain) = (of(&scenario), experiment(&scenario).rig);
+    let mut names = Vec::new();
+    // Each actuator's own, and what both have in one.
+    let own = places(&mut scenario.clone());
+    let both = own.iter().filter(|place| place.path().starts_with("actuator.")).map(|place| place.of_both());
+    let both: Vec<Place> = both.filter(|place| place.path().ends_with("thread_length")).collect();
+    for (place, of_both) in own.into_iter().map(|of| (of, false)).chain(both.into_iter().map(|of| (of, true))) {
+        let value = place.value(&mut scenario.clone()).expect("a number");
+        // How long and how exactly to run is no number of the model; what is absent at zero is no part.
+        if place.path().starts_with("run.") || value == 0.0 {
+            continue;
+        }
+        let mut seeds = Seeds::new([place]);
+        let rig = plain.map_of_each(|actuator, row, value| seeds.over_of::<1>(actuator, row, value));
+        let initial = scenario.joint_initial().expect("a joint");
+        let initial = initial.map_of_each(|actuator, row, value| seeds.over_of::<1>(actuator, row, value));
+        if seeds.missed().count() > 0 {
+            continue;
+        }
+        let start = rig.begin(&initial).expect("a start");
+        let end = simulate_joint(&rig, start, Dual::of(0.11), 1e-12).expect("a run").at(Dual::of(0.11));
+        let exact = numbers(end.state()).map(|number| number.slope[0]);
+        if compare("a joint", &place, value, &sizes, &exact, &difference(&scenario, &place, of), 2e-4) {
+            names.push(if of_both { format!("both {}", place.path()) } else { place.path() });
+        }
+    }
+    for expected in [
+        "load.inertia",
+        "load.damping",
+        "load.max_angle",
+        "load.pulley_radius",
+        "antagonist.load.moment_arm[1]",
+        "antagonist.load.rest_length",
+        "actuator.turns",
+        "antagonist.actuator.turns",
+        "both actuator.thread_length",
+        "antagonist.actuator.effectiveness.constant",
+        "antagonist.actuator.bladder.force",
+        "antagonist.valve.opening_delay",
+        "antagonist.command.duty",
+        "antagonist.initial.gauge_pressure",
+        "air.atmospheric_pressure",
+    ] {
+        assert!(names.iter().any(|name| name == expected), "{expected} is not among {names:?}");
+    }
+    assert!(names.len() >= 50, "{}: {names:?}", names.len());
+}
+
+#[test]
+fn what_is_said_of_both_actuators_is_one_number_of_both() {
+    let document = Document::parse(JOINT, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
+    for (path, both) in [
+        ("actuator.thread_length", true),
+        ("actuator.friction.viscous", true),
+        ("actuator.wall_thickness", true),
+        ("valve.closing_delay", true),
+        ("initial.temperature", true),
+        ("load.inertia", true),
+        ("actuator.turns", false),
+        ("actuator.effectiveness.value[1]", false),
+        ("valve.opening_delay", false),
+        ("supply.gauge_pressure", false),
+        ("load.pulley_radius", false),
+        ("initial.gauge_pressure", false),
+    ] {
+        assert_eq!(document.says_of_both(path), both, "{path}");
+    }
+    assert_eq!(document.says_of_each("actuator.bladder.force"), [false, true]);
+    let mut scenario = document.scenario().unwrap_or_else(|error| panic!("{error}"));
+    let second = |scenario: &mut Scenario| {
+        Place::find("antagonist.actuator.turns", scenario).expect("a number").value(scenario).expect("a value")
+    };
+    let turns = Place::find("actuator.turns", &mut scenario).expect("a number");
+    assert!(turns.set(&mut scenario, 2.6).expect("turns") && second(&mut scenario) == 2.4);
+    assert!(turns.of_both().set(&mut scenario, 2.7).expect("turns") && second(&mut scenario) == 2.7);
+    for (path, words) in [
+        ("antagonist.actuator.turn", "`antagonist.actuator.turn` is no number"),
+        ("antagonist.actuator.turn", "did you mean `antagonist.actuator.turns`?"),
+        ("antagonist.load.mass", "is no number of one actuator alone; write `load.mass`"),
+        ("antagonist.load.pulley_radius", "is no number of this scenario"),
+        ("antagonist.load.moment_arm", "as in `antagonist.load.moment_arm[0]`"),
+    ] {
+        let error = Place::find(path, &mut scenario).expect_err(path).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let mut rig = Scenario::load(examples("friction").remove(2)).unwrap_or_else(|error| panic!("{error}"));
+    let error = Place::find("antagonist.actuator.turns", &mut rig).expect_err("no joint").to_string();
+    assert!(error.contains("load.kind = \"antagonistic-joint\""), "{error}");
+}
+
 #[test]
 fn what_follows_from_a_number_has_its_share() {
     let mut scenario = Scenario::load(examples("")[0].clone()).unwrap_or_else(|error| panic!("{error}"));
     let thread = Place::find("actuator.thread_length", &mut scenario).expect("a number");
     let rate = 1.0 / 3_f64.sqrt();
-    let mut seeds = Seeds::new([thread]).with_follower(&mckibben::parameter::MIN_LENGTH, 0, rate);
+    let mut seeds = Seeds::new([thread]).with_follower(&mckibben::parameter::MIN_LENGTH, 0, 0, rate);
     assert_eq!(seeds.over::<1>(&mckibben::parameter::MIN_LENGTH, 0.06).slope, [rate]);
     assert_eq!(seeds.over::<1>(&mckibben::parameter::TURNS, 2.0).slope, [0.0]);
 }

@@ -14,10 +14,33 @@ pub(crate) trait Convert<S, T> {
 
     /// How numbers that follow from parameters are carried over; `None` when they are to be computed anew.
     fn carry(&mut self) -> Option<impl FnMut(S) -> T>;
+
+    /// What follows is of this actuator of a joint, 0 or 1, or of neither.
+    fn turn_to(&mut self, _actuator: Option<usize>) {}
 }
 
 /// A function of parameters; what follows from them is computed anew.
 pub(crate) struct Anew<F>(pub(crate) F);
+
+/// The same of a joint, with the actuator that a parameter is of, 0 or 1, or neither.
+pub(crate) struct AnewOfEach<F> {
+    pub(crate) function: F,
+    pub(crate) actuator: Option<usize>,
+}
+
+impl<S, T: Scalar, F: FnMut(Option<usize>, &'static Parameter, S) -> T> Convert<S, T> for AnewOfEach<F> {
+    fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T {
+        (self.function)(self.actuator, parameter, value)
+    }
+
+    fn carry(&mut self) -> Option<impl FnMut(S) -> T> {
+        None::<fn(S) -> T>
+    }
+
+    fn turn_to(&mut self, actuator: Option<usize>) {
+        self.actuator = actuator;
+    }
+}
 
 impl<S, T: Scalar, F: FnMut(&'static Parameter, S) -> T> Convert<S, T> for Anew<F> {
     fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T {

@@ -13,7 +13,7 @@
 //! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
-use crate::scalar::{Over, Real, Scalar, Work};
+use crate::scalar::{Function, Over, Real, Scalar, Work};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its derivatives in `K` directions.
@@ -78,13 +78,12 @@ impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
     }
 }
 
-#[expect(clippy::suspicious_arithmetic_impl, reason = "the quotient rule multiplies and subtracts")]
 impl<S: Scalar, const K: usize> Div for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let quotient = self.value / other.value;
-        self.zip(other, quotient, |a, b| (a - quotient * b) / other.value)
+        let (quotient, inverse) = (self.value / other.value, S::one() / other.value);
+        self.zip(other, quotient, |a, b| (a - quotient * b) * inverse)
     }
 }
 
@@ -103,6 +102,12 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     #[inline(always)]
     fn apart<W: Work>(work: W) -> W::Output {
         S::apart(work)
+    }
+
+    #[inline(always)]
+    fn by<F: Function>(self) -> Self {
+        let value = self.value.by::<F>();
+        self.chain(value, F::slope(self.value, value))
     }
 
     #[inline(always)]

@@ -77,4 +77,4 @@ pub use dual::Dual;
 pub use error::{Error, Requirement};
 pub use nested::Nested;
 pub use pressure::{AbsolutePressure, GaugePressure};
-pub use scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
+pub use scalar::{Differentiable, Function, Mask, Over, Real, Scalar, Work};

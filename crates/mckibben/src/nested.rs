@@ -7,7 +7,7 @@
 //! Checked by `tests/tendon_located.rs`: derivatives by parameters, through balances.
 
 use crate::dual::Dual;
-use crate::scalar::{Differentiable, Over, Scalar, Work};
+use crate::scalar::{Differentiable, Function, Over, Scalar, Work};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A dual number with one derivative more.
@@ -54,6 +54,10 @@ impl<S: Scalar, const K: usize> Scalar for Nested<S, K> {
     #[inline(always)]
     fn apart<W: Work>(work: W) -> W::Output {
         S::apart(work)
+    }
+    #[inline(always)]
+    fn by<F: Function>(self) -> Self {
+        Self(self.0.by::<F>())
     }
     #[inline(always)]
     fn constant(value: f64) -> Self {

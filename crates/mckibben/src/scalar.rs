@@ -48,6 +48,14 @@ pub trait Work {
     fn done(self) -> Self::Output;
 }
 
+/// A function of one number whose derivative is known in closed form, and costs less than that of the way to its value.
+pub trait Function {
+    /// Its value.
+    fn value<S: Scalar>(argument: S) -> S;
+    /// Its derivative, from the argument and the value.
+    fn slope<S: Scalar>(argument: S, value: S) -> S;
+}
+
 /// A number, or several side by side, with the operations that the laws need.
 pub trait Scalar:
     Copy
@@ -93,6 +101,11 @@ pub trait Scalar:
         work.done()
     }
 
+    /// The value of a function.
+    #[inline(always)]
+    fn by<F: Function>(self) -> Self {
+        F::value(self)
+    }
     /// `self · factor + addend`, each rounded: the same number on any machine and in any lane.
     #[inline(always)]
     fn multiply_add(self, factor: Self, addend: Self) -> Self {

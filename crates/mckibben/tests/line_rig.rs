@@ -152,7 +152,8 @@ fn fixed_steps_approach_the_event_located_engine_with_their_order() {
     let duration = 0.045;
     let exact = simulate(&rig, paper.start(), duration, 1e-12).expect("a run").at(duration);
     let exact = [exact.length, exact.pressure.0, exact.hose_pressure.0];
-    for (method, expected, counts) in [(Method::Stable, 2.0, [800, 1600]), (Method::Rk4, 3.5, [200, 400])] {
+    // Runge and Kutta's 4 is 3 here: the step on which the flow becomes turbulent has a jump in a second derivative.
+    for (method, expected, counts) in [(Method::Stable, 2.0, [800, 1600]), (Method::Rk4, 3.0, [200, 400])] {
         let errors = counts.map(|steps| {
             let end = end(&rig, &paper, method, steps, duration);
             (0..3).fold(0.0_f64, |worst, n| worst.max((end[n] / exact[n] - 1.0).abs()))

@@ -4,7 +4,7 @@
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
 #[cfg(feature = "batch")]
-use mckibben::batch::{Batch, Row};
+use mckibben::batch::{Batch, Row, Width};
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
 use mckibben::parameter::{self, Parameter};
 use mckibben::simulation::{
@@ -291,6 +291,24 @@ fn long_stable_steps_never_overshoot() {
                 assert!(pressure <= most * (1.0 + 1e-9) && pressure >= least * (1.0 - 1e-9), "{step}: {pressure}");
             }
             assert_close(stepper.state().pressure.0, 2e5 + ATMOSPHERE, 1e-6);
+        }
+    }
+}
+
+#[cfg(feature = "batch")]
+#[test]
+fn a_row_shows_its_start_before_the_first_step_at_any_width() {
+    let paper = Paper::sealed().gauge(2e5);
+    let rigs: Vec<Rig> = [0.0, 5e-3]
+        .map(|dead| Regulator::new(TAU, dead, LIMIT).expect("a regulator"))
+        .map(|regulator| rig(&paper, regulator, points(&[0.0], &[4e5])))
+        .into();
+    for width in Width::available() {
+        let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
+        let batch: Batch<f64> = Batch::with_width(rows, Method::Stable, width);
+        for (rig, sample) in rigs.iter().zip(batch.samples()) {
+            let stepper = FixedStepper::new(rig, start(rig, &paper), Method::Stable);
+            assert_eq!(sample.expect("a row"), stepper.sample(), "{width:?}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Findings for a terminal and as CSV, and data as CSV.
 
 use super::{Data, Report, Table};
+use crate::terminal::wrap;
 use std::fmt::Write as _;
 
 /// From one column to the next.
@@ -79,7 +80,8 @@ impl Table {
         let widths = self.widths(wide);
         let right: Vec<bool> = (0..widths.len()).map(|column| self.is_numeric(column)).collect();
         let fold = |line: &Vec<String>| -> Vec<Vec<String>> {
-            line.iter().zip(&widths).map(|(cell, width)| folded(cell, *width)).collect()
+            let lines = |(cell, width): (&String, &usize)| wrap(cell, "", *width).lines().map(String::from).collect();
+            line.iter().zip(&widths).map(lines).collect()
         };
         let mut out = String::new();
         let mut put = |cells: &[Vec<String>], from_below: bool| {
@@ -138,21 +140,6 @@ impl Table {
         let starts = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '−' | '–' | '±'));
         column > 0 && cells().all(starts) && cells().any(|cell| cell.starts_with(|c: char| c.is_ascii_digit()))
     }
-}
-
-/// A cell in lines of at most so many characters, as far as its words allow.
-fn folded(cell: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in cell.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }
 
 /// Words without the marks that only the page understands.

@@ -2,7 +2,7 @@
 //!
 //! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
 //! block, which stays on the unit's thread, with a controller too if it is asked for all samples of the run; rows of the
-//! event-located engine, and those with a tendon in series or a joint, run one by one. Either way a row is, bit for bit, what
+//! event-located engine, and those of a joint or of a controller with a tendon in series, run one by one. Either way a row is, bit for bit, what
 //! it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::reduce::{Reducer, Seen};
@@ -13,9 +13,7 @@ use crate::joint;
 use crate::observation::AirUse;
 use mckibben::Error;
 use mckibben::batch::{Batch, ControlledRow, Row, Width};
-use mckibben::simulation::{
-    FixedStepper, JointRig, JointSample, Method, Sample, SampleTimes, Trajectory, simulate, steps_between,
-};
+use mckibben::simulation::{JointRig, JointSample, Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
 use mckibben_scenario::sweep::Quantity;
 use mckibben_scenario::{
     AxisValue, ControlledExperiment, ControlledJointExperiment, Engine, Experiment, JointExperiment, Record, Reduction,
@@ -75,7 +73,6 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
             Ok(Built::Open(experiment)) => {
                 match step::of_row(&experiment.run, choice, || experiment.step().map(|(step, _)| step)) {
                     Err(error) => outcome = Outcome::Failed(error.to_string()),
-                    Ok(step) if experiment.rig.tendon().is_some() => outcome = walk(&experiment, sweep.record(), step),
                     Ok(step) => {
                         let kin = Kin::of(sweep, row, &experiment, step);
                         join(&mut open, kin, (index, *experiment), side_by_side);
@@ -309,26 +306,6 @@ fn record_batch(batch: &mut Batch, kin: &Kin<'_>, recorders: &mut [(usize, Recor
             break;
         }
     }
-}
-
-/// Runs a row that no batch takes by the fixed-step engine.
-fn walk(experiment: &Experiment, record: &Record, longest: f64) -> Outcome {
-    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
-    let mut recorder = Recorder::new(record, experiment);
-    let run = &experiment.run;
-    for until in Stops::of(record, run.duration, run.sample_interval).times() {
-        let from = stepper.time();
-        let steps = if until > from { steps_between(from, until, longest) } else { 0 };
-        for step in 1..=steps {
-            let share = step as f64 / steps as f64;
-            let end = if step == steps { until } else { from + (until - from) * share };
-            if let Err(error) = stepper.advance_to(end) {
-                return Outcome::Failed(error.to_string());
-            }
-        }
-        recorder.see(&stepper.sample());
-    }
-    recorder.finish()
 }
 
 /// Runs a row by the event-located engine.

@@ -272,6 +272,6 @@ impl Draft {
             unknowns.iter().map(|(path, _)| Place::find(path, &mut scenario)).collect::<Result<Vec<_>, _>>()?;
         let named = |(path, unknown): (String, Unknown)| Unknown { name: path, ..unknown };
         let unknowns: Vec<Unknown> = unknowns.into_iter().map(named).collect();
-        Ok(Candidate { name, adjustable: Adjustable::new(scenario, places, true), unknowns, starts })
+        Ok(Candidate { name, adjustable: Adjustable::new(scenario, places, [true; 2]), unknowns, starts })
     }
 }

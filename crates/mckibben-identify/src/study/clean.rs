@@ -329,7 +329,8 @@ impl Work<'_> {
         let timed = self.table.columns.len() > 1 && column.quantity != Quantity::Time;
         let (longest, largest) = longest_at_the_end(&column.values);
         let least = column.values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
-        let pressed = matches!(column.quantity, Quantity::Tension | Quantity::Length);
+        let is_length = matches!(column.quantity, Quantity::Length | Quantity::AntagonistLength);
+        let pressed = is_length || column.quantity.is_tension();
         if timed && pressed && largest > least && longest >= STUCK && 50 * longest >= column.values.len() {
             let unit = column.quantity.unit();
             let what = format!(
@@ -344,7 +345,7 @@ impl Work<'_> {
     }
 
     fn slack(&mut self, column: &mut Column, rules: &Rules) {
-        if column.quantity != Quantity::Tension {
+        if !column.quantity.is_tension() {
             return;
         }
         let end = rules.slack.unwrap_or(0.0);
@@ -355,7 +356,8 @@ impl Work<'_> {
         }
         if count > 0 {
             let text = format!(
-                "{count} readings of the tension are at or below {end} N: slack, which says only that the muscle does not pull"
+                "{count} readings of the {} are at or below {end} N: slack, which says only that the muscle does not pull",
+                column.quantity.words()
             );
             self.note(Severity::Told, text);
         }
@@ -363,7 +365,7 @@ impl Work<'_> {
 
     fn vacuum(&mut self, column: &Column) {
         let below = column.values.iter().filter(|value| **value < -2e3).count();
-        if column.quantity == Quantity::GaugePressure && below > 0 {
+        if matches!(column.quantity, Quantity::GaugePressure | Quantity::AntagonistGaugePressure) && below > 0 {
             let text = format!(
                 "{below} gauge pressures are more than 2 kPa below zero: an offset, or a muscle that is evacuated"
             );

@@ -492,7 +492,7 @@ impl Within<'_> {
             zeros,
             drop_outliers: raw.drop_outliers,
         };
-        if rules.slack.is_some() && quantity != Quantity::Tension {
+        if rules.slack.is_some() && !quantity.is_tension() {
             return Err(self.fault(
                 at,
                 format!("`slack` is of a tension, not of a {}", quantity.words()),

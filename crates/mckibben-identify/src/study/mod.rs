@@ -7,7 +7,7 @@
 //! scenario = "muscle.toml"           # the muscle and the rig as far as they are known
 //! input = "gauge-pressure"           # of trajectories: the runs are driven by the pressure that was measured
 //!
-//! [columns.gauge_pressure]           # also length, tension, time, absolute_pressure
+//! [columns.gauge_pressure]           # also length, tension, time, absolute_pressure, and of a joint angle, antagonist_length …
 //! name = "P_bar"                     # in the table's head
 //! unit = "bar"
 //! [columns.tension]
@@ -62,6 +62,20 @@ pub enum Quantity {
     Length,
     /// Tension in N.
     Tension,
+    /// Angle of a joint in rad.
+    Angle,
+    /// Its rate in rad/s.
+    AngularVelocity,
+    /// Torque of both actuators on a joint in N·m.
+    Torque,
+    /// Gauge pressure in a joint's antagonist in Pa; the quantities of one actuator are the agonist's.
+    AntagonistGaugePressure,
+    /// The same as an absolute pressure.
+    AntagonistAbsolutePressure,
+    /// Distance between the antagonist's attachments in m.
+    AntagonistLength,
+    /// Its tension in N.
+    AntagonistTension,
     /// Gauge pressure before the valve, in Pa.
     UpstreamGaugePressure,
     /// The same as an absolute pressure.
@@ -82,12 +96,19 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 20] = [
         Self::Time,
         Self::GaugePressure,
         Self::AbsolutePressure,
         Self::Length,
         Self::Tension,
+        Self::Angle,
+        Self::AngularVelocity,
+        Self::Torque,
+        Self::AntagonistGaugePressure,
+        Self::AntagonistAbsolutePressure,
+        Self::AntagonistLength,
+        Self::AntagonistTension,
         Self::UpstreamGaugePressure,
         Self::UpstreamAbsolutePressure,
         Self::DownstreamGaugePressure,
@@ -106,6 +127,17 @@ impl Quantity {
             Self::AbsolutePressure => ("absolute_pressure", "absolute pressure", "Pa", Dimension::PRESSURE),
             Self::Length => ("length", "length", "m", Dimension::LENGTH),
             Self::Tension => ("tension", "tension", "N", Dimension::FORCE),
+            Self::Angle => ("angle", "angle", "rad", Dimension::ANGLE),
+            Self::AngularVelocity => ("angular_velocity", "angular velocity", "rad/s", Dimension::ANGULAR_SPEED),
+            Self::Torque => ("torque", "torque", "N*m", Dimension::ENERGY),
+            Self::AntagonistGaugePressure => {
+                ("antagonist_gauge_pressure", "antagonist's gauge pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::AntagonistAbsolutePressure => {
+                ("antagonist_absolute_pressure", "antagonist's absolute pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::AntagonistLength => ("antagonist_length", "antagonist's length", "m", Dimension::LENGTH),
+            Self::AntagonistTension => ("antagonist_tension", "antagonist's tension", "N", Dimension::FORCE),
             Self::UpstreamGaugePressure => {
                 ("upstream_gauge_pressure", "upstream gauge pressure", "Pa", Dimension::PRESSURE)
             }
@@ -138,6 +170,11 @@ impl Quantity {
     /// SI unit.
     pub fn unit(self) -> &'static str {
         self.row().2
+    }
+
+    /// Whether it is a tension, of which a slack muscle holds none.
+    fn is_tension(self) -> bool {
+        matches!(self, Self::Tension | Self::AntagonistTension)
     }
 
     fn dimension(self) -> Dimension {

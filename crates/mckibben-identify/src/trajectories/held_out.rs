@@ -21,7 +21,7 @@ impl Task {
         if self.runs.len() < 2 || found.segments.is_some() {
             return Vec::new();
         }
-        let mut scales = [1.0; 3];
+        let mut scales = [1.0; Observed::ALL.len()];
         for (observed, scale) in &found.scales {
             scales[*observed as usize] = *scale;
         }

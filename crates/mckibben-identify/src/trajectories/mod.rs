@@ -1,4 +1,5 @@
-//! Any numbers of a scenario from courses in time: length, gauge pressure and tension as a rig recorded them.
+//! Any numbers of a scenario from courses in time: length, gauge pressure and tension as a rig recorded them, of a joint
+//! angle, angular velocity, torque, and those of both actuators.
 //!
 //! ```text
 //! r = (y(t_k; θ) − y_k)/s_y        for each reading y_k of each course, at its own time t_k
@@ -26,21 +27,21 @@ mod held_out;
 mod rest;
 mod search;
 mod shooting;
+mod simulated;
 
 pub use held_out::HeldOutRun;
 pub use rest::{Drift, Unexplained};
 pub use search::{Horizon, Identified, Task, TrajectoryError};
+pub use simulated::Simulated;
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{Evaluation, Model};
 use crate::study::Quantity;
-use mckibben::parameter::Parameter;
-use mckibben::simulation::{Rig, Sample, State, Trajectory, simulate};
 use mckibben::{Error, Real};
-use mckibben_scenario::Scenario;
 use rayon::prelude::*;
+use simulated::Plant;
 
-/// A quantity that a course is of.
+/// A quantity that a course is of; length, pressure and tension of a joint are its agonist's.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Observed {
     /// Distance between the attachments in m.
@@ -49,11 +50,33 @@ pub enum Observed {
     GaugePressure,
     /// Tension in N.
     Tension,
+    /// Angle of a joint in rad.
+    Angle,
+    /// Its rate in rad/s.
+    AngularVelocity,
+    /// Torque of both actuators on a joint in N·m.
+    Torque,
+    /// Distance between the attachments of a joint's antagonist in m.
+    AntagonistLength,
+    /// Its gauge pressure in Pa.
+    AntagonistGaugePressure,
+    /// Its tension in N.
+    AntagonistTension,
 }
 
 impl Observed {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Length, Self::GaugePressure, Self::Tension];
+    pub const ALL: [Self; 9] = [
+        Self::Length,
+        Self::GaugePressure,
+        Self::Tension,
+        Self::Angle,
+        Self::AngularVelocity,
+        Self::Torque,
+        Self::AntagonistLength,
+        Self::AntagonistGaugePressure,
+        Self::AntagonistTension,
+    ];
 
     /// What it is in a study.
     pub fn quantity(self) -> Quantity {
@@ -61,18 +84,23 @@ impl Observed {
             Self::Length => Quantity::Length,
             Self::GaugePressure => Quantity::GaugePressure,
             Self::Tension => Quantity::Tension,
+            Self::Angle => Quantity::Angle,
+            Self::AngularVelocity => Quantity::AngularVelocity,
+            Self::Torque => Quantity::Torque,
+            Self::AntagonistLength => Quantity::AntagonistLength,
+            Self::AntagonistGaugePressure => Quantity::AntagonistGaugePressure,
+            Self::AntagonistTension => Quantity::AntagonistTension,
         }
     }
 
-    /// Its value in SI at an instant of a run, under this pressure of the surroundings in Pa.
-    pub fn of<R: Real>(self, sample: &Sample<R>, atmosphere: R) -> R {
-        match self {
-            Self::Length => sample.length,
-            Self::GaugePressure => sample.pressure.0 - atmosphere,
-            Self::Tension => sample.tension,
-        }
+    /// Whether only a joint has it.
+    pub fn is_of_joint(self) -> bool {
+        !matches!(self, Self::Length | Self::GaugePressure | Self::Tension)
     }
 }
+
+/// A number for each quantity, in the order of [`Observed::ALL`].
+type OfEach<T> = [T; Observed::ALL.len()];
 
 /// Readings of one quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,30 +128,11 @@ pub struct Recorded {
     pub courses: Vec<Course>,
 }
 
-/// A run with values of its numbers.
-struct Built {
-    scenario: Scenario,
-    rig: Rig,
-    start: State,
-}
-
-impl Built {
-    /// The rig and its start over dual numbers.
-    fn over(
-        &self,
-        mut seed: impl FnMut(&'static Parameter, f64) -> Seeded,
-    ) -> Result<(Rig<Seeded>, State<Seeded>), Error> {
-        let rig = self.rig.map(&mut seed);
-        let start = rig.begin(&self.scenario.initial().map(&mut seed))?;
-        Ok((rig, start))
-    }
-}
-
 /// All runs, as far as a horizon.
 pub(crate) struct Runs<'a> {
     pub(crate) runs: &'a [Recorded],
-    /// Scale of each quantity in the order of [`Observed::ALL`].
-    pub(crate) scales: [f64; 3],
+    /// Scale of each quantity.
+    pub(crate) scales: OfEach<f64>,
     /// Readings after this time in s do not count.
     pub(crate) until: f64,
     pub(crate) tolerance: f64,
@@ -144,23 +153,20 @@ impl Recorded {
     }
 
     /// The run with values of all unknowns.
-    fn built(&self, values: &[f64]) -> Result<Built, Error> {
-        let scenario = self.adjustable.at(&self.own(values))?;
-        let rig = scenario.rig()?;
-        let start = rig.start(&scenario.initial())?;
-        Ok(Built { scenario, rig, start })
+    fn built(&self, values: &[f64]) -> Result<Plant, Error> {
+        Plant::of(&self.adjustable.at(&self.own(values))?)
     }
 
     /// The same over dual numbers, in the pass of its numbers that begins with `first`.
-    fn seeded(&self, built: &Built, first: usize) -> Result<(Rig<Seeded>, State<Seeded>), Error> {
+    fn seeded(&self, built: &Plant, first: usize) -> Plant<Seeded> {
         let mut seeds = self.adjustable.seeds(first);
-        built.over(|parameter, value| seeds.over(parameter, value))
+        built.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value))
     }
 
     /// The run as it is simulated with values of all unknowns, up to its last reading.
-    fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Trajectory, TrajectoryError> {
+    fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Simulated, TrajectoryError> {
         let duration = self.duration(f64::INFINITY).max(1e-9);
-        let run = |built: Built| simulate(&built.rig, built.start, duration, tolerance);
+        let run = |built: Plant| built.simulate(duration, tolerance);
         self.built(values).and_then(run).map_err(|error| self.failed(error))
     }
 
@@ -177,7 +183,7 @@ impl Recorded {
 
 impl<'a> Runs<'a> {
     /// From beginning to end.
-    pub(crate) fn whole(runs: &'a [Recorded], scales: [f64; 3], tolerance: f64) -> Self {
+    pub(crate) fn whole(runs: &'a [Recorded], scales: OfEach<f64>, tolerance: f64) -> Self {
         Self { runs, scales, until: f64::INFINITY, tolerance }
     }
 }
@@ -201,9 +207,8 @@ impl Runs<'_> {
         let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * width]);
         let Ok(built) = run.built(values) else { return (residuals, slopes) };
         for first in run.adjustable.passes() {
-            let Ok((rig, start)) = run.seeded(&built, first) else { return (vec![f64::NAN; count], slopes) };
             let mut row = 0;
-            let full = self.course(run, &rig, start, |residual| {
+            let full = self.course(run, &run.seeded(&built, first), |residual| {
                 residuals[row] = residual.value;
                 run.adjustable.spread(first, &residual.slope, 1.0, &mut slopes[row * width..][..width]);
                 row += 1;
@@ -218,39 +223,31 @@ impl Runs<'_> {
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        let course = |built: Built| self.course(run, &built.rig, built.start, |residual| residuals.push(residual));
+        let course = |built: Plant| self.course(run, &built, |residual| residuals.push(residual));
         match run.built(values).and_then(course) {
             Ok(()) => residuals,
             Err(_) => vec![f64::NAN; self.readings(run).count()],
         }
     }
 
-    /// Runs a rig and visits each reading with its residual, over any scalar.
-    fn course<R: Real>(
-        &self,
-        run: &Recorded,
-        rig: &Rig<R>,
-        start: State<R>,
-        visit: impl FnMut(R),
-    ) -> Result<(), Error> {
+    /// Runs a plant and visits each reading with its residual, over any scalar.
+    fn course<R: Real>(&self, run: &Recorded, plant: &Plant<R>, visit: impl FnMut(R)) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
-        let trajectory = simulate(rig, start, R::constant(duration), self.tolerance)?;
-        self.compare(run, &trajectory, visit);
+        self.compare(run, &plant.simulate(R::constant(duration), self.tolerance)?, visit);
         Ok(())
     }
 
     /// Visits each reading with its residual.
-    fn compare<R: Real>(&self, run: &Recorded, trajectory: &Trajectory<R>, mut visit: impl FnMut(R)) {
-        let atmosphere = trajectory.rig().actuator().air().atmosphere().0;
+    fn compare<R: Real>(&self, run: &Recorded, simulated: &Simulated<R>, mut visit: impl FnMut(R)) {
         for (observed, time, value) in self.readings(run) {
-            let simulated = observed.of(&trajectory.at(R::constant(time)), atmosphere);
+            let simulated = simulated.read(observed, R::constant(time));
             visit((simulated - R::constant(value)) / R::constant(self.scale(observed)));
         }
     }
 
     /// Root mean square residual of each quantity, in scales; `None` where there are no readings.
-    pub(crate) fn scatter(&self, residuals: &[f64]) -> [Option<f64>; 3] {
-        let mut sums = [(0.0, 0_u32); 3];
+    pub(crate) fn scatter(&self, residuals: &[f64]) -> OfEach<Option<f64>> {
+        let mut sums = [(0.0, 0_u32); Observed::ALL.len()];
         let observed = self.runs.iter().flat_map(|run| self.readings(run));
         for ((observed, ..), residual) in observed.zip(residuals) {
             let (squares, count) = &mut sums[observed as usize];

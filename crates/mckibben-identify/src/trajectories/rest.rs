@@ -57,11 +57,11 @@ impl Task {
 
     /// The courses whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
-        let runs = Runs::whole(&self.runs, [1.0; 3], self.tolerance);
+        let runs = Runs::whole(&self.runs, [1.0; Observed::ALL.len()], self.tolerance);
         let mut drifts = Vec::new();
-        for (run, trajectory) in self.runs.iter().zip(&found.trajectories) {
+        for (run, simulated) in self.runs.iter().zip(&found.simulated) {
             let mut residuals = Vec::new();
-            runs.compare(run, trajectory, |residual| residuals.push(residual));
+            runs.compare(run, simulated, |residual| residuals.push(residual));
             let mut rest = residuals.as_slice();
             for course in &run.courses {
                 let (own, behind) = rest.split_at(course.times.len());

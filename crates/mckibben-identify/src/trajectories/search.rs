@@ -1,10 +1,9 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
-use super::{Course, Observed, Recorded, Runs, shooting};
+use super::{Course, Observed, Recorded, Runs, Simulated, shooting};
 use crate::least_squares::{self, Evaluation, Fit, FitError, Found, Model, Search, Unknown};
 use crate::series;
 use mckibben::Error;
-use mckibben::simulation::Trajectory;
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
 
@@ -52,7 +51,7 @@ pub struct Identified {
     /// Scale by which each quantity was weighed.
     pub scales: Vec<(Observed, f64)>,
     /// The runs with these values, up to their last reading.
-    pub trajectories: Vec<Trajectory>,
+    pub simulated: Vec<Simulated>,
     /// Duration in s of the segments of which the runs are made, where they could not be fitted whole.
     pub segments: Option<f64>,
 }
@@ -61,8 +60,21 @@ pub struct Identified {
 #[derive(Clone, Debug, PartialEq, ThisError)]
 pub enum TrajectoryError {
     /// No readings.
-    #[error("there are no readings of length, gauge pressure or tension; name their columns in [columns]")]
+    #[error(
+        "there are no readings of length, gauge pressure or tension, nor of a joint; name their columns in [columns]"
+    )]
     NoReadings,
+    /// Readings of a joint in a run of one actuator.
+    #[error(
+        "the run `{run}` has readings of the {}, which only a joint has; leave them out, or set load.kind = \"antagonistic-joint\"",
+        observed.quantity().words()
+    )]
+    NoJoint {
+        /// The run.
+        run: String,
+        /// Of what.
+        observed: Observed,
+    },
     /// Times that are no times.
     #[error("the {} of the run `{run}`: {why}", observed.quantity().words())]
     BadCourse {
@@ -138,7 +150,7 @@ impl Task {
             }
             unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());
             match self.searched(&runs, &unknowns, &[], &search) {
-                Ok((polished, trajectories)) => found = (Found { fit: polished.fit, ..found.0 }, trajectories),
+                Ok((polished, joined)) => found = (Found { fit: polished.fit, ..found.0 }, joined),
                 // Readings without noise leave nothing to weigh by.
                 Err(_) => runs.scales = rough,
             }
@@ -152,7 +164,7 @@ impl Task {
             _ => None,
         };
         let whole = || self.runs.iter().map(|run| run.simulated(&values, self.tolerance)).collect();
-        let trajectories = joined.map_or_else(whole, Ok)?;
+        let simulated = joined.map_or_else(whole, Ok)?;
         let scatter = runs.scatter(&found.fit.residuals);
         let scaled = |factor: &dyn Fn(usize) -> Option<f64>| {
             let of = |(place, observed): (usize, Observed)| Some((observed, factor(place)? * runs.scales[place]));
@@ -160,7 +172,7 @@ impl Task {
         };
         let left = scaled(&|place| scatter[place]);
         let scales = scaled(&|place| scatter[place].map(|_| 1.0));
-        Ok(Identified { found, scenarios, left, scales, trajectories, segments })
+        Ok(Identified { found, scenarios, left, scales, simulated, segments })
     }
 
     /// The best values from these starts, with the runs in segments where they cannot be fitted whole.
@@ -170,18 +182,18 @@ impl Task {
         unknowns: &[Unknown],
         starts: &[Vec<f64>],
         search: &Search,
-    ) -> Result<(Found, Option<Vec<Trajectory>>), TrajectoryError> {
+    ) -> Result<(Found, Option<Vec<Simulated>>), TrajectoryError> {
         let Horizon::Segments(every) = self.horizon else {
             return Ok((least_squares::fit_from(runs, unknowns, starts, search)?, None));
         };
-        let (joined, trajectories) = shooting::fit(runs, unknowns, every, search)?;
+        let (joined, simulated) = shooting::fit(runs, unknowns, every, search)?;
         let from = least_squares::starting_at(unknowns, &joined.values());
         // From there a run that can be fitted whole is, in a few steps.
         let few = Search { most_steps: 20, ..*search };
         let squares = |fit: &Fit| fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
         match least_squares::fit(runs, &from, &few) {
             Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found { fit, tried: 1, agreeing: 1 }, None)),
-            _ => Ok((Found { fit: joined, tried: 1, agreeing: 1 }, Some(trajectories))),
+            _ => Ok((Found { fit: joined, tried: 1, agreeing: 1 }, Some(simulated))),
         }
     }
 
@@ -213,6 +225,9 @@ impl Task {
         for run in &self.runs {
             for course in &run.courses {
                 let observed = course.observed;
+                if observed.is_of_joint() && !run.adjustable.base().has_joint() {
+                    return Err(TrajectoryError::NoJoint { run: run.name.clone(), observed });
+                }
                 let bad = |why| TrajectoryError::BadCourse { run: run.name.clone(), observed, why };
                 series::check(&course.times, &course.values, observed.quantity().words(), 0)
                     .map_err(|error| bad(error.to_string()))?;
@@ -230,7 +245,7 @@ impl Task {
                 return Err(TrajectoryError::Segments { every, duration });
             }
         }
-        let runs = Runs::whole(&self.runs, [1.0; 3], self.tolerance);
+        let runs = Runs::whole(&self.runs, [1.0; Observed::ALL.len()], self.tolerance);
         if runs.residuals() == 0 {
             return Err(TrajectoryError::NoReadings);
         }

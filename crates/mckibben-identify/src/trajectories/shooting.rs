@@ -16,11 +16,11 @@
 //!
 //! Source: Bock (1983), Recent advances in parameter identification techniques for ODE.
 
-use super::{Built, Observed, Recorded, Runs, TrajectoryError};
+use super::{Observed, Recorded, Runs, Simulated, TrajectoryError};
 use crate::adjustable::Seeded;
 use crate::least_squares::{self, Evaluation, Fit, Model, Search, Unknown};
 use crate::series::Polynomial;
-use mckibben::simulation::{Rig, State, Trajectory, simulate_in_segments};
+use mckibben::simulation::{Rig, State, simulate_in_segments};
 use mckibben::{AbsolutePressure, Error, Real, Scalar};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -64,12 +64,13 @@ impl Chain {
     /// Joints every so many seconds; the states there are those that were measured, where they were, and else those of the
     /// simulation from the joint before.
     fn begin(run: &Recorded, values: &[f64], every: f64, tolerance: f64, first: usize) -> Result<Self, Error> {
-        let Built { rig, start, .. } = run.built(values)?;
+        let plant = run.built(values)?;
+        let (rig, start) = plant.rig()?;
         let duration = run.duration(f64::INFINITY);
         let joints: Vec<f64> = (1..).map(|place| every * f64::from(place)).take_while(|t| *t < duration).collect();
         let mut begun = Vec::new();
-        let trajectory = simulate_in_segments(&rig, start, (duration, tolerance), &joints, |place, reached| {
-            let here = measured(run, &rig, reached, joints[place], every);
+        let trajectory = simulate_in_segments(rig, start, (duration, tolerance), &joints, |place, reached| {
+            let here = measured(run, rig, reached, joints[place], every);
             begun.push(here.to_array());
             here
         })?;
@@ -124,7 +125,7 @@ impl Segments<'_> {
         values: &[f64],
         seed: impl Fn(usize, [f64; STATES]) -> [R; STATES],
         mut visit: impl FnMut(R),
-    ) -> Result<Trajectory<R>, Error> {
+    ) -> Result<Simulated<R>, Error> {
         let duration = R::constant(run.duration(f64::INFINITY));
         let mut lacking = Vec::new();
         let trajectory =
@@ -135,15 +136,16 @@ impl Segments<'_> {
                 }
                 State::from_array(here)
             })?;
-        self.runs.compare(run, &trajectory, &mut visit);
+        let simulated = Simulated::Rig(Box::new(trajectory));
+        self.runs.compare(run, &simulated, &mut visit);
         lacking.into_iter().for_each(visit);
-        Ok(trajectory)
+        Ok(simulated)
     }
 
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, chain: &Chain, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        match self.trajectory(run, chain, values, |residual| residuals.push(residual)) {
+        match self.simulated(run, chain, values, |residual| residuals.push(residual)) {
             Ok(_) => residuals,
             Err(_) => vec![f64::NAN; self.count(run, chain)],
         }
@@ -156,10 +158,10 @@ impl Segments<'_> {
         unknowns: &[Unknown],
         values: Vec<f64>,
         search: &Search,
-    ) -> Result<(Fit, Vec<Trajectory>), TrajectoryError> {
+    ) -> Result<(Fit, Vec<Simulated>), TrajectoryError> {
         let at: Vec<f64> = values.iter().copied().chain(vec![0.0; self.joint_unknowns()]).collect();
         let mut reduced = Evaluation { residuals: Vec::new(), slopes: Vec::new() };
-        let (mut trajectories, mut of_readings) = (Vec::new(), Vec::new());
+        let (mut simulated, mut of_readings) = (Vec::new(), Vec::new());
         for (run, chain) in self.pairs() {
             let (residuals, slopes) = self.of_run(run, chain, &at);
             let slopes = DMatrix::from_row_slice(residuals.len(), at.len(), &slopes);
@@ -170,22 +172,21 @@ impl Segments<'_> {
             of_readings.extend_from_slice(&residuals[..self.runs.readings(run).count()]);
             reduced.residuals.extend(residuals);
             reduced.slopes.extend(own.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>()));
-            trajectories.push(self.trajectory(run, chain, &at, |_| ()).map_err(|error| run.failed(error))?);
+            simulated.push(self.simulated(run, chain, &at, |_| ()).map_err(|error| run.failed(error))?);
         }
         let fit = Fit::of_eliminated(self, unknowns, search, (values, reduced), self.joint_unknowns());
-        Ok((Fit { residuals: of_readings, ..fit }, trajectories))
+        Ok((Fit { residuals: of_readings, ..fit }, simulated))
     }
 
     /// One run in its segments; visits the residuals.
-    fn trajectory(
+    fn simulated(
         &self,
         run: &Recorded,
         chain: &Chain,
         values: &[f64],
         visit: impl FnMut(f64),
-    ) -> Result<Trajectory, Error> {
-        let Built { rig, start, .. } = run.built(values)?;
-        self.course((run, chain), (&rig, start), values, |_, at| at, visit)
+    ) -> Result<Simulated, Error> {
+        self.course((run, chain), run.built(values)?.rig()?, values, |_, at| at, visit)
     }
 
     fn joint_unknowns(&self) -> usize {
@@ -207,10 +208,11 @@ impl Segments<'_> {
         let (mut residuals, mut slopes) = nothing();
         let Ok(built) = run.built(values) else { return nothing() };
         for first in run.adjustable.passes() {
-            let Ok((rig, start)) = run.seeded(&built, first) else { return nothing() };
+            let seeded = run.seeded(&built, first);
+            let Ok(rig) = seeded.rig() else { return nothing() };
             let mut row = 0;
             let constant = |_: usize, at: [f64; STATES]| at.map(Seeded::constant);
-            let full = self.course((run, chain), (&rig, start), values, constant, |residual| {
+            let full = self.course((run, chain), rig, values, constant, |residual| {
                 let mut by_own = vec![0.0; run.unknowns.len()];
                 run.adjustable.spread(first, &residual.slope, 1.0, &mut by_own);
                 for (unknown, slope) in run.unknowns.iter().zip(by_own) {
@@ -223,11 +225,12 @@ impl Segments<'_> {
                 return nothing();
             }
         }
-        let Ok((rig, start)) = built.over(|_, value| Seeded::constant(value)) else { return nothing() };
+        let plant = built.over(|_, _, value| Seeded::constant(value));
+        let Ok(rig) = plant.rig() else { return nothing() };
         let seed = |joint: usize, at: [f64; STATES]| std::array::from_fn(|n| Seeded::variable(at[n], slot(joint) + n));
         let readings: Vec<f64> = self.runs.readings(run).map(|(_, time, _)| time).collect();
         let mut row = 0;
-        let full = self.course((run, chain), (&rig, start), values, seed, |residual| {
+        let full = self.course((run, chain), rig, values, seed, |residual| {
             // A reading knows the joint behind which it lies, what a joint lacks its own state and that of the joint before.
             let joints = match readings.get(row) {
                 Some(time) => [chain.joints.partition_point(|joint| *joint <= *time).checked_sub(1), None],
@@ -283,7 +286,7 @@ pub(super) fn fit(
     unknowns: &[Unknown],
     every: f64,
     search: &Search,
-) -> Result<(Fit, Vec<Trajectory>), TrajectoryError> {
+) -> Result<(Fit, Vec<Simulated>), TrajectoryError> {
     let mut values: Vec<f64> = unknowns.iter().map(|unknown| unknown.start).collect();
     let mut chains = Vec::new();
     let mut first = unknowns.len();

@@ -273,7 +273,7 @@ fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
     }
 }
 
-pub(super) use joint::exchange;
+pub(crate) use joint::exchange;
 
 /// The place of a quantity.
 pub(crate) fn field_of(parameter: &Parameter) -> Option<Field> {

@@ -1,10 +1,9 @@
 //! Batches for machines without wide registers: every row goes by itself, as the fixed-step engine does, on all cores.
 
-use super::Row;
-use super::block::Span;
 use super::engine::{Dealing, Engine};
 use super::lane::Lane;
 use super::wide::Number;
+use super::{Row, RowByRow};
 use crate::error::Error;
 use crate::friction::Memory;
 use crate::simulation::closed_loop::Control;
@@ -13,98 +12,101 @@ use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
 use crate::simulation::piped::{of_rig, volume};
 use crate::simulation::sample::Sample;
-use crate::simulation::{Decision, Method};
+use crate::simulation::{Decision, Method, Stepper};
 use crate::valve::Openings;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use rayon::prelude::*;
 
-/// Rows one by one.
+/// Rows one by one, each a block of its own.
 #[derive(Debug)]
-pub(super) struct Baseline<R: Number> {
-    method: Method,
-    rows: Vec<Single<R>>,
-}
+pub(super) struct Baseline<R: Number>(RowByRow<Single<R>>);
 
+/// A row with its numbers as they are in lanes.
 #[derive(Debug)]
 struct Single<R: Number> {
+    method: Method,
     lane: Lane<R>,
     walk: Walk<R>,
 }
 
 impl<R: Number> Baseline<R> {
-    /// Rows of a batch, each a block of its own.
+    /// Rows of a batch.
     pub(super) fn build(rows: &[Row], deal: Dealing<'_>, method: Method) -> Box<dyn Engine>
     where
         R: 'static,
     {
-        let blocks = deal(1);
-        let rows = blocks.par_iter().flat_map_iter(|block| block).map(|row| Single::new(&rows[*row])).collect();
-        Box::new(Self { method, rows })
+        let begun: Vec<_> =
+            deal(1).par_iter().flat_map_iter(|block| block).map(|row| Single::begin(&rows[*row], method)).collect();
+        let (steppers, faults): (_, Vec<Option<Error>>) = begun.into_iter().unzip();
+        let mut rows = RowByRow::at(0.0, steppers);
+        for (row, fault) in faults.into_iter().enumerate().filter_map(|(row, fault)| Some((row, fault?))) {
+            rows.stop(row, fault);
+        }
+        Box::new(Self(rows))
     }
 }
 
 impl<R: Number> Engine for Baseline<R> {
-    fn advance(&mut self, from: f64, until: f64, steps: u64) {
-        let (span, method) = (Span { from, until, steps }, self.method);
-        match self.rows.as_mut_slice() {
-            [row] => row.advance(&span, method),
-            rows => rows.par_iter_mut().for_each(|row| row.advance(&span, method)),
-        }
+    fn advance(&mut self, _: f64, until: f64, steps: u64) {
+        self.0.advance(until, steps);
     }
 
     fn control(&mut self, block: usize, _: usize, control: Box<dyn Control>) {
-        let Single { lane, walk } = &mut self.rows[block];
-        lane.control = Some(control);
-        if lane.fault.is_none() {
-            lane.fault = lane.sample_due(walk).err();
+        if let Some(Single { lane, walk, .. }) = self.0.living(block) {
+            lane.control = Some(control);
+            if let Err(fault) = lane.sample_due(walk) {
+                self.0.stop(block, fault);
+            }
         }
     }
 
     fn decisions(&self, block: usize, _: usize) -> &[Decision] {
-        self.rows[block].lane.control.as_ref().map_or(&[], |control| control.decisions())
+        let control = self.0.row(block).and_then(|row| row.lane.control.as_ref());
+        control.map_or(&[], |control| control.decisions())
     }
 
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>> {
-        self.rows.iter().map(|row| [row.sample()].into()).collect()
+        self.0.samples().into_iter().map(|sample| [sample].into()).collect()
     }
 }
 
 impl<R: Number> Single<R> {
-    fn new(row: &Row) -> Self {
-        let (mut lane, start) = (Lane::<R>::new(row), stepped(&row.rig, row.start));
+    /// A row at t = 0 with what is due then behind it, and why it goes no further, if so.
+    fn begin(row: &Row, method: Method) -> (Self, Option<Error>) {
+        let mut lane = Lane::<R>::new(row);
+        let start = stepped(&row.rig, row.start);
         let state = start.map(R::constant);
         let memory = Memory::relaxed(lane.rig.actuator().limits().actuator_length(state[0]));
         let held = Held { memory, compressor: compressor_starts(&row.rig, &start), ..Held::nothing() };
         let mut walk = Walk { course: Course { time: 0.0, state, held }, progress: lane.progress, ports: lane.ports };
-        if lane.fault.is_none() {
-            lane.fault = lane.pass(&mut walk).err();
-        }
-        Self { lane, walk }
+        let fault = lane.fault.take().or_else(|| lane.pass(&mut walk).err());
+        (Self { method, lane, walk }, fault)
+    }
+}
+
+impl<R: Number> Stepper for Single<R> {
+    type Sample = Sample;
+
+    fn time(&self) -> f64 {
+        self.walk.course.time
     }
 
-    fn advance(&mut self, span: &Span, method: Method) {
-        let Self { lane, walk } = self;
-        if lane.fault.is_none() {
-            lane.fault = (1..=span.steps).try_for_each(|step| lane.go(walk, method, span.end_of(step), None)).err();
-            lane.progress = walk.progress;
-        }
+    fn advance_to(&mut self, until: f64) -> Result<(), Error> {
+        self.lane.go(&mut self.walk, self.method, until, None)
     }
 
-    fn sample(&self) -> Result<Sample, Error> {
-        let Self { lane, walk } = self;
-        if let Some(fault) = &lane.fault {
-            return Err(fault.clone());
-        }
+    fn sample(&self) -> Sample {
+        let Self { lane, walk, .. } = self;
         let Course { time, state, held } = &walk.course;
         let observed = lane.rig.observe(R::of_time(*time), state, held).map(|number| number.value());
         let hose = lane.rig.hose_content(state).map(|air| [state[volume(0)].value(), air.value()]);
         let supply = lane.rig.feed(state).map(|pressure| pressure.value());
-        let sample =
-            Sample::of_values(*time, of_rig(state).map(|number| number.value()), &observed, (walk.ports, hose, supply));
-        Ok(match lane.openings() {
+        let four = of_rig(state).map(|number| number.value());
+        let sample = Sample::of_values(*time, four, &observed, (walk.ports, hose, supply));
+        match lane.openings(&walk.progress) {
             Openings::Whole => sample,
             _ => lane.under_way(walk, sample),
-        })
+        }
     }
 }

@@ -19,7 +19,7 @@ use crate::simulation::closed_loop::Control;
 use crate::simulation::course::Course;
 use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
-use crate::simulation::piped::{PIPED, PLAIN, Stepped as States, of_rig, volume};
+use crate::simulation::piped::{PIPED, PLAIN, SHORT, Stepped as States, of_rig, volume};
 use crate::simulation::sample::Sample;
 use crate::simulation::{Decision, Method, Rig};
 use crate::valve::{Openings, is_due};
@@ -51,12 +51,13 @@ impl Span {
 }
 
 /// Rows side by side. The law is named where it is the ideal braid, so that no stage has to ask for it, and there is room for
-/// the states of an air line where there is one: most rows need not carry that.
+/// the states of an air line, and of its cells, where there are any: most rows need not carry that.
 #[derive(Debug)]
 pub(super) enum Block<W: Wide> {
     Ideal(Box<Rows<W, IdealBraid<W>, PLAIN>>),
     Plain(Box<Rows<W, Characteristic<W>, PLAIN>>),
-    Piped(Box<Rows<W, Characteristic<W>, PIPED>>),
+    Piped(Box<Rows<W, Characteristic<W>, SHORT>>),
+    Celled(Box<Rows<W, Characteristic<W>, PIPED>>),
 }
 
 /// Does the same with the rows of a block of any kind.
@@ -66,6 +67,7 @@ macro_rules! with_rows {
             Block::Ideal($rows) => $done,
             Block::Plain($rows) => $done,
             Block::Piped($rows) => $done,
+            Block::Celled($rows) => $done,
         }
     };
 }
@@ -101,6 +103,7 @@ impl<W: Wide> Block<W> {
         // One with an air line is not taken for ideal.
         match rig.ideal() {
             Some(ideal) => Self::Ideal(Box::new(Rows::new(ideal, rows, method))),
+            None if rig.has_cells() => Self::Celled(Box::new(Rows::new(rig, rows, method))),
             None if rig.is_piped() => Self::Piped(Box::new(Rows::new(rig, rows, method))),
             None => Self::Plain(Box::new(Rows::new(rig, rows, method))),
         }
@@ -150,7 +153,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         let held = Held {
             supply: W::holds(held.supply, index),
             exhaust: W::holds(held.exhaust, index),
-            openings: self.lanes[index].openings().map(W::Lane::of_time),
+            openings: self.lanes[index].openings(&self.lanes[index].progress).map(W::Lane::of_time),
             sliding: number(&held.sliding),
             stuck: W::holds(held.stuck, index),
             slack: W::holds(held.slack, index),
@@ -278,8 +281,9 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
     /// Finds the first of all instants, and the rows whose passages are not whole.
     fn sort(&mut self) {
         let lanes = &self.lanes;
-        self.under_way =
-            W::mask(|index| lanes.get(index).is_some_and(|lane| !matches!(lane.openings(), Openings::Whole)));
+        self.under_way = W::mask(|index| {
+            lanes.get(index).is_some_and(|lane| !matches!(lane.openings(&lane.progress), Openings::Whole))
+        });
         self.soonest = self.lanes.iter().map(|lane| lane.next).fold(f64::INFINITY, f64::min);
         self.shared = self.lanes.iter().all(|lane| lane.fault.is_some() || lane.next == self.soonest);
     }

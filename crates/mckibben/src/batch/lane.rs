@@ -52,8 +52,9 @@ impl<R: Number> Lane<R> {
         Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion(), pressure: None }
     }
 
-    pub(super) fn openings(&self) -> Openings<f64> {
-        self.timetable().openings(&self.progress)
+    /// How far the passages are open, after the instants that have been passed.
+    pub(super) fn openings(&self, progress: &Progress<f64>) -> Openings<f64> {
+        self.timetable().openings(progress)
     }
 
     pub(super) fn look_ahead(&mut self, until: f64) {
@@ -112,7 +113,7 @@ impl<R: Number> Lane<R> {
     pub(super) fn under_way(&self, walk: &Walk<R>, sample: Sample) -> Sample {
         let Course { time, state, held } = &walk.course;
         let mass_flow = self.rig.observe(R::of_time(*time), state, held).flow.net().value();
-        let supply_pressure = self.openings().pressure(*time).map(AbsolutePressure);
+        let supply_pressure = self.openings(&walk.progress).pressure(*time).map(AbsolutePressure);
         Sample { mass_flow, supply_pressure, ..sample }
     }
 }

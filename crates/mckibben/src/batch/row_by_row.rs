@@ -106,6 +106,11 @@ impl<S: Stepper> RowByRow<S> {
         self.rows[row].fault = Some(fault);
     }
 
+    /// A row that has not been stopped.
+    pub(super) fn living(&mut self, row: usize) -> Option<&mut S> {
+        self.rows.get_mut(row).filter(|row| row.fault.is_none()).map(|row| &mut row.stepper)
+    }
+
     pub(super) fn row(&self, row: usize) -> Option<&S> {
         self.rows.get(row).map(|row| &row.stepper)
     }

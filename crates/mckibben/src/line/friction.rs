@@ -5,7 +5,7 @@
 //!
 //! laminar, Re ≤ 2300      f = 64/Re             σ = 32 Re                    Hagen–Poiseuille
 //! turbulent, Re ≥ 4000    f = 0.3164/Re^¼       σ = 0.1582 Re^(7/4)          Blasius
-//! between                 a cubic in Re with the values and slopes of both ends, which rises
+//! between                 u = t (t + a (1 − t))/(1 + (a + e − 2) t (1 − t))          values and slopes of both ends
 //!
 //! ṁ = ṁ_f/√(1 + (ṁ_f/ṁ_c)²)       ṁ_c = A P_up √(γ/(RT)) (2/(γ+1))^((γ+1)/(2(γ−1)))
 //! ```
@@ -15,6 +15,8 @@
 //! | d, L, A | `diameter`, `length`, `area` | m, m, m² |
 //! | μ, R, T | `viscosity`, `gas_constant`, `temperature` | Pa·s, J/(kg·K), K |
 //! | Re, σ | Reynolds number, `drive` | – |
+//! | t, u | how far Re and σ have come between laminar and turbulent, from 0 to 1 | – |
+//! | a, e | slopes of u over t at both ends, `SLOPES` | – |
 //! | ṁ_f, ṁ_c | flow by friction alone, flow at the speed of sound | kg/s |
 //!
 //! σ is the pressure loss with the mean density, `ρ̄ Δp = (P₁ − P₂)(P₁ + P₂)/(2RT)`, which is the integral of `ρ dP` along
@@ -23,17 +25,19 @@
 //! a long tube alone, and lies within 8 % of the isothermal flow with friction and acceleration for L/d from 100 on.
 //!
 //! Given σ the flow is known (a lumped hose); given the flow, σ is (a distributed one). The laws have continuous slopes and
-//! each is the other's inverse. Blasius' law holds to Re = 10⁵; beyond it the loss is too low (by 3 % at 2·10⁵).
+//! each is the other's inverse: the rational quadratic between them rises where its slopes do, and is turned round by one
+//! root. Blasius' law holds to Re = 10⁵; beyond it the loss is too low (by 3 % at 2·10⁵).
 //!
 //! Source: textbook fluid mechanics (F. M. White, Fluid Mechanics; H. Blasius 1913). The bounds 2300 and 4000 are the usual
-//! ones; the cubic and the last line are choices of this project.
+//! ones; the quadratic and the last line are choices of this project. Rational quadratics that rise: R. Delbourgo &
+//! J. A. Gregory, IMA J. Numer. Anal. 2 (1982).
 //! Checked by `tests/line_friction.rs`.
 
 use crate::air::Air;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
-use crate::scalar::{Mask, Over, Scalar};
+use crate::scalar::{Function, Mask, Over, Scalar};
 use core::f64::consts::PI;
 
 /// Reynolds number up to which the flow is laminar.
@@ -49,18 +53,16 @@ const TURBULENT_ROOT: f64 = 502.973_371_873_174_8;
 /// σ where the turbulent flow starts, and its slope there.
 const TURBULENT_DRIVE: f64 = BLASIUS * TURBULENT_START * TURBULENT_ROOT;
 const TURBULENT_SLOPE: f64 = 1.75 * BLASIUS * TURBULENT_ROOT;
-/// A bound for the slope of the cubic between both flows.
-const STEEPEST: f64 = 182.0;
-/// Newton steps that solve the cubic to the last digits from where the search starts.
-const STEPS: usize = 5;
+/// A bound for the slope of the law between both flows.
+const STEEPEST: f64 = 194.0;
 
-/// The cubic between both flows, in `t = (Re − 2300)/1700` and `u = (σ − σ_lam)/(σ_turb − σ_lam)`:
-/// `u = t (a + t (b + t c))`.
-const CUBIC: [f64; 3] = {
+/// Slopes of u over t where the laminar flow ends and where the turbulent one starts.
+const SLOPES: [f64; 2] = {
     let secant = (TURBULENT_DRIVE - LAMINAR_DRIVE) / (TURBULENT_START - LAMINAR_END);
-    let (low, high) = (32.0 / secant, TURBULENT_SLOPE / secant);
-    [low, 3.0 - 2.0 * low - high, low + high - 2.0]
+    [32.0 / secant, TURBULENT_SLOPE / secant]
 };
+/// `a + e − 2`.
+const BEND: f64 = SLOPES[0] + SLOPES[1] - 2.0;
 
 /// The pieces of the law in order of rising drive, from the far pressure being the larger to the near one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -249,8 +251,8 @@ impl<S: Scalar> Tube<S> {
     #[inline(always)]
     fn slower_than_sound<T: Over<S>>(&self, reynolds: T, upstream: T) -> T {
         let friction = reynolds * T::of(self.shape.flow);
-        let share = friction * T::of(self.shape.per_choked) / upstream;
-        friction / share.multiply_add(share, T::one()).sqrt()
+        let choked = friction * T::of(self.shape.per_choked);
+        friction * upstream / choked.multiply_add(choked, upstream * upstream).sqrt()
     }
 
     /// The friction that a mass flow (kg/s) meets along the tube, as a loss of pressure in Pa at a `mean` absolute pressure
@@ -273,7 +275,7 @@ impl<S: Scalar> Tube<S> {
 }
 
 /// A bound for `∂σ/∂Re` at drives up to σ: where the flow is turbulent it is `1.75 · 0.1582 (σ/0.1582)^(3/7)`, here with the
-/// power 7/16, which roots make; the cubic below is nowhere steeper than [`STEEPEST`].
+/// power 7/16, which roots make; the law below that is nowhere steeper than [`STEEPEST`].
 #[inline(always)]
 fn steepest_drive<T: Scalar>(drive: T) -> T {
     let beyond = (drive * T::constant(1.0 / BLASIUS)).larger(T::one());
@@ -304,19 +306,36 @@ pub fn reynolds_at<T: Scalar>(drive: T) -> T {
 
 #[inline(always)]
 fn turbulent_at<T: Scalar>(drive: T) -> T {
-    four_sevenths(drive * T::constant(1.0 / BLASIUS))
+    (drive * T::constant(1.0 / BLASIUS)).by::<FourSevenths>()
 }
 
-/// `z^(4/7)` for z from `4000^(7/4)` on, to the last digits up to Re = 10⁷: `z^(1/2) z^(1/16) (z^(1/64))^(4/7)`, with Padé's fraction
-/// of the last factor about [`MIDDLE`]. Lanes have roots; they have no logarithm.
+/// `z^(4/7)` for z from `4000^(7/4)` on, to the last digits up to Re = 10⁶ and to 10⁻⁸ up to 10⁷, as the fourth power of the
+/// seventh root: Padé's fraction n/d of `(z^(1/4))^(4/7)` about [`MIDDLE`], then a step of Halley's, with one division for
+/// both. Lanes have roots; they have no logarithm.
+struct FourSevenths;
+
+impl Function for FourSevenths {
+    #[inline(always)]
+    fn value<S: Scalar>(z: S) -> S {
+        let off = z.sqrt().sqrt() * S::constant(1.0 / MIDDLE) - S::one();
+        let (upper, lower) = (polynomial(off, PADE[0]) * S::constant(OF_MIDDLE), polynomial(off, PADE[1]));
+        let (above, below) = (seventh_power(upper), z * seventh_power(lower));
+        let (three, four) = (S::constant(3.0), S::constant(4.0));
+        let root = upper * (three * above + four * below) / (lower * (four * above + three * below));
+        let square = root * root;
+        square * square
+    }
+
+    #[inline(always)]
+    fn slope<S: Scalar>(z: S, power: S) -> S {
+        S::constant(4.0 / 7.0) * power / z
+    }
+}
+
 #[inline(always)]
-fn four_sevenths<T: Scalar>(z: T) -> T {
-    let half = z.sqrt();
-    let eighth = half.sqrt().sqrt();
-    let sixteenth = eighth.sqrt();
-    let sixty_fourth = sixteenth.sqrt().sqrt();
-    let off = sixty_fourth * T::constant(1.0 / MIDDLE) - T::one();
-    half * sixteenth * T::constant(OF_MIDDLE) * polynomial(off, PADE[0]) / polynomial(off, PADE[1])
+fn seventh_power<S: Scalar>(x: S) -> S {
+    let square = x * x;
+    square * square * square * x
 }
 
 #[inline(always)]
@@ -325,9 +344,9 @@ fn polynomial<T: Scalar>(x: T, [zeroth, first, second, third, fourth, fifth]: [f
     x.multiply_add(x.multiply_add(x.multiply_add(high, T::constant(second)), T::constant(first)), T::constant(zeroth))
 }
 
-/// `z^(1/64)` in the middle of the turbulent range, and its power 4/7.
-const MIDDLE: f64 = 1.35;
-const OF_MIDDLE: f64 = 1.187_070_299_682_377;
+/// `z^(1/4)` in the middle of the turbulent range, and its power 4/7.
+const MIDDLE: f64 = 126.0;
+const OF_MIDDLE: f64 = 15.856_660_947_787_232;
 
 /// Numerator and denominator of Padé's fraction of `(1 + x)^(4/7)`, of order 5 over 5, in rising powers of x.
 const PADE: [[f64; 6]; 2] = [pade(4.0 / 7.0), pade(-4.0 / 7.0)];
@@ -367,7 +386,7 @@ fn transition_about<T: Scalar>(drive: T) -> T {
 fn transition_at<T: Scalar>(drive: T) -> T {
     let number = T::constant;
     let within = (drive - number(LAMINAR_DRIVE)) * number(1.0 / (TURBULENT_DRIVE - LAMINAR_DRIVE));
-    inverse_cubic(within).multiply_add(number(TURBULENT_START - LAMINAR_END), number(LAMINAR_END))
+    within.by::<ShareOfReynolds>().multiply_add(number(TURBULENT_START - LAMINAR_END), number(LAMINAR_END))
 }
 
 /// The drive σ that a Reynolds number of zero or more needs.
@@ -379,27 +398,40 @@ pub fn drive_at<T: Scalar>(reynolds: T) -> T {
     let root = beyond.sqrt();
     let turbulent = beyond * root * root.sqrt() * number(BLASIUS);
     let within = (reynolds - number(LAMINAR_END)) * number(1.0 / (TURBULENT_START - LAMINAR_END));
-    let transition = cubic(within).multiply_add(number(TURBULENT_DRIVE - LAMINAR_DRIVE), number(LAMINAR_DRIVE));
+    let transition =
+        share_of_drive(within).multiply_add(number(TURBULENT_DRIVE - LAMINAR_DRIVE), number(LAMINAR_DRIVE));
     let below = T::select(reynolds.lt(number(LAMINAR_END)), laminar, transition);
     T::select(reynolds.lt(number(TURBULENT_START)), below, turbulent)
 }
 
+/// u at a t from 0 to 1.
 #[inline(always)]
-fn cubic<T: Scalar>(t: T) -> T {
-    let [a, b, c] = CUBIC.map(T::constant);
-    t * t.multiply_add(t.multiply_add(c, b), a)
+fn share_of_drive<T: Scalar>(t: T) -> T {
+    let (one, rest) = (T::one(), T::one() - t);
+    let low = T::constant(SLOPES[0]);
+    t * rest.multiply_add(low, t) / (t * rest).multiply_add(T::constant(BEND), one)
 }
 
-/// Where the cubic takes a value from 0 to 1, by Newton steps from the parabola with its ends and its first slope.
-#[inline(always)]
-fn inverse_cubic<T: Scalar>(value: T) -> T {
-    let [a, b, c] = CUBIC;
-    let bend = 1.0 - a;
-    let root = value.multiply_add(T::constant(4.0 * bend), T::constant(a * a)).sqrt();
-    let mut t = (root - T::constant(a)) * T::constant(0.5 / bend);
-    for _ in 0..STEPS {
-        let slope = t.multiply_add(t.multiply_add(T::constant(3.0 * c), T::constant(2.0 * b)), T::constant(a));
-        t = t - (cubic(t) - value) / slope;
+/// t at a u from 0 to 1: the root of `(1 − a + u κ) t² + (a − u κ) t − u = 0` with `κ = a + e − 2`.
+struct ShareOfReynolds;
+
+impl Function for ShareOfReynolds {
+    #[inline(always)]
+    fn value<S: Scalar>(u: S) -> S {
+        let linear = u.multiply_add(S::constant(-BEND), S::constant(SLOPES[0]));
+        let square = S::constant(4.0) * u * (S::one() - linear);
+        let root = linear.multiply_add(linear, square).sqrt();
+        (u + u) / (linear + root)
     }
-    t
+
+    /// One over `∂u/∂t = (e t² + 2 t (1 − t) + a (1 − t)²)/(1 + κ t (1 − t))²`.
+    #[inline(always)]
+    fn slope<S: Scalar>(_: S, t: S) -> S {
+        let rest = S::one() - t;
+        let divisor = (t * rest).multiply_add(S::constant(BEND), S::one());
+        let both = S::constant(2.0) * t * rest;
+        let rises =
+            (t * t).multiply_add(S::constant(SLOPES[1]), (rest * rest).multiply_add(S::constant(SLOPES[0]), both));
+        divisor * divisor / rises
+    }
 }

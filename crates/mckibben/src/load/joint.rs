@@ -171,11 +171,16 @@ impl<S: Scalar> Joint<S> {
                 gravity: convert.parameter(&parameter::GRAVITY, limb.gravity),
                 hanging_angle: convert.parameter(&parameter::HANGING_ANGLE, limb.hanging_angle),
             },
-            tendons: self.tendons.map(|tendon| Tendon {
-                arm: tendon.arm.convert(convert),
-                rest_length: convert.parameter(&parameter::REST_LENGTH, tendon.rest_length),
+            tendons: core::array::from_fn(|i| {
+                let Tendon { arm, rest_length } = &self.tendons[i];
+                convert.turn_to(Some(i));
+                let arm = arm.convert(convert);
+                Tendon { arm, rest_length: convert.parameter(&parameter::REST_LENGTH, *rest_length) }
             }),
-            torque: convert.parameter(&parameter::JOINT_TORQUE, self.torque),
+            torque: {
+                convert.turn_to(None);
+                convert.parameter(&parameter::JOINT_TORQUE, self.torque)
+            },
             damping: convert.parameter(&parameter::JOINT_DAMPING, self.damping),
             stops: Stops {
                 ends: [

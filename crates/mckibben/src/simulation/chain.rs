@@ -112,22 +112,26 @@ impl<S: Scalar, const C: usize> Chain<S, C> {
         let mut gain = into * per_end;
         if let Some(cells) = &cells {
             for cell in (0..cells.count).rev() {
+                // 1/d and 1/(1 + rχ σ/d) by one division.
+                let divisor = gain.multiply_add(cells.lead[cell], one);
+                let both = cells.stiffness.multiply_add(cells.lead[cell], divisor);
+                let inverse = one / (divisor * both);
                 behind[cell] = gain;
-                per_flow[cell] = one / gain.multiply_add(cells.lead[cell], one);
-                per_volume[cell] = one / cells.stiffness.multiply_add(cells.lead[cell] * per_flow[cell], one);
+                per_flow[cell] = both * inverse;
+                per_volume[cell] = divisor * divisor * inverse;
                 gain = cells.stiffness * per_volume[cell];
             }
         }
         let per_outwards = one / gain.multiply_add(valve.outwards, one);
         let gain = gain * per_outwards;
-        let mut gives = zero;
+        let (mut gives, mut per_drawn) = (zero, one);
         if let Some(source) = &source {
             gives = source.reservoir[0] * source.reservoir[1];
             if let Some(outlet) = &source.regulator {
                 gives = outlet.rate * (outlet.limited * gives + outlet.droop) / (one + outlet.rate);
             }
+            per_drawn = one / (one + valve.feed * gives + valve.inwards * gain);
         }
-        let per_drawn = one / (one + valve.feed * gives + valve.inwards * gain);
         Self {
             rig,
             end,

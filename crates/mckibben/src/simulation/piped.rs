@@ -41,7 +41,7 @@ use crate::valve::Port;
 pub(crate) const PLAIN: usize = 4;
 pub(crate) const PIPED: usize = 6 + 2 * MAX_CELLS;
 /// How many there are with a line that has no cells.
-const SHORT: usize = 7;
+pub(crate) const SHORT: usize = 7;
 /// Places of the reservoir's pressure and of the regulator's.
 pub(crate) const RESERVOIR: usize = 5;
 pub(crate) const OUTLET: usize = 6;
@@ -83,8 +83,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         L::MAY_HAVE_LINE && (self.line().hose.is_some() || self.line().supply.is_some())
     }
 
+    /// Whether the hose is a line of cells.
     #[inline(always)]
-    fn has_cells(&self) -> bool {
+    pub(crate) fn has_cells(&self) -> bool {
         matches!(self.line().hose, Some(Hose { kind: HoseKind::Distributed { .. }, .. }))
     }
 
@@ -128,9 +129,9 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     ) -> Stepped<S, N> {
         let midway = held.midway(method, time, step);
         let held = midway.as_ref().unwrap_or(held);
-        // A batch puts rows with a line together, apart from those without.
+        // A batch puts rows with cells together, rows with another line, and rows without any.
         let mut end = if N > PLAIN && (!S::IS_ONE || self.is_piped()) {
-            match self.has_cells() {
+            match N > SHORT && (!S::IS_ONE || self.has_cells()) {
                 true => S::apart(Piped::<S, L, N, MAX_CELLS> { rig: self, method, time, state, step, held }),
                 false => {
                     let state = &shortened(state);
@@ -352,24 +353,27 @@ impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N
         let motion = self.rig.motion(time, [length, velocity, pressure], held);
         let own = self.rig.actuator().chamber(motion[0], motion[1], pressure, mass, held.slack);
         let at_valve = self.rig.at_valve(time, &self.rig.before(&own, state), self.rig.feed(state), held);
-        self.balances(state, motion, &own, at_valve, held)
+        let last = match &self.rig.line().hose {
+            Some(hose) => last_flow(hose, state),
+            None => at_valve.into.net(),
+        };
+        self.balances(state, motion, &own, (at_valve, last), held)
     }
 
-    /// The rates, from what goes through the valve.
+    /// The rates, from what goes through the valve and what goes from a hose into the actuator.
     #[inline(always)]
     fn balances(
         &self,
         state: &Stepped<S, N>,
         motion: [S; 3],
         own: &Chamber<S>,
-        AtValve { into, drawn }: AtValve<S>,
+        (AtValve { into, drawn }, last): (AtValve<S>, S),
         held: &Held<S>,
     ) -> Stepped<S, N> {
         let (actuator, line) = (self.rig.actuator(), self.rig.line());
         let mut rates = [S::zero(); N];
         let mut inflow = into;
         if let Some(hose) = &line.hose {
-            let last = last_flow(hose, state);
             inflow = split(last);
             let mut before = into.net();
             for cell in 0..hose.cells() {
@@ -462,11 +466,14 @@ impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N
         let slopes = Slopes { acceleration: acceleration.slope, pressure_rate: S::zero(), mass_rate: S::zero() };
 
         let (at_valve, valve) = self.valve(motion, held);
-        let first = self.balances(state, motion, &own, at_valve, held);
         let (cells, into) = match &rig.line().hose {
-            Some(hose) => (Some(self.cells(hose, reach)), last_flow(hose, state)),
+            Some(hose) => {
+                let (cells, last) = self.cells(hose, reach);
+                (Some(cells), last)
+            }
             None => (None, at_valve.into.net()),
         };
+        let first = self.balances(state, motion, &own, (at_valve, into), held);
         let source = match &rig.line().supply {
             Some(supply) => Some(self.source(supply, at_valve.drawn, held, reach)),
             None => None,
@@ -503,26 +510,33 @@ impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N
         }
     }
 
-    /// What goes through the valve, and how it answers to the pressures at both its ends.
+    /// What the valve opens into, with derivatives by its pressure as the first variable.
     #[inline(always)]
-    fn valve(&self, [length, velocity, _]: [S; 3], held: &Held<S>) -> (AtValve<S>, Valve<S>) {
-        let (rig, state, time) = (self.rig, self.state, Dual::of(self.time));
-        let before: Chamber<Dual<S, 2>> = match &rig.line().hose {
+    fn opens_into<const K: usize>(&self, [length, velocity, _]: [S; 3], held: &Held<S>) -> Chamber<Dual<S, K>> {
+        let (rig, state) = (self.rig, self.state);
+        match &rig.line().hose {
             Some(hose) => hose.chamber(Dual::variable(state[volume(0)], 0)),
             None => {
                 let (ends, mass) = ([Dual::of(length), Dual::of(velocity)], Dual::of(state[3]));
                 rig.actuator().chamber(ends[0], ends[1], Dual::variable(state[2], 0), mass, held.slack)
             }
-        };
-        let pressure = before.pressure.value;
-        let zero = S::zero();
-        let Some(feed) = rig.feed(state) else {
-            let into = rig.at_valve(time, &before, None, held).into;
-            let outwards = self.outwards(into.net(), pressure, held);
+        }
+    }
+
+    /// What goes through the valve, and how it answers to the pressures at both its ends.
+    #[inline(always)]
+    fn valve(&self, motion: [S; 3], held: &Held<S>) -> (AtValve<S>, Valve<S>) {
+        let (rig, zero) = (self.rig, S::zero());
+        let Some(feed) = rig.feed(self.state) else {
+            let before: Chamber<Dual<S, 1>> = self.opens_into(motion, held);
+            let into = rig.at_valve(Dual::of(self.time), &before, None, held).into;
+            let outwards = self.outwards(into.net(), before.pressure.value, held);
             let into = Flow { inward: into.inward.value, outward: into.outward.value };
             return (AtValve { into, drawn: zero }, Valve { outwards, inwards: zero, feed: zero });
         };
-        let AtValve { into, drawn } = rig.at_valve(time, &before, Some(Dual::variable(feed, 1)), held);
+        let before: Chamber<Dual<S, 2>> = self.opens_into(motion, held);
+        let pressure = before.pressure.value;
+        let AtValve { into, drawn } = rig.at_valve(Dual::of(self.time), &before, Some(Dual::variable(feed, 1)), held);
         let exhaust = into.net() - drawn;
         let [inwards, of_feed] = [(-drawn.slope[0]).larger(zero), drawn.slope[1].larger(zero)];
         let straight = secant(feed - pressure, drawn.value, zero);
@@ -547,7 +561,7 @@ impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N
 
     /// `−∂ṁ/∂P` through a valve on a constant supply, or the secant to the open port where that is steeper.
     #[inline(always)]
-    fn outwards(&self, flow: Dual<S, 2>, pressure: S, held: &Held<S>) -> S {
+    fn outwards(&self, flow: Dual<S, 1>, pressure: S, held: &Held<S>) -> S {
         let Some(valve) = self.rig.actuator().valve() else { return S::zero() };
         let tangent = (-flow.slope[0]).larger(S::zero());
         if S::IS_ONE
@@ -563,15 +577,16 @@ impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N
         S::select(one_open, tangent.larger(secant), tangent)
     }
 
+    /// The part of a hose, and the flow in kg/s out of it.
     #[inline(always)]
-    fn cells(&self, hose: &Hose<S>, reach: S) -> Cells<S, C> {
+    fn cells(&self, hose: &Hose<S>, reach: S) -> (Cells<S, C>, S) {
         let (state, zero, one) = (self.state, S::zero(), S::one());
         let (mut lead, mut share) = ([zero; C], [zero; C]);
         let stiffness = reach * hose.stiffness();
         let HoseKind::Distributed { cells } = hose.kind else {
             let through = hose.flow(Dual::<S, 1>::variable(state[volume(0)], 0), Dual::of(state[2]));
             lead[0] = secant(state[volume(0)] - state[2], through.value, through.slope[0]);
-            return Cells { count: 1, stiffness, lead, share, inertia: false };
+            return (Cells { count: 1, stiffness, lead, share, inertia: false }, through.value);
         };
         for cell in 0..cells {
             let next = if cell + 1 == cells { state[2] } else { state[volume(cell + 1)] };
@@ -580,7 +595,7 @@ impl<S: Scalar, L: Statics<S>, const N: usize, const C: usize> Piped<'_, S, L, N
             share[cell] = one / drive.multiply_add(hose.steepest_loss(now, pressure, next), one);
             lead[cell] = drive * share[cell];
         }
-        Cells { count: cells, stiffness, lead, share, inertia: true }
+        (Cells { count: cells, stiffness, lead, share, inertia: true }, state[flow(cells - 1)])
     }
 
     #[inline(always)]

@@ -18,7 +18,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let loops =
         material.recordings.iter().map(|recording| read(recording, atmosphere)).collect::<Result<Vec<_>, _>>()?;
     let deviation = material.recordings.first().and_then(|recording| recording.column(Quantity::Tension)?.deviation);
-    let given = material.document.contains(parameter::MIN_LENGTH.key);
+    let given = material.document.says_of_each(parameter::MIN_LENGTH.key);
     let task = LoopTask {
         adjustable: Adjustable::new(scenario, places, given),
         starts: sought::more_starts(&unknowns, material.study.more_starts),

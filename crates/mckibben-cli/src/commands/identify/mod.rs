@@ -45,7 +45,8 @@ A study file:
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
   input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it
 
-  [columns.gauge_pressure]                # also length, tension, time, absolute_pressure
+  [columns.gauge_pressure]                # also length, tension, time, absolute_pressure; of a joint angle,
+                                          # angular_velocity, torque, and antagonist_length and the like
   name = \"P_bar\"
   unit = \"bar\"
   [columns.length]

@@ -4,14 +4,15 @@ use super::Material;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::SoughtEntry;
-use mckibben_scenario::{Place, Scenario, quantity as grammar};
+use mckibben_scenario::keys::ANTAGONIST;
+use mckibben_scenario::{Document, Place, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
 pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Failure> {
     let mut scenario = material.document.scenario()?;
     let mut found = (Vec::new(), Vec::new());
     for entry in entries(material)? {
-        let place = place(entry, &mut scenario, "mend [fit]".to_owned())?;
+        let place = place(material, entry, (&material.document, &mut scenario), "mend [fit]".to_owned())?;
         found.1.push(unknown(entry, &place, &mut scenario)?);
         found.0.push(place);
     }
@@ -32,10 +33,11 @@ pub(super) fn of_runs(
 ) -> Result<(Vec<Unknown>, Vec<OfRun>), Failure> {
     let mut unknowns: Vec<Unknown> = Vec::new();
     let mut numbers: Vec<OfRun> = runs.iter().map(|_| OfRun { places: Vec::new(), unknowns: Vec::new() }).collect();
+    let documents = material.recordings.iter().map(|of| material.document_of(of)).collect::<Result<Vec<_>, _>>()?;
     for entry in entries(material)? {
         let first = unknowns.len();
-        for ((name, scenario), of) in runs.iter_mut().zip(&mut numbers) {
-            let place = place(entry, scenario, format!("of the run `{name}`"))?;
+        for (((name, scenario), document), of) in runs.iter_mut().zip(&documents).zip(&mut numbers) {
+            let place = place(material, entry, (document, scenario), format!("of the run `{name}`"))?;
             if entry.per_run {
                 let own = unknown(entry, &place, scenario)?;
                 unknowns.push(Unknown { name: format!("{} [{name}]", entry.path), ..own });
@@ -58,8 +60,18 @@ fn entries(material: &Material) -> Result<&[SoughtEntry], Failure> {
     Ok(entries)
 }
 
-fn place(entry: &SoughtEntry, scenario: &mut Scenario, help: String) -> Result<Place, Failure> {
-    Place::find(&entry.path, scenario).map_err(|error| Failure::input(error.to_string(), help))
+/// A number that the file says of both actuators of a joint is one number, unless the antagonist's is looked for by itself.
+fn place(
+    material: &Material,
+    entry: &SoughtEntry,
+    (document, scenario): (&Document, &mut Scenario),
+    help: String,
+) -> Result<Place, Failure> {
+    let place = Place::find(&entry.path, scenario).map_err(|error| Failure::input(error.to_string(), help))?;
+    let of_second = format!("{ANTAGONIST}.{}", entry.path);
+    let alone = material.study.sought.iter().any(|other| other.path == of_second);
+    let shared = place.of_each()[0] && !alone && document.says_of_both(&entry.path);
+    Ok(if shared { place.of_both() } else { place })
 }
 
 /// Bounds are those of the study within those of the parameter.

@@ -4,6 +4,7 @@ use super::outcome::WARNED;
 use crate::quantities::digits;
 use crate::report::Table;
 use mckibben_identify::least_squares::{Estimate, Fit};
+use mckibben_scenario::keys::in_antagonist;
 
 /// A value rounded to what its deviation lets it tell: two digits of the deviation, six where there is none.
 pub(super) fn rounded(value: f64, deviation: Option<f64>) -> String {
@@ -73,7 +74,8 @@ pub(super) fn correlations(fit: &Fit) -> Table {
     let short = |name: &str| {
         let (path, run) = name.split_once(" [").unwrap_or((name, ""));
         let last = path.rsplit_once('.').map_or(path, |(_, last)| last);
-        if run.is_empty() { last.to_owned() } else { format!("{last} [{run}") }
+        let whose = if in_antagonist(path).is_some() { "antagonist's " } else { "" };
+        if run.is_empty() { format!("{whose}{last}") } else { format!("{whose}{last} [{run}") }
     };
     let names: Vec<String> = fit.estimates.iter().map(|estimate| short(&estimate.name)).collect();
     let row = |(name, row): (&String, &Vec<f64>)| {

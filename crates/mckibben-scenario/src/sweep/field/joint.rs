@@ -41,7 +41,7 @@ fn joint(s: &mut Scenario) -> Option<&mut Joint> {
 }
 
 /// Lets the two actuators of a joint change places; done twice it changes nothing.
-pub(in crate::sweep) fn exchange(scenario: &mut Scenario) {
+pub(crate) fn exchange(scenario: &mut Scenario) {
     let Scenario { actuator, supply, valve, command, load: Load::AntagonisticJoint(joint), initial, .. } = scenario
     else {
         return;

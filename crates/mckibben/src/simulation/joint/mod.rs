@@ -58,7 +58,7 @@ use super::rig::{Actuation, check_air, check_drive};
 use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::control::Held;
-use crate::convert::{Anew, Convert};
+use crate::convert::{AnewOfEach, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
@@ -132,6 +132,28 @@ pub struct JointInitial<S = f64> {
     pub angular_velocity: S,
 }
 
+impl<S: Scalar> JointInitial<S> {
+    /// The same start over another scalar; `function` is told which parameter each number is, and of which actuator as by
+    /// [`JointRig::map_of_each`].
+    pub fn map_of_each<T: Scalar>(
+        &self,
+        mut function: impl FnMut(Option<usize>, &'static Parameter, S) -> T,
+    ) -> JointInitial<T> {
+        let mut of_each = |row, values: [S; 2]| [0, 1].map(|i| function(Some(i), row, values[i]));
+        let gauge_pressure = of_each(&parameter::INITIAL_GAUGE_PRESSURE, self.gauge_pressure.map(|gauge| gauge.0));
+        let temperature = of_each(&parameter::INITIAL_TEMPERATURE, self.temperature);
+        JointInitial {
+            gauge_pressure: gauge_pressure.map(GaugePressure),
+            temperature,
+            angle: match self.angle {
+                InitialAngle::Equilibrium => InitialAngle::Equilibrium,
+                InitialAngle::At(angle) => InitialAngle::At(function(None, &parameter::INITIAL_ANGLE, angle)),
+            },
+            angular_velocity: function(None, &parameter::INITIAL_ANGULAR_VELOCITY, self.angular_velocity),
+        }
+    }
+}
+
 impl JointRig {
     /// A joint with its agonist and its antagonist.
     ///
@@ -198,15 +220,24 @@ impl JointRig {
 
 impl<S: Scalar> JointRig<S> {
     /// The same rig over another scalar; `function` is told which parameter each number is.
-    pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> JointRig<T> {
-        self.convert(&mut Anew(function))
+    pub fn map<T: Scalar>(&self, mut function: impl FnMut(&'static Parameter, S) -> T) -> JointRig<T> {
+        self.map_of_each(|_, parameter, value| function(parameter, value))
     }
 
-    fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> JointRig<T> {
-        let driven = self.driven.each_ref().map(|driven| Driven {
-            actuator: driven.actuator.convert(convert),
-            actuation: driven.actuation.as_ref().map(|actuation| actuation.convert(convert)),
+    /// The same rig over another scalar; `function` is told of which actuator each number is too: 0 for the agonist, 1 for
+    /// the antagonist, `None` for the joint itself. What leads a tendon over the joint is of its actuator.
+    pub fn map_of_each<T: Scalar>(
+        &self,
+        function: impl FnMut(Option<usize>, &'static Parameter, S) -> T,
+    ) -> JointRig<T> {
+        let convert = &mut AnewOfEach { function, actuator: None };
+        let driven = core::array::from_fn(|i| {
+            let Driven { actuator, actuation } = &self.driven[i];
+            convert.turn_to(Some(i));
+            let actuator = actuator.convert(convert);
+            Driven { actuator, actuation: actuation.as_ref().map(|actuation| actuation.convert(convert)) }
         });
+        convert.turn_to(None);
         JointRig { driven, joint: self.joint.convert(convert) }
     }
 

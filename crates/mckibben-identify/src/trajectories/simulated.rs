@@ -1,0 +1,120 @@
+//! What is run: one actuator with its load, or a joint that two turn against each other, behind one face.
+
+use super::Observed;
+use crate::adjustable::Seeded;
+use mckibben::parameter::Parameter;
+use mckibben::simulation::{
+    Initial, JointInitial, JointRig, JointTrajectory, Rig, Sample, State, Trajectory, simulate, simulate_joint,
+};
+use mckibben::{Actuator, Error, Real};
+use mckibben_scenario::Scenario;
+
+/// What a scenario describes, and its start.
+pub(super) enum Plant<R: Real = f64> {
+    /// One actuator with its load.
+    Rig(Box<(Rig<R>, Initial<R>)>),
+    /// Two that turn a joint.
+    Joint(Box<(JointRig<R>, JointInitial<R>)>),
+}
+
+impl Plant {
+    /// Of a scenario; the start has been checked.
+    pub(super) fn of(scenario: &Scenario) -> Result<Self, Error> {
+        if let (Some(experiment), Some(initial)) = (scenario.joint_experiment()?, scenario.joint_initial()) {
+            return Ok(Self::Joint(Box::new((experiment.rig, initial))));
+        }
+        Ok(Self::Rig(Box::new((scenario.experiment()?.rig, scenario.initial()))))
+    }
+
+    /// The same over dual numbers; `seed` is told of which actuator of a joint a parameter is.
+    pub(super) fn over(&self, mut seed: impl FnMut(Option<usize>, &'static Parameter, f64) -> Seeded) -> Plant<Seeded> {
+        match self {
+            Self::Rig(of) => {
+                let mut seed = |parameter, value| seed(None, parameter, value);
+                let rig = of.0.map(&mut seed);
+                Plant::Rig(Box::new((rig, of.1.map(seed))))
+            }
+            Self::Joint(of) => {
+                let rig = of.0.map_of_each(&mut seed);
+                Plant::Joint(Box::new((rig, of.1.map_of_each(seed))))
+            }
+        }
+    }
+}
+
+impl<R: Real> Plant<R> {
+    /// Runs it for so many seconds.
+    pub(super) fn simulate(&self, duration: R, tolerance: f64) -> Result<Simulated<R>, Error> {
+        match self {
+            Self::Rig(of) => {
+                let run = simulate(&of.0, of.0.begin(&of.1)?, duration, tolerance)?;
+                Ok(Simulated::Rig(Box::new(run)))
+            }
+            Self::Joint(of) => {
+                let run = simulate_joint(&of.0, of.0.begin(&of.1)?, duration, tolerance)?;
+                Ok(Simulated::Joint(Box::new(run)))
+            }
+        }
+    }
+
+    /// The rig and its state at the start, of which segments are made.
+    pub(super) fn rig(&self) -> Result<(&Rig<R>, State<R>), Error> {
+        match self {
+            Self::Rig(of) => Ok((&of.0, of.0.begin(&of.1)?)),
+            Self::Joint(_) => Err(Error::Unsupported {
+                what: "the run of an antagonistic joint is not divided into segments yet",
+                remedy: "give search.horizon in place of search.segments",
+            }),
+        }
+    }
+}
+
+/// A simulated run.
+#[derive(Clone, Debug)]
+pub enum Simulated<R: Real = f64> {
+    /// Of one actuator with its load.
+    Rig(Box<Trajectory<R>>),
+    /// Of two that turn a joint.
+    Joint(Box<JointTrajectory<R>>),
+}
+
+impl<R: Real> Simulated<R> {
+    /// End of the run in s.
+    pub fn duration(&self) -> R {
+        match self {
+            Self::Rig(run) => run.duration(),
+            Self::Joint(run) => run.duration(),
+        }
+    }
+
+    /// A quantity in SI at a time in s; not a number where the run has none such.
+    pub fn read(&self, observed: Observed, time: R) -> R {
+        match self {
+            Self::Rig(_) if observed.is_of_joint() => R::constant(f64::NAN),
+            Self::Rig(run) => of_actuator(observed, run.rig().actuator(), &run.at(time)),
+            Self::Joint(run) => {
+                let sample = run.at(time);
+                let one = |i: usize| of_actuator(observed, &run.rig().driven()[i].actuator, &sample.actuators[i]);
+                match observed {
+                    Observed::Angle => sample.angle,
+                    Observed::AngularVelocity => sample.angular_velocity,
+                    Observed::Torque => sample.torque,
+                    of if of.is_of_joint() => one(1),
+                    _ => one(0),
+                }
+            }
+        }
+    }
+}
+
+/// What one actuator has of a quantity.
+fn of_actuator<R: Real>(observed: Observed, actuator: &Actuator<R>, sample: &Sample<R>) -> R {
+    match observed {
+        Observed::Length | Observed::AntagonistLength => sample.length,
+        Observed::GaugePressure | Observed::AntagonistGaugePressure => {
+            sample.pressure.0 - actuator.air().atmosphere().0
+        }
+        Observed::Tension | Observed::AntagonistTension => sample.tension,
+        Observed::Angle | Observed::AngularVelocity | Observed::Torque => R::constant(f64::NAN),
+    }
+}
