@@ -1,16 +1,19 @@
-"""What a trajectory does with packages that may be there: pandas, Polars, Matplotlib. They are imported when asked for."""
+"""What is done with packages that may be there: pandas, Polars, Matplotlib, JAX. They are imported when asked for."""
 
 from __future__ import annotations
 
+import collections.abc
 import math
 import typing
+
+from mckibben.errors import InputError
 
 if typing.TYPE_CHECKING:
     import matplotlib.figure
     import pandas
     import polars
 
-    from mckibben import Trajectory
+    from mckibben import Differentiable, Trajectory
 
 
 def to_pandas(run: Trajectory) -> pandas.DataFrame:
@@ -54,3 +57,26 @@ def plot(run: Trajectory) -> matplotlib.figure.Figure:
         axes[1].legend()
     axes[-1].set_xlabel("time (s)")
     return figure
+
+
+def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
+    """A run as a function of JAX with the derivatives of the simulator."""
+    import jax
+    import numpy
+
+    if not jax.config.jax_enable_x64:
+        raise InputError('JAX counts in 32 bits here: call jax.config.update("jax_enable_x64", True) first')
+    shape = (len(run.at), len(run.of))
+    value = jax.ShapeDtypeStruct(shape, numpy.float64)
+    slopes = jax.ShapeDtypeStruct((*shape, len(run.by)), numpy.float64)
+
+    @jax.custom_jvp
+    def simulated(values: typing.Any) -> typing.Any:
+        return jax.pure_callback(run, value, values, vmap_method="sequential")
+
+    @simulated.defjvp
+    def forward(primals: typing.Any, tangents: typing.Any) -> typing.Any:
+        read, by = jax.pure_callback(run.with_slopes, (value, slopes), primals[0], vmap_method="sequential")
+        return read, by @ tangents[0]
+
+    return simulated

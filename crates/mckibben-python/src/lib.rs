@@ -9,6 +9,7 @@
 //! | `curves` | `curves`, `presets` |
 //! | `linear` | `linearize`, the class `LinearModel` |
 //! | `identification` | `identify`, the classes `Identification` and `Estimate` |
+//! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
 //! | `columns` | columns of numbers and words as NumPy arrays |
 //! | `typed` | objects with the types that the stubs give them |
@@ -23,6 +24,7 @@ mod actuator;
 mod actuators;
 mod columns;
 mod curves;
+mod differentiable;
 mod identification;
 mod linear;
 mod raised;
@@ -42,13 +44,15 @@ mod _mckibben {
     #[pymodule_export]
     use crate::curves::{curves, presets};
     #[pymodule_export]
+    use crate::differentiable::Differentiable;
+    #[pymodule_export]
     use crate::identification::{Estimate, Identification, identify};
     #[pymodule_export]
     use crate::linear::{LinearModel, linearize};
     #[pymodule_export]
     use crate::scenario::Scenario;
     #[pymodule_export]
-use crate::sweep::Sweep;
+    use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::trajectory::{Event, Trajectory, simulate};
 

@@ -60,6 +60,8 @@ typed! {
     Pandas = name!("pandas", "DataFrame");
     /// A data frame of Polars.
     Polars = name!("polars", "DataFrame");
+    /// A function.
+    Function = of!(name!("collections.abc", "Callable"), name!("builtins", "..."), ANY);
     /// A figure of Matplotlib.
     Figure = name!("matplotlib.figure", "Figure");
 }

@@ -26,12 +26,14 @@
 mod held_out;
 mod rest;
 mod search;
+mod sensitivities;
 mod shooting;
 mod simulated;
 
 pub use held_out::HeldOutRun;
 pub use rest::{Drift, Unexplained};
 pub use search::{Horizon, Identified, Task, TrajectoryError};
+pub use sensitivities::Asked;
 pub use simulated::Simulated;
 
 use crate::adjustable::{Adjustable, Seeded};

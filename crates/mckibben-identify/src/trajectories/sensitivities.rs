@@ -1,0 +1,74 @@
+//! Quantities of a run at given times, with their exact derivatives by numbers of its scenario.
+//!
+//! ```text
+//! y_q(t_k; θ)        ∂y_q(t_k; θ)/∂θ_p        forward, through every stick, slip and switching of the valve
+//! ```
+//!
+//! A derivative holds between events; where an event is on the point of coming or going there is none, and it is that of
+//! the side on which the run lies.
+
+use super::simulated::Plant;
+use super::{Observed, Simulated};
+use crate::adjustable::Adjustable;
+use mckibben::{Error, Real, Scalar};
+use rayon::prelude::*;
+
+/// What a run is asked for: quantities, the times in s, and the relative tolerance of each step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// The quantities; all that the scenario's kind of load has.
+    pub observed: Vec<Observed>,
+    /// The times in s, zero or above.
+    pub times: Vec<f64>,
+    /// The relative tolerance of each step.
+    pub tolerance: f64,
+}
+
+impl Asked {
+    /// The quantities at each time in turn, with the numbers of a scenario at `values`, in the order of its places.
+    ///
+    /// # Errors
+    /// When the scenario cannot be so, or its run cannot go on.
+    pub fn values(&self, of: &Adjustable, values: &[f64]) -> Result<Vec<f64>, Error> {
+        Ok(self.read(&self.run(&Plant::of(&of.at(values)?)?)?).collect())
+    }
+
+    /// The same with the derivatives of each by the numbers, `[time][quantity][number]` in one row.
+    ///
+    /// # Errors
+    /// As [`Asked::values`].
+    pub fn with_slopes(&self, of: &Adjustable, values: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        let width = of.places().len();
+        if width == 0 {
+            return Ok((self.values(of, values)?, Vec::new()));
+        }
+        let plant = Plant::of(&of.at(values)?)?;
+        let passes: Vec<usize> = of.passes().collect();
+        let pass = |first: &usize| {
+            let mut seeds = of.seeds(*first);
+            let seeded = plant.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value));
+            self.run(&seeded).map(|run| self.read(&run).collect::<Vec<_>>())
+        };
+        let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, _>>()?;
+        let read: Vec<f64> = duals[0].iter().map(|dual| dual.value).collect();
+        let mut slopes = vec![0.0; read.len() * width];
+        for (first, duals) in passes.iter().zip(&duals) {
+            for (dual, row) in duals.iter().zip(slopes.chunks_exact_mut(width)) {
+                of.spread(*first, &dual.slope, 1.0, row);
+            }
+        }
+        Ok((read, slopes))
+    }
+
+    fn run<R: Real>(&self, plant: &Plant<R>) -> Result<Simulated<R>, Error> {
+        let last = self.times.iter().copied().fold(1e-9, f64::max);
+        plant.simulate(R::constant(last), self.tolerance)
+    }
+
+    fn read<'r, R: Real>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {
+        self.times.iter().flat_map(move |time| {
+            let at = R::constant(time.smaller(run.duration().value()));
+            self.observed.iter().map(move |observed| run.read(*observed, at))
+        })
+    }
+}

@@ -1,0 +1,172 @@
+//! A run as a function of numbers of its scenario, with exact derivatives: the class `Differentiable`.
+
+use crate::raised::Raised;
+use crate::scenario::Scenario;
+use crate::typed::{Function, Names, Numbers, Sequence};
+use mckibben_cli::failure::Failure;
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::trajectories::{Asked, Observed};
+use mckibben_scenario::Place;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Quantities of a run at given times as a function of numbers of its scenario, with exact derivatives by all of them.
+///
+/// `by` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
+/// "actuator.effectiveness.value[2]"; `of` are quantities: "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
+/// "angle" (rad), "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure",
+/// "antagonist_tension"; `at` are times in s within the run. Every event is located, and derivatives go through it.
+///
+/// Called with values of the numbers in SI, in the order of `by`, it gives an array of shape (len(at), len(of)).
+///
+/// Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a controller.
+#[pyclass(frozen, module = "mckibben")]
+pub(crate) struct Differentiable {
+    scenario: Py<Scenario>,
+    by: Vec<String>,
+    of: Vec<String>,
+    adjustable: Adjustable,
+    asked: Asked,
+    start: Vec<f64>,
+}
+
+fn observed(name: &str, of_joint: bool) -> Result<Observed, Failure> {
+    let names = || Observed::ALL.into_iter().filter(|of| of_joint || !of.is_of_joint());
+    names().find(|of| of.quantity().name() == name).ok_or_else(|| {
+        let known: Vec<&str> = names().map(|of| of.quantity().name()).collect();
+        let remedy = format!("name one of {}", known.join(", "));
+        Failure::input(format!("`{name}` is no quantity of this scenario that can be differentiated"), remedy)
+    })
+}
+
+impl Differentiable {
+    fn of(
+        scenario: &Scenario,
+        by: &[String],
+        of: &[String],
+        at: Vec<f64>,
+    ) -> Result<(Adjustable, Asked, Vec<f64>), Failure> {
+        let mut base = scenario.understood.clone();
+        if base.has_controller() {
+            let remedy = "leave `[controller]` out, and give the command that it should ask for";
+            return Err(Failure::input("what a controller decides has no derivatives here", remedy));
+        }
+        let of = of.iter().map(|name| observed(name, base.has_joint())).collect::<Result<_, _>>()?;
+        let end = base.run.duration;
+        if let Some(time) = at.iter().find(|time| !(0.0..=end).contains(*time)) {
+            let remedy = format!("give times from 0 s to run.duration = {end} s");
+            return Err(Failure::input(format!("at = {time} s is no time of the run"), remedy));
+        }
+        let (mut places, mut start) = (Vec::new(), Vec::new());
+        for path in by {
+            let place = Place::find(path, &mut base).map_err(|error| Failure::input(error.to_string(), "mend `by`"))?;
+            let alone = by.iter().any(|other| *other == format!("antagonist.{path}"));
+            let shared = place.of_each()[0] && !alone && scenario.document.says_of_both(path);
+            start.push(place.value(&mut base).unwrap_or(f64::NAN));
+            places.push(if shared { place.of_both() } else { place });
+        }
+        let given = ["actuator.min_length", "antagonist.actuator.min_length"].map(|key| scenario.document.contains(key));
+        let asked = Asked { observed: of, times: at, tolerance: base.run.relative_tolerance };
+        Ok((Adjustable::new(base, places, given), asked, start))
+    }
+
+    fn checked(&self, values: &[f64]) -> Result<(), Failure> {
+        match values.len() == self.by.len() {
+            true => Ok(()),
+            false => Err(Failure::input(
+                format!("{} values were given for {} numbers", values.len(), self.by.len()),
+                format!("give one for each of {}, in SI", self.by.join(", ")),
+            )),
+        }
+    }
+
+    fn failed(&self, error: &mckibben::Error, py: Python<'_>) -> Failure {
+        Failure::of_core(error, &self.scenario.bind(py).get().document)
+    }
+
+    fn shaped<'py>(py: Python<'py>, numbers: Vec<f64>, shape: &[usize]) -> PyResult<Numbers<'py>> {
+        Ok(Numbers(PyArray1::from_vec(py, numbers).reshape(shape)?.into_any()))
+    }
+}
+
+#[pymethods]
+impl Differentiable {
+    #[new]
+    fn new(scenario: Py<Scenario>, by: Vec<String>, of: Vec<String>, at: Sequence) -> PyResult<Self> {
+        let (adjustable, asked, start) = Self::of(scenario.get(), &by, &of, at.0).raised()?;
+        Ok(Self { scenario, by, of, adjustable, asked, start })
+    }
+
+    /// What is run.
+    #[getter]
+    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
+        self.scenario.clone_ref(py)
+    }
+
+    /// The numbers that it is a function of.
+    #[getter]
+    fn by(&self) -> Vec<String> {
+        self.by.clone()
+    }
+
+    /// The quantities.
+    #[getter(of)]
+    fn quantities(&self) -> Vec<String> {
+        self.of.clone()
+    }
+
+    /// The times in s.
+    #[getter]
+    fn at<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+        Numbers(PyArray1::from_slice(py, &self.asked.times).into_any())
+    }
+
+    /// The values of the numbers in the scenario, in SI.
+    #[getter]
+    fn start<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+        Numbers(PyArray1::from_slice(py, &self.start).into_any())
+    }
+
+    /// The units of the quantities by their names.
+    #[getter]
+    fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
+        let units = PyDict::new(py);
+        let pairs = self.of.iter().zip(&self.asked.observed);
+        pairs.into_iter().try_for_each(|(name, of)| units.set_item(name, of.quantity().unit()))?;
+        Ok(Names(units.into_any()))
+    }
+
+    /// The quantities at the times, of shape (len(at), len(of)).
+    fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
+        self.checked(&values.0).raised()?;
+        let read = py.detach(|| self.asked.values(&self.adjustable, &values.0));
+        let read = read.map_err(|error| self.failed(&error, py)).raised()?;
+        Self::shaped(py, read, &[self.asked.times.len(), self.of.len()])
+    }
+
+    /// The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
+    fn with_slopes<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
+        self.checked(&values.0).raised()?;
+        let both = py.detach(|| self.asked.with_slopes(&self.adjustable, &values.0));
+        let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
+        let (times, quantities) = (self.asked.times.len(), self.of.len());
+        let read = Self::shaped(py, read, &[times, quantities])?;
+        Ok((read, Self::shaped(py, slopes, &[times, quantities, self.by.len()])?))
+    }
+
+    /// The same as a function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
+    ///
+    /// JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
+    fn for_jax<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
+        this.py().import("mckibben._beside")?.call_method1("for_jax", (this,)).map(Function)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<mckibben.Differentiable, {} of {} times by {}>", self.of.join(", "), self.asked.times.len(), self.by.join(", "))
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Py<Scenario>, Vec<String>, Vec<String>, Bound<'py, PyArray1<f64>>) {
+        (self.scenario.clone_ref(py), self.by.clone(), self.of.clone(), PyArray1::from_slice(py, &self.asked.times))
+    }
+}

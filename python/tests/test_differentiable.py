@@ -1,0 +1,107 @@
+"""Derivatives of runs: against differences, and through JAX forwards and backwards."""
+
+from __future__ import annotations
+
+import pickle
+
+import jax
+import numpy
+import pytest
+
+import mckibben
+
+jax.config.update("jax_enable_x64", True)
+
+PULSED = """\
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.4
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[initial]
+gauge_pressure = "10 psi"
+length = "equilibrium"
+[run]
+duration = "0.2 s"
+relative_tolerance = 1e-10
+"""
+
+BY = ["load.mass", "command.duty", "actuator.turns", "valve.efficiency", "supply.gauge_pressure", "initial.temperature"]
+BY += ["actuator.friction.viscous", "actuator.external_volume", "valve.opening_delay"]
+
+
+@pytest.fixture(scope="module")
+def pulsed() -> mckibben.Differentiable:
+    scenario = mckibben.Scenario(PULSED, "pulsed.toml")
+    return mckibben.Differentiable(scenario, by=BY, of=["length", "gauge_pressure", "tension"], at=[0.05, 0.137, 0.2])
+
+
+def test_values_are_those_of_the_run(pulsed):
+    run = mckibben.simulate(pulsed.scenario)
+    values = pulsed(pulsed.start)
+    assert values.shape == (3, 3) and pulsed.units == {"length": "m", "gauge_pressure": "Pa", "tension": "N"}
+    for time, (length, _, tension) in zip(pulsed.at, values):
+        at = run.at(time)
+        numpy.testing.assert_allclose([length, tension], [at["length_m"], at["tension_n"]], rtol=1e-12)
+
+
+def test_derivatives_are_those_of_differences(pulsed):
+    """The error of central differences is the square of the step and the run's own error over it."""
+    start = pulsed.start
+    values, slopes = pulsed.with_slopes(start)
+    numpy.testing.assert_array_equal(values, pulsed(start))
+    assert slopes.shape == (3, 3, len(BY)), "more numbers than one pass takes"
+    scale = abs(values).max(axis=0)
+    for number, value in enumerate(start):
+        step = 1e-5 * value
+        there = [pulsed(start + sign * step * (numpy.arange(len(BY)) == number)) for sign in (1, -1)]
+        difference = (there[0] - there[1]) / (2 * step)
+        numpy.testing.assert_allclose(slopes[..., number] * value / scale, difference * value / scale, atol=2e-4)
+        assert abs(slopes[..., number]).max() > 0
+
+
+def test_jax_differentiates_forwards_and_backwards(pulsed):
+    function = pulsed.for_jax()
+    _, slopes = pulsed.with_slopes(pulsed.start)
+    numpy.testing.assert_array_equal(jax.jit(function)(pulsed.start), pulsed(pulsed.start))
+    forwards = jax.jacfwd(function)(pulsed.start)
+    backwards = jax.jacrev(function)(pulsed.start)
+    numpy.testing.assert_allclose(forwards, slopes, rtol=1e-14)
+    numpy.testing.assert_allclose(backwards, slopes, rtol=1e-14)
+
+    def reduced(values):
+        return (function(values)[:, 0] ** 2).sum()
+
+    expected = 2 * numpy.einsum("t,tp->p", pulsed(pulsed.start)[:, 0], slopes[:, 0])
+    numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.start), expected, rtol=1e-13)
+
+
+def test_a_joint_has_derivatives_by_both_actuators(examples):
+    joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml").with_values({"run.duration": "50 ms"})
+    by = ["actuator.turns", "antagonist.actuator.turns", "load.inertia"]
+    angle = mckibben.Differentiable(joint, by, ["angle"], [0.05])
+    _, slopes = angle.with_slopes(angle.start)
+    assert slopes.shape == (1, 1, 3) and slopes[0, 0, 0] * slopes[0, 0, 1] < 0, "they pull against each other"
+
+
+def test_what_cannot_be_is_told(pulsed):
+    scenario = pulsed.scenario
+    for by, of, at, words in [
+        (["load.mas"], ["length"], [0.1], "did you mean `load.mass`"),
+        (["load.mass"], ["angle"], [0.1], "`angle` is no quantity"),
+        (["load.mass"], ["length"], [0.3], "is no time of the run"),
+        (["load.mass"], ["length"], [float("nan")], "is no time of the run"),
+    ]:
+        with pytest.raises(mckibben.InputError, match=words):
+            mckibben.Differentiable(scenario, by, of, at)
+    with pytest.raises(mckibben.InputError, match="1 values were given for 9 numbers"):
+        pulsed([1.0])
+    with pytest.raises(mckibben.InputError, match="load.mass"):
+        pulsed([-1.0, *pulsed.start[1:]])
+
+
+def test_it_can_be_pickled(pulsed):
+    again = pickle.loads(pickle.dumps(pulsed))
+    numpy.testing.assert_array_equal(again(again.start), pulsed(pulsed.start))
