@@ -2,17 +2,161 @@
 What is compiled of the package `mckibben`.
 """
 
-from _typeshed import SupportsGetItem
+from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from collections.abc import Mapping
 from matplotlib.figure import Figure
-from numpy import float64, str_
-from numpy.typing import NDArray
+from numpy import complex128, float64, str_
+from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Event", "Scenario", "Trajectory", "restored", "simulate"]
+__all__ = ["Actuator", "ActuatorState", "Actuators", "Estimate", "Event", "Identification", "LinearModel", "Response", "Scenario", "Trajectory", "curves", "identify", "linearize", "presets", "simulate"]
+
+@final
+class Actuator:
+    """
+    The actuator of a scenario, with its air, its valve and its air line, for a loop of one's own: you say what is asked of
+    the valve and where the ends are, and it says how hard it pulls.
+
+    The scenario's load and command do not count. `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of
+    the scenario's PWM unless given.
+
+    An actuator does not change: `step` takes a state and gives the next, so that any step can be taken again.
+    """
+    def __getnewargs__(self, /) -> tuple[Scenario, float | None]: ...
+    def __new__(cls, /, scenario: Scenario, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def scenario(self, /) -> Scenario:
+        """
+        What it was made of.
+        """
+    def start(self, /) -> ActuatorState:
+        """
+        The state at t = 0: that of the scenario, with the coils released.
+        """
+    def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | str | None, dt: SupportsFloat | SupportsIndex) -> tuple[ActuatorState, float, Response]:
+        """
+        Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
+
+        `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; with `None` what was asked before goes on, and an
+        actuator without a valve takes nothing else. `velocity` in m/s is that of the ends at the end of the step.
+
+        Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
+
+        Raises `InputError` for what cannot be asked, and `StoppedError` where the step leaves the physics.
+        """
+
+@final
+class ActuatorState:
+    """
+    Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
+    """
+    def __repr__(self, /) -> str: ...
+    @property
+    def air_mass(self, /) -> float:
+        """
+        Mass of the air in kg.
+        """
+    @property
+    def length(self, /) -> float:
+        """
+        Distance between the ends in m.
+        """
+    @property
+    def pressure(self, /) -> float:
+        """
+        Absolute pressure of the air in Pa.
+        """
+    @property
+    def time(self, /) -> float:
+        """
+        The time in s that has been reached.
+        """
+    @property
+    def valve(self, /) -> str:
+        """
+        Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
+        """
+
+@final
+class Actuators:
+    """
+    Many actuators of one scenario, each with its own air, valve and memory, stepped together in loops of your own.
+
+    Arrays are yours: `step` reads and writes them in place, and allocates nothing. They are one-dimensional, of 64-bit
+    floating-point numbers, without gaps, with one entry for each actuator. Rows are stepped on all cores; each is an
+    `Actuator` by itself, to the bit.
+
+    `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of the scenario's PWM unless given.
+    """
+    def __len__(self, /) -> int:
+        """
+        How many there are.
+        """
+    def __new__(cls, /, scenario: Scenario, count: SupportsIndex, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
+    def __repr__(self, /) -> str: ...
+    def reset(self, /) -> None:
+        """
+        All of them go back to t = 0 and the scenario's state, with the coils released.
+        """
+    def step(self, /, dt: SupportsFloat | SupportsIndex, length: NDArray[float64], velocity: NDArray[float64], duty: NDArray[float64] | None, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, pressure: NDArray[float64] | None = None) -> None:
+        """
+        Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
+        pulses of `duty` from 0 to 1; with `None` what was asked before goes on.
+
+        `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
+        `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
+
+        Raises `InputError` for arrays and duties that cannot be, before anything has changed, and `StoppedError` where an
+        actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
+        gone on.
+        """
+
+@final
+class Estimate:
+    """
+    A number that was found.
+    """
+    def __eq__(self, other: object, /) -> bool:
+        """
+        Whether both are the same.
+        """
+    def __getnewargs__(self, /) -> tuple[str, str, float, float | None, tuple[float, float] | None, bool]: ...
+    def __new__(cls, /, name: str, unit: str, value: SupportsFloat | SupportsIndex, deviation: SupportsFloat | SupportsIndex | None, interval: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, on_bound: bool) -> Estimate: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def deviation(self, /) -> float | None:
+        """
+        Its standard deviation; `None` where the data do not tell it or it rests on a bound.
+        """
+    @property
+    def interval(self, /) -> tuple[float, float] | None:
+        """
+        Its 95 % interval, likewise.
+        """
+    @property
+    def name(self, /) -> str:
+        """
+        The path of its key in a scenario, with the run behind it where each run has its own.
+        """
+    @property
+    def on_bound(self, /) -> bool:
+        """
+        Whether it rests on one of its bounds.
+        """
+    @property
+    def unit(self, /) -> str:
+        """
+        The unit of its values, in SI; empty for a pure number.
+        """
+    @property
+    def value(self, /) -> float:
+        """
+        The value that fits best.
+        """
 
 @final
 class Event:
@@ -40,6 +184,151 @@ class Event:
     def time(self, /) -> float:
         """
         When it happened, in s.
+        """
+
+@final
+class Identification:
+    """
+    What was found in measured data.
+    """
+    def __getitem__(self, name: str, /) -> Estimate:
+        """
+        The number of this name, such as "actuator.friction.viscous".
+        """
+    def __getnewargs__(self, /) -> tuple[list[Estimate], list[str], list[str], list[tuple[str, str]]]: ...
+    def __new__(cls, /, estimates: SupportsGetItem[int, Estimate], notes: SupportsGetItem[int, str], warnings: SupportsGetItem[int, str], scenarios: SupportsGetItem[int, tuple[str, str]]) -> Identification: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def estimates(self, /) -> list[Estimate]:
+        """
+        The numbers with their intervals. A study of ring-downs tells its own in the report.
+        """
+    @property
+    def notes(self, /) -> list[str]:
+        """
+        What was done, in a few sentences.
+        """
+    @property
+    def scenarios(self, /) -> dict[str, Scenario]:
+        """
+        The scenarios with the numbers that were found, by the names of their files.
+        """
+    @property
+    def warnings(self, /) -> list[str]:
+        """
+        What to know before believing the numbers.
+        """
+
+@final
+class LinearModel:
+    """
+    A linear model `dx/dt = A x + B u`, `y = C x + D u`, of differences from an operating point.
+
+    `control.ss(model.A, model.B, model.C, model.D)` is the same for python-control.
+    """
+    @property
+    def A(self, /) -> NDArray[float64]:
+        """
+        One row and one column for each state.
+        """
+    @property
+    def B(self, /) -> NDArray[float64]:
+        """
+        One row for each state, one column for each input.
+        """
+    @property
+    def C(self, /) -> NDArray[float64]:
+        """
+        One row for each output, one column for each state.
+        """
+    @property
+    def D(self, /) -> NDArray[float64]:
+        """
+        One row for each output, one column for each input.
+        """
+    def __getnewargs__(self, /) -> tuple[Any, ...]: ...
+    def __new__(cls, /, matrices: SupportsLenAndGetItem[Incomplete], signals: SupportsLenAndGetItem[SupportsGetItem[int, tuple[str, str]]], poles: SupportsGetItem[int, tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]], point: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], json: str) -> LinearModel: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def inputs(self, /) -> list[str]:
+        """
+        The names of the inputs.
+        """
+    @property
+    def operating_point(self, /) -> dict[str, float]:
+        """
+        The values at the operating point, by names that have the unit at the end.
+        """
+    @property
+    def outputs(self, /) -> list[str]:
+        """
+        The names of the outputs.
+        """
+    @property
+    def poles(self, /) -> NDArray[complex128]:
+        """
+        The poles in 1/s.
+        """
+    @property
+    def states(self, /) -> list[str]:
+        """
+        The names of the states.
+        """
+    def to_json(self, /) -> str:
+        """
+        The model as `mckibben linearize --output model.json` writes it, with controllability and how far it holds.
+        """
+    @property
+    def units(self, /) -> dict[str, str]:
+        """
+        The units of states, inputs and outputs by their names, in SI; empty for a pure number.
+        """
+
+@final
+class Response:
+    """
+    What an actuator answers to where its ends are, with its derivatives.
+    """
+    def __repr__(self, /) -> str: ...
+    @property
+    def mass_flow(self, /) -> float:
+        """
+        Net mass flow into the actuator in kg/s.
+        """
+    @property
+    def per_length(self, /) -> float:
+        """
+        Its derivative by the length at constant pressure, in N/m.
+        """
+    @property
+    def per_pressure(self, /) -> float:
+        """
+        Its derivative by the pressure, in m^2.
+        """
+    @property
+    def per_velocity(self, /) -> float:
+        """
+        Its derivative by the velocity, in N*s/m.
+        """
+    @property
+    def pressure_rate(self, /) -> float:
+        """
+        Rate of the pressure in Pa/s.
+        """
+    @property
+    def temperature(self, /) -> float:
+        """
+        Temperature of the air in K.
+        """
+    @property
+    def tension(self, /) -> float:
+        """
+        Tension in N, zero or more.
+        """
+    @property
+    def volume(self, /) -> float:
+        """
+        Volume of the air in m^3, braid and hose.
         """
 
 @final
@@ -113,11 +402,15 @@ class Trajectory:
         """
         A column by its name, such as "length_m" or "hose_pressure_pa".
         """
+    def __getnewargs__(self, /) -> tuple[Any, ...]: ...
     def __len__(self, /) -> int:
         """
         How many rows there are.
         """
-    def __reduce__(self, /) -> tuple[Any, ...]: ...
+    def __new__(cls, /, scenario: Scenario, columns: SupportsGetItem[int, tuple[str, str, Any]], events: SupportsGetItem[int, Event] | None) -> Trajectory:
+        """
+        A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
+        """
     def __repr__(self, /) -> str: ...
     def _repr_svg_(self, /) -> str: ...
     @property
@@ -141,7 +434,7 @@ class Trajectory:
 
         Raises `InputError` for a time outside the run, and for a run at fixed steps.
         """
-    def at_times(self, /, times: SupportsGetItem[int, SupportsFloat | SupportsIndex]) -> dict[str, NDArray[Any]]:
+    def at_times(self, /, times: ArrayLike) -> dict[str, NDArray[Any]]:
         """
         Every column at each of `times` in s, as arrays by the names of the columns; as `at`.
         """
@@ -244,9 +537,43 @@ class Trajectory:
         Volumes of the actuator's air in m^3, braid and hose.
         """
 
-def restored(scenario: Scenario, columns: SupportsGetItem[int, tuple[str, str, Any]], events: SupportsGetItem[int, Event] | None) -> Trajectory:
+def curves(scenario: Scenario, pressures: str = ...) -> dict[str, NDArray[float64]]:
     """
-    A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
+    Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
+
+    `pressures` are gauge pressures as text, such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
+    has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
+    the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
+    """
+
+def identify(study: str | PathLike[str], output: str | PathLike[str] | None = None) -> Identification:
+    """
+    From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
+
+    With `output`, a folder, the report, the scenarios and the numbers are written there as well.
+
+    Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found.
+    """
+
+def linearize(scenario: Scenario, *, pressure: str | None = None, length: str | None = None, load: str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: str | None = None, angle: str | None = None, stiffness: str | None = None, amplitude: str | None = None, all_states: bool = False) -> LinearModel:
+    """
+    A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
+
+    Two of `pressure` (gauge), `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
+    pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
+    shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
+    `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are text with units, such
+    as "60 psi".
+
+    Raises `InputError` where there is no such point.
+    """
+
+def presets() -> dict[str, Any]:
+    """
+    The named actuators and valves, by their names: what `mckibben presets` shows.
+
+    Of each `section`, in whose `preset` a scenario names it, `meaning`, and `values`: for each key its `value` in `unit`
+    (SI), the `text` as the source writes it, the `source`, and whether it is `assumed`.
     """
 
 def simulate(scenario: Scenario) -> Trajectory:

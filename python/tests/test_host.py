@@ -30,9 +30,10 @@ def test_everything_can_be_pickled(swing, protocol):
     def again(thing):
         return pickle.loads(pickle.dumps(thing, protocol))
 
-    changed = swing.with_values({"load.mass": "6 lb"})
+    changed = swing.with_values({"load.mass": "6 lb", "run.duration": "0.5 s"})
     assert again(changed) == changed
     run = mckibben.simulate(changed)
+    assert run.events, "it turns round"
     copy = again(run)
     same(run, copy)
     assert copy.scenario == changed and not copy.length.flags.writeable

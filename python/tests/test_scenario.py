@@ -29,6 +29,7 @@ def test_a_dictionary_says_what_a_file_says(swing):
 
 
 def test_numbers_and_arrays_of_numpy_are_values(swing):
+    swing = swing.with_values({"actuator.preset": "colbrunn-2001"})
     plain = swing.with_values({"actuator.turns": 2.5, "actuator.effectiveness.polynomial": [0.5, 0.001],
                                "actuator.effectiveness.pressure_unit": "psi"})
     arrays = swing.with_values({"actuator.turns": numpy.float32(2.5),

@@ -119,6 +119,9 @@ impl Identification {
     }
 }
 
+/// What an estimate is made of, for pickling.
+type Made<'a> = (&'a str, &'a str, f64, Option<f64>, Option<(f64, f64)>, bool);
+
 #[pymethods]
 impl Estimate {
     #[new]
@@ -179,7 +182,7 @@ impl Estimate {
         format!("<mckibben.Estimate {} = {:?} {}{interval}>", self.name, self.value, self.unit)
     }
 
-    fn __getnewargs__(&self) -> (&str, &str, f64, Option<f64>, Option<(f64, f64)>, bool) {
+    fn __getnewargs__(&self) -> Made<'_> {
         (&self.name, &self.unit, self.value, self.deviation, self.interval, self.on_bound)
     }
 }

@@ -15,16 +15,17 @@ pub(crate) fn to_toml(path: &str, value: &Bound<'_, PyAny>) -> PyResult<toml::Va
     if let Ok(table) = value.cast::<PyMapping>() {
         return table_of(path, table).map(toml::Value::Table);
     }
+    // Arrays have all that numbers have, so they come first.
+    if let Ok(items) = value.try_iter() {
+        let items = items.enumerate().map(|(index, item)| to_toml(&format!("{path}[{index}]"), &item?));
+        return items.collect::<PyResult<Vec<_>>>().map(toml::Value::Array);
+    }
     // The floats of NumPy have __float__ and its whole numbers __index__, as Python's have.
     if value.is_instance_of::<PyInt>() || (!value.is_instance_of::<PyFloat>() && value.hasattr("__index__")?) {
         return match value.extract::<i64>() {
             Ok(whole) => Ok(toml::Value::Integer(whole)),
             Err(_) => value.extract().map(toml::Value::Float),
         };
-    }
-    if let Ok(items) = value.try_iter() {
-        let items = items.enumerate().map(|(index, item)| to_toml(&format!("{path}[{index}]"), &item?));
-        return items.collect::<PyResult<Vec<_>>>().map(toml::Value::Array);
     }
     value.extract().map(toml::Value::Float).map_err(|_| {
         let name = value.get_type().name().map_or_else(|_| "object".to_owned(), |name| name.to_string());
