@@ -66,7 +66,8 @@ impl Differentiable {
             start.push(place.value(&mut base).unwrap_or(f64::NAN));
             places.push(if shared { place.of_both() } else { place });
         }
-        let given = ["actuator.min_length", "antagonist.actuator.min_length"].map(|key| scenario.document.contains(key));
+        let given =
+            ["actuator.min_length", "antagonist.actuator.min_length"].map(|key| scenario.document.contains(key));
         let asked = Asked { observed: of, times: at, tolerance: base.run.relative_tolerance };
         Ok((Adjustable::new(base, places, given), asked, start))
     }
@@ -163,10 +164,18 @@ impl Differentiable {
     }
 
     fn __repr__(&self) -> String {
-        format!("<mckibben.Differentiable, {} of {} times by {}>", self.of.join(", "), self.asked.times.len(), self.by.join(", "))
+        format!(
+            "<mckibben.Differentiable, {} of {} times by {}>",
+            self.of.join(", "),
+            self.asked.times.len(),
+            self.by.join(", ")
+        )
     }
 
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Py<Scenario>, Vec<String>, Vec<String>, Bound<'py, PyArray1<f64>>) {
+    fn __getnewargs__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> (Py<Scenario>, Vec<String>, Vec<String>, Bound<'py, PyArray1<f64>>) {
         (self.scenario.clone_ref(py), self.by.clone(), self.of.clone(), PyArray1::from_slice(py, &self.asked.times))
     }
 }

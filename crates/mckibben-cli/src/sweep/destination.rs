@@ -97,7 +97,12 @@ impl<'a> Destination<'a> {
 }
 
 /// What is said in a file: about the sweep, and about the rows in it.
-pub(super) fn about(notes: &[(String, String)], part: u64, rows: std::ops::Range<u64>, failed: u64) -> Vec<(String, String)> {
+pub(super) fn about(
+    notes: &[(String, String)],
+    part: u64,
+    rows: std::ops::Range<u64>,
+    failed: u64,
+) -> Vec<(String, String)> {
     let of_part =
         [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end)), (FAILED, failed.to_string())];
     notes.iter().cloned().chain(of_part.map(|(key, value)| (key.to_owned(), value))).collect()
