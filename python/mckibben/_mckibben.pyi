@@ -3,7 +3,7 @@ What is compiled of the package `mckibben`.
 """
 
 from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from matplotlib.figure import Figure
 from numpy import complex128, float64, str_
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Actuator", "ActuatorState", "Actuators", "Estimate", "Event", "Identification", "LinearModel", "Response", "Scenario", "Trajectory", "curves", "identify", "linearize", "presets", "simulate"]
+__all__ = ["Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "presets", "simulate"]
 
 @final
 class Actuator:
@@ -113,6 +113,68 @@ class Actuators:
         Raises `InputError` for arrays and duties that cannot be, before anything has changed, and `StoppedError` where an
         actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
         gone on.
+        """
+
+@final
+class Differentiable:
+    """
+    Quantities of a run at given times as a function of numbers of its scenario, with exact derivatives by all of them.
+
+    `by` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
+    "actuator.effectiveness.value[2]"; `of` are quantities: "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
+    "angle" (rad), "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure",
+    "antagonist_tension"; `at` are times in s within the run. Every event is located, and derivatives go through it.
+
+    Called with values of the numbers in SI, in the order of `by`, it gives an array of shape (len(at), len(of)).
+
+    Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a controller.
+    """
+    def __call__(self, /, values: ArrayLike) -> NDArray[float64]:
+        """
+        The quantities at the times, of shape (len(at), len(of)).
+        """
+    def __getnewargs__(self, /) -> tuple[Scenario, list[str], list[str], Incomplete]: ...
+    def __new__(cls, /, scenario: Scenario, by: SupportsGetItem[int, str], of: SupportsGetItem[int, str], at: ArrayLike) -> Differentiable: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def at(self, /) -> NDArray[float64]:
+        """
+        The times in s.
+        """
+    @property
+    def by(self, /) -> list[str]:
+        """
+        The numbers that it is a function of.
+        """
+    def for_jax(self, /) -> Callable[..., Any]:
+        """
+        The same as a function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
+
+        JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
+        """
+    @property
+    def of(self, /) -> list[str]:
+        """
+        The quantities.
+        """
+    @property
+    def scenario(self, /) -> Scenario:
+        """
+        What is run.
+        """
+    @property
+    def start(self, /) -> NDArray[float64]:
+        """
+        The values of the numbers in the scenario, in SI.
+        """
+    @property
+    def units(self, /) -> dict[str, str]:
+        """
+        The units of the quantities by their names.
+        """
+    def with_slopes(self, /, values: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
+        """
+        The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
         """
 
 @final
@@ -385,6 +447,68 @@ class Scenario:
     def with_values(self, /, values: Mapping[str, Any]) -> Scenario:
         """
         The same scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`.
+        """
+
+@final
+class Sweep:
+    """
+    The runs of a scenario's section `[sweep]`, in parts that can be computed anywhere: what `mckibben sweep` does, to the last
+    bit.
+
+    `mckibben.sweep` does all of them. `chosen` is the step of the fixed-step engine that was chosen for all rows; it is chosen
+    where it is not given.
+
+    Raises `InputError` for a scenario without a sweep, and for one that cannot be.
+    """
+    def __getnewargs__(self, /) -> tuple[Scenario, tuple[float, float, list[int], list[int]] | None]: ...
+    def __new__(cls, /, scenario: Scenario, chosen: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsGetItem[int, SupportsIndex], SupportsGetItem[int, SupportsIndex]] | None = None) -> Sweep: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def columns(self, /) -> list[str]:
+        """
+        The names of the table's columns in their order.
+        """
+    def missing(self, /, folder: str | PathLike[str]) -> tuple[list[int], int]:
+        """
+        Makes the sweep's folder, or takes up one that holds the same sweep: the numbers of the parts that are not finished in
+        it, and how many runs failed in those that are.
+        """
+    def part(self, /, part: SupportsIndex) -> bytes:
+        """
+        Computes a part on one thread, while other threads of Python go on: the bytes of its Parquet file.
+        """
+    @property
+    def parts(self, /) -> int:
+        """
+        How many parts they make, each a Parquet file.
+        """
+    def put(self, /, folder: str | PathLike[str], part: SupportsIndex, bytes: bytes) -> None:
+        """
+        Puts the bytes of a part into the folder: it is there whole or not at all.
+        """
+    @property
+    def rows(self, /) -> int:
+        """
+        How many runs there are.
+        """
+    def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None) -> None:
+        """
+        Computes what is missing in the folder on `jobs` threads, one for each core unless given.
+        """
+    @property
+    def scenario(self, /) -> Scenario:
+        """
+        What is swept.
+        """
+    @property
+    def step(self, /) -> float | None:
+        """
+        The longest step of the fixed-step engine in s that was chosen for all runs; `None` where they have their own.
+        """
+    @property
+    def units(self, /) -> dict[str, str]:
+        """
+        The units of the columns of numbers by their names, in SI.
         """
 
 @final
