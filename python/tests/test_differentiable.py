@@ -13,6 +13,10 @@ import mckibben
 jax.config.update("jax_enable_x64", True)
 
 PULSED = """\
+[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
 [command]
 kind = "pwm"
 frequency = "25 Hz"

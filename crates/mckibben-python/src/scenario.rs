@@ -34,7 +34,12 @@ impl Scenario {
         for (key, value) in &set {
             document.set_text_from(SET, key, value).raised()?;
         }
-        let understood = document.scenario().raised()?;
+        // What a sweep varies need not be said beside it: then the first run stands for all.
+        let first = |error| match document.sweep() {
+            Ok(Some(sweep)) => sweep.scenario(0).map_err(|_| error),
+            _ => Err(error),
+        };
+        let understood = document.scenario().or_else(first).raised()?;
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
         Ok(Self { name, text, set, document, understood })
     }
