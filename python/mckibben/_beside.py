@@ -70,13 +70,13 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
     value = jax.ShapeDtypeStruct(shape, numpy.float64)
     slopes = jax.ShapeDtypeStruct((*shape, len(run.by)), numpy.float64)
 
-    @jax.custom_jvp
     def simulated(values: typing.Any) -> typing.Any:
         return jax.pure_callback(run, value, values, vmap_method="sequential")
 
-    @simulated.defjvp
     def forward(primals: typing.Any, tangents: typing.Any) -> typing.Any:
         read, by = jax.pure_callback(run.with_slopes, (value, slopes), primals[0], vmap_method="sequential")
         return read, by @ tangents[0]
 
-    return simulated
+    function: typing.Any = jax.custom_jvp(simulated)
+    function.defjvp(forward)
+    return typing.cast("collections.abc.Callable[..., typing.Any]", function)

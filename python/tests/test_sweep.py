@@ -132,10 +132,11 @@ def test_ray_gives_the_same_bytes_though_a_node_is_lost(swept, expected, tmp_pat
 
 
 def test_runs_that_fail_say_why(swept, tmp_path):
-    impossible = swept.with_values({"sweep.vary": {"load.mass": ["5 lb", "-1 lb"]}})
-    done = mckibben.sweep(impossible, tmp_path)
+    """The thread is shorter than the muscle in the second run."""
+    varied = {"load.mass": ["5 lb"], "actuator.thread_length": ["4.3218 in", "3 in"]}
+    done = mckibben.sweep(swept.with_values({"sweep.vary": varied}), tmp_path)
     assert (done.rows, done.failed) == (2, 1)
-    assert "load.mass" in done.to_polars()["error"][1]
+    assert "thread_length" in done.to_polars()["error"][1]
 
 
 def test_what_cannot_be_is_told(swing, swept, tmp_path):

@@ -35,9 +35,9 @@ impl Scenario {
             document.set_text_from(SET, key, value).raised()?;
         }
         // What a sweep varies need not be said beside it: then the first run stands for all.
-        let first = |error| match document.sweep() {
-            Ok(Some(sweep)) => sweep.scenario(0).map_err(|_| error),
-            _ => Err(error),
+        let first = |error| match document.sweep()? {
+            Some(sweep) => sweep.scenario(0).map_err(|_| error),
+            None => Err(error),
         };
         let understood = document.scenario().or_else(first).raised()?;
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
