@@ -8,6 +8,7 @@ import os
 import pathlib
 import pickle
 import signal
+from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
@@ -83,11 +84,25 @@ def test_what_is_there_is_kept_and_what_is_missing_is_done(swept, expected, tmp_
     assert parts(tmp_path) == expected and (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
 
 
-def test_the_parts_of_a_killed_worker_are_done_again(swept, expected, tmp_path):
-    with concurrent.futures.ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        pool.submit(os.getpid).result()
-        # At work it holds no lock of the pool, which would wait for that for ever.
-        pool.submit(os._exit, 1)
+class Breaking(concurrent.futures.ThreadPoolExecutor):
+    """As a pool of processes of which one is killed: what was submitted is lost, and nothing more can be."""
+
+    def submit(self, function, /, *arguments, **named):
+        if self.left == 0:
+            raise BrokenProcessPool("it broke before")
+        self.left -= 1
+        future = super().submit(function, *arguments, **named)
+        if self.left > 1:
+            return future
+        lost: concurrent.futures.Future[bytes] = concurrent.futures.Future()
+        lost.set_exception(BrokenProcessPool("a worker was killed"))
+        return lost
+
+
+@pytest.mark.parametrize("healthy", [0, 1, 4, 8])
+def test_the_parts_of_a_killed_worker_are_done_again(swept, expected, tmp_path, healthy):
+    with Breaking(2) as pool:
+        pool.left = healthy
         with pytest.warns(RuntimeWarning, match="the executor broke"):
             mckibben.sweep(swept, tmp_path, executor=pool)
     assert parts(tmp_path) == expected
