@@ -74,7 +74,8 @@ def sweep(
 
     A part whose worker dies is computed again: by Ray and Dask on another worker; where an executor of `concurrent.futures`
     breaks, by this process, with a `RuntimeWarning`. Parts that are finished in the folder are kept, so a sweep that was
-    stopped goes on with what is missing. `progress` is called with the parts that are done and all there are.
+    stopped goes on with what is missing. An executor's `progress` is told by calls with the parts that are
+    done and all there are.
 
     Raises `InputError` for a scenario without a sweep and for a folder of another one. Runs that fail do not stop the
     others: they have their reason in the column `error`.

@@ -139,45 +139,43 @@ fn python_package(root: &Path) -> Result<Tally, String> {
 
 /// Runs pytest, and counts what it says of passed and failed tests.
 pub(crate) fn counted(tests: &mut Command) -> Result<(u64, u64), String> {
+    // The last line has the counts.
+    tallied(tests, |(passed, failed), line| {
+        (*passed, *failed) =
+            (count_before(line, " passed"), count_before(line, " failed") + count_before(line, " error"));
+    })
+}
+
+/// Runs tests, shows what they say, and counts by each line those that passed and those that failed.
+fn tallied(tests: &mut Command, see: impl Fn(&mut (u64, u64), &str)) -> Result<(u64, u64), String> {
     let line = words(tests);
     let lost = |error| format!("`{line}` could not be run: {error}");
     let mut child = tests.stdout(Stdio::piped()).spawn().map_err(lost)?;
-    let (mut passed, mut failed) = (0, 0);
+    let mut counts = (0, 0);
     if let Some(output) = child.stdout.take() {
         for line in BufReader::new(output).lines().map_while(Result::ok) {
             println!("{line}");
-            // The last line has the counts.
-            (passed, failed) = (count_before(&line, " passed"), count_before(&line, " failed"));
-            failed += count_before(&line, " error");
+            see(&mut counts, &line);
         }
     }
     let status = child.wait().map_err(lost)?;
-    if status.success() || failed > 0 { Ok((passed, failed)) } else { Err(format!("`{line}` ended with {status}")) }
+    if status.success() || counts.1 > 0 { Ok(counts) } else { Err(format!("`{line}` ended with {status}")) }
 }
 
 /// Every test of the workspace, the examples in the documentation included.
 fn test(root: &Path) -> Result<Tally, String> {
     let mut command = cargo(root);
     command.args(["test", "--workspace", "--locked", "--no-fail-fast"]);
-    command.env("MCKIBBEN_REFERENCE", python::reference_folder(root)).stdout(Stdio::piped());
+    command.env("MCKIBBEN_REFERENCE", python::reference_folder(root));
     // What is compiled once keeps nothing for the next time.
     command.env("CARGO_INCREMENTAL", "0");
-    let mut child = command.spawn().map_err(|error| format!("cargo test could not be started: {error}"))?;
-    let (mut passed, mut failed) = (0, 0);
-    if let Some(output) = child.stdout.take() {
-        for line in BufReader::new(output).lines().map_while(Result::ok) {
-            println!("{line}");
-            if let Some(counts) = line.strip_prefix("test result: ") {
-                passed += count_before(counts, " passed");
-                failed += count_before(counts, " failed");
-            }
+    let tally = tallied(&mut command, |(passed, failed), line| {
+        if let Some(counts) = line.strip_prefix("test result: ") {
+            *passed += count_before(counts, " passed");
+            *failed += count_before(counts, " failed");
         }
-    }
-    let status = child.wait().map_err(|error| format!("cargo test was lost: {error}"))?;
-    if !status.success() && failed == 0 {
-        return Err(format!("cargo test ended with {status}"));
-    }
-    Ok(Some((passed, failed)))
+    });
+    tally.map(Some)
 }
 
 /// Writes the page on the accuracy of the fixed-step engine: the test that holds it to what is measured does so when asked.

@@ -3,10 +3,10 @@
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{Function, Names, Numbers, Sequence};
+use mckibben::parameter;
 use mckibben_cli::failure::Failure;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::trajectories::{Asked, Observed};
-use mckibben_scenario::Place;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -60,14 +60,12 @@ impl Differentiable {
         }
         let (mut places, mut start) = (Vec::new(), Vec::new());
         for path in by {
-            let place = Place::find(path, &mut base).map_err(|error| Failure::input(error.to_string(), "mend `by`"))?;
-            let alone = by.iter().any(|other| *other == format!("antagonist.{path}"));
-            let shared = place.of_each()[0] && !alone && scenario.document.says_of_both(path);
+            let place = scenario.document.find(path, by.iter().map(String::as_str), &mut base);
+            let place = place.map_err(|error| Failure::input(error.to_string(), "mend `by`"))?;
             start.push(place.value(&mut base).unwrap_or(f64::NAN));
-            places.push(if shared { place.of_both() } else { place });
+            places.push(place);
         }
-        let given =
-            ["actuator.min_length", "antagonist.actuator.min_length"].map(|key| scenario.document.contains(key));
+        let given = scenario.document.says_of_each(parameter::MIN_LENGTH.key);
         let asked = Asked { observed: of, times: at, tolerance: base.run.relative_tolerance };
         Ok((Adjustable::new(base, places, given), asked, start))
     }

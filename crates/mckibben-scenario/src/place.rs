@@ -255,6 +255,23 @@ impl Place {
 }
 
 impl Document {
+    /// The number at a path in its scenario, which is looked for with `others` beside it: what it says of both actuators of a
+    /// joint is one number of both, unless the antagonist's is among these by itself.
+    ///
+    /// # Errors
+    /// As [`Place::find`].
+    pub fn find<'p>(
+        &self,
+        path: &str,
+        others: impl IntoIterator<Item = &'p str>,
+        scenario: &mut Scenario,
+    ) -> Result<Place, PlaceError> {
+        let place = Place::find(path, scenario)?;
+        let alone = others.into_iter().any(|other| in_antagonist(other) == Some(path));
+        let shared = place.of_each()[0] && !alone && self.says_of_both(path);
+        Ok(if shared { place.of_both() } else { place })
+    }
+
     /// Whether what it says of the first actuator of a joint at a key holds for the second too, since `[antagonist]` says
     /// nothing else; a path to an entry of a list stands for the list.
     pub fn says_of_both(&self, path: &str) -> bool {

@@ -36,7 +36,7 @@ pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use sensitivities::Asked;
 pub use simulated::Simulated;
 
-use crate::adjustable::{Adjustable, Seeded};
+use crate::adjustable::Adjustable;
 use crate::least_squares::{Evaluation, Model};
 use crate::study::Quantity;
 use mckibben::{Error, Real};
@@ -159,12 +159,6 @@ impl Recorded {
         Plant::of(&self.adjustable.at(&self.own(values))?)
     }
 
-    /// The same over dual numbers, in the pass of its numbers that begins with `first`.
-    fn seeded(&self, built: &Plant, first: usize) -> Plant<Seeded> {
-        let mut seeds = self.adjustable.seeds(first);
-        built.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value))
-    }
-
     /// The run as it is simulated with values of all unknowns, up to its last reading.
     fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Simulated, TrajectoryError> {
         let duration = self.duration(f64::INFINITY).max(1e-9);
@@ -210,7 +204,7 @@ impl Runs<'_> {
         let Ok(built) = run.built(values) else { return (residuals, slopes) };
         for first in run.adjustable.passes() {
             let mut row = 0;
-            let full = self.course(run, &run.seeded(&built, first), |residual| {
+            let full = self.course(run, &built.seeded(&run.adjustable, first), |residual| {
                 residuals[row] = residual.value;
                 run.adjustable.spread(first, &residual.slope, 1.0, &mut slopes[row * width..][..width]);
                 row += 1;

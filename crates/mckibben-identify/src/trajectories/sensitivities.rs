@@ -10,7 +10,7 @@
 use super::simulated::Plant;
 use super::{Observed, Simulated};
 use crate::adjustable::Adjustable;
-use mckibben::{Error, Real, Scalar};
+use mckibben::{Error, Real};
 use rayon::prelude::*;
 
 /// What a run is asked for: quantities, the times in s, and the relative tolerance of each step.
@@ -44,12 +44,8 @@ impl Asked {
         }
         let plant = Plant::of(&of.at(values)?)?;
         let passes: Vec<usize> = of.passes().collect();
-        let pass = |first: &usize| {
-            let mut seeds = of.seeds(*first);
-            let seeded = plant.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value));
-            self.run(&seeded).map(|run| self.read(&run).collect::<Vec<_>>())
-        };
-        let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, _>>()?;
+        let pass = |first: &usize| Ok(self.read(&self.run(&plant.seeded(of, *first))?).collect::<Vec<_>>());
+        let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, Error>>()?;
         let read: Vec<f64> = duals[0].iter().map(|dual| dual.value).collect();
         let mut slopes = vec![0.0; read.len() * width];
         for (first, duals) in passes.iter().zip(&duals) {
@@ -66,9 +62,8 @@ impl Asked {
     }
 
     fn read<'r, R: Real>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {
-        self.times.iter().flat_map(move |time| {
-            let at = R::constant(time.smaller(run.duration().value()));
-            self.observed.iter().map(move |observed| run.read(*observed, at))
-        })
+        self.times
+            .iter()
+            .flat_map(move |time| self.observed.iter().map(move |observed| run.read(*observed, R::constant(*time))))
     }
 }

@@ -208,7 +208,7 @@ impl Segments<'_> {
         let (mut residuals, mut slopes) = nothing();
         let Ok(built) = run.built(values) else { return nothing() };
         for first in run.adjustable.passes() {
-            let seeded = run.seeded(&built, first);
+            let seeded = built.seeded(&run.adjustable, first);
             let Ok(rig) = seeded.rig() else { return nothing() };
             let mut row = 0;
             let constant = |_: usize, at: [f64; STATES]| at.map(Seeded::constant);

@@ -1,7 +1,7 @@
 //! What is run: one actuator with its load, or a joint that two turn against each other, behind one face.
 
 use super::Observed;
-use crate::adjustable::Seeded;
+use crate::adjustable::{Adjustable, Seeded};
 use mckibben::parameter::Parameter;
 use mckibben::simulation::{
     Initial, JointInitial, JointRig, JointTrajectory, Rig, Sample, State, Trajectory, simulate, simulate_joint,
@@ -24,6 +24,12 @@ impl Plant {
             return Ok(Self::Joint(Box::new((experiment.rig, initial))));
         }
         Ok(Self::Rig(Box::new((scenario.experiment()?.rig, scenario.initial()))))
+    }
+
+    /// The same over dual numbers, in the pass of the numbers that are looked for that begins with `first`.
+    pub(super) fn seeded(&self, adjustable: &Adjustable, first: usize) -> Plant<Seeded> {
+        let mut seeds = adjustable.seeds(first);
+        self.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value))
     }
 
     /// The same over dual numbers; `seed` is told of which actuator of a joint a parameter is.

@@ -4,7 +4,6 @@ use super::Material;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::SoughtEntry;
-use mckibben_scenario::keys::ANTAGONIST;
 use mckibben_scenario::{Document, Place, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
@@ -60,18 +59,14 @@ fn entries(material: &Material) -> Result<&[SoughtEntry], Failure> {
     Ok(entries)
 }
 
-/// A number that the file says of both actuators of a joint is one number, unless the antagonist's is looked for by itself.
 fn place(
     material: &Material,
     entry: &SoughtEntry,
     (document, scenario): (&Document, &mut Scenario),
     help: String,
 ) -> Result<Place, Failure> {
-    let place = Place::find(&entry.path, scenario).map_err(|error| Failure::input(error.to_string(), help))?;
-    let of_second = format!("{ANTAGONIST}.{}", entry.path);
-    let alone = material.study.sought.iter().any(|other| other.path == of_second);
-    let shared = place.of_each()[0] && !alone && document.says_of_both(&entry.path);
-    Ok(if shared { place.of_both() } else { place })
+    let all = material.study.sought.iter().map(|other| other.path.as_str());
+    document.find(&entry.path, all, scenario).map_err(|error| Failure::input(error.to_string(), help))
 }
 
 /// Bounds are those of the study within those of the parameter.
