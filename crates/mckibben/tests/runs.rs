@@ -61,4 +61,6 @@ mod stops;
 mod tendon_control;
 mod tendon_located;
 mod tendon_rig;
+#[cfg(feature = "batch")]
+mod told;
 mod work;

@@ -5,15 +5,13 @@ use super::lane::Lane;
 use super::wide::Number;
 use super::{Row, RowByRow};
 use crate::error::Error;
-use crate::friction::Memory;
 use crate::simulation::closed_loop::Control;
 use crate::simulation::course::Course;
-use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
-use crate::simulation::kernel::Held;
+use crate::simulation::fixed_step::Walk;
 use crate::simulation::piped::{of_rig, volume};
 use crate::simulation::sample::Sample;
-use crate::simulation::{Decision, Method, Stepper};
-use crate::valve::Openings;
+use crate::simulation::{Decision, Method, State, Stepper};
+use crate::valve::{Demand, Openings};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use rayon::prelude::*;
@@ -66,6 +64,26 @@ impl<R: Number> Engine for Baseline<R> {
         control.map_or(&[], |control| control.decisions())
     }
 
+    fn tell(&mut self, block: usize, _: usize, demand: Demand) -> Result<(), Error> {
+        let Single { lane, walk, .. } = self.0.running(block)?;
+        lane.tell(&mut walk.progress, walk.course.time, demand)
+    }
+
+    fn restart(&mut self, block: usize, _: usize, row: &Row) -> Result<(), Error> {
+        let time = self.0.time();
+        let Some(Single { method, lane, .. }) = self.0.row(block) else { return Ok(()) };
+        let (mut lane, mut walk) = lane.anew(row, time)?;
+        lane.pass(&mut walk)?;
+        let single = Single { method: *method, lane, walk };
+        self.0.put(block, single);
+        Ok(())
+    }
+
+    fn state(&self, block: usize, _: usize) -> Result<State, &Error> {
+        let Single { walk, .. } = self.0.alive(block)?;
+        Ok(State::from_array(of_rig(&walk.course.state).map(|number| number.value())))
+    }
+
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>> {
         self.0.samples().into_iter().map(|sample| [sample].into()).collect()
     }
@@ -75,11 +93,7 @@ impl<R: Number> Single<R> {
     /// A row at t = 0 with what is due then behind it, and why it goes no further, if so.
     fn begin(row: &Row, method: Method) -> (Self, Option<Error>) {
         let mut lane = Lane::<R>::new(row);
-        let start = stepped(&row.rig, row.start);
-        let state = start.map(R::constant);
-        let memory = Memory::relaxed(lane.rig.actuator().limits().actuator_length(state[0]));
-        let held = Held { memory, compressor: compressor_starts(&row.rig, &start), ..Held::nothing() };
-        let mut walk = Walk { course: Course { time: 0.0, state, held }, progress: lane.progress, ports: lane.ports };
+        let mut walk = lane.begin(row, 0.0);
         let fault = lane.fault.take().or_else(|| lane.pass(&mut walk).err());
         (Self { method, lane, walk }, fault)
     }
@@ -93,6 +107,11 @@ impl<R: Number> Stepper for Single<R> {
     }
 
     fn advance_to(&mut self, until: f64) -> Result<(), Error> {
+        let Self { lane, walk, .. } = self;
+        let time = walk.course.time;
+        if lane.told.hear(lane.actuation.as_mut(), &mut walk.progress, [time, until]) {
+            lane.pass_due(walk);
+        }
         self.lane.go(&mut self.walk, self.method, until, None)
     }
 

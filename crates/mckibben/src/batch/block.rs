@@ -21,8 +21,8 @@ use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
 use crate::simulation::piped::{PIPED, PLAIN, SHORT, Stepped as States, of_rig, volume};
 use crate::simulation::sample::Sample;
-use crate::simulation::{Decision, Method, Rig};
-use crate::valve::{Openings, is_due};
+use crate::simulation::{Decision, Method, Rig, State};
+use crate::valve::{Demand, Openings, is_due};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::marker::PhantomData;
@@ -115,6 +115,42 @@ impl<W: Wide> Block<W> {
     pub(super) fn decisions(&self, index: usize) -> &[Decision] {
         let control = with_rows!(self, rows => &rows.lanes[index].control);
         control.as_ref().map_or(&[], |control| control.decisions())
+    }
+
+    /// Tells the valve of a lane what it is to do from now on.
+    pub(super) fn tell(&mut self, index: usize, demand: Demand) -> Result<(), Error> {
+        with_rows!(self, rows => rows.tell(index, demand))
+    }
+
+    /// Where a lane is, or why it has stopped.
+    pub(super) fn state(&self, index: usize) -> Result<State, &Error> {
+        with_rows!(self, rows => match &rows.lanes[index].fault {
+            Some(fault) => Err(fault),
+            None => Ok(State::from_array([0, 1, 2, 3].map(|place| rows.state[place].lane(index).value()))),
+        })
+    }
+
+    /// Puts another row in the place of a lane, from now on.
+    #[inline(always)]
+    fn restart(&mut self, index: usize, row: &Row) -> Result<(), Error> {
+        let walk = with_rows!(self, rows => {
+            let (lane, walk) = rows.lanes[index].anew(row, rows.time)?;
+            rows.lanes[index] = lane;
+            walk
+        });
+        let rigs: Vec<&Rig<W::Lane>> = with_rows!(self, rows => rows.lanes.iter().map(|lane| &lane.rig).collect());
+        let rig: Rig<W> = gather(&rigs);
+        match self {
+            Self::Ideal(rows) => {
+                if let Some(ideal) = rig.ideal() {
+                    rows.begin_anew(index, ideal, walk);
+                }
+            }
+            Self::Plain(rows) => rows.begin_anew(index, rig, walk),
+            Self::Piped(rows) => rows.begin_anew(index, rig, walk),
+            Self::Celled(rows) => rows.begin_anew(index, rig, walk),
+        }
+        Ok(())
     }
 }
 
@@ -240,6 +276,31 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         }
     }
 
+    /// Tells the valve of a lane what it is to do from now on.
+    fn tell(&mut self, index: usize, demand: Demand) -> Result<(), Error> {
+        let lane = &mut self.lanes[index];
+        if let Some(fault) = &lane.fault {
+            return Err(fault.clone());
+        }
+        let mut progress = lane.progress;
+        lane.tell(&mut progress, self.time, demand)?;
+        lane.progress = progress;
+        Ok(())
+    }
+
+    /// The rig over lanes with another row in one of them, which begins where `walk` is.
+    fn begin_anew(&mut self, index: usize, rig: Rig<W, L>, mut walk: Walk<W::Lane>) {
+        self.rig = rig;
+        self.alive = self.alive | W::mask(|lane| lane == index);
+        let mut end = self.state;
+        match self.lanes[index].pass(&mut walk) {
+            Ok(()) => self.take_back(index, &walk, &mut end),
+            Err(fault) => self.stop(index, fault, &mut end),
+        }
+        self.state = end;
+        self.sort();
+    }
+
     /// The lanes of `which` by themselves from where they are to `until`.
     #[inline(never)]
     fn walk_to(&mut self, which: W::Mask, until: f64, end: &mut States<W, N>) {
@@ -268,12 +329,21 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         }
     }
 
+    /// Hears what has been told up to the end of the span, and looks up instants.
     fn look_ahead(&mut self, span: &Span) {
-        if self.known_until < span.until {
+        let all = self.known_until < span.until;
+        if all {
             self.known_until = span.until + SPANS_AHEAD * (span.until - span.from);
-            for lane in self.lanes.iter_mut().filter(|lane| lane.fault.is_none()) {
+        }
+        let mut changed = false;
+        for lane in self.lanes.iter_mut().filter(|lane| lane.fault.is_none()) {
+            let Lane { told, actuation, progress, .. } = lane;
+            if told.hear(actuation.as_mut(), progress, [span.from, span.until]) || all {
                 lane.look_ahead(self.known_until);
+                changed = true;
             }
+        }
+        if changed {
             self.sort();
         }
     }
@@ -309,6 +379,10 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
     #[inline(always)]
     fn advance<S: Simd>(&mut self, simd: S, span: Span) {
         self.look_ahead(&span);
+        // What has just been told may move a seat at once.
+        while is_due(self.soonest, self.time) {
+            self.pass(self.soonest);
+        }
         for part in 1..=span.steps {
             let to = span.end_of(part);
             while self.shared && is_due(self.soonest, to) {
@@ -425,6 +499,18 @@ impl<W: Wide> Compiled for Attach<'_, W> {
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
         with_rows!(self.0, rows => rows.control(self.1, self.2))
+    }
+}
+
+/// Another row for a lane of a block.
+pub(super) struct Restart<'a, W: Wide>(pub(super) &'a mut Block<W>, pub(super) usize, pub(super) &'a Row);
+
+impl<W: Wide> Compiled for Restart<'_, W> {
+    type Wide = W;
+    type Output = Result<(), Error>;
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Self::Output {
+        self.0.restart(self.1, self.2)
     }
 }
 

@@ -1,13 +1,14 @@
 //! The blocks of a batch behind one face, whatever their number and width.
 
 use super::baseline::Baseline;
-use super::block::{Advance, Attach, Block, Create, Samples, Span};
+use super::block::{Advance, Attach, Block, Create, Restart, Samples, Span};
 use super::twice::Twice;
 use super::wide::{Doubles, Number, Singles, Wide, compiled};
 use super::{Row, Width};
 use crate::error::Error;
 use crate::simulation::closed_loop::Control;
-use crate::simulation::{Decision, Method, Sample};
+use crate::simulation::{Decision, Method, Sample, State};
+use crate::valve::Demand;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt::Debug;
@@ -21,6 +22,12 @@ pub trait Engine: Debug + Send + Sync {
     fn control(&mut self, block: usize, lane: usize, control: Box<dyn Control>);
     /// What the controller of a lane has decided.
     fn decisions(&self, block: usize, lane: usize) -> &[Decision];
+    /// What the valve of a lane is to do from now on.
+    fn tell(&mut self, block: usize, lane: usize, demand: Demand) -> Result<(), Error>;
+    /// Another row in the place of a lane, from now on.
+    fn restart(&mut self, block: usize, lane: usize, row: &Row) -> Result<(), Error>;
+    /// Where a lane is, or why it has stopped.
+    fn state(&self, block: usize, lane: usize) -> Result<State, &Error>;
     /// What each row of each block shows.
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>>;
 }
@@ -63,6 +70,18 @@ impl<W: Wide> Engine for Blocks<W> {
 
     fn decisions(&self, block: usize, lane: usize) -> &[Decision] {
         self.0[block].decisions(lane)
+    }
+
+    fn tell(&mut self, block: usize, lane: usize, demand: Demand) -> Result<(), Error> {
+        self.0[block].tell(lane, demand)
+    }
+
+    fn restart(&mut self, block: usize, lane: usize, row: &Row) -> Result<(), Error> {
+        compiled(Restart(&mut self.0[block], lane, row))
+    }
+
+    fn state(&self, block: usize, lane: usize) -> Result<State, &Error> {
+        self.0[block].state(lane)
     }
 
     fn samples(&self) -> Vec<Vec<Result<Sample, Error>>> {

@@ -11,12 +11,12 @@ use crate::simulation::Rig;
 use alloc::vec::Vec;
 
 /// A rig with all its numbers zero: two rigs of the same form are equal.
-pub(super) fn form(rig: &Rig) -> Rig {
+pub(super) fn form<R: Number>(rig: &Rig<R>) -> Rig<R> {
     rig.undriven(&mut Blank)
 }
 
 /// One rig over lanes from rows of the same form; the last row also fills the lanes that are left.
-pub(super) fn gather<W: Wide>(rows: &[&Rig]) -> Rig<W> {
+pub(super) fn gather<R: Number, W: Wide>(rows: &[&Rig<R>]) -> Rig<W> {
     let lists: Vec<Vec<f64>> = rows
         .iter()
         .map(|rig| {
@@ -47,26 +47,26 @@ impl<R: Number> Convert<f64, R> for Narrow {
 
 struct Blank;
 
-impl Convert<f64, f64> for Blank {
-    fn parameter(&mut self, _: &'static Parameter, _: f64) -> f64 {
-        0.0
+impl<R: Number> Convert<R, R> for Blank {
+    fn parameter(&mut self, _: &'static Parameter, _: R) -> R {
+        R::zero()
     }
-    fn carry(&mut self) -> Option<impl FnMut(f64) -> f64> {
-        Some(|_| 0.0)
+    fn carry(&mut self) -> Option<impl FnMut(R) -> R> {
+        Some(|_| R::zero())
     }
 }
 
 struct List(Vec<f64>);
 
-impl Convert<f64, f64> for List {
-    fn parameter(&mut self, _: &'static Parameter, value: f64) -> f64 {
-        self.0.push(value);
-        value
+impl<R: Number> Convert<R, f64> for List {
+    fn parameter(&mut self, _: &'static Parameter, value: R) -> f64 {
+        self.0.push(value.value());
+        value.value()
     }
-    fn carry(&mut self) -> Option<impl FnMut(f64) -> f64> {
-        Some(|value| {
-            self.0.push(value);
-            value
+    fn carry(&mut self) -> Option<impl FnMut(R) -> f64> {
+        Some(|value: R| {
+            self.0.push(value.value());
+            value.value()
         })
     }
 }
@@ -85,11 +85,11 @@ impl Deal<'_> {
     }
 }
 
-impl<W: Wide> Convert<f64, W> for Deal<'_> {
-    fn parameter(&mut self, _: &'static Parameter, _: f64) -> W {
+impl<R: Number, W: Wide> Convert<R, W> for Deal<'_> {
+    fn parameter(&mut self, _: &'static Parameter, _: R) -> W {
         self.deal()
     }
-    fn carry(&mut self) -> Option<impl FnMut(f64) -> W> {
+    fn carry(&mut self) -> Option<impl FnMut(R) -> W> {
         Some(|_| self.deal())
     }
 }

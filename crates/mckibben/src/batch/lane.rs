@@ -2,22 +2,32 @@
 //! alone, as the fixed-step engine does.
 
 use super::Row;
-use super::gather::narrow;
+use super::alone::CONTROLLED;
+use super::gather::{form, narrow};
 use super::wide::Number;
 use crate::error::Error;
+use crate::friction::Memory;
 use crate::load::Load;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::simulation::closed_loop::{Control, measurement};
 use crate::simulation::course::Course;
-use crate::simulation::fixed_step::Walk;
+use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
+use crate::simulation::kernel::Held;
 use crate::simulation::piped::Stepped as States;
 use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
 use crate::simulation::timetable::{Progress, Timetable};
+use crate::simulation::told::{Told, check_restart};
 use crate::simulation::{Method, Rig};
-use crate::valve::{Openings, Ports, is_due};
+use crate::valve::{Demand, Openings, Ports, is_due};
 use alloc::boxed::Box;
+
+/// A row is begun anew with a rig that does not fit the others of its block.
+pub(super) const OTHER_FORM: Error = Error::Unsupported {
+    what: "a row of a batch is begun anew with a rig of another form: with other laws or parts",
+    remedy: "give it a rig that differs in numbers alone, or make another batch for rigs of that form",
+};
 
 /// What a row keeps for itself.
 #[derive(Debug)]
@@ -31,6 +41,7 @@ pub(super) struct Lane<R> {
     pub(super) next: f64,
     pub(super) fault: Option<Error>,
     pub(super) control: Option<Box<dyn Control>>,
+    pub(super) told: Told<f64>,
 }
 
 impl<R: Number> Lane<R> {
@@ -45,6 +56,39 @@ impl<R: Number> Lane<R> {
             next: f64::INFINITY,
             fault: row.rig.check_pressure_is_free().err(),
             control: None,
+            told: Told::nothing(),
+        }
+    }
+
+    /// A row of the same form in the place of this one, with nothing asked of its valve, and its walk at a time in s.
+    pub(super) fn anew(&self, row: &Row, time: f64) -> Result<(Self, Walk<R>), Error> {
+        check_restart(&row.rig)?;
+        if self.control.is_some() {
+            return Err(CONTROLLED);
+        }
+        if row.rig.tendon().is_some() || form(&narrow::<R>(&row.rig)) != form(&self.rig) {
+            return Err(OTHER_FORM);
+        }
+        let row = Row { rig: row.rig.clone().not_asked(), start: row.start };
+        let lane = Self::new(&row);
+        let walk = lane.begin(&row, time);
+        Ok((lane, walk))
+    }
+
+    /// Where the row is at a time in s at which it begins, before what is due then has been passed.
+    pub(super) fn begin(&self, row: &Row, time: f64) -> Walk<R> {
+        let start = stepped(&row.rig, row.start);
+        let state = start.map(R::constant);
+        let memory = Memory::relaxed(self.rig.actuator().limits().actuator_length(state[0]));
+        let held = Held { memory, compressor: compressor_starts(&row.rig, &start), ..Held::nothing() };
+        Walk { course: Course { time, state, held }, progress: self.progress, ports: self.ports }
+    }
+
+    /// Tells the valve of a row that has come to `time` in s what it is to do from then on.
+    pub(super) fn tell(&mut self, progress: &mut Progress<f64>, time: f64, demand: Demand) -> Result<(), Error> {
+        match &self.control {
+            None => self.told.tell(self.actuation.as_mut(), progress, time, demand),
+            Some(_) => Err(CONTROLLED),
         }
     }
 
@@ -78,6 +122,13 @@ impl<R: Number> Lane<R> {
             walk.pass(&self.rig, &self.timetable());
         }
         Ok(())
+    }
+
+    /// Passes what is due where the walk is, if anything is.
+    pub(super) fn pass_due(&self, walk: &mut Walk<R>) {
+        if self.timetable().next(&walk.progress, walk.course.time).is_some() {
+            walk.pass(&self.rig, &self.timetable());
+        }
     }
 
     /// Passes what is due where the walk is: instants first, then the controller's sample.

@@ -45,10 +45,13 @@
 //! A row may have a controller of its own ([`Batch::controlled`]): it is asked by itself at its sampling instants, and between
 //! them the rows go together as any others do.
 //!
+//! What the valve of a row is to do may come from outside at any time ([`Batch::tell`]), and a row may begin anew with other
+//! numbers while the rest go on ([`Batch::restart`]), as in an environment for learning.
+//!
 //! What no lane takes goes row by row, on all cores too: in a batch a rig with a tendon in series, always in `f64`; joints, legs
 //! and whatever else is a [`Stepper`](crate::simulation::Stepper) in a batch of their own kind, [`RowByRow`].
 //!
-//! Checked by `tests/batch.rs`, `tests/batch_control.rs` and `tests/row_by_row.rs`.
+//! Checked by `tests/batch.rs`, `tests/batch_control.rs`, `tests/told.rs` and `tests/row_by_row.rs`.
 
 mod alone;
 mod baseline;
@@ -70,13 +73,16 @@ pub use width::Width;
 use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
 use crate::simulation::closed_loop::own_loop;
-use crate::simulation::{ControlledStepper, Decision, Method, Rig, Sample, State};
+use crate::simulation::{ControlledStepper, Decision, Method, Rig, Sample, State, ToldStepper};
+use crate::valve::Demand;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use alone::{Alone, Uncontrolled};
+use alone::Alone;
 use core::fmt::Debug;
 use core::marker::PhantomData;
 use engine::Engine;
+use lane::OTHER_FORM;
+use row_by_row::NO_ROW;
 
 /// A rig and its start.
 #[derive(Clone, Debug)]
@@ -106,6 +112,7 @@ pub struct ControlledRow<C> {
 #[derive(Debug)]
 pub struct Batch<F: Float = f64> {
     width: Width,
+    method: Method,
     time: f64,
     blocks: Box<dyn Engine>,
     alone: RowByRow<Box<dyn Alone>>,
@@ -131,7 +138,8 @@ impl<F: Float> Batch<F> {
     /// A batch at t = 0 with given instructions; where the machine has not got them, others with the same results.
     pub fn with_width(rows: Vec<Row>, method: Method, width: Width) -> Self {
         let on_tendon = rows.iter().filter(|row| row.rig.tendon().is_some()).cloned();
-        let alone = on_tendon.map(|row| Box::new(Uncontrolled::new(row, method)) as Box<dyn Alone>).collect();
+        let alone =
+            on_tendon.map(|row| Box::new(ToldStepper::new(row.rig, row.start, method)) as Box<dyn Alone>).collect();
         Self::of(&rows, alone, method, width)
     }
 
@@ -145,7 +153,7 @@ impl<F: Float> Batch<F> {
         };
         let blocks = F::build(rows, &mut deal, method, width);
         let alone = RowByRow::at(0.0, alone);
-        Self { width: width.or_widest(), time: 0.0, blocks, alone, places, number: PhantomData }
+        Self { width: width.or_widest(), method, time: 0.0, blocks, alone, places, number: PhantomData }
     }
 
     /// A batch at t = 0 whose rows have a controller each, with the widest instructions of this machine. Each row is the run of
@@ -200,6 +208,58 @@ impl<F: Float> Batch<F> {
             Some(Place::Alone(row)) => self.alone.row(*row).map_or(&[], |row| row.decisions()),
             None => &[],
         }
+    }
+
+    /// From the time that has been reached on a row's valve is asked for this, in place of whatever was to come: a
+    /// [`Request`](crate::valve::Request) as it is, or any other [`Demand`]. It takes effect through the valve's delays, exactly
+    /// as a command at that instant would have done; seats that move at once are seen to have moved after the next step.
+    /// Memory does not grow with what is told.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when there is no such row, when it has no valve or a controller, or its valve cannot do what is
+    /// asked; [`Error::OutOfRange`] for a number outside its range; what [`Batch::samples`] says of a row that has stopped.
+    /// Then nothing has changed.
+    pub fn tell(&mut self, row: usize, demand: impl Into<Demand>) -> Result<(), Error> {
+        match self.place(row)? {
+            Place::Lane(block, lane) => self.blocks.tell(block, lane, demand.into()),
+            Place::Alone(row) => self.alone.running(row)?.tell(demand.into()),
+        }
+    }
+
+    /// Another rig and start in the place of a row, at the time that has been reached: of the old one nothing is left, and if it
+    /// had stopped the row lives again. The time of the batch goes on. Nothing is asked of the valve until it is told something:
+    /// the rig's own command does not count.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when there is no such row, or it has a controller; for a rig of another form than the row's, with
+    /// other laws or parts than it had, which no numbers make of it; for a load or a pressure that is given over time. Then
+    /// nothing has changed.
+    pub fn restart(&mut self, row: usize, anew: Row) -> Result<(), Error> {
+        match self.place(row)? {
+            Place::Lane(block, lane) => self.blocks.restart(block, lane, &anew),
+            Place::Alone(row) if anew.rig.tendon().is_some() => {
+                let Some(alone) = self.alone.row(row) else { return Err(NO_ROW) };
+                let alone = alone.anew(self.time, anew, self.method)?;
+                self.alone.restart(row, alone)
+            }
+            Place::Alone(_) => Err(OTHER_FORM),
+        }
+    }
+
+    /// Where a row is now, or why it has stopped: of its [`Sample`] what costs nothing.
+    ///
+    /// # Errors
+    /// As [`Batch::samples`]; [`Error::Unsupported`] when there is no such row.
+    pub fn state(&self, row: usize) -> Result<State, &Error> {
+        match self.places.get(row) {
+            Some(Place::Lane(block, lane)) => self.blocks.state(*block, *lane),
+            Some(Place::Alone(row)) => self.alone.alive(*row).map(|row| row.state()),
+            None => Err(&NO_ROW),
+        }
+    }
+
+    fn place(&self, row: usize) -> Result<Place, Error> {
+        self.places.get(row).copied().ok_or(NO_ROW)
     }
 
     /// How many rows there are.

@@ -13,6 +13,12 @@ use rayon::prelude::*;
 /// Steps that a thread takes at least before it looks for others.
 const STEPS_TOGETHER: usize = 64;
 
+/// A row is meant that the batch has not got.
+pub(super) const NO_ROW: Error = Error::Unsupported {
+    what: "a row is meant that the batch has not got",
+    remedy: "count the rows from zero and stay below their number",
+};
+
 /// Many rows, each of which is a [`Stepper`] that goes through time by itself.
 ///
 /// ```
@@ -99,6 +105,42 @@ impl<S: Stepper> RowByRow<S> {
     pub fn samples(&self) -> Vec<Result<S::Sample, Error>> {
         let sample = |row: &Row<S>| row.fault.clone().map_or_else(|| Ok(row.stepper.sample()), Err);
         self.rows.iter().map(sample).collect()
+    }
+
+    /// Another stepper in the place of a row, which lives again if it had stopped. The time of the batch goes on.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a row that there is not, and for a stepper that is at another time than the batch. Then
+    /// nothing has changed.
+    pub fn restart(&mut self, row: usize, stepper: S) -> Result<(), Error> {
+        if row >= self.rows.len() {
+            return Err(NO_ROW);
+        }
+        if stepper.time() != self.time {
+            return Err(Error::Unsupported {
+                what: "a row is begun anew at another time than the batch has reached",
+                remedy: "begin the stepper at the time of the batch, as ToldStepper::begin_at does",
+            });
+        }
+        self.put(row, stepper);
+        Ok(())
+    }
+
+    /// The same of a row that there is and a stepper at that time.
+    pub(super) fn put(&mut self, row: usize, stepper: S) {
+        self.rows[row] = Row { stepper, fault: None };
+    }
+
+    /// A row, or why it has stopped.
+    pub(super) fn alive(&self, row: usize) -> Result<&S, &Error> {
+        let row = self.rows.get(row).ok_or(&NO_ROW)?;
+        row.fault.as_ref().map_or(Ok(&row.stepper), Err)
+    }
+
+    /// The same to be told something.
+    pub(super) fn running(&mut self, row: usize) -> Result<&mut S, Error> {
+        self.alive(row).map_err(Error::clone)?;
+        Ok(&mut self.rows[row].stepper)
     }
 
     /// Stops a row.

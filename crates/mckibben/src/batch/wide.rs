@@ -12,7 +12,7 @@ use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use pulp::{Simd, WithSimd};
 
 /// A number that lanes hold.
-pub trait Number: Real<Time = f64> + Send + Sync {}
+pub trait Number: Real<Time = f64> + PartialEq + Send + Sync {}
 impl Number for f64 {}
 impl Number for f32 {}
 

@@ -51,6 +51,11 @@ impl<R: Real> Modulator<R> {
         }
     }
 
+    /// From `time` in s on periods have another frequency in Hz. A pulse under way ends as it was to.
+    pub(crate) fn recount(&mut self, time: R, frequency: R) {
+        self.next_period = first_period(time, frequency);
+    }
+
     /// The next instant in s at which the request changes by itself.
     pub fn next(&self, frequency: R) -> Option<R> {
         let period = matches!(self.drive, Some(Drive::Pulses { .. })).then(|| begin(self.next_period, frequency));

@@ -117,6 +117,11 @@ impl<R: Real<Time = R>, C: Controller<R>> ControlledStepper<R, C> {
         self.journey.sample(&self.rig)
     }
 
+    /// The state at that time: the actuator's own where a tendon is in series.
+    pub fn state(&self) -> State<R> {
+        self.journey.state()
+    }
+
     /// What has been decided, in order of time.
     pub fn decisions(&self) -> &[Decision<R>] {
         &self.decisions

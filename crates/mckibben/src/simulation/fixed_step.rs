@@ -46,7 +46,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
 
     /// The state at that time: the actuator's own where a tendon is in series.
     pub fn state(&self) -> State<R> {
-        State::from_array(of_rig(&self.journey.walk.course.state))
+        self.journey.state()
     }
 
     /// The states of the air line at that time, in the order of its parts: the pressures (Pa, absolute) of the hose's volumes
@@ -91,7 +91,13 @@ pub(crate) struct Journey<R: Real<Time = R>> {
 impl<R: Real<Time = R>> Journey<R> {
     /// At t = 0 in a state.
     pub(crate) fn begin(rig: &Rig<R>, start: State<R>) -> Self {
+        Self::begin_at(R::zero(), rig, start)
+    }
+
+    /// At a time in s in a state.
+    pub(crate) fn begin_at(time: R, rig: &Rig<R>, start: State<R>) -> Self {
         let mut walk = Walk::new(rig, stepped(rig, start));
+        walk.course.time = time;
         let far_end = FarEnd::begin(rig, &mut walk);
         let mut journey = Self { walk, far_end };
         journey.pass(rig);
@@ -101,6 +107,25 @@ impl<R: Real<Time = R>> Journey<R> {
     /// The time in s that has been reached.
     pub(crate) fn time(&self) -> R {
         self.walk.course.time
+    }
+
+    /// The state of the actuator at that time.
+    pub(crate) fn state(&self) -> State<R> {
+        State::from_array(of_rig(&self.walk.course.state))
+    }
+
+    /// Where the valve is in its timetable.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn progress_mut(&mut self) -> &mut Progress<R> {
+        &mut self.walk.progress
+    }
+
+    /// Passes what is due, if anything is.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn pass_due(&mut self, rig: &Rig<R>) {
+        if rig.seats().next(&self.walk.progress, self.time()).is_some() {
+            self.pass(rig);
+        }
     }
 
     /// Everything that is known at that time.

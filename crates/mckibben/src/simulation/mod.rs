@@ -63,6 +63,8 @@ mod tendon_mode;
 mod tendon_step;
 pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
+pub(crate) mod told;
+#[cfg(feature = "alloc")]
 mod trajectory;
 mod zones;
 
@@ -106,5 +108,7 @@ pub use segments::simulate_in_segments;
 pub use series_tendon::TendonActuator;
 #[cfg(feature = "alloc")]
 pub use stepper::Stepper;
+#[cfg(feature = "alloc")]
+pub use told::ToldStepper;
 #[cfg(feature = "alloc")]
 pub use trajectory::{Event, Trajectory, simulate, simulate_watched};

@@ -370,6 +370,18 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuator.valve_mut()
     }
 
+    /// The same rig with nothing asked of its valve.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn not_asked(mut self) -> Self
+    where
+        S: Real,
+    {
+        if let Some(actuation) = &mut self.actuation {
+            actuation.command.keep(0, S::zero());
+        }
+        self
+    }
+
     /// The same rig with nothing asked of its valve, for whoever moves its ends and asks for himself.
     #[cfg(feature = "alloc")]
     pub(super) fn guided(mut self) -> Self {

@@ -5,6 +5,7 @@ use super::fixed_step::FixedStepper;
 use super::joint::{ControlledJointStepper, JointCourse, JointSample, JointStepper};
 use super::leg::{LegSample, LegStepper};
 use super::sample::Sample;
+use super::told::ToldStepper;
 use crate::control::{Controller, JointController};
 use crate::error::Error;
 use crate::scalar::Real;
@@ -56,6 +57,7 @@ stepper!([], FixedStepper<'_, R>, Sample<R>);
 stepper!([C: Controller<R>], ControlledStepper<R, C>, Sample<R>);
 stepper!([C: JointController<R>], ControlledJointStepper<R, C>, JointSample<R>);
 stepper!([], LegStepper<R>, LegSample<R>);
+stepper!([], ToldStepper<R>, Sample<R>);
 
 impl<R: Real<Time = R>, S: Borrow<JointStepper<R>>> Stepper for (S, JointCourse<R>) {
     type Sample = JointSample<R>;

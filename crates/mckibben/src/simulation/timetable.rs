@@ -48,6 +48,22 @@ impl<S: Real> Progress<S> {
         self.clock.strokes_counted() + self.spool_passed
     }
 
+    /// Leaves of a command what has not been passed up to `time` and comes before `before`, both in s.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn settle(&mut self, actuation: &mut Actuation<S>, time: S, before: S) {
+        let Actuation { solenoid, command } = actuation;
+        let passed = match (solenoid.spool(), solenoid.regulator(), &mut self.regulator) {
+            (Some(_), ..) => self.spool.passed(),
+            (None, Some(_), Some(clock)) => clock.passed(),
+            (None, ..) => self.clock.passed(),
+        };
+        command.keep(core::mem::take(passed), before);
+        if solenoid.has_seats() {
+            // Coils that have been driven without a seat that moved.
+            self.clock.advance(time, solenoid, command);
+        }
+    }
+
     /// Something is asked of a valve at `time` in s beside its command.
     #[cfg(feature = "alloc")]
     pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {

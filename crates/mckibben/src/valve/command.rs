@@ -7,6 +7,8 @@ use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::{Mask, Real, Scalar};
+#[cfg(feature = "alloc")]
+use crate::valve::Demand;
 use crate::valve::is_due;
 
 /// What the valve is asked to do.
@@ -309,4 +311,51 @@ impl<S: Scalar> Command<S> {
             Self::SetPoints { .. } | Self::Positions { .. } => None,
         }
     }
+}
+
+#[cfg(feature = "alloc")]
+impl<S: Real> Command<S> {
+    /// Drops what comes first, as many changes as have been `passed`, and all that comes at `before` s or later.
+    pub(crate) fn keep(&mut self, passed: u64, before: S) {
+        match self {
+            Self::Constant(_) | Self::Pwm { .. } => {
+                let pending = (passed..).map_while(|index| self.change(index));
+                let (time, request) = pending.take_while(|(at, _)| !is_due(before, *at)).unzip();
+                *self = Self::Table { time, request };
+            }
+            Self::Table { time, request } => cut(time, request, passed, before),
+            Self::SetPoints { time, gauge_pressure } => cut(time, gauge_pressure, passed, before),
+            Self::Positions { time, position } => cut(time, position, passed, before),
+        }
+    }
+
+    /// Adds what is asked from `at` s on, later than all before, to a list of its kind. A demand of pulses is none.
+    pub(crate) fn append(&mut self, at: S, demand: Demand<S>) {
+        match (self, demand) {
+            (Self::Table { time, request }, Demand::Request(asked)) => {
+                time.push(at);
+                request.push(asked);
+            }
+            (Self::SetPoints { time, gauge_pressure }, Demand::SetPoint(gauge)) => {
+                time.push(at);
+                gauge_pressure.push(gauge.0);
+            }
+            (Self::Positions { time, position }, Demand::Position(asked)) => {
+                time.push(at);
+                position.push(asked);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Leaves the rows after the first `passed` and before a time in s.
+#[cfg(feature = "alloc")]
+fn cut<S: Real, V>(time: &mut alloc::vec::Vec<S>, values: &mut alloc::vec::Vec<V>, passed: u64, before: S) {
+    let end = time.partition_point(|at| !is_due(before, *at));
+    let passed = usize::try_from(passed).map_or(end, |passed| passed.min(end));
+    time.truncate(end);
+    values.truncate(end);
+    time.drain(..passed);
+    values.drain(..passed);
 }

@@ -14,6 +14,7 @@
 //! How far the passages are open is known beforehand ([`Openings`]): a function of time between instants that are known too.
 
 mod command;
+mod demand;
 mod five_way;
 mod flow;
 mod opening;
@@ -28,6 +29,7 @@ mod spool_clock;
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
+pub use demand::Demand;
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone};
 pub use opening::Openings;

@@ -34,6 +34,12 @@ impl<S: Real> RegulatorClock<S> {
         Self { taken: 0, course, limit_end: None, atmosphere: atmosphere.0 }
     }
 
+    /// How many set points have taken effect.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn passed(&mut self) -> &mut u64 {
+        &mut self.taken
+    }
+
     /// The pressure beyond the passage, until the next instant.
     pub fn openings(&self, regulator: &Regulator<S>) -> Openings<S> {
         Openings::Regulated { regulator: *regulator, course: self.course }

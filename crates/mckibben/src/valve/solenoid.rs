@@ -75,6 +75,18 @@ const NO_REQUEST: Error = Error::Unsupported {
     remedy: "set command.kind = \"positions\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
+/// A valve is told where to go that only a spool can.
+pub(super) const NO_SPOOL: Error = Error::Unsupported {
+    what: "positions are given, but the valve is no proportional spool",
+    remedy: "set valve.kind = \"proportional-spool\", or ask for fill, hold or exhaust",
+};
+
+/// A valve is told a pressure that only a regulator can keep.
+pub(super) const NO_REGULATOR: Error = Error::Unsupported {
+    what: "set points of pressure are given, but the valve is no pressure regulator",
+    remedy: "set valve.kind = \"pressure-regulator\", or ask for fill, hold or exhaust",
+};
+
 /// Which passages are open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ports {
@@ -161,23 +173,13 @@ impl Solenoid {
     /// positions of one that is no proportional spool, and for requests of one that is either.
     pub fn check(&self, command: &Command) -> Result<(), Error> {
         match (self.spool, command.has_positions()) {
-            (None, true) => {
-                return Err(Error::Unsupported {
-                    what: "positions are given, but the valve is no proportional spool",
-                    remedy: "set valve.kind = \"proportional-spool\", or ask for fill, hold or exhaust",
-                });
-            }
+            (None, true) => return Err(NO_SPOOL),
             (Some(_), false) => return Err(NO_REQUEST),
             (Some(_), true) => return Ok(()),
             (None, false) => {}
         }
         match (self.regulator, command.has_set_points()) {
-            (None, true) => {
-                return Err(Error::Unsupported {
-                    what: "set points of pressure are given, but the valve is no pressure regulator",
-                    remedy: "set valve.kind = \"pressure-regulator\", or ask for fill, hold or exhaust",
-                });
-            }
+            (None, true) => return Err(NO_REGULATOR),
             (Some(_), false) => return Err(NO_SEAT),
             (Some(_), true) => return Ok(()),
             (None, false) => {}
@@ -379,6 +381,12 @@ impl<S: Real> SeatClock<S> {
                 return Some(instant);
             }
         }
+    }
+
+    /// How many changes of the command have been passed.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn passed(&mut self) -> &mut u64 {
+        &mut self.next_change
     }
 
     /// Drives the coils by a request at `time` in s, as whoever has no command on paper does.

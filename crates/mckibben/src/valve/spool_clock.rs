@@ -49,6 +49,12 @@ impl<S: Real> SpoolClock<S> {
         Self { taken: 0, motion, open: None, next: None }
     }
 
+    /// How many commands have taken effect.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn passed(&mut self) -> &mut u64 {
+        &mut self.taken
+    }
+
     /// Which passages are open.
     pub fn ports(&self, spool: &Spool<S>) -> Ports {
         let [supply, exhaust] = self.open.unwrap_or_else(|| Self::uncovered(spool, self.motion.position));

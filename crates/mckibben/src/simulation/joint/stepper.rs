@@ -121,6 +121,11 @@ impl<R: Real<Time = R>> JointStepper<R> {
 
     /// A course at t = 0 in a state, its coils released.
     pub fn begin(&self, start: JointState<R>) -> JointCourse<R> {
+        self.begin_at(R::zero(), start)
+    }
+
+    /// The same at a time in s, as a row of a batch that goes on; what the rig's own commands asked up to then has been passed.
+    pub fn begin_at(&self, time: R, start: JointState<R>) -> JointCourse<R> {
         let lengths = self.rig.joint.lengths(start.angle);
         let remember = |i: usize| Memory::relaxed(self.rig.driven[i].actuator.limits().actuator_length(lengths[i]));
         let held = Held {
@@ -134,7 +139,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
             memory: [remember(0), remember(1)],
         };
         let mut course = JointCourse {
-            time: R::zero(),
+            time,
             state: start.to_array(),
             held,
             progress: [0, 1].map(|i| Progress::none().regulated(self.rig.regulator_clock(i, start.pressure[i].0))),

@@ -1,0 +1,208 @@
+//! A valve that is told what to do while time goes on.
+//!
+//! What is told becomes the continuation of the rig's own command: the run is that of the command which would have been known
+//! beforehand, seats move at the same exact instants, and no step is divided where something is only asked. What has been
+//! passed of the command is dropped, so that it holds what is still on its way and no more, however often something is told.
+//!
+//! | told at t | effect |
+//! |---|---|
+//! | request, set point, position | takes the place of all that was to come from t on |
+//! | pulses, while others go on | the pulse under way ends as it was to; the next period has the new duty |
+//! | pulses, while none go on | what was asked before t goes on until a period begins |
+//!
+//! Of two in one instant the later counts.
+//!
+//! Checked by `tests/told.rs`: against the command known beforehand, bit for bit.
+
+use super::fixed_step::Journey;
+use super::kernel::Method;
+use super::rig::{Actuation, Rig, State};
+use super::sample::Sample;
+use super::timetable::Progress;
+use crate::control::{Drive, Modulator};
+use crate::error::Error;
+use crate::scalar::Real;
+use crate::valve::{Demand, is_due};
+
+/// What a valve has been told.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Told<R> {
+    last: Option<Demand<R>>,
+    modulator: Modulator<R>,
+    pulse_frequency: R,
+    /// Something has been told since it was last heard.
+    unheard: bool,
+}
+
+impl<R: Real> Told<R> {
+    /// Nothing so far.
+    pub(crate) fn nothing() -> Self {
+        Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), unheard: false }
+    }
+
+    /// Tells a valve that has come to `time` in s what it is to do from then on.
+    pub(crate) fn tell(
+        &mut self,
+        valve: Option<&mut Actuation<R>>,
+        progress: &mut Progress<R>,
+        time: R,
+        demand: Demand<R>,
+    ) -> Result<(), Error> {
+        let Some(actuation) = valve else {
+            return Err(Error::Unsupported {
+                what: "something is asked of a valve, but the actuator has none",
+                remedy: "give the actuator a valve, or leave it sealed",
+            });
+        };
+        actuation.solenoid.check_demand(&demand)?;
+        if let (Some(Demand::Request(before)), Demand::Request(request)) = (self.last, demand)
+            && before == request
+        {
+            return Ok(());
+        }
+        let drive = match demand {
+            Demand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
+            Demand::Pulses { frequency, duty, pulse, rest } => Some((Drive::Pulses { duty, pulse, rest }, frequency)),
+            Demand::SetPoint(_) | Demand::Position(_) => None,
+        };
+        let go_on = matches!((self.last, demand), (Some(Demand::Pulses { .. }), Demand::Pulses { .. }));
+        progress.settle(actuation, time, if go_on { R::constant(f64::INFINITY) } else { time });
+        match drive {
+            Some((drive, frequency)) => {
+                if frequency.value() != self.pulse_frequency.value() {
+                    self.modulator.recount(time, frequency);
+                    self.pulse_frequency = frequency;
+                }
+                if let Some(request) = self.modulator.command(drive, time, frequency) {
+                    actuation.command.append(time, Demand::Request(request));
+                }
+            }
+            None => actuation.command.append(time, demand),
+        }
+        (self.last, self.unheard) = (Some(demand), true);
+        Ok(())
+    }
+
+    /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s; whether it is
+    /// another than before.
+    pub(crate) fn hear(
+        &mut self,
+        valve: Option<&mut Actuation<R>>,
+        progress: &mut Progress<R>,
+        [time, until]: [R; 2],
+    ) -> bool {
+        let frequency = self.pulse_frequency;
+        let Some(actuation) = valve.filter(|_| self.unheard || self.modulator.next(frequency).is_some()) else {
+            return false;
+        };
+        if !self.unheard {
+            progress.settle(actuation, time, R::constant(f64::INFINITY));
+        }
+        // What is told at `until` comes before a pulse that begins or ends there.
+        while let Some(edge) = self.modulator.next(frequency).filter(|edge| !is_due(until, *edge)) {
+            if let Some(request) = self.modulator.pass(edge, frequency) {
+                actuation.command.append(edge, Demand::Request(request));
+            }
+        }
+        self.unheard = false;
+        true
+    }
+}
+
+/// Why a rig cannot begin anew in the middle of a run, if it cannot.
+pub(crate) fn check_restart<R: Real>(rig: &Rig<R>) -> Result<(), Error> {
+    rig.check_pressure_is_free()?;
+    match rig.load().motion() {
+        None => Ok(()),
+        Some(_) => Err(Error::Unsupported {
+            what: "a rig begins in the middle of a run whose load follows a motion that is given from t = 0",
+            remedy: "give it a load that moves by itself, or begin a new run",
+        }),
+    }
+}
+
+/// Steps one rig that is told what to do through time at fixed steps, as [`super::FixedStepper`] does; it keeps its rig.
+///
+/// ```
+/// use mckibben::simulation::{Method, Rig, State, ToldStepper};
+/// use mckibben::valve::Request;
+///
+/// # fn lifts(rig: Rig, start: State) -> Result<(), mckibben::Error> {
+/// let mut stepper = ToldStepper::new(rig, start, Method::Stable);
+/// for count in 1..=1000 {
+///     let fill = stepper.sample().length > 0.09;
+///     stepper.tell(if fill { Request::Fill } else { Request::Exhaust })?;
+///     stepper.advance_to(f64::from(count) * 1e-3)?;
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct ToldStepper<R: Real<Time = R> = f64> {
+    rig: Rig<R>,
+    method: Method,
+    journey: Journey<R>,
+    told: Told<R>,
+}
+
+impl<R: Real<Time = R>> ToldStepper<R> {
+    /// Starts at t = 0 in a state. Until it is told something, the valve follows the rig's own command.
+    pub fn new(rig: Rig<R>, start: State<R>, method: Method) -> Self {
+        let journey = Journey::begin(&rig, start);
+        Self { rig, method, journey, told: Told::nothing() }
+    }
+
+    /// Starts at a time in s in a state, with nothing asked of its valve: the rig's own command does not count.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a motion of the load, or a pressure, that is given over time.
+    pub fn begin_at(time: R, rig: Rig<R>, start: State<R>, method: Method) -> Result<Self, Error> {
+        check_restart(&rig)?;
+        let rig = rig.not_asked();
+        let journey = Journey::begin_at(time, &rig, start);
+        Ok(Self { rig, method, journey, told: Told::nothing() })
+    }
+
+    /// The time in s that has been reached.
+    pub fn time(&self) -> R {
+        self.journey.time()
+    }
+
+    /// The rig; its command is what is still on its way.
+    pub fn rig(&self) -> &Rig<R> {
+        &self.rig
+    }
+
+    /// The state at that time: the actuator's own where a tendon is in series.
+    pub fn state(&self) -> State<R> {
+        self.journey.state()
+    }
+
+    /// Everything that is known at that time. What has just been told shows after the next step.
+    pub fn sample(&self) -> Sample<R> {
+        self.journey.sample(&self.rig)
+    }
+
+    /// From now on the valve is asked for this, in place of whatever was to come.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a number
+    /// outside its range. Then nothing has changed.
+    pub fn tell(&mut self, demand: impl Into<Demand<R>>) -> Result<(), Error> {
+        let time = self.time();
+        self.told.tell(self.rig.actuation_mut(), self.journey.progress_mut(), time, demand.into())
+    }
+
+    /// Goes on to `until` in one step, divided where something switches.
+    ///
+    /// # Errors
+    /// As [`super::FixedStepper::advance_to`].
+    pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        let time = self.time();
+        let heard = self.told.hear(self.rig.actuation_mut(), self.journey.progress_mut(), [time, until]);
+        if heard {
+            self.journey.pass_due(&self.rig);
+        }
+        self.journey.advance_to(&self.rig, self.method, until)
+    }
+}
