@@ -62,8 +62,8 @@ fn row(index: usize) -> (Row, Tells) {
             (hold(&paper).rig().with_line(line).expect("a line"), any_request)
         }
         4 => {
-            let ramp = Ramp::new(3e-3, 2e-3).expect("a ramp");
-            let solenoid = Solenoid::new(ValveKind::ThreeWay, 2e-3, 1e-3).expect("a solenoid").with_ramp(ramp);
+            let ramp = Ramp::new(3.1e-3, 2.3e-3).expect("a ramp");
+            let solenoid = Solenoid::new(ValveKind::ThreeWay, 2.2e-3, 1.4e-3).expect("a solenoid").with_ramp(ramp);
             (with_solenoid(&paper, solenoid, Command::Constant(Request::Exhaust)), fill_or_exhaust)
         }
         5 => {
@@ -88,19 +88,21 @@ fn row(index: usize) -> (Row, Tells) {
     (Row { rig, start }, tells)
 }
 
-/// All that a row is told, as a command known beforehand.
+/// All that a row is told, as a command known beforehand. A request that is told again asks nothing new: left in, its instant
+/// could meet that of a seat and stand for it, a rounding beside.
 fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
-    let time: Vec<f64> = (0..TOLD).map(at).collect();
-    let told: Vec<Demand> = (0..TOLD).map(|count| tells(index, count)).collect();
-    let numbers = told.iter().filter_map(|demand| match demand {
+    let mut told: Vec<(f64, Demand)> = (0..TOLD).map(|count| (at(count), tells(index, count))).collect();
+    told.dedup_by(|(_, next), (_, before)| matches!(next, Demand::Request(_)) && next == before);
+    let time = told.iter().map(|(time, _)| *time).collect();
+    let numbers = told.iter().filter_map(|(_, demand)| match demand {
         Demand::Position(number) | Demand::SetPoint(GaugePressure(number)) => Some(*number),
         _ => None,
     });
-    let requests = told.iter().filter_map(|demand| match demand {
+    let requests = told.iter().filter_map(|(_, demand)| match demand {
         Demand::Request(request) => Some(*request),
         _ => None,
     });
-    match told[0] {
+    match told[0].1 {
         Demand::Position(_) => Command::positions(time, numbers.collect()),
         Demand::SetPoint(_) => Command::set_points(time, numbers.collect()),
         _ => Command::table(time, requests.collect()),
@@ -137,6 +139,15 @@ fn beforehand(row: &Row, command: Command, method: Method, at: impl Fn(usize) ->
     stepper.sample()
 }
 
+/// What a stepper shows after all that it is told, at instants that begin with its own.
+fn told(mut stepper: ToldStepper, tells: impl Fn(usize) -> Demand, at: impl Fn(usize) -> f64) -> Sample {
+    for count in 0..TOLD {
+        stepper.tell(tells(count)).expect("told");
+        in_steps(at(count), at(count + 1), |until| stepper.advance_to(until).expect("a step"));
+    }
+    stepper.sample()
+}
+
 #[test]
 fn a_row_that_is_told_is_the_run_of_the_command_known_beforehand_bit_for_bit() {
     for method in [Method::Stable, Method::Rk4] {
@@ -160,14 +171,9 @@ fn a_row_that_is_told_is_the_run_of_the_command_known_beforehand_bit_for_bit() {
             }
         }
         for (index, (Row { rig, start }, tells)) in rows.iter().enumerate().take(9) {
-            let mut stepper = ToldStepper::new(rig.clone(), *start, method);
-            for count in 0..TOLD {
-                stepper.tell(tells(index, count)).expect("told");
-                in_steps(millisecond(count), millisecond(count + 1), |until| {
-                    stepper.advance_to(until).expect("a step")
-                });
-            }
-            assert_eq!(stepper.sample(), expected[index], "row {index}, {method:?}");
+            let began = ToldStepper::new(rig.clone(), *start, method);
+            let sample = told(began, |count| tells(index, count), millisecond);
+            assert_eq!(sample, expected[index], "row {index}, {method:?}");
         }
     }
 }
@@ -248,47 +254,43 @@ fn of_two_in_one_instant_the_later_counts_and_the_memory_does_not_grow() {
     assert_eq!(stepper.sample().ports, resting);
 }
 
-/// Delays and times of few binary digits, so that a sum with the time of a restart is exact.
-fn dyadic(row: usize) -> Paper {
-    paper(row).with(|rig| rig.delays = (1.0 / 256.0, 1.0 / 1024.0))
-}
-
-fn dyadic_time(count: usize) -> f64 {
-    count as f64 / 1024.0
-}
-
 #[test]
 fn a_row_that_begins_anew_is_one_that_began_there_and_touches_no_other() {
     const BEFORE: usize = 64;
-    let rows = |count: usize| (0..count).map(|i| Row { rig: dyadic(i).rig(), start: dyadic(i).start() });
-    let anew = |index: usize| Row { rig: dyadic(index + 100).rig(), start: dyadic(index + 100).start() };
+    let rows = plain(21);
+    let anew = |index: usize| Row { rig: paper(index + 100).rig(), start: paper(index + 100).start() };
     let restarted = |index: usize| index % 5 == 3;
-    for width in Width::available() {
-        for method in [Method::Stable, Method::Rk4] {
-            let mut batches = [false, true].map(|_| Batch::<f64>::with_width(rows(21).collect(), method, width));
-            for (some_restart, batch) in batches.iter_mut().enumerate() {
-                for count in 0..BEFORE + TOLD {
-                    for index in 0..batch.len() {
-                        if some_restart == 1 && count == BEFORE && restarted(index) {
-                            batch.restart(index, anew(index)).expect("begins anew");
-                        }
-                        let count = if restarted(index) { (count + TOLD - BEFORE) % TOLD } else { count };
-                        batch.tell(index, fill_or_exhaust(index, count)).expect("told");
+    for (width, method) in
+        Width::available().into_iter().flat_map(|width| [(width, Method::Stable), (width, Method::Rk4)])
+    {
+        let mut batches = [false, true].map(|_| Batch::<f64>::with_width(rows.clone(), method, width));
+        for (some_restart, batch) in batches.iter_mut().enumerate() {
+            for count in 0..BEFORE + TOLD {
+                for index in 0..batch.len() {
+                    if some_restart == 1 && count == BEFORE && restarted(index) {
+                        batch.restart(index, anew(index)).expect("begins anew");
                     }
-                    batch.advance(dyadic_time(count + 1), STEPS);
+                    let count = if restarted(index) { (count + TOLD - BEFORE) % TOLD } else { count };
+                    batch.tell(index, fill_or_exhaust(index, count)).expect("told");
                 }
+                batch.advance(millisecond(count + 1), STEPS);
             }
-            let [untouched, batch] = batches.map(|batch| batch.samples());
-            for (index, (sample, before)) in batch.into_iter().zip(untouched).enumerate() {
-                let (sample, before) = (sample.expect("a row"), before.expect("a row"));
-                if restarted(index) {
-                    let command = known(index, fill_or_exhaust, dyadic_time);
-                    let expected = beforehand(&anew(index), command, method, dyadic_time);
-                    assert_eq!(Sample { time: expected.time, ..sample }, expected, "row {index}, {width:?}");
-                } else {
-                    assert_eq!(sample, before, "row {index}, {width:?}");
-                }
+        }
+        let [untouched, batch] = batches.map(|batch| batch.samples());
+        for (index, (sample, before)) in batch.into_iter().zip(untouched).enumerate() {
+            let (sample, before) = (sample.expect("a row"), before.expect("a row"));
+            if !restarted(index) {
+                assert_eq!(sample, before, "row {index}, {width:?}");
+                continue;
             }
+            let Row { rig, start } = anew(index);
+            let began = ToldStepper::begin_at(millisecond(BEFORE), rig, start, method).expect("a row");
+            let at = |count| millisecond(BEFORE + count);
+            assert_eq!(sample, told(began, |count| fill_or_exhaust(index, count), at), "row {index}, {width:?}");
+            // An instant at which the load turns is rounded as time is, so it is that of t = 0 but for what that makes.
+            let from_zero = beforehand(&anew(index), known(index, fill_or_exhaust, millisecond), method, millisecond);
+            assert_close(sample.length, from_zero.length, 1e-10);
+            assert_close(sample.pressure.0, from_zero.pressure.0, 1e-10);
         }
     }
 }
