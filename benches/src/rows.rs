@@ -8,7 +8,7 @@
 
 use mckibben::batch::RowByRow;
 use mckibben::control::Drive;
-use mckibben::load::leg::{Leg, LegState, Range, STRANDS, Segment, Strand};
+use mckibben::load::leg::{Leg, LegState, STRANDS};
 use mckibben::simulation::{
     ControlledJointStepper, ControlledStepper, FixedStepper, JointStepper, LegStepper, Method, Rig, Stepper,
 };
@@ -98,22 +98,7 @@ fn measure<S: Stepper + Send>(begin: impl Fn() -> Result<S, Error> + Sync) -> Re
 }
 
 fn of_leg(rig: &Rig) -> Result<LegStepper, Error> {
-    let range =
-        |low: f64, high: f64| Range { ends: [low, high], damping: 0.02, stop_stiffness: 50.0, stop_damping: 0.3 };
-    let pair = |hip: f64, knee: f64, rest_length: f64| {
-        [1.0, -1.0].map(|way| Strand { arms: [way * hip, way * knee], rest_length })
-    };
-    let [hips, knees, both] = [pair(0.018, 0.0, 0.080), pair(0.0, 0.015, 0.078), pair(0.008, 0.008, 0.080)];
-    let leg = Leg {
-        segments: [
-            Segment { length: 0.22, mass: 0.40, distance: 0.09, inertia: 1.6e-3 },
-            Segment { length: 0.22, mass: 0.22, distance: 0.10, inertia: 0.9e-3 },
-        ],
-        gravity: 9.806_65,
-        ranges: [range(-1.0, 1.0), range(-1.7, -0.1)],
-        strands: [hips[0], hips[1], knees[0], knees[1], both[0], both[1]],
-        belt: None,
-    };
+    let leg = Leg { belt: None, ..Leg::small_dog() };
     let start = LegState { angles: [0.1, -0.5], rates: [0.0; 2] };
     let mut stepper = LegStepper::new(leg, start, [(rig, GaugePressure(1e5)); STRANDS], 293.15, 25.0)?;
     stepper.drive([0.5, 0.4, 0.3, 0.4, 0.25, 0.25].map(|duty| Drive::Pulses {

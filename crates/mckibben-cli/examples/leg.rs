@@ -9,7 +9,7 @@
 
 use mckibben::GaugePressure;
 use mckibben::control::Drive;
-use mckibben::load::leg::{Belt, Leg, LegState, Range, STRANDS, Segment, Strand};
+use mckibben::load::leg::{Leg, LegState, STRANDS};
 use mckibben::simulation::LegStepper;
 use mckibben::valve::Request;
 use mckibben_cli::plot::{Axis, Colour, Figure, Legend, Panel, Series, Theme};
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map_or(PathBuf::from("."), PathBuf::from);
     let ending = std::env::args().nth(2).unwrap_or("svg".into());
     let rig = Document::parse(MUSCLE, "muscle")?.experiment()?.rig;
-    let leg = small_dog();
+    let leg = Leg::small_dog();
     let start = LegState { angles: [0.1, -0.5], rates: [0.0; 2] };
     let gauge = GaugePressure(1e5);
     let mut stepper = LegStepper::new(leg, start, [(&rig, gauge); STRANDS], 293.15, FREQUENCY)?;
@@ -67,37 +67,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     walked.sticks(&leg).write(&folder.join(format!("leg-sticks.{ending}")), Theme::default())?;
     println!("wrote leg.{ending} and leg-sticks.{ending} into {}", folder.display());
     Ok(())
-}
-
-fn small_dog() -> Leg {
-    let range = |low: f64, high: f64| Range {
-        ends: [low.to_radians(), high.to_radians()],
-        damping: 0.02,
-        stop_stiffness: 50.0,
-        stop_damping: 0.3,
-    };
-    let pair = |hip: f64, knee: f64, rest_length: f64| {
-        [1.0, -1.0].map(|way| Strand { arms: [way * hip, way * knee], rest_length })
-    };
-    let ([hip_forward, hip_back], [knee_forward, knee_back]) = (pair(0.018, 0.0, 0.080), pair(0.0, 0.015, 0.078));
-    let [both_forward, both_back] = pair(0.008, 0.008, 0.080);
-    Leg {
-        segments: [
-            Segment { length: 0.22, mass: 0.40, distance: 0.09, inertia: 1.6e-3 },
-            Segment { length: 0.22, mass: 0.22, distance: 0.10, inertia: 0.9e-3 },
-        ],
-        gravity: 9.806_65,
-        ranges: [range(-60.0, 60.0), range(-100.0, -5.0)],
-        strands: [hip_forward, hip_back, knee_forward, knee_back, both_forward, both_back],
-        belt: Some(Belt {
-            depth: 0.432,
-            velocity: -0.35,
-            stiffness: 2e4,
-            damping: 80.0,
-            friction: 0.6,
-            slipping_speed: 0.02,
-        }),
-    }
 }
 
 /// Duty cycles over a stride. It begins as the foot lifts: the hip swings forward while the knee is bent, then the knee

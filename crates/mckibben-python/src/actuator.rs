@@ -1,10 +1,11 @@
 //! The modular actuator for a loop of one's own: the classes `Actuator`, `ActuatorState` and `Response`.
 
+use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use mckibben::control::Drive;
 use mckibben::simulation::{ModularActuator, Snapshot, State};
-use mckibben::valve::{Command, Request};
+use mckibben::valve::Request;
 use mckibben_cli::failure::Failure;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
@@ -15,8 +16,7 @@ use std::sync::{Mutex, PoisonError};
 /// The actuator of a scenario, and how its valve is pulsed.
 pub(crate) struct Model {
     pub(crate) actuator: ModularActuator,
-    pulse: Request,
-    rest: Request,
+    pub(crate) pulses: Pulses,
 }
 
 impl Model {
@@ -29,25 +29,10 @@ impl Model {
             None => document.experiment()?,
         };
         let command = experiment.rig.actuation().map(|actuation| &actuation.command);
-        let (own, pulse, rest) = match command {
-            Some(Command::Pwm { frequency, pulse, rest, .. }) => (Some(*frequency), *pulse, *rest),
-            _ => (None, Request::Fill, Request::Exhaust),
-        };
-        // Without a valve there are no pulses, and any frequency will do.
-        let frequency = pulse_frequency.or(own).or(command.is_none().then_some(1.0)).ok_or_else(|| {
-            Failure::input(
-                "the scenario has no PWM that says how often the valve is pulsed",
-                "give pulse_frequency in Hz, or command.kind = \"pwm\" with its frequency",
-            )
-        })?;
-        let actuator = ModularActuator::new(&experiment.rig, experiment.start, frequency)
+        let pulses = Pulses::of(command, pulse_frequency)?;
+        let actuator = ModularActuator::new(&experiment.rig, experiment.start, pulses.frequency)
             .map_err(|error| Failure::of_core(&error, document))?;
-        Ok(Self { actuator, pulse, rest })
-    }
-
-    /// Pulses of a duty cycle.
-    pub(crate) fn pulses(&self, duty: f64) -> Drive {
-        Drive::Pulses { duty, pulse: self.pulse, rest: self.rest }
+        Ok(Self { actuator, pulses })
     }
 }
 
@@ -165,7 +150,7 @@ impl Actuator {
         actuator.restore(&state.snapshot);
         let went = match command {
             None => Ok(()),
-            Some(Asked::Duty(duty)) => actuator.drive(self.model.pulses(duty)),
+            Some(Asked::Duty(duty)) => actuator.drive(self.model.pulses.of_duty(duty)),
             Some(Asked::Request(request)) => actuator.drive(Drive::Steady(request)),
         };
         let went = went.and_then(|()| actuator.move_to(state.time + dt, length));

@@ -179,7 +179,7 @@ impl Actuators {
             return Ok(());
         };
         let span = Span { rows, length, velocity, duty, tension, beside };
-        let drive = |duty: f64| model.pulses(duty);
+        let drive = |duty: f64| model.pulses.of_duty(duty);
         let together = if count < ALONE { count } else { TOGETHER };
         match py.detach(|| span.step(&drive, dt, together)) {
             None => Ok(()),

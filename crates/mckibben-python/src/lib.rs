@@ -6,6 +6,8 @@
 //! | `trajectory` | `simulate`, the classes `Trajectory` and `Event` |
 //! | `actuator` | the modular actuator, step by step: `Actuator`, `ActuatorState`, `Response` |
 //! | `actuators` | many of them on arrays: `Actuators` |
+//! | `plants` | many actuators, joints or legs that are told what to do and begin anew one by one: `Plants` |
+//! | `pulses` | how a valve is pulsed by a duty cycle |
 //! | `curves` | `curves`, `presets` |
 //! | `linear` | `linearize`, the class `LinearModel` |
 //! | `identification` | `identify`, the classes `Identification` and `Estimate` |
@@ -27,6 +29,8 @@ mod curves;
 mod differentiable;
 mod identification;
 mod linear;
+mod plants;
+mod pulses;
 mod raised;
 mod scenario;
 mod sweep;
@@ -49,6 +53,8 @@ mod _mckibben {
     use crate::identification::{Estimate, Identification, identify};
     #[pymodule_export]
     use crate::linear::{LinearModel, linearize};
+    #[pymodule_export]
+    use crate::plants::Plants;
     #[pymodule_export]
     use crate::scenario::Scenario;
     #[pymodule_export]

@@ -1,6 +1,6 @@
 //! Python objects with the types that the stubs give them.
 
-use numpy::{AllowTypeChange, PyArrayLike1};
+use numpy::{AllowTypeChange, PyArrayLike1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
@@ -75,6 +75,30 @@ impl<'a, 'py, A: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Given<A> {
 
     fn extract(array: Borrowed<'a, 'py, PyAny>) -> Result<Self, Self::Error> {
         array.extract().map(Self)
+    }
+}
+
+/// Places in an array, as NumPy counts them.
+pub(crate) struct Rows<'py>(pub(crate) PyReadonlyArray1<'py, i64>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Rows<'py> {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = of!(ARRAY, name!("numpy", "int64"));
+
+    fn extract(rows: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(rows.extract()?))
+    }
+}
+
+/// Flags that are written in place.
+pub(crate) struct Flags<'py>(pub(crate) PyReadwriteArray1<'py, bool>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Flags<'py> {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = of!(ARRAY, name!("numpy", "bool_"));
+
+    fn extract(flags: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(flags.extract()?))
     }
 }
 

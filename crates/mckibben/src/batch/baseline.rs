@@ -1,6 +1,6 @@
 //! Batches for machines without wide registers: every row goes by itself, as the fixed-step engine does, on all cores.
 
-use super::engine::{Dealing, Engine};
+use super::engine::{Dealing, Demands, Engine};
 use super::lane::Lane;
 use super::wide::Number;
 use super::{Row, RowByRow};
@@ -69,14 +69,27 @@ impl<R: Number> Engine for Baseline<R> {
         lane.tell(&mut walk.progress, walk.course.time, demand)
     }
 
-    fn restart(&mut self, block: usize, _: usize, row: &Row) -> Result<(), Error> {
+    fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error> {
+        self.0.try_for_each_living(|row, Single { lane, walk, .. }| match demand(row, 0) {
+            Some(demand) => lane.tell(&mut walk.progress, walk.course.time, demand),
+            None => Ok(()),
+        })
+    }
+
+    fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error> {
         let time = self.0.time();
-        let Some(Single { method, lane, .. }) = self.0.row(block) else { return Ok(()) };
-        let (mut lane, mut walk) = lane.anew(row, time)?;
-        lane.pass(&mut walk)?;
-        let single = Single { method: *method, lane, walk };
-        self.0.put(block, single);
+        for (_, row) in rows {
+            let Some(Single { method, lane, .. }) = self.0.row(block) else { return Ok(()) };
+            let (mut lane, mut walk) = lane.anew(row, time)?;
+            lane.pass(&mut walk)?;
+            let single = Single { method: *method, lane, walk };
+            self.0.put(block, single);
+        }
         Ok(())
+    }
+
+    fn restart_all(&mut self, rows: &[Vec<(usize, &Row)>]) -> Result<(), Error> {
+        rows.iter().enumerate().try_for_each(|(block, rows)| self.restart(block, rows))
     }
 
     fn state(&self, block: usize, _: usize) -> Result<State, &Error> {

@@ -130,25 +130,40 @@ impl<W: Wide> Block<W> {
         })
     }
 
-    /// Puts another row in the place of a lane, from now on.
+    /// The same of every lane that has not stopped, of which something is asked.
+    pub(super) fn tell_all(&mut self, demand: impl Fn(usize) -> Option<Demand>) -> Result<(), Error> {
+        with_rows!(self, rows => {
+            let living = |rows: &Rows<W, _, _>, lane: &usize| rows.lanes[*lane].fault.is_none();
+            (0..rows.lanes.len()).try_for_each(|lane| match demand(lane).filter(|_| living(rows, &lane)) {
+                Some(demand) => rows.tell(lane, demand),
+                None => Ok(()),
+            })
+        })
+    }
+
+    /// Puts other rows in the place of lanes, from now on.
     #[inline(always)]
-    fn restart(&mut self, index: usize, row: &Row) -> Result<(), Error> {
-        let walk = with_rows!(self, rows => {
-            let (lane, walk) = rows.lanes[index].anew(row, rows.time)?;
-            rows.lanes[index] = lane;
-            walk
+    fn restart(&mut self, anew: &[(usize, &Row)]) -> Result<(), Error> {
+        let (walks, rigs) = with_rows!(self, rows => {
+            let of_lane = |(index, row): &(usize, &Row)| Ok((*index, rows.lanes[*index].anew(row, rows.time)?));
+            let begun: Vec<_> = anew.iter().map(of_lane).collect::<Result<_, Error>>()?;
+            let put = |(index, (lane, walk))| {
+                rows.lanes[index] = lane;
+                (index, walk)
+            };
+            let walks: Vec<(usize, Walk<W::Lane>)> = begun.into_iter().map(put).collect();
+            (walks, rows.lanes.iter().map(|lane| &lane.rig).collect::<Vec<_>>())
         });
-        let rigs: Vec<&Rig<W::Lane>> = with_rows!(self, rows => rows.lanes.iter().map(|lane| &lane.rig).collect());
         let rig: Rig<W> = gather(&rigs);
         match self {
             Self::Ideal(rows) => {
                 if let Some(ideal) = rig.ideal() {
-                    rows.begin_anew(index, ideal, walk);
+                    rows.begin_anew(ideal, walks);
                 }
             }
-            Self::Plain(rows) => rows.begin_anew(index, rig, walk),
-            Self::Piped(rows) => rows.begin_anew(index, rig, walk),
-            Self::Celled(rows) => rows.begin_anew(index, rig, walk),
+            Self::Plain(rows) => rows.begin_anew(rig, walks),
+            Self::Piped(rows) => rows.begin_anew(rig, walks),
+            Self::Celled(rows) => rows.begin_anew(rig, walks),
         }
         Ok(())
     }
@@ -288,14 +303,16 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         Ok(())
     }
 
-    /// The rig over lanes with another row in one of them, which begins where `walk` is.
-    fn begin_anew(&mut self, index: usize, rig: Rig<W, L>, mut walk: Walk<W::Lane>) {
+    /// The rig over lanes with other rows in some of them, which begin where their walks are.
+    fn begin_anew(&mut self, rig: Rig<W, L>, walks: Vec<(usize, Walk<W::Lane>)>) {
         self.rig = rig;
-        self.alive = self.alive | W::mask(|lane| lane == index);
         let mut end = self.state;
-        match self.lanes[index].pass(&mut walk) {
-            Ok(()) => self.take_back(index, &walk, &mut end),
-            Err(fault) => self.stop(index, fault, &mut end),
+        for (index, mut walk) in walks {
+            self.alive = self.alive | W::mask(|lane| lane == index);
+            match self.lanes[index].pass(&mut walk) {
+                Ok(()) => self.take_back(index, &walk, &mut end),
+                Err(fault) => self.stop(index, fault, &mut end),
+            }
         }
         self.state = end;
         self.sort();
@@ -502,15 +519,15 @@ impl<W: Wide> Compiled for Attach<'_, W> {
     }
 }
 
-/// Another row for a lane of a block.
-pub(super) struct Restart<'a, W: Wide>(pub(super) &'a mut Block<W>, pub(super) usize, pub(super) &'a Row);
+/// Other rows for lanes of a block.
+pub(super) struct Restart<'a, W: Wide>(pub(super) &'a mut Block<W>, pub(super) &'a [(usize, &'a Row)]);
 
 impl<W: Wide> Compiled for Restart<'_, W> {
     type Wide = W;
     type Output = Result<(), Error>;
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Self::Output {
-        self.0.restart(self.1, self.2)
+        self.0.restart(self.1)
     }
 }
 

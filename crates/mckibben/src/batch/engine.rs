@@ -14,6 +14,9 @@ use alloc::vec::Vec;
 use core::fmt::Debug;
 use rayon::prelude::*;
 
+/// What is asked of the valve of a block's lane, if anything.
+pub(super) type Demands<'a> = dyn Fn(usize, usize) -> Option<Demand> + Sync + 'a;
+
 /// Blocks of rows.
 pub trait Engine: Debug + Send + Sync {
     /// Takes every block from one time in s to another in equal steps, on all cores.
@@ -24,8 +27,12 @@ pub trait Engine: Debug + Send + Sync {
     fn decisions(&self, block: usize, lane: usize) -> &[Decision];
     /// What the valve of a lane is to do from now on.
     fn tell(&mut self, block: usize, lane: usize, demand: Demand) -> Result<(), Error>;
-    /// Another row in the place of a lane, from now on.
-    fn restart(&mut self, block: usize, lane: usize, row: &Row) -> Result<(), Error>;
+    /// The same of every lane of every block that has not stopped: what is asked of it, given block and lane, if anything.
+    fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error>;
+    /// Other rows in the place of lanes of a block, from now on.
+    fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error>;
+    /// The same of every block.
+    fn restart_all(&mut self, rows: &[Vec<(usize, &Row)>]) -> Result<(), Error>;
     /// Where a lane is, or why it has stopped.
     fn state(&self, block: usize, lane: usize) -> Result<State, &Error>;
     /// What each row of each block shows.
@@ -76,8 +83,18 @@ impl<W: Wide> Engine for Blocks<W> {
         self.0[block].tell(lane, demand)
     }
 
-    fn restart(&mut self, block: usize, lane: usize, row: &Row) -> Result<(), Error> {
-        compiled(Restart(&mut self.0[block], lane, row))
+    fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error> {
+        let each = |(count, block): (usize, &mut Block<W>)| block.tell_all(|lane| demand(count, lane));
+        self.0.par_iter_mut().enumerate().try_for_each(each)
+    }
+
+    fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error> {
+        compiled(Restart(&mut self.0[block], rows))
+    }
+
+    fn restart_all(&mut self, rows: &[Vec<(usize, &Row)>]) -> Result<(), Error> {
+        let pairs = self.0.par_iter_mut().zip(rows).filter(|(_, rows)| !rows.is_empty());
+        pairs.try_for_each(|(block, rows)| compiled(Restart(block, rows)))
     }
 
     fn state(&self, block: usize, lane: usize) -> Result<State, &Error> {

@@ -117,6 +117,9 @@ pub struct Batch<F: Float = f64> {
     blocks: Box<dyn Engine>,
     alone: RowByRow<Box<dyn Alone>>,
     places: Vec<Place>,
+    /// The rows of each block, lane by lane, and those that go by themselves.
+    members: Vec<Vec<usize>>,
+    loners: Vec<usize>,
     number: PhantomData<F>,
 }
 
@@ -145,15 +148,17 @@ impl<F: Float> Batch<F> {
 
     /// Rows, of which those that go by themselves are given.
     fn of(rows: &[Row], alone: Vec<Box<dyn Alone>>, method: Method, width: Width) -> Self {
-        let mut places = Vec::new();
+        let (mut places, mut members) = (Vec::new(), Vec::new());
         let mut deal = |lanes: usize| {
-            let (of_rows, members) = arrange(rows, lanes);
-            places = of_rows;
-            members
+            (places, members) = arrange(rows, lanes);
+            members.clone()
         };
         let blocks = F::build(rows, &mut deal, method, width);
         let alone = RowByRow::at(0.0, alone);
-        Self { width: width.or_widest(), method, time: 0.0, blocks, alone, places, number: PhantomData }
+        let is_alone = |(row, place): (usize, &Place)| matches!(place, Place::Alone(_)).then_some(row);
+        let loners = places.iter().enumerate().filter_map(is_alone).collect();
+        let width = width.or_widest();
+        Self { width, method, time: 0.0, blocks, alone, places, members, loners, number: PhantomData }
     }
 
     /// A batch at t = 0 whose rows have a controller each, with the widest instructions of this machine. Each row is the run of
@@ -226,6 +231,19 @@ impl<F: Float> Batch<F> {
         }
     }
 
+    /// The same of every row that has not stopped, on all cores: what is asked of it by its number, if anything.
+    ///
+    /// # Errors
+    /// As [`Batch::tell`], of any row that cannot be told; others may have been.
+    pub fn tell_all(&mut self, demand: impl Fn(usize) -> Option<Demand> + Sync) -> Result<(), Error> {
+        let Self { blocks, alone, members, loners, .. } = self;
+        blocks.tell_all(&|block, lane| demand(members[block][lane]))?;
+        alone.try_for_each_living(|row, stepper| match demand(loners[row]) {
+            Some(demand) => stepper.tell(demand),
+            None => Ok(()),
+        })
+    }
+
     /// Another rig and start in the place of a row, at the time that has been reached: of the old one nothing is left, and if it
     /// had stopped the row lives again. The time of the batch goes on. Nothing is asked of the valve until it is told something:
     /// the rig's own command does not count.
@@ -236,7 +254,7 @@ impl<F: Float> Batch<F> {
     /// nothing has changed.
     pub fn restart(&mut self, row: usize, anew: Row) -> Result<(), Error> {
         match self.place(row)? {
-            Place::Lane(block, lane) => self.blocks.restart(block, lane, &anew),
+            Place::Lane(block, lane) => self.blocks.restart(block, &[(lane, &anew)]),
             Place::Alone(row) if anew.rig.tendon().is_some() => {
                 let Some(alone) = self.alone.row(row) else { return Err(NO_ROW) };
                 let alone = alone.anew(self.time, anew, self.method)?;
@@ -244,6 +262,23 @@ impl<F: Float> Batch<F> {
             }
             Place::Alone(_) => Err(OTHER_FORM),
         }
+    }
+
+    /// The same of many rows, on all cores: where they lie together it costs little more than one of them.
+    ///
+    /// # Errors
+    /// As [`Batch::restart`], of any row that cannot begin anew; others may have.
+    pub fn restart_all(&mut self, rows: Vec<(usize, Row)>) -> Result<(), Error> {
+        let mut of_blocks: Vec<Vec<(usize, &Row)>> = self.members.iter().map(|_| Vec::new()).collect();
+        let mut alone = Vec::new();
+        for (row, anew) in &rows {
+            match self.place(*row)? {
+                Place::Lane(block, lane) => of_blocks[block].push((lane, anew)),
+                Place::Alone(_) => alone.push((*row, anew.clone())),
+            }
+        }
+        self.blocks.restart_all(&of_blocks)?;
+        alone.into_iter().try_for_each(|(row, anew)| self.restart(row, anew))
     }
 
     /// Where a row is now, or why it has stopped: of its [`Sample`] what costs nothing.

@@ -175,6 +175,20 @@ impl<S: Stepper + Send> RowByRow<S> {
     }
 }
 
+impl<S: Stepper + Send> RowByRow<S> {
+    /// Does something with every row that has not been stopped, given its number, on all cores.
+    pub(super) fn try_for_each_living(
+        &mut self,
+        does: impl Fn(usize, &mut S) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        let each = |(count, row): (usize, &mut Row<S>)| match row.fault {
+            None => does(count, &mut row.stepper),
+            Some(_) => Ok(()),
+        };
+        self.rows.par_iter_mut().enumerate().with_min_len(STEPS_TOGETHER).try_for_each(each)
+    }
+}
+
 impl<S: Stepper> Row<S> {
     fn advance(&mut self, span: &Span) {
         if self.fault.is_none() {

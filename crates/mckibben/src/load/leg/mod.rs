@@ -30,6 +30,7 @@
 //! `tests/leg.rs`: energy, equations of Lagrange by dual numbers, balance of work of each strand.
 
 pub mod parameter;
+mod small_dog;
 
 use crate::error::{Error, Requirement};
 use crate::parameter::{

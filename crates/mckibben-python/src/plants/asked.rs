@@ -1,0 +1,90 @@
+//! What is asked of valves, as numbers in an array.
+
+use crate::pulses::Pulses;
+use mckibben::control::Drive;
+use mckibben::valve::{Demand, Request, Solenoid};
+use mckibben::{Error, GaugePressure, parameter};
+use mckibben_cli::failure::Failure;
+
+/// What a number in the array stands for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Asked {
+    /// A duty cycle, 0 to 1.
+    Duty(Pulses),
+    /// 1 for fill, 0 for hold, -1 for exhaust.
+    Request,
+    /// A position of a proportional spool, -1 to 1.
+    Position,
+    /// A set point of a pressure regulator in Pa, gauge.
+    SetPoint,
+}
+
+impl Asked {
+    /// By its name; `pulses` says how a duty cycle is pulsed, if it is asked for.
+    pub(super) fn named(name: &str, pulses: impl FnOnce() -> Result<Pulses, Failure>) -> Result<Self, Failure> {
+        match name {
+            "duty" => pulses().map(Self::Duty),
+            "request" => Ok(Self::Request),
+            "position" => Ok(Self::Position),
+            "set-point" => Ok(Self::SetPoint),
+            other => Err(Failure::input(
+                format!("asked = \"{other}\" is nothing that a valve can be asked"),
+                "say \"duty\", \"request\", \"position\" or \"set-point\"",
+            )),
+        }
+    }
+
+    /// The numbers of the requests that a valve can be asked.
+    pub(super) fn requests_of(solenoid: &Solenoid) -> Vec<f64> {
+        let can = |number: &f64| request(*number).and_then(|request| solenoid.check_request(request)).is_ok();
+        [-1.0, 0.0, 1.0].into_iter().filter(can).collect()
+    }
+
+    /// How often pulses come, in Hz; any frequency will do where there are none.
+    pub(super) fn pulse_frequency(&self) -> f64 {
+        match self {
+            Self::Duty(pulses) => pulses.frequency,
+            _ => 1.0,
+        }
+    }
+
+    /// What a number asks of a valve.
+    pub(super) fn demand(&self, number: f64) -> Result<Demand, Error> {
+        match self {
+            Self::Duty(Pulses { frequency, pulse, rest }) => {
+                let duty = parameter::DUTY.check(number)?;
+                Ok(Demand::Pulses { frequency: *frequency, duty, pulse: *pulse, rest: *rest })
+            }
+            Self::Request => request(number).map(Demand::Request),
+            Self::Position => parameter::COMMAND_POSITION.check(number).map(Demand::Position),
+            Self::SetPoint => {
+                let gauge = parameter::COMMAND_GAUGE_PRESSURE.check(number)?;
+                Ok(Demand::SetPoint(GaugePressure(gauge)))
+            }
+        }
+    }
+
+    /// The same of a valve that takes requests and pulses alone.
+    pub(super) fn drive(&self, number: f64) -> Result<Drive, Error> {
+        match self {
+            Self::Duty(pulses) => parameter::DUTY.check(number).map(|duty| pulses.of_duty(duty)),
+            Self::Request => request(number).map(Drive::Steady),
+            Self::Position | Self::SetPoint => Err(Error::Unsupported {
+                what: "the valves of a joint and of a leg take no positions and no set points yet",
+                remedy: "ask for \"duty\" or \"request\"",
+            }),
+        }
+    }
+}
+
+fn request(number: f64) -> Result<Request, Error> {
+    match number {
+        1.0 => Ok(Request::Fill),
+        0.0 => Ok(Request::Hold),
+        -1.0 => Ok(Request::Exhaust),
+        _ => Err(Error::Unsupported {
+            what: "a request is none of 1 (fill), 0 (hold) and -1 (exhaust)",
+            remedy: "give one of these three numbers",
+        }),
+    }
+}

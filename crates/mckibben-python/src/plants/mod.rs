@@ -1,0 +1,304 @@
+//! Many copies of one plant that are told what to do and begin anew one by one: the class `Plants`.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `asked` | what is asked of valves, as numbers |
+//! | `fleet` | what all plants have in common |
+//! | `rigs` | actuators with their loads, in the lanes of a batch |
+//! | `alone` | plants that go each by itself |
+//! | `joints`, `legs` | the two of these |
+//! | `numbers`, `leg_numbers` | numbers that differ from plant to plant, by their paths |
+
+mod alone;
+mod asked;
+mod fleet;
+mod joints;
+mod leg_numbers;
+mod legs;
+mod numbers;
+mod rigs;
+
+use crate::pulses::Pulses;
+use crate::raised::Raised;
+use crate::scenario::Scenario;
+use crate::typed::{Flags, Given, Numbers as Array, Rows};
+use alone::Alone;
+use asked::Asked;
+use fleet::{Fleet, Span};
+use joints::Joints;
+use legs::Legs;
+use mckibben::simulation::Method;
+use mckibben_cli::failure::Failure;
+use numbers::Numbers;
+use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use pyo3::prelude::*;
+use rigs::Rigs;
+
+/// Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
+/// may begin anew, with numbers of its own, while the others go on. The environments of `mckibben.learning` are made of it.
+///
+/// `scenario` is an actuator with its load or an antagonistic joint; with `leg`, it is the actuator of each of a leg's six
+/// strands, and `leg` says which numbers of the leg are others than those assumed (`{}` for none), as
+/// `{"leg.thigh.mass": 0.5}`. Its command and its controller do not count.
+///
+/// `by` are paths of the numbers that differ from one to the next, such as "load.mass" or "initial.gauge_pressure"; of a leg
+/// also "leg.shank.mass", and "strands[2].actuator.turns" of one actuator alone.
+///
+/// `asked` says what the numbers given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
+/// a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
+/// duty cycle's pulses come; that of the scenario's PWM unless given.
+///
+/// They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
+/// needs.
+#[pyclass(module = "mckibben")]
+pub(crate) struct Plants {
+    scenario: Py<Scenario>,
+    by: Vec<String>,
+    given: Vec<f64>,
+    /// The longest step in s.
+    longest: f64,
+    duration: f64,
+    requests: Vec<f64>,
+    count: usize,
+    fleet: Box<dyn Fleet>,
+}
+
+/// A step of a control period that is this much longer than the longest is as long.
+const ROUNDING: f64 = 1e-9;
+
+impl Plants {
+    fn of(
+        py: Python<'_>,
+        scenario: &Py<Scenario>,
+        by: &[String],
+        (asked, pulse_frequency): (&str, Option<f64>),
+        leg: Option<&[(String, f64)]>,
+        count: usize,
+    ) -> Result<Self, Failure> {
+        let Scenario { document, understood, .. } = scenario.get();
+        let base = understood.open_loop();
+        let failed = |error: mckibben::Error| Failure::of_core(&error, document);
+        let actuation = base.driven().map_err(failed)?.actuation;
+        let pulses = || Pulses::of(actuation.as_ref().map(|actuation| &actuation.command), pulse_frequency);
+        let asked = Asked::named(asked, pulses)?;
+        let requests = actuation.as_ref().map_or(Vec::new(), |actuation| Asked::requests_of(&actuation.solenoid));
+        let mut given = vec![f64::NAN; by.len()];
+        let mut fill = |numbers: &mut dyn Iterator<Item = (usize, f64)>| {
+            numbers.for_each(|(which, value)| given[which] = value);
+        };
+        let numbers = || {
+            let by: Vec<(usize, &str)> = by.iter().map(String::as_str).enumerate().collect();
+            Numbers::find(scenario.clone_ref(py), &by)
+        };
+        let (fleet, longest): (Box<dyn Fleet>, f64) = if let Some(set) = leg {
+            let legs = Legs::new(py, scenario, by, set, asked.pulse_frequency())?;
+            fill(&mut legs.given().into_iter());
+            (Box::new(Alone::new(legs, asked)), Self::step_of_leg(base.run.step)?)
+        } else if let Some(experiment) = base.joint_experiment().map_err(failed)? {
+            let (numbers, method) = (numbers()?, experiment.method());
+            fill(&mut numbers.given());
+            let joints = Joints { numbers, method, pulse_frequency: asked.pulse_frequency() };
+            (Box::new(Alone::new(joints, asked)), experiment.step().map_err(failed)?.0)
+        } else {
+            let experiment = base.experiment().map_err(failed)?;
+            let (numbers, method): (Numbers, Method) = (numbers()?, experiment.method());
+            fill(&mut numbers.given());
+            (Box::new(Rigs::new(numbers, method, asked)), experiment.step().map_err(failed)?.0)
+        };
+        let (scenario, by, duration) = (scenario.clone_ref(py), by.to_vec(), base.run.duration);
+        Ok(Self { scenario, by, given, longest, duration, requests, count, fleet })
+    }
+
+    fn step_of_leg(step: Option<f64>) -> Result<f64, Failure> {
+        step.ok_or_else(|| Failure::input("a leg does not choose its step by itself", "give run.step, as \"0.1 ms\""))
+    }
+
+    /// The values of every plant, or a failure where they are as many as there should not be.
+    fn values<'a>(&'a self, values: Option<&'a [f64]>, count: usize) -> Result<Vec<&'a [f64]>, Failure> {
+        let width = self.by.len();
+        match values {
+            None => Ok(vec![self.given.as_slice(); count]),
+            Some(values) if values.len() == count * width && width > 0 => Ok(values.chunks(width).collect()),
+            Some(_) if width == 0 => Ok(vec![&[]; count]),
+            Some(values) => Err(Failure::input(
+                format!("{} values were given for {count} plants", values.len()),
+                format!("give one row for each plant, with a value for each of {}, in SI", self.by.join(", ")),
+            )),
+        }
+    }
+}
+
+/// A failure of a plant by its number.
+fn of_plant((row, failure): (usize, Failure)) -> Failure {
+    failure.of(&format!("plant {row}"))
+}
+
+/// A table that the caller owns, of the shape that it must have.
+fn shaped(name: &str, slice: Option<usize>, (rows, columns): (usize, usize)) -> Result<(), Failure> {
+    if slice == Some(rows * columns) {
+        return Ok(());
+    }
+    let remedy = format!("give an array of shape ({rows}, {columns}) of float64 without gaps");
+    Err(Failure::input(format!("{name} is of another shape, or has gaps"), remedy))
+}
+
+#[pymethods]
+impl Plants {
+    #[new]
+    #[pyo3(signature = (scenario, count, *, by = Vec::new(), asked = "duty", pulse_frequency = None, leg = None))]
+    fn new(
+        py: Python<'_>,
+        scenario: Py<Scenario>,
+        count: usize,
+        by: Vec<String>,
+        asked: &str,
+        pulse_frequency: Option<f64>,
+        leg: Option<std::collections::HashMap<String, f64>>,
+    ) -> PyResult<Self> {
+        let leg: Option<Vec<(String, f64)>> = leg.map(|leg| leg.into_iter().collect());
+        let mut plants = Self::of(py, &scenario, &by, (asked, pulse_frequency), leg.as_deref(), count).raised()?;
+        plants.start(py, None)?;
+        Ok(plants)
+    }
+
+    /// All begin at t = 0, with nothing asked of their valves, each with its values of the numbers `by` in SI, of shape
+    /// (count, len(by)); those of the scenario unless given.
+    ///
+    /// Raises `InputError` for values that cannot be. Then nothing has changed.
+    #[pyo3(signature = (values = None))]
+    fn start(&mut self, py: Python<'_>, values: Option<Given<PyReadonlyArray2<'_, f64>>>) -> PyResult<()> {
+        let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
+        let values = self.values(values, self.count).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
+        let fleet = &mut self.fleet;
+        py.detach(|| fleet.begin(&values.iter().map(Vec::as_slice).collect::<Vec<_>>())).map_err(of_plant).raised()
+    }
+
+    /// The plants of these numbers begin anew with these values, of shape (len(rows), len(by)), and nothing asked of their
+    /// valves; those of the scenario unless given. The others go on.
+    #[pyo3(signature = (rows, values = None))]
+    fn restart(
+        &mut self,
+        py: Python<'_>,
+        rows: Rows<'_>,
+        values: Option<Given<PyReadonlyArray2<'_, f64>>>,
+    ) -> PyResult<()> {
+        let rows = rows.0.as_slice()?;
+        let number = |row: &i64| usize::try_from(*row).ok().filter(|row| *row < self.count);
+        let unknown = || {
+            let remedy = format!("count the plants from 0 to {}", self.count.saturating_sub(1));
+            Failure::input("a plant is meant that there is not", remedy)
+        };
+        let rows = rows.iter().map(|row| number(row).ok_or_else(unknown)).collect::<Result<Vec<_>, _>>().raised()?;
+        let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
+        let values = self.values(values, rows.len()).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
+        let fleet = &mut self.fleet;
+        py.detach(|| {
+            let mut pairs = rows.into_iter().zip(&values);
+            pairs.try_for_each(|(row, values)| fleet.restart(row, values).map_err(|failure| (row, failure)))
+        })
+        .map_err(of_plant)
+        .raised()
+    }
+
+    /// Asks `asked`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
+    /// `shown`, of shape (count, len(columns)), and into `stopped` which of them have left the physics: their entries stay
+    /// as they are, and only `restart` brings them back.
+    ///
+    /// Raises `InputError` for what cannot be asked, before anything has changed.
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        dt: f64,
+        asked: Given<PyReadonlyArray2<'_, f64>>,
+        mut shown: Given<PyReadwriteArray2<'_, f64>>,
+        mut stopped: Flags<'_>,
+    ) -> PyResult<()> {
+        let asked = asked.0.as_slice().ok();
+        shaped("asked", asked.map(<[f64]>::len), (self.count, self.fleet.valves())).raised()?;
+        let asked = asked.unwrap_or_default();
+        let steps = (dt / self.longest - ROUNDING).ceil();
+        if !(dt > 0.0 && steps < 1e9) {
+            let remedy = "give a time in s above zero, such as 1e-3";
+            return Err(Failure::input(format!("dt = {dt} is no time to go on by"), remedy)).raised();
+        }
+        let span = Span { duration: dt, steps: (steps as u64).max(1) };
+        self.fleet.check(asked).map_err(of_plant).raised()?;
+        let (shown, stopped) = (shown.0.as_slice_mut()?, stopped.0.as_slice_mut()?);
+        let fleet = &mut self.fleet;
+        let width = fleet.columns().len();
+        shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
+        shaped("stopped", Some(stopped.len()), (self.count, 1)).raised()?;
+        py.detach(|| {
+            fleet.step(span, asked)?;
+            for (row, (shown, stopped)) in shown.chunks_mut(width).zip(stopped).enumerate() {
+                *stopped = !fleet.show(row, shown);
+            }
+            Ok(())
+        })
+        .map_err(of_plant)
+        .raised()
+    }
+
+    /// Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
+    fn show(&self, rows: Rows<'_>, mut shown: Given<PyReadwriteArray2<'_, f64>>) -> PyResult<()> {
+        let width = self.fleet.columns().len();
+        let shown = shown.0.as_slice_mut()?;
+        shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
+        for row in rows.0.as_slice()?.iter().filter_map(|row| usize::try_from(*row).ok()) {
+            if let Some(into) = shown.get_mut(row * width..(row + 1) * width) {
+                self.fleet.show(row, into);
+            }
+        }
+        Ok(())
+    }
+
+    /// What is shown of each, by the names of the columns of a run.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.fleet.columns()
+    }
+
+    /// How many valves each has.
+    #[getter]
+    fn valves(&self) -> usize {
+        self.fleet.valves()
+    }
+
+    /// The requests that the valves can be asked: of 1 (fill), 0 (hold) and -1 (exhaust).
+    #[getter]
+    fn requests(&self) -> Vec<f64> {
+        self.requests.clone()
+    }
+
+    /// How long the scenario runs, in s.
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Paths of the numbers that differ from one to the next.
+    #[getter]
+    fn by(&self) -> Vec<String> {
+        self.by.clone()
+    }
+
+    /// What the scenario has for these numbers, in SI.
+    #[getter]
+    fn given<'py>(&self, py: Python<'py>) -> Array<'py> {
+        Array(PyArray1::from_slice(py, &self.given).into_any())
+    }
+
+    /// What it was made of.
+    #[getter]
+    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
+        self.scenario.clone_ref(py)
+    }
+
+    fn __len__(&self) -> usize {
+        self.count
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<mckibben.Plants, {} of {:?}>", self.count, self.scenario.get().title())
+    }
+}

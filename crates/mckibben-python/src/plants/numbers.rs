@@ -1,0 +1,61 @@
+//! Numbers of a plant that differ from one to the next.
+
+use crate::scenario::Scenario;
+use mckibben::{Error, parameter};
+use mckibben_cli::failure::Failure;
+use mckibben_identify::adjustable::Adjustable;
+use pyo3::prelude::*;
+
+/// A scenario, nothing asked of its valves by itself, and those of its numbers that are given for each plant.
+pub(super) struct Numbers {
+    scenario: Py<Scenario>,
+    adjustable: Adjustable,
+    /// Which of all the values are this scenario's.
+    which: Vec<usize>,
+}
+
+impl Numbers {
+    /// The numbers at these paths; each stands with where its value is among all.
+    pub(super) fn find(scenario: Py<Scenario>, by: &[(usize, &str)]) -> Result<Self, Failure> {
+        let Scenario { document, understood, .. } = scenario.get();
+        let mut base = understood.open_loop();
+        let place = |(_, path): &(usize, &str)| {
+            let place = document.find(path, by.iter().map(|(_, other)| *other), &mut base);
+            place.map_err(|error| Failure::input(error.to_string(), "mend `by`"))
+        };
+        let places = by.iter().map(place).collect::<Result<_, _>>()?;
+        let given = document.says_of_each(parameter::MIN_LENGTH.key);
+        let which = by.iter().map(|(which, _)| *which).collect();
+        Ok(Self { scenario, adjustable: Adjustable::new(base, places, given), which })
+    }
+
+    /// The scenario without values.
+    pub(super) fn base(&self) -> &mckibben_scenario::Scenario {
+        self.adjustable.base()
+    }
+
+    /// What the scenario has for each number, with where it is among all, in SI.
+    pub(super) fn given(&self) -> impl Iterator<Item = (usize, f64)> {
+        let mut base = self.base().clone();
+        let value = move |place: &mckibben_scenario::Place| place.value(&mut base).unwrap_or(f64::NAN);
+        self.which.iter().copied().zip(self.adjustable.places().iter().map(value))
+    }
+
+    /// What is made of the scenario with the values of one plant.
+    pub(super) fn with<T>(
+        &self,
+        values: &[f64],
+        make: impl FnOnce(&mckibben_scenario::Scenario) -> Result<T, Error>,
+    ) -> Result<T, Failure> {
+        if self.which.is_empty() {
+            return make(self.base()).map_err(|error| self.failed(&error));
+        }
+        let own: Vec<f64> = self.which.iter().map(|which| values[*which]).collect();
+        self.adjustable.at(&own).and_then(|scenario| make(&scenario)).map_err(|error| self.failed(&error))
+    }
+
+    /// An error of the core, in the scenario's words.
+    pub(super) fn failed(&self, error: &Error) -> Failure {
+        Failure::of_core(error, &self.scenario.get().document)
+    }
+}

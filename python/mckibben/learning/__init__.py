@@ -1,0 +1,35 @@
+"""Environments for learning: a muscle under a mass, an antagonistic joint and a leg, for Gymnasium.
+
+>>> import gymnasium
+>>> environment = gymnasium.make("mckibben/HangingMass-v0", noise={"length_m": 1e-4})
+>>> many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=4096, randomize={"load.mass": (1.5, 3.0)})
+
+Needs Gymnasium: `pip install "mckibben[learning]"`. The three are registered when Gymnasium is imported.
+
+| id | what is controlled | valves |
+|---|---|---|
+| `mckibben/HangingMass-v0` | the length of a muscle that lifts a mass | 1 |
+| `mckibben/Joint-v0` | the angle of a joint that two muscles turn against each other | 2 |
+| `mckibben/Leg-v0` | hip and knee of a leg of six muscles, by default on a belt | 6 |
+
+In each, a target is drawn for an episode and shown among the observations, and the reward of a step is minus the distance
+from it, as a share of the range that targets are drawn from. Everything that an option leaves out is the scenario's.
+"""
+
+from mckibben.learning._registration import register
+from mckibben.learning._single import Environment
+from mckibben.learning._episodes import Options
+from mckibben.learning._tasks import Seen, Task, hanging_mass, joint, leg
+from mckibben.learning._vector import VectorEnvironment
+
+__all__ = [
+    "Environment",
+    "Options",
+    "Seen",
+    "Task",
+    "VectorEnvironment",
+    "hanging_mass",
+    "joint",
+    "leg",
+    "register",
+]
