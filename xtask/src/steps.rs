@@ -108,7 +108,7 @@ fn lint(root: &Path) -> Result<Tally, String> {
     // The benchmark is a workspace of its own; it must go on fitting the core.
     let mut benchmark = cargo(&root.join("benches"));
     benchmark.args(["clippy", "--all-targets", "--locked", "--", "--deny", "warnings"]);
-    succeed(benchmark.env("CARGO_TARGET_DIR", root.join("target/benches"))).map(|()| None)
+    succeed(benchmark.env("CARGO_TARGET_DIR", root.join("target"))).map(|()| None)
 }
 
 fn docs(root: &Path) -> Result<Tally, String> {

@@ -296,6 +296,33 @@ fn a_row_that_begins_anew_is_one_that_began_there_and_touches_no_other() {
 }
 
 #[test]
+fn rows_told_and_begun_anew_together_are_each_told_and_begun() {
+    let rows = || plain(21).into_iter().chain([row(8).0]).collect::<Vec<_>>();
+    let anew = |count: usize| {
+        let of = |index: usize| (index, if index < 21 { plain(40).swap_remove(index + 10) } else { row(8).0 });
+        (0..22).filter(move |index| (index + count) % 3 == 0).map(of)
+    };
+    for width in Width::available() {
+        let mut batches = [false, true].map(|_| Batch::<f64>::with_width(rows(), Method::Stable, width));
+        for count in 0..40 {
+            let [one_by_one, together] = &mut batches;
+            if count % 10 == 9 {
+                anew(count).for_each(|(index, row)| one_by_one.restart(index, row).expect("begins anew"));
+                together.restart_all(anew(count).collect()).expect("begin anew");
+            }
+            let told = |index: usize| (index != 5).then(|| fill_or_exhaust(index, count));
+            for (index, demand) in (0..22).filter_map(|index| Some((index, told(index)?))) {
+                one_by_one.tell(index, demand).expect("told");
+            }
+            together.tell_all(told).expect("told");
+            batches.iter_mut().for_each(|batch| batch.advance(millisecond(count + 1), STEPS));
+        }
+        let [one_by_one, together] = batches.map(|batch| batch.samples());
+        assert_eq!(one_by_one, together, "{width:?}");
+    }
+}
+
+#[test]
 fn a_row_that_has_stopped_lives_again() {
     for width in Width::available() {
         let mut batch: Batch = Batch::with_width(plain(5), Method::Rk4, width);
@@ -306,6 +333,7 @@ fn a_row_that_has_stopped_lives_again() {
         for index in 0..5 {
             let stopped = batch.state(index).is_err();
             assert_eq!(batch.tell(index, Request::Exhaust).is_err(), stopped);
+            batch.tell_all(|_| Some(Request::Exhaust.into())).expect("those that go on are told");
             batch.restart(index, plain(5).swap_remove(index)).expect("begins anew");
             assert_eq!(batch.state(index), Ok(plain(5)[index].start));
             batch.tell(index, Request::Exhaust).expect("told");

@@ -4,7 +4,8 @@
 >>> environment = gymnasium.make("mckibben/HangingMass-v0", noise={"length_m": 1e-4})
 >>> many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=4096, randomize={"load.mass": (1.5, 3.0)})
 
-Needs Gymnasium: `pip install "mckibben[learning]"`. The three are registered when Gymnasium is imported.
+Needs Gymnasium: `pip install "mckibben[learning]"`. The three are registered when Gymnasium is imported, where the package is
+installed, and when this module is.
 
 | id | what is controlled | valves |
 |---|---|---|
@@ -16,8 +17,8 @@ In each, a target is drawn for an episode and shown among the observations, and 
 from it, as a share of the range that targets are drawn from. Everything that an option leaves out is the scenario's.
 """
 
-from mckibben.learning._registration import register
 from mckibben.learning._single import Environment
+from mckibben._gymnasium import register
 from mckibben.learning._episodes import Options
 from mckibben.learning._tasks import Seen, Task, hanging_mass, joint, leg
 from mckibben.learning._vector import VectorEnvironment
@@ -33,3 +34,5 @@ __all__ = [
     "leg",
     "register",
 ]
+
+register()

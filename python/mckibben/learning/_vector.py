@@ -46,7 +46,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, NDArray[np.float64]]):
     ) -> None:
         self._episodes = Episodes(*told(task, num_envs, options))
         self.num_envs, self.render_mode = num_envs, render_mode
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.single_action_space = self._episodes.action_space()
         self.single_observation_space = self._episodes.observation_space()
@@ -105,6 +105,14 @@ class VectorEnvironment(VectorEnv[Observations, Any, NDArray[np.float64]]):
                 info = {"final_obs": observed.copy(), "_final_obs": done, "final_info": {}, "_final_info": done}
                 observed[rows] = episodes.begin_again(self.np_random, rows)[rows]
         return observed, rewards, terminated, truncated, info
+
+
+def mode(named: AutoresetMode | str) -> AutoresetMode:
+    """How episodes begin again, by its name as Gymnasium has it, "SameStep", or "same-step"."""
+    for known in AutoresetMode:
+        if named in (known, known.value, known.name.lower().replace("_", "-")):
+            return known
+    raise InputError(f'autoreset_mode: there is no `{named}`; say "next-step", "same-step" or "disabled"')
 
 
 def told(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[Task, int, Options]:

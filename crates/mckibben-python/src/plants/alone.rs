@@ -1,7 +1,7 @@
 //! Plants that go through time each by itself: joints and legs.
 
 use super::asked::Asked;
-use super::fleet::{Fleet, Span};
+use super::fleet::{Fleet, Pace, Span};
 use mckibben::Error;
 use mckibben::control::Drive;
 use mckibben_cli::failure::Failure;
@@ -22,8 +22,6 @@ pub(super) trait Kind<const VALVES: usize>: Send + Sync {
 
     fn drive(plant: &mut Self::Plant, drives: [Drive; VALVES]) -> Result<(), Error>;
 
-    fn time(plant: &Self::Plant) -> f64;
-
     fn advance_to(plant: &mut Self::Plant, until: f64) -> Result<(), Error>;
 
     fn show(plant: &Self::Plant, into: &mut [f64]);
@@ -32,11 +30,23 @@ pub(super) trait Kind<const VALVES: usize>: Send + Sync {
     fn failed(&self, error: &Error) -> Failure;
 }
 
-/// Plants of a kind, each with a clock of its own, and whether it has stopped.
+/// Plants of a kind, each with a clock of its own.
 pub(super) struct Alone<K: Kind<VALVES>, const VALVES: usize> {
     kind: K,
     asked: Asked,
-    plants: Vec<(K::Plant, bool)>,
+    plants: Vec<Member<K::Plant>>,
+}
+
+struct Member<P> {
+    plant: P,
+    pace: Pace,
+    stopped: bool,
+}
+
+impl<P> Member<P> {
+    fn new(plant: P) -> Self {
+        Self { plant, pace: Pace::default(), stopped: false }
+    }
 }
 
 impl<K: Kind<VALVES>, const VALVES: usize> Alone<K, VALVES> {
@@ -64,15 +74,16 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
 
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| {
-            let plant = self.kind.begin(values).map_err(|failure| (row, failure))?;
-            Ok((plant, false))
+            self.kind.begin(values).map(Member::new).map_err(|failure| (row, failure))
         };
         self.plants = values.par_iter().enumerate().map(of_row).collect::<Result<_, _>>()?;
         Ok(())
     }
 
-    fn restart(&mut self, row: usize, values: &[f64]) -> Result<(), Failure> {
-        self.plants[row] = (self.kind.begin(values)?, false);
+    fn restart(&mut self, rows: &[(usize, &[f64])]) -> Result<(), (usize, Failure)> {
+        for (row, values) in rows {
+            self.plants[*row] = self.kind.begin(values).map(Member::new).map_err(|failure| (*row, failure))?;
+        }
         Ok(())
     }
 
@@ -82,26 +93,27 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
         wrong.map_or(Ok(()), |(row, error)| Err((row, self.kind.failed(&error))))
     }
 
-    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), (usize, Failure)> {
+    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), Failure> {
         let mut plants = core::mem::take(&mut self.plants);
-        let of_row = |(row, ((plant, stopped), asked)): (usize, (&mut (K::Plant, bool), &[f64]))| {
+        let of_plant = |(Member { plant, pace, stopped }, asked): (&mut Member<K::Plant>, &[f64])| {
             if *stopped {
                 return Ok(());
             }
-            self.drives(asked).and_then(|drives| K::drive(plant, drives)).map_err(|error| (row, error))?;
-            let from = K::time(plant);
-            let part = |step: u64| from + span.duration * (step as f64 / span.steps as f64);
-            *stopped = (1..=span.steps).try_for_each(|step| K::advance_to(plant, part(step))).is_err();
+            self.drives(asked).and_then(|drives| K::drive(plant, drives))?;
+            let from = pace.now();
+            *pace = pace.on(span);
+            let parts = (1..span.steps).map(|step| from + (pace.now() - from) * (step as f64 / span.steps as f64));
+            *stopped = parts.chain([pace.now()]).try_for_each(|until| K::advance_to(plant, until)).is_err();
             Ok(())
         };
-        let rows = plants.par_iter_mut().zip(asked.par_chunks(VALVES)).enumerate().with_min_len(TOGETHER);
-        let went = rows.map(of_row).collect::<Result<(), _>>();
+        let rows = plants.par_iter_mut().zip(asked.par_chunks(VALVES)).with_min_len(TOGETHER);
+        let went = rows.map(of_plant).collect::<Result<(), Error>>();
         self.plants = plants;
-        went.map_err(|(row, error)| (row, self.kind.failed(&error)))
+        went.map_err(|error| self.kind.failed(&error))
     }
 
     fn show(&self, row: usize, into: &mut [f64]) -> bool {
-        let (plant, stopped) = &self.plants[row];
+        let Member { plant, stopped, .. } = &self.plants[row];
         if !stopped {
             K::show(plant, into);
         }

@@ -10,6 +10,30 @@ pub(super) struct Span {
     pub(super) steps: u64,
 }
 
+/// A clock that is not summed: after as many equal spans it shows what as many times a span is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pace {
+    origin: f64,
+    duration: f64,
+    count: u64,
+}
+
+impl Pace {
+    /// The clock after another span.
+    #[must_use]
+    pub(super) fn on(&self, Span { duration, .. }: Span) -> Self {
+        match duration == self.duration {
+            true => Self { count: self.count + 1, ..*self },
+            false => Self { origin: self.now(), duration, count: 1 },
+        }
+    }
+
+    /// The time in s that it shows.
+    pub(super) fn now(&self) -> f64 {
+        self.origin + self.count as f64 * self.duration
+    }
+}
+
 /// Plants of one kind that go through time together. An error stands with the number of its plant.
 pub(super) trait Fleet: Send + Sync {
     /// What is shown of each, by the names of the columns of a run.
@@ -21,14 +45,14 @@ pub(super) trait Fleet: Send + Sync {
     /// All begin at t = 0, as many as there are rows of values.
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)>;
 
-    /// One begins anew, with nothing asked of its valves; the others go on.
-    fn restart(&mut self, row: usize, values: &[f64]) -> Result<(), Failure>;
+    /// Some begin anew, with nothing asked of their valves; the others go on.
+    fn restart(&mut self, rows: &[(usize, &[f64])]) -> Result<(), (usize, Failure)>;
 
     /// Whether the valves can be asked for this: a number for each valve of each plant.
     fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)>;
 
     /// Asks this of the valves, which has been checked, and goes on. Those that leave the physics stop there.
-    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), (usize, Failure)>;
+    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), Failure>;
 
     /// Writes what one shows; `false`, and nothing, where it has stopped.
     fn show(&self, row: usize, into: &mut [f64]) -> bool;

@@ -47,10 +47,6 @@ impl Kind<2> for Joints {
         stepper.drive(course, drives)
     }
 
-    fn time((_, course): &Self::Plant) -> f64 {
-        course.time()
-    }
-
     fn advance_to((stepper, course): &mut Self::Plant, until: f64) -> Result<(), Error> {
         stepper.advance_to(course, until)
     }

@@ -66,7 +66,8 @@ impl Legs {
     /// What each number is in the scenario and the assumed leg, with where it is among all.
     pub(super) fn given(&self) -> Vec<(usize, f64)> {
         let mut posed = self.posed;
-        let of_leg = self.of_leg.iter().map(|(which, path)| (*which, number(&mut posed, path).map_or(f64::NAN, |n| *n)));
+        let of_leg =
+            self.of_leg.iter().map(|(which, path)| (*which, number(&mut posed, path).map_or(f64::NAN, |n| *n)));
         let of_leg: Vec<_> = of_leg.collect();
         of_leg.into_iter().chain(self.strands.iter().flat_map(Numbers::given)).collect()
     }
@@ -75,9 +76,7 @@ impl Legs {
 /// The number of a leg at a path with its prefix.
 fn number<'a>(posed: &'a mut Posed, path: &str) -> Result<&'a mut f64, Failure> {
     let number = path.strip_prefix(OF_LEG).and_then(|path| posed.number(path));
-    number.ok_or_else(|| {
-        Failure::input(format!("`{path}` is no number of a leg"), format!("name one of {KNOWN}"))
-    })
+    number.ok_or_else(|| Failure::input(format!("`{path}` is no number of a leg"), format!("name one of {KNOWN}")))
 }
 
 impl Kind<STRANDS> for Legs {
@@ -109,10 +108,6 @@ impl Kind<STRANDS> for Legs {
 
     fn drive(leg: &mut LegStepper, drives: [Drive; STRANDS]) -> Result<(), Error> {
         leg.drive(drives)
-    }
-
-    fn time(leg: &LegStepper) -> f64 {
-        leg.time()
     }
 
     fn advance_to(leg: &mut LegStepper, until: f64) -> Result<(), Error> {

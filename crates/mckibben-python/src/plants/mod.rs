@@ -32,6 +32,7 @@ use mckibben_cli::failure::Failure;
 use numbers::Numbers;
 use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use rigs::Rigs;
 
 /// Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
@@ -62,6 +63,9 @@ pub(crate) struct Plants {
     count: usize,
     fleet: Box<dyn Fleet>,
 }
+
+/// Plants that a thread shows together at least.
+const SHOWN_TOGETHER: usize = 512;
 
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
@@ -191,13 +195,9 @@ impl Plants {
         let rows = rows.iter().map(|row| number(row).ok_or_else(unknown)).collect::<Result<Vec<_>, _>>().raised()?;
         let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
         let values = self.values(values, rows.len()).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
+        let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values.iter().map(Vec::as_slice)).collect();
         let fleet = &mut self.fleet;
-        py.detach(|| {
-            let mut pairs = rows.into_iter().zip(&values);
-            pairs.try_for_each(|(row, values)| fleet.restart(row, values).map_err(|failure| (row, failure)))
-        })
-        .map_err(of_plant)
-        .raised()
+        py.detach(|| fleet.restart(&rows)).map_err(of_plant).raised()
     }
 
     /// Asks `asked`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
@@ -230,12 +230,10 @@ impl Plants {
         shaped("stopped", Some(stopped.len()), (self.count, 1)).raised()?;
         py.detach(|| {
             fleet.step(span, asked)?;
-            for (row, (shown, stopped)) in shown.chunks_mut(width).zip(stopped).enumerate() {
-                *stopped = !fleet.show(row, shown);
-            }
-            Ok(())
+            let rows = shown.par_chunks_mut(width).zip(stopped).enumerate().with_min_len(SHOWN_TOGETHER);
+            rows.for_each(|(row, (shown, stopped))| *stopped = !fleet.show(row, shown));
+            Ok::<(), Failure>(())
         })
-        .map_err(of_plant)
         .raised()
     }
 

@@ -1,7 +1,7 @@
 //! Actuators with their loads, in the lanes of a batch.
 
 use super::asked::Asked;
-use super::fleet::{Fleet, Span};
+use super::fleet::{Fleet, Pace, Span};
 use super::numbers::Numbers;
 use mckibben::batch::{Batch, Row};
 use mckibben::simulation::{Method, State};
@@ -15,12 +15,13 @@ pub(super) struct Rigs {
     numbers: Numbers,
     method: Method,
     asked: Asked,
+    pace: Pace,
     batch: Batch,
 }
 
 impl Rigs {
     pub(super) fn new(numbers: Numbers, method: Method, asked: Asked) -> Self {
-        Self { numbers, method, asked, batch: Batch::new(Vec::new(), method) }
+        Self { numbers, method, asked, pace: Pace::default(), batch: Batch::new(Vec::new(), method) }
     }
 
     fn row(&self, values: &[f64]) -> Result<Row, Failure> {
@@ -41,13 +42,18 @@ impl Fleet for Rigs {
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| self.row(values).map_err(|failure| (row, failure));
         let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
-        self.batch = Batch::new(rows, self.method);
+        (self.batch, self.pace) = (Batch::new(rows, self.method), Pace::default());
         Ok(())
     }
 
-    fn restart(&mut self, row: usize, values: &[f64]) -> Result<(), Failure> {
-        let anew = self.row(values)?;
-        self.batch.restart(row, anew).map_err(|error| self.numbers.failed(&error))
+    fn restart(&mut self, rows: &[(usize, &[f64])]) -> Result<(), (usize, Failure)> {
+        let of_row = |(row, values): &(usize, &[f64])| match self.row(values) {
+            Ok(anew) => Ok((*row, anew)),
+            Err(failure) => Err((*row, failure)),
+        };
+        let anew = rows.par_iter().map(of_row).collect::<Result<Vec<_>, _>>()?;
+        let first = rows.first().map_or(0, |(row, _)| *row);
+        self.batch.restart_all(anew).map_err(|error| (first, self.numbers.failed(&error)))
     }
 
     fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)> {
@@ -56,16 +62,12 @@ impl Fleet for Rigs {
         wrong.map_or(Ok(()), |(row, error)| Err((row, self.numbers.failed(&error))))
     }
 
-    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), (usize, Failure)> {
-        for (row, number) in asked.iter().enumerate() {
-            let told = self.asked.demand(*number).and_then(|demand| {
-                // A row that has stopped is told nothing.
-                let stopped = self.batch.state(row).is_err();
-                if stopped { Ok(()) } else { self.batch.tell(row, demand) }
-            });
-            told.map_err(|error| (row, self.numbers.failed(&error)))?;
-        }
-        self.batch.advance(self.batch.time() + span.duration, span.steps);
+    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), Failure> {
+        // What is asked has been checked.
+        let told = self.batch.tell_all(|row| self.asked.demand(asked[row]).ok());
+        told.map_err(|error| self.numbers.failed(&error))?;
+        self.pace = self.pace.on(span);
+        self.batch.advance(self.pace.now(), span.steps);
         Ok(())
     }
 

@@ -1,19 +1,18 @@
 """The names of the environments in Gymnasium's registry."""
 
-import gymnasium
+from gymnasium.envs.registration import register as to_register
+from gymnasium.envs.registration import registry
 
 IDS = {"mckibben/HangingMass-v0": "HangingMass", "mckibben/Joint-v0": "Joint", "mckibben/Leg-v0": "Leg"}
 
 
 def register() -> None:
-    """Registers the environments, once; Gymnasium calls it when it is imported."""
+    """Registers the environments, once. Gymnasium calls it while it is imported itself, so little of it is there."""
     for name, task in IDS.items():
-        if name not in gymnasium.registry:
-            gymnasium.register(
+        if name not in registry:
+            to_register(
                 name,
                 entry_point="mckibben.learning:Environment",
                 vector_entry_point="mckibben.learning:VectorEnvironment",
                 kwargs={"task": task},
-                # Episodes end by themselves, in the vector form too.
-                order_enforce=True,
             )

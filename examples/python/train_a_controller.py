@@ -1,0 +1,140 @@
+# %% [markdown]
+# # Train a controller
+#
+# A muscle of the paper hangs with a mass of 2 to 3 kg, drawn anew for each episode, and is to bring it to a length that is
+# drawn too. The controller sees length, velocity, pressure and target, each with noise, and says every 10 ms for how much of
+# the next pulse its valve fills. It is a small network of 33 numbers, and the standard library [cma](https://pypi.org/project/cma)
+# looks for them: CMA-ES tries many networks at once, each on some muscles of one vector environment.
+#
+#     pip install "mckibben[learning,plot]" cma
+#     python train_a_controller.py --output out
+
+# %%
+import argparse
+import pathlib
+
+import cma
+import gymnasium
+import matplotlib.pyplot as plt
+import numpy as np
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("out"), help="folder of the pictures")
+parser.add_argument("--generations", type=int, default=60)
+arguments = parser.parse_args()
+arguments.output.mkdir(parents=True, exist_ok=True)
+
+NETWORKS, MUSCLES = 16, 16  # networks in a generation, and muscles that each is tried on
+PERIOD, STEPS = 0.01, 80
+OPTIONS = {
+    "control_period": PERIOD,
+    "duration": STEPS * PERIOD,
+    "autoreset_mode": "disabled",
+    "noise": {"length_m": 1e-4, "velocity_m_s": 5e-3, "pressure_pa": 1e3},
+    "randomize": {"load.mass": (2.0, 3.0)},
+}
+
+# %% [markdown]
+# ## A network
+#
+# The error of the length, the velocity, the pressure and the target go in, six neurons stand between, and a duty cycle
+# comes out. All networks of a generation are calculated at once, each for its own muscles.
+
+# %%
+HIDDEN = 6
+SIZES = [(4, HIDDEN), (HIDDEN,), (HIDDEN,), ()]
+COUNT = sum(int(np.prod(size)) for size in SIZES)
+
+
+def duties(networks: np.ndarray, observed: np.ndarray) -> np.ndarray:
+    """What networks, a row of numbers for each, answer to the observations of their muscles."""
+    parts = np.split(networks, np.cumsum([int(np.prod(size)) for size in SIZES])[:-1], axis=1)
+    weights, offsets, readout, offset = (part.reshape(-1, *size) for part, size in zip(parts, SIZES, strict=True))
+    length, velocity, pressure, target = observed.reshape(len(networks), -1, 4).transpose(2, 0, 1)
+    seen = np.stack([4.0 * (length - target), velocity, pressure, target], axis=-1)
+    hidden = np.tanh(np.einsum("nmi,nih->nmh", seen, weights) + offsets[:, None, :])
+    answer = np.einsum("nmh,nh->nm", hidden, readout) + offset[:, None]
+    return (1.0 / (1.0 + np.exp(-answer))).reshape(-1, 1).astype(np.float32)
+
+
+# %% [markdown]
+# ## Trying
+#
+# What a network is worth is its mean reward in a step: minus the distance from the target as a share of the 20 mm that
+# targets are drawn from.
+
+# %%
+many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=NETWORKS * MUSCLES, **OPTIONS)
+
+
+def worth(networks: np.ndarray, seed: int) -> np.ndarray:
+    """The mean reward of each network on its muscles; the same seed draws the same muscles."""
+    observed, _ = many.reset(seed=seed)
+    total = np.zeros(len(networks))
+    for _ in range(STEPS):
+        observed, rewards, *_ = many.step(duties(networks, observed))
+        total += rewards.reshape(len(networks), -1).mean(axis=1)
+    return total / STEPS
+
+
+# %% [markdown]
+# ## Training
+
+# %%
+search = cma.CMAEvolutionStrategy(np.zeros(COUNT), 0.8, {"popsize": NETWORKS, "seed": 1, "verbose": -9})
+course = []
+for generation in range(arguments.generations):
+    networks = np.array(search.ask())
+    rewards = worth(networks, seed=generation)
+    search.tell(list(networks), list(-rewards))
+    course.append(rewards.mean())
+trained = search.result.xfavorite
+many.close()
+
+# %% [markdown]
+# ## Does it work?
+#
+# On muscles that it has not seen, beside the best that one duty cycle for all can do.
+
+# %%
+many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=256, **OPTIONS)
+
+
+def course_of(control) -> tuple[np.ndarray, np.ndarray, float]:
+    """Lengths and targets in m over time, and the mean reward, under what `control` answers to observations."""
+    observed, _ = many.reset(seed=12345)
+    lengths, total = [many.unwrapped.shown[:, 0].copy()], 0.0
+    low, high = 0.070, 0.090
+    targets = low + (high - low) * observed[:, 3].astype(float)
+    for _ in range(STEPS):
+        observed, rewards, *_ = many.step(control(observed))
+        lengths.append(many.unwrapped.shown[:, 0].copy())
+        total += rewards.mean() / STEPS
+    return np.array(lengths), targets, total
+
+
+lengths, targets, reward = course_of(lambda observed: duties(trained[None, :], observed))
+fixed = {
+    duty: course_of(lambda observed, duty=duty: np.full((len(observed), 1), duty, dtype=np.float32))[2]
+    for duty in (0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
+}
+best = max(fixed, key=fixed.get)
+late = np.abs(lengths[-20:] - targets).mean(axis=0)
+print(f"mean reward: trained {reward:.3f}, the best fixed duty cycle ({best}) {fixed[best]:.3f}")
+print(f"distance from the target in the last 0.2 s: median {np.median(late) * 1e3:.2f} mm of 20 mm")
+assert reward > 0.6 * fixed[best], "the trained controller is not much better than a fixed duty cycle"
+
+# %%
+figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+left.plot(course)
+left.axhline(fixed[best], color="0.6", linestyle="--", label=f"duty cycle {best}")
+left.set(xlabel="generation", ylabel="mean reward", title="Training")
+left.legend(frameon=False)
+time = np.arange(STEPS + 1) * PERIOD
+for colour, row in zip(plt.rcParams["axes.prop_cycle"].by_key()["color"], np.argsort(targets)[16::56], strict=False):
+    right.plot(time, lengths[:, row] * 1e3, color=colour)
+    right.axhline(targets[row] * 1e3, color=colour, linestyle=":", linewidth=1)
+right.set(xlabel="time in s", ylabel="length in mm", title="Muscles it has not seen, and their targets")
+for ending in ("svg", "png"):
+    figure.savefig(arguments.output / f"train_a_controller.{ending}", dpi=120)
+print(f"wrote train_a_controller.svg and .png into {arguments.output}")

@@ -1,0 +1,213 @@
+"""Environments: what Gymnasium asks of them, that a plant in them is the plant of a run, and that options do what they say."""
+
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import mckibben
+from mckibben import learning
+from mckibben._mckibben import Plants
+
+IDS = ["mckibben/HangingMass-v0", "mckibben/Joint-v0", "mckibben/Leg-v0"]
+SHORT = {"duration": 0.02}
+
+
+@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("asked", ["duty", "request"])
+def test_gymnasiums_own_check_passes(name: str, asked: str) -> None:
+    environment = gymnasium.make(name, asked=asked, **SHORT)
+    with warnings.catch_warnings():
+        # That a box has no bounds is all that it may complain of.
+        warnings.filterwarnings("error")
+        warnings.filterwarnings("ignore", message=".*infinity. This is probably too")
+        warnings.filterwarnings("ignore", message=".*alternative to `make`")
+        check_env(environment.unwrapped, skip_render_check=True)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_many_keep_to_their_spaces_and_end_together(name: str) -> None:
+    many = gymnasium.make_vec(name, num_envs=5, **SHORT)
+    observed, info = many.reset(seed=3)
+    assert observed in many.observation_space
+    assert info == {}
+    for count in range(1, 45):
+        observed, rewards, terminated, truncated, info = many.step(many.action_space.sample())
+        assert observed in many.observation_space
+        assert np.isfinite(observed).all()
+        assert rewards.shape == (5,)
+        assert (rewards <= 0.0).all()
+        assert not terminated.any()
+        # Twenty steps, and one that begins the next episode.
+        assert truncated.all() == (count % 21 == 20)
+        assert not rewards.any() == (count % 21 == 0)
+
+
+def test_a_plant_is_that_of_a_run_to_the_last_bit() -> None:
+    text = learning._tasks.HANGING_MASS + '[command]\nkind = "table"\ntime = ["0 ms", "12 ms", "20 ms"]\n'
+    text = text.replace('[command]\nkind = "pwm"\nfrequency = "25 Hz"\nduty = 0.5\n', "")
+    text += 'state = ["fill", "exhaust", "fill"]\n'
+    scenario = mckibben.Scenario(text).with_values({"run.duration": "40 ms", "run.sample_interval": "1 ms"})
+    run = mckibben.simulate(scenario)
+    many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=3, asked="request", scenario=scenario)
+    many.reset(seed=0)
+    for count in range(40):
+        many.step(np.full(3, int(not 12 <= count < 20)))
+        shown = dict(zip(many.unwrapped.columns, many.unwrapped.shown.T, strict=True))
+        assert (shown["length_m"] == run.length[count + 1]).all(), count
+        assert (shown["pressure_pa"] == run.pressure[count + 1]).all(), count
+
+
+def lengths(many: Any, steps: int, duty: float = 0.5) -> np.ndarray:
+    """The lengths of all muscles after each step under a duty cycle."""
+    actions = np.full(many.action_space.shape, duty, dtype=np.float32)
+    shown = []
+    for _ in range(steps):
+        many.step(actions)
+        shown.append(many.unwrapped.shown[:, 0].copy())
+    return np.array(shown)
+
+
+def made(count: int = 4, **options: Any) -> Any:
+    return gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=count, **options)
+
+
+def test_the_same_seed_is_the_same_run_and_another_is_another() -> None:
+    options = {"noise": {"length_m": 1e-4}, "randomize": {"load.mass": (1.0, 3.0)}}
+    many = made(**options)
+    runs = []
+    for seed in (5, 5, 6):
+        seen = [many.reset(seed=seed)[0]]
+        for _ in range(30):
+            seen.append(many.step(np.full((4, 1), 0.5, dtype=np.float32))[0])
+        runs.append(np.array(seen))
+    assert (runs[0] == runs[1]).all()
+    assert (runs[0] != runs[2]).any()
+
+
+def test_numbers_that_are_drawn_are_those_of_the_plant() -> None:
+    masses = np.array([1.0, 1.5, 2.0, 2.5])
+    many = made(randomize={"load.mass": lambda _, count: masses[:count]})
+    many.reset(seed=0)
+    drawn = lengths(many, 50)
+    for row, mass in enumerate(masses):
+        alone = made(1, scenario=many.unwrapped._episodes.task.scenario.with_values({"load.mass": f"{mass} kg"}))
+        alone.reset(seed=0)
+        assert (lengths(alone, 50)[:, 0] == drawn[:, row]).all()
+
+
+def test_every_number_of_a_leg_can_be_drawn() -> None:
+    ranges = {"leg.thigh.mass": (0.3, 0.5), "leg.knee.damping": (0.01, 0.03), "leg.belt.velocity": (-0.5, 0.0)}
+    ranges |= {"leg.strands[3].knee_arm": (-0.016, -0.014), "strands[2].actuator.turns": (2.4, 2.6)}
+    ranges |= {"actuator.friction.viscous": (2.0, 5.0), "leg.hip.angle": (-0.2, 0.2)}
+    many = gymnasium.make_vec("mckibben/Leg-v0", num_envs=6, randomize=ranges)
+    many.reset(seed=1)
+    hips = many.unwrapped.shown[:, 0]
+    assert len(set(hips)) == 6
+    assert (np.abs(hips) <= 0.2).all()
+    many.step(many.action_space.sample())
+    with pytest.raises(mckibben.InputError, match="is no number of a leg"):
+        gymnasium.make_vec("mckibben/Leg-v0", num_envs=1, randomize={"leg.thigh.colour": (0.0, 1.0)})
+
+
+def test_noise_has_its_deviation_and_is_only_seen() -> None:
+    many = made(4000, noise={"length_m": 2e-4})
+    observed, _ = many.reset(seed=2)
+    low, high = many.unwrapped._episodes.task.targets["length_m"]
+    seen = low + (high - low) * observed[:, 0].astype(float)
+    error = seen - many.unwrapped.shown[:, 0]
+    # Four deviations of what 4000 draws leave of a mean and of a deviation.
+    assert abs(error.mean()) < 4 * 2e-4 / np.sqrt(4000)
+    assert abs(error.std() / 2e-4 - 1.0) < 4 / np.sqrt(8000)
+    assert len(set(many.unwrapped.shown[:, 0])) == 1
+
+
+def test_what_is_seen_is_as_old_and_what_is_done_as_late_as_was_said() -> None:
+    plain, old, late = made(2), made(2, sensor_delay=3e-3), made(2, action_delay=3e-3)
+    for many in (plain, old, late):
+        many.reset(seed=4)
+    actions = np.full((2, 1), 0.5, dtype=np.float32)
+    seen = {many: [many.step(actions)[0] for _ in range(60)] for many in (plain, old)}
+    for count in range(3, 60):
+        assert (seen[old][count] == seen[plain][count - 3]).all()
+    # For three steps a muscle that is asked nothing does what one does that is asked for exhaust.
+    rest = made(2)
+    rest.reset(seed=4)
+    reference = np.concatenate([lengths(rest, 3, 0.0), lengths(rest, 30)])
+    assert (lengths(late, 33) == reference).all()
+    with pytest.raises(mckibben.InputError, match="multiple of control_period"):
+        made(1, sensor_delay=1.5e-3)
+
+
+def test_both_ways_of_beginning_again_and_none() -> None:
+    same = made(2, autoreset_mode="same-step", **SHORT)
+    disabled = made(2, autoreset_mode="disabled", **SHORT)
+    for many in (same, disabled):
+        first, _ = many.reset(seed=9)
+        for _ in range(20):
+            observed, _, _, truncated, info = many.step(np.zeros((2, 1), dtype=np.float32))
+        assert truncated.all()
+        if many is same:
+            assert (info["final_obs"][:, 0] != first[:, 0]).all()
+            assert (observed[:, :3] == first[:, :3]).all()
+        else:
+            observed, _ = many.reset(options={"reset_mask": np.array([True, False])})
+            assert (observed[0, :3] == first[0, :3]).all()
+            assert (observed[1, :3] != first[1, :3]).all()
+
+
+def test_requests_are_those_that_the_valve_can() -> None:
+    three = made(1, asked="request")
+    assert three.single_action_space.n == 2
+    held = three.unwrapped._episodes.task.scenario.with_values({"valve.kind": "fill-hold-exhaust"})
+    assert made(1, asked="request", scenario=held).single_action_space.n == 3
+    joint = gymnasium.make("mckibben/Joint-v0", asked="request")
+    assert list(joint.action_space.nvec) == [2, 2]
+
+
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(mckibben.InputError, match="no option"):
+        made(1, nois={})
+    with pytest.raises(mckibben.InputError, match="is not controlled here"):
+        made(1, targets={"angle_rad": (0.0, 1.0)})
+    with pytest.raises(mckibben.InputError, match="nothing that is seen"):
+        made(1, noise={"length": 1e-3})
+    with pytest.raises(mckibben.InputError, match="did you mean `load.mass`"):
+        made(1, randomize={"load.maas": (1.0, 2.0)})
+    with pytest.raises(mckibben.InputError, match="nothing that a valve can be asked"):
+        made(1, asked="dutty")
+    plants = Plants(learning.hanging_mass().scenario, 2)
+    shown, stopped = np.zeros((2, 4)), np.zeros(2, dtype=bool)
+    with pytest.raises(mckibben.InputError, match="command.duty"):
+        plants.step(1e-3, np.array([[0.5], [1.5]]), shown, stopped)
+    with pytest.raises(mckibben.InputError, match="another shape"):
+        plants.step(1e-3, np.zeros((3, 1)), shown, stopped)
+    with pytest.raises(mckibben.InputError, match="no time to go on by"):
+        plants.step(-1e-3, np.zeros((2, 1)), shown, stopped)
+    with pytest.raises(mckibben.InputError, match="plant is meant that there is not"):
+        plants.restart(np.array([2]))
+    assert not shown.any()
+
+
+def test_a_plant_that_leaves_the_physics_ends_its_episode_alone() -> None:
+    # A step as long as this leaves the physics for the fast one of them.
+    scenario = learning.hanging_mass().scenario.with_values({"run.step": "50 ms"})
+    volumes = [1e-3, 1e-9]
+    many = made(
+        2,
+        scenario=scenario,
+        control_period=0.05,
+        asked="request",
+        randomize={"actuator.external_volume": lambda _, count: np.array(volumes[:count])},
+    )
+    many.reset(seed=0)
+    ended = np.zeros(2, dtype=int)
+    for _ in range(20):
+        observed, _, terminated, _, _ = many.step(np.ones(2, dtype=int))
+        ended += terminated
+        assert np.isfinite(observed).all()
+    assert ended[0] == 0
+    assert ended[1] > 0
