@@ -2,9 +2,10 @@
 # # Train a controller
 #
 # A muscle of the paper hangs with a mass of 2 to 3 kg, drawn anew for each episode, and is to bring it to a length that is
-# drawn too. The controller sees length, velocity, pressure and target, each with noise, and says every 10 ms for how much of
-# the next pulse its valve fills. It is a small network of 33 numbers, and the standard library [cma](https://pypi.org/project/cma)
-# looks for them: CMA-ES tries many networks at once, each on some muscles of one vector environment.
+# drawn too. The controller sees length, velocity, pressure and target, each with noise, and says every 5 ms whether its valve
+# is to fill, to hold or to exhaust; the valve takes 4 ms to open. It is a small network of 37 numbers, and the standard
+# library [cma](https://pypi.org/project/cma) looks for them: CMA-ES tries many networks at once, each on some muscles of one
+# vector environment.
 #
 #     pip install "mckibben[learning,plot]" cma
 #     python train_a_controller.py --output out
@@ -18,6 +19,8 @@ import gymnasium
 import matplotlib.pyplot as plt
 import numpy as np
 
+import mckibben.learning
+
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("out"), help="folder of the pictures")
 parser.add_argument("--generations", type=int, default=60)
@@ -25,8 +28,11 @@ arguments = parser.parse_args()
 arguments.output.mkdir(parents=True, exist_ok=True)
 
 NETWORKS, MUSCLES = 16, 16  # networks in a generation, and muscles that each is tried on
-PERIOD, STEPS = 0.01, 80
+PERIOD, STEPS = 0.005, 160
+EXHAUST, HOLD, FILL = 0, 1, 2
 OPTIONS = {
+    "scenario": mckibben.learning.hanging_mass().scenario.with_values({"valve.kind": "fill-hold-exhaust"}),
+    "asked": "request",
     "control_period": PERIOD,
     "duration": STEPS * PERIOD,
     "autoreset_mode": "disabled",
@@ -37,8 +43,9 @@ OPTIONS = {
 # %% [markdown]
 # ## A network
 #
-# The error of the length, the velocity, the pressure and the target go in, six neurons stand between, and a duty cycle
-# comes out. All networks of a generation are calculated at once, each for its own muscles.
+# The error of the length, the velocity, the pressure and the target go in, six neurons stand between, and a number comes
+# out: above a half it fills, below minus a half it exhausts. All networks of a generation are calculated at once, each for
+# its own muscles.
 
 # %%
 HIDDEN = 6
@@ -46,7 +53,7 @@ SIZES = [(4, HIDDEN), (HIDDEN,), (HIDDEN,), ()]
 COUNT = sum(int(np.prod(size)) for size in SIZES)
 
 
-def duties(networks: np.ndarray, observed: np.ndarray) -> np.ndarray:
+def requests(networks: np.ndarray, observed: np.ndarray) -> np.ndarray:
     """What networks, a row of numbers for each, answer to the observations of their muscles."""
     parts = np.split(networks, np.cumsum([int(np.prod(size)) for size in SIZES])[:-1], axis=1)
     weights, offsets, readout, offset = (part.reshape(-1, *size) for part, size in zip(parts, SIZES, strict=True))
@@ -54,7 +61,7 @@ def duties(networks: np.ndarray, observed: np.ndarray) -> np.ndarray:
     seen = np.stack([4.0 * (length - target), velocity, pressure, target], axis=-1)
     hidden = np.tanh(np.einsum("nmi,nih->nmh", seen, weights) + offsets[:, None, :])
     answer = np.einsum("nmh,nh->nm", hidden, readout) + offset[:, None]
-    return (1.0 / (1.0 + np.exp(-answer))).reshape(-1, 1).astype(np.float32)
+    return np.select([answer > 0.5, answer < -0.5], [FILL, EXHAUST], HOLD).ravel()
 
 
 # %% [markdown]
@@ -72,7 +79,7 @@ def worth(networks: np.ndarray, seed: int) -> np.ndarray:
     observed, _ = many.reset(seed=seed)
     total = np.zeros(len(networks))
     for _ in range(STEPS):
-        observed, rewards, *_ = many.step(duties(networks, observed))
+        observed, rewards, *_ = many.step(requests(networks, observed))
         total += rewards.reshape(len(networks), -1).mean(axis=1)
     return total / STEPS
 
@@ -87,14 +94,16 @@ for generation in range(arguments.generations):
     networks = np.array(search.ask())
     rewards = worth(networks, seed=generation)
     search.tell(list(networks), list(-rewards))
-    course.append(rewards.mean())
+    course.append((rewards.max(), np.median(rewards)))
 trained = search.result.xfavorite
 many.close()
 
 # %% [markdown]
 # ## Does it work?
 #
-# On muscles that it has not seen, beside the best that one duty cycle for all can do.
+# On muscles that it has not seen, beside what anybody would write by hand: fill where the muscle will be more than a
+# millimetre too long in 60 ms, exhaust where it will be too short, and else hold. Without looking ahead the mass would be
+# thrown up and down.
 
 # %%
 many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=256, **OPTIONS)
@@ -113,21 +122,24 @@ def course_of(control) -> tuple[np.ndarray, np.ndarray, float]:
     return np.array(lengths), targets, total
 
 
-lengths, targets, reward = course_of(lambda observed: duties(trained[None, :], observed))
-fixed = {
-    duty: course_of(lambda observed, duty=duty: np.full((len(observed), 1), duty, dtype=np.float32))[2]
-    for duty in (0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
-}
-best = max(fixed, key=fixed.get)
-late = np.abs(lengths[-20:] - targets).mean(axis=0)
-print(f"mean reward: trained {reward:.3f}, the best fixed duty cycle ({best}) {fixed[best]:.3f}")
+def by_hand(observed: np.ndarray) -> np.ndarray:
+    """Lengths are in ranges of 20 mm, velocities in such ranges per 0.1 s."""
+    too_long = observed[:, 0] + 0.6 * observed[:, 1] - observed[:, 3]
+    return np.select([too_long > 0.05, too_long < -0.05], [FILL, EXHAUST], HOLD)
+
+
+_, _, first = course_of(by_hand)
+lengths, targets, reward = course_of(lambda observed: requests(trained[None, :], observed))
+late = np.abs(lengths[-40:] - targets).mean(axis=0)
+print(f"mean reward: trained {reward:.3f}, by hand {first:.3f}")
 print(f"distance from the target in the last 0.2 s: median {np.median(late) * 1e3:.2f} mm of 20 mm")
-assert reward > 0.6 * fixed[best], "the trained controller is not much better than a fixed duty cycle"
+assert reward > 0.6 * first, "the trained controller is not much better than that by hand"
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-left.plot(course)
-left.axhline(fixed[best], color="0.6", linestyle="--", label=f"duty cycle {best}")
+for values, label in zip(np.transpose(course), ["best of a generation", "median"], strict=True):
+    left.plot(values, label=label)
+left.axhline(first, color="0.6", linestyle="--", label="by hand")
 left.set(xlabel="generation", ylabel="mean reward", title="Training")
 left.legend(frameon=False)
 time = np.arange(STEPS + 1) * PERIOD

@@ -5,14 +5,14 @@ What is compiled of the package `mckibben`.
 from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from collections.abc import Callable, Mapping
 from matplotlib.figure import Figure
-from numpy import complex128, float64, str_
+from numpy import bool_, complex128, float64, int64, str_
 from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "presets", "simulate"]
+__all__ = ["Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Plants", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "presets", "simulate"]
 
 @final
 class Actuator:
@@ -344,6 +344,89 @@ class LinearModel:
     def units(self, /) -> dict[str, str]:
         """
         The units of states, inputs and outputs by their names, in SI; empty for a pure number.
+        """
+
+@final
+class Plants:
+    """
+    Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
+    may begin anew, with numbers of its own, while the others go on. The environments of `mckibben.learning` are made of it.
+
+    `scenario` is an actuator with its load or an antagonistic joint; with `leg`, it is the actuator of each of a leg's six
+    strands, and `leg` says which numbers of the leg are others than those assumed (`{}` for none), as
+    `{"leg.thigh.mass": 0.5}`. Its command and its controller do not count.
+
+    `by` are paths of the numbers that differ from one to the next, such as "load.mass" or "initial.gauge_pressure"; of a leg
+    also "leg.shank.mass", and "strands[2].actuator.turns" of one actuator alone.
+
+    `asked` says what the numbers given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
+    a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
+    duty cycle's pulses come; that of the scenario's PWM unless given.
+
+    They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
+    needs.
+    """
+    def __len__(self, /) -> int: ...
+    def __new__(cls, /, scenario: Scenario, count: SupportsIndex, *, by: SupportsGetItem[int, str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None, leg: dict[str, SupportsFloat | SupportsIndex] | None = None) -> Plants: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def by(self, /) -> list[str]:
+        """
+        Paths of the numbers that differ from one to the next.
+        """
+    @property
+    def columns(self, /) -> list[str]:
+        """
+        What is shown of each, by the names of the columns of a run.
+        """
+    @property
+    def duration(self, /) -> float:
+        """
+        How long the scenario runs, in s.
+        """
+    @property
+    def given(self, /) -> NDArray[float64]:
+        """
+        What the scenario has for these numbers, in SI.
+        """
+    @property
+    def requests(self, /) -> list[float]:
+        """
+        The requests that the valves can be asked: of 1 (fill), 0 (hold) and -1 (exhaust).
+        """
+    def restart(self, /, rows: NDArray[int64], values: NDArray[float64] | None = None) -> None:
+        """
+        The plants of these numbers begin anew with these values, of shape (len(rows), len(by)), and nothing asked of their
+        valves; those of the scenario unless given. The others go on.
+        """
+    @property
+    def scenario(self, /) -> Scenario:
+        """
+        What it was made of.
+        """
+    def show(self, /, rows: NDArray[int64], shown: NDArray[float64]) -> None:
+        """
+        Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
+        """
+    def start(self, /, values: NDArray[float64] | None = None) -> None:
+        """
+        All begin at t = 0, with nothing asked of their valves, each with its values of the numbers `by` in SI, of shape
+        (count, len(by)); those of the scenario unless given.
+
+        Raises `InputError` for values that cannot be. Then nothing has changed.
+        """
+    def step(self, /, dt: SupportsFloat | SupportsIndex, asked: NDArray[float64], shown: NDArray[float64], stopped: NDArray[bool_]) -> None:
+        """
+        Asks `asked`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
+        `shown`, of shape (count, len(columns)), and into `stopped` which of them have left the physics: their entries stay
+        as they are, and only `restart` brings them back.
+
+        Raises `InputError` for what cannot be asked, before anything has changed.
+        """
+    @property
+    def valves(self, /) -> int:
+        """
+        How many valves each has.
         """
 
 @final

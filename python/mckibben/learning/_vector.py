@@ -16,7 +16,7 @@ from mckibben.learning._episodes import Episodes, Observations, Options
 from mckibben.learning._tasks import TASKS, Task
 
 
-class VectorEnvironment(VectorEnv[Observations, Any, NDArray[np.float64]]):
+class VectorEnvironment(VectorEnv[Observations, Any, Any]):
     """Muscles, joints or legs, each of which is to reach a target in each episode; made by `gymnasium.make_vec`.
 
     All are stepped together on all cores, each through its own valve delays, friction and air. Options:
@@ -85,8 +85,9 @@ class VectorEnvironment(VectorEnv[Observations, Any, NDArray[np.float64]]):
 
     def step(
         self, actions: NDArray[Any]
-    ) -> tuple[Observations, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """Does an action of each plant for a control period."""
+    ) -> tuple[Observations, Any, Any, Any, dict[str, Any]]:
+        """Does an action of each plant for a control period: observations, rewards, which episodes were terminated and which
+        truncated (an array each), and what there is to tell."""
         episodes = self._episodes
         observed, rewards = episodes.step(self.np_random, actions)
         terminated, truncated = episodes.stopped.copy(), episodes.finished()
