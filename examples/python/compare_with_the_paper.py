@@ -131,8 +131,8 @@ def peaks(run: mckibben.Trajectory) -> np.ndarray:
 
 
 def damping(amplitudes: np.ndarray, period: float, mass: float, four: float | None) -> tuple[float, float]:
-    """Q in m and c in N·s/m from same-side amplitudes, by least squares: Δx = X (1 − β) + four Q, four = (1 + √β)² where
-    none is given."""
+    """Q in m and c in N·s/m from same-side amplitudes by least squares: Δx = X (1 − β) + four Q, with (1 + √β)² for a
+    four that is not given."""
     slope, constant = np.polyfit(amplitudes[:-1], -np.diff(amplitudes), 1)
     beta = 1 - slope
     return constant / (four or (1 + math.sqrt(beta)) ** 2), 2 * mass / period * math.log(1 / beta)
@@ -162,9 +162,9 @@ for axis, (name, label, psi, pounds) in zip(axes, [("fig-08", "Fig. 8", 60, 6), 
     first = math.log((tops[0] - rest) / (tops[1] - rest)) / (2 * math.pi)
     found(label, "ζ_eq (32), first cycle", "0.035, an average", f"{first:.4f}", "not comparable")
 
-    # Why less comes out than was put in: the mass swings on the sealed stiffness k_t, the friction is Q k_sec, so a ring-down
-    # shows Q k_sec/k_t; and peaks on the long side shrink less, since the muscle is stiffer there. Half of the way from peak
-    # to trough is free of the second.
+    # Why less comes out than was put in: the mass swings on the sealed stiffness k_t, the friction is Q k_sec, so a
+    # ring-down shows Q k_sec/k_t; and peaks on the long side shrink less, since the muscle is stiffer there. Half of
+    # the way from peak to trough is free of the second.
     static = mckibben.curves(resting, f"{psi} psi")
     force, tangent = (
         np.interp(rest, static["length_m"][0], static[of][0]) for of in ("force_n", "sealed_stiffness_n_m")

@@ -22,8 +22,8 @@ LOAD = 80.0  # N
 STROKE = 30e-3  # m
 PRESSURE = "4 bar"  # gauge
 TIME = 0.15  # s
-# Real braids pull less than the ideal one: friction, the wall and the ends take their part. Measured over ideal force is 0.7
-# to 0.9 as a rule; 0.8 is assumed here until a muscle is on the bench, where `fit_my_rig.py` goes on.
+# Real braids pull less than the ideal one: friction, the wall and the ends take their part. Measured over ideal force
+# is 0.7 to 0.9 as a rule; 0.8 is assumed here until a muscle is on the bench, where `fit_my_rig.py` goes on.
 EFFECTIVENESS = 0.8
 
 
