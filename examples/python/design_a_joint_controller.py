@@ -78,7 +78,7 @@ def muscle(gauge_pressure: float) -> mckibben.Actuator:
 
 
 def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float = 5e-4) -> dict[str, np.ndarray]:
-    """The joint from rest at zero; `decide(time, angle, difference of the pressures in bar)` says by how much the duties
+    """The joint from rest at zero; `decide(time, angle, difference of the pressures in bar)` says how far the duties
     leave their middle."""
     agonist, antagonist = muscle(gauge_pressure), muscle(gauge_pressure)
     first, second = agonist.start(), antagonist.start()
