@@ -1,0 +1,72 @@
+"""The notebooks of `examples/python`: each runs by itself, claims nothing that does not hold, leaves its pictures."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree
+
+import pytest
+
+import mckibben
+
+#: What the notebooks share.
+SHARED = "pictures.py"
+FOLDER = pathlib.Path(__file__).parents[2] / "examples" / "python"
+NOTEBOOKS = sorted(path.name for path in FOLDER.glob("*.py") if path.name != SHARED)
+
+
+def run(name: str, folder: pathlib.Path, *arguments: str) -> None:
+    """As somebody would who has the package: in a folder of his own, with nothing on the path but what is installed."""
+    package = pathlib.Path(mckibben.__file__).parents[1]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-W", "error::DeprecationWarning:__main__", str(FOLDER / name), *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
+
+
+def test_the_notebooks_are_there():
+    assert len(NOTEBOOKS) >= 5
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_it_runs_and_leaves_its_pictures(name, tmp_path):
+    run(name, tmp_path, "--out", "pictures")
+    drawn = re.findall(r'pictures\.save\(\w+, "([\w-]+)"\)', (FOLDER / name).read_text())
+    assert drawn, "no notebook is without a picture"
+    written = {path.name for path in (tmp_path / "pictures").iterdir()}
+    assert written == {f"{stem}.{ending}" for stem in drawn for ending in ("svg", "png")}
+    for stem in drawn:
+        svg, png = ((tmp_path / "pictures" / f"{stem}.{ending}").read_bytes() for ending in ("svg", "png"))
+        paths = [part for part in xml.etree.ElementTree.fromstring(svg).iter() if part.tag.endswith(("path", "use"))]
+        assert len(paths) > 20 and len(svg) < 100_000, stem
+        assert png.startswith(b"\x89PNG") and len(png) > 10_000, stem
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_editors_see_cells_and_no_line_is_too_long(name):
+    lines = (FOLDER / name).read_text().splitlines()
+    assert lines[0] == "# %% [markdown]" and lines[1].startswith("# # ")
+    assert sum(line == "# %%" for line in lines) >= 4 <= sum(line == "# %% [markdown]" for line in lines)
+    assert not [line for line in lines if len(line) > 120]
+
+
+def test_without_ray_a_sweep_goes_on_this_machine_and_pictures_go_into_out(tmp_path):
+    """Its page promises so, and that no folder has to be named."""
+    (tmp_path / "ray.py").write_text("raise ImportError\n")
+    source = (FOLDER / "sweep_on_ray.py").read_text()
+    (tmp_path / "sweep.py").write_text(source)
+    package = pathlib.Path(mckibben.__file__).parents[1]
+    path = os.pathsep.join([str(tmp_path), str(FOLDER), str(package)])
+    done = subprocess.run(
+        [sys.executable, "sweep.py"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Ray is not installed" in done.stdout and (tmp_path / "out" / "sweep-map.svg").exists()
