@@ -6,27 +6,17 @@
 # is to fill, to hold or to exhaust; the valve takes 4 ms to open. It is a small network of 37 numbers, and the standard
 # library [cma](https://pypi.org/project/cma) looks for them: CMA-ES tries many networks at once, each on some muscles of one
 # vector environment.
-#
-#     pip install "mckibben[learning,plot]" cma
-#     python train_a_controller.py --output out
 
 # %%
-import argparse
-import pathlib
-
 import cma
 import gymnasium
 import matplotlib.pyplot as plt
 import numpy as np
+import pictures
 
 import mckibben.learning
 
-parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("out"), help="folder of the pictures")
-parser.add_argument("--generations", type=int, default=60)
-arguments = parser.parse_args()
-arguments.output.mkdir(parents=True, exist_ok=True)
-
+GENERATIONS = 60
 NETWORKS, MUSCLES = 16, 16  # networks in a generation, and muscles that each is tried on
 PERIOD, STEPS = 0.005, 160
 EXHAUST, HOLD, FILL = 0, 1, 2
@@ -90,7 +80,7 @@ def worth(networks: np.ndarray, seed: int) -> np.ndarray:
 # %%
 search = cma.CMAEvolutionStrategy(np.zeros(COUNT), 0.8, {"popsize": NETWORKS, "seed": 1, "verbose": -9})
 course = []
-for generation in range(arguments.generations):
+for generation in range(GENERATIONS):
     networks = np.array(search.ask())
     rewards = worth(networks, seed=generation)
     search.tell(list(networks), list(-rewards))
@@ -136,17 +126,15 @@ print(f"distance from the target in the last 0.2 s: median {np.median(late) * 1e
 assert reward > 0.6 * first, "the trained controller is not much better than that by hand"
 
 # %%
-figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+figure, (left, right) = plt.subplots(1, 2, figsize=(7.6, 3.2))
 for values, label in zip(np.transpose(course), ["best of a generation", "median"], strict=True):
     left.plot(values, label=label)
 left.axhline(first, color="0.6", linestyle="--", label="by hand")
 left.set(xlabel="generation", ylabel="mean reward", title="Training")
-left.legend(frameon=False)
+left.legend()
 time = np.arange(STEPS + 1) * PERIOD
-for colour, row in zip(plt.rcParams["axes.prop_cycle"].by_key()["color"], np.argsort(targets)[16::56], strict=False):
+for colour, row in zip(pictures.COLOURS, np.argsort(targets)[16::56], strict=False):
     right.plot(time, lengths[:, row] * 1e3, color=colour)
     right.axhline(targets[row] * 1e3, color=colour, linestyle=":", linewidth=1)
 right.set(xlabel="time in s", ylabel="length in mm", title="Muscles it has not seen, and their targets")
-for ending in ("svg", "png"):
-    figure.savefig(arguments.output / f"train_a_controller.{ending}", dpi=120)
-print(f"wrote train_a_controller.svg and .png into {arguments.output}")
+pictures.save(figure, "train-a-controller")
