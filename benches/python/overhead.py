@@ -25,13 +25,13 @@ STEP = 1e-3  # s
 ROUNDS = 7
 
 
-def rows_of(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def rows_of(count: int) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """The duty cycle, the two lengths and the two velocities of each row: `Row` in `../src/modular.rs`."""
     place = np.arange(count)
     duty = 0.2 + 0.6 * (place % 97) / 96.0
     short = 0.075 + 0.015 * (place % 61) / 60.0
-    lengths = np.array([short, short + 2e-5])
-    velocities = np.array([lengths[0] - lengths[1], lengths[1] - lengths[0]]) / STEP
+    lengths = [short, short + 2e-5]
+    velocities = [(lengths[0] - lengths[1]) / STEP, (lengths[1] - lengths[0]) / STEP]
     return duty, lengths, velocities
 
 
@@ -54,7 +54,7 @@ def together(scenario: mckibben.Scenario, count: int, steps: int) -> float:
 
 def alone(scenario: mckibben.Scenario, steps: int) -> float:
     """ns for a step of `Actuator`."""
-    duty, lengths, velocities = (values.ravel().tolist() for values in rows_of(1))
+    duty, lengths, velocities = (np.ravel(values).tolist() for values in rows_of(1))
     [duty] = duty
     muscle = mckibben.Actuator(scenario)
     state = muscle.start()

@@ -31,8 +31,9 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     match measure(file, *count, *steps) {
-        Ok([plain, kept]) => {
-            println!("{{\"ns\": {plain:.3}, \"ns_with_snapshots\": {kept:.3}}}");
+        Ok((plain, kept)) => {
+            let kept = kept.map_or_else(|| "null".into(), |kept| format!("{kept:.3}"));
+            println!("{{\"ns\": {plain:.3}, \"ns_with_snapshots\": {kept}}}");
             ExitCode::SUCCESS
         }
         Err(text) => {
@@ -62,7 +63,7 @@ impl Row {
 }
 
 /// Nanoseconds for a row's step, plainly and with snapshots before and after; the latter for a row alone only.
-fn measure(file: &str, count: usize, steps: usize) -> Result<[f64; 2], String> {
+fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>), String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
     let experiment = document.experiment().map_err(|error| error.to_string())?;
     let Some(Command::Pwm { frequency, pulse, rest, .. }) = experiment.rig.actuation().map(|drive| &drive.command)
@@ -74,7 +75,7 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<[f64; 2], String> {
         ModularActuator::new(&experiment.rig, experiment.start, *frequency).map_err(|error| error.to_string())?;
     let rows: Vec<Row> = (0..count).map(Row::of).collect();
     let drive = |duty: f64| Drive::Pulses { duty, pulse, rest };
-    let mut least = [f64::INFINITY; 2];
+    let mut least = f64::INFINITY;
     for _ in 0..REPEATS {
         let mut actuators = vec![actuator.clone(); count];
         let mut tension = vec![0.0; count];
@@ -97,12 +98,13 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<[f64; 2], String> {
         }
         let spent = began.elapsed().as_secs_f64();
         black_box(&tension);
-        least[0] = least[0].min(1e9 * spent / (count * steps) as f64);
+        least = least.min(1e9 * spent / (count * steps) as f64);
     }
-    if count == 1 {
-        least[1] = with_snapshots(&actuator, &rows[0], steps, drive).map_err(|error| error.to_string())?;
-    }
-    Ok(least)
+    let kept = match rows.as_slice() {
+        [row] => Some(with_snapshots(&actuator, row, steps, drive).map_err(|error| error.to_string())?),
+        _ => None,
+    };
+    Ok((least, kept))
 }
 
 /// The same of one actuator whose state somebody else keeps.
