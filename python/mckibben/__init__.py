@@ -34,6 +34,7 @@ from mckibben._mckibben import (
     curves,
     identify,
     linearize,
+    parameters,
     presets,
     simulate,
 )
@@ -61,6 +62,7 @@ __all__ = [
     "curves",
     "identify",
     "linearize",
+    "parameters",
     "presets",
     "simulate",
     "sweep",

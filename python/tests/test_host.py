@@ -25,26 +25,6 @@ def same(one: mckibben.Trajectory, other: mckibben.Trajectory) -> None:
         numpy.testing.assert_array_equal(one[name], other[name])
 
 
-@pytest.mark.parametrize("protocol", range(2, pickle.HIGHEST_PROTOCOL + 1))
-def test_everything_can_be_pickled(swing, protocol):
-    def again(thing):
-        return pickle.loads(pickle.dumps(thing, protocol))
-
-    changed = swing.with_values({"load.mass": "6 lb", "run.duration": "0.5 s"})
-    assert again(changed) == changed
-    run = mckibben.simulate(changed)
-    assert run.events, "it turns round"
-    copy = again(run)
-    same(run, copy)
-    assert copy.scenario == changed and not copy.length.flags.writeable
-    assert copy.at(0.0123) == run.at(0.0123), "what lies between the samples is simulated anew"
-    assert again(run.events[0]) == run.events[0]
-    with pytest.raises(mckibben.InputError) as raised:
-        mckibben.Scenario("[load]\n")
-    error = again(raised.value)
-    assert type(error) is mckibben.InputError and str(error) == str(raised.value)
-
-
 def test_runs_on_threads_are_those_of_one(swing):
     scenarios = [swing.with_values({"load.mass": f"{mass} lb"}) for mass in range(4, 12)]
     alone = [mckibben.simulate(scenario) for scenario in scenarios]

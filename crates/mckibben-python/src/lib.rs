@@ -7,10 +7,12 @@
 //! | `actuator` | the modular actuator, step by step: `Actuator`, `ActuatorState`, `Response` |
 //! | `actuators` | many of them on arrays: `Actuators` |
 //! | `curves` | `curves`, `presets` |
+//! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
 //! | `identification` | `identify`, the classes `Identification` and `Estimate` |
 //! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
+//! | `pool` | the threads of this process, and of one that was forked |
 //! | `columns` | columns of numbers and words as NumPy arrays |
 //! | `typed` | objects with the types that the stubs give them |
 //! | `values` | dictionaries of Python to TOML and back |
@@ -27,6 +29,8 @@ mod curves;
 mod differentiable;
 mod identification;
 mod linear;
+mod parameters;
+mod pool;
 mod raised;
 mod scenario;
 mod sweep;
@@ -49,6 +53,8 @@ mod _mckibben {
     use crate::identification::{Estimate, Identification, identify};
     #[pymodule_export]
     use crate::linear::{LinearModel, linearize};
+    #[pymodule_export]
+    use crate::parameters::parameters;
     #[pymodule_export]
     use crate::scenario::Scenario;
     #[pymodule_export]
