@@ -1,28 +1,20 @@
-"""As a guest in a Python program: pickling, threads, memory, and the stubs."""
+"""As a guest in a Python program: threads, memory, and the stubs."""
 
 from __future__ import annotations
 
 import concurrent.futures
 import gc
 import pathlib
-import pickle
 import resource
 import subprocess
 import sys
 
-import numpy
 import pytest
 
 import mckibben
-from conftest import ROOT
+from conftest import ROOT, same
 
 PACKAGE = pathlib.Path(mckibben.__file__).parent
-
-
-def same(one: mckibben.Trajectory, other: mckibben.Trajectory) -> None:
-    assert one.columns == other.columns and one.units == other.units and one.events == other.events
-    for name in one.columns:
-        numpy.testing.assert_array_equal(one[name], other[name])
 
 
 def test_runs_on_threads_are_those_of_one(swing):
@@ -44,7 +36,7 @@ def test_other_threads_go_on_during_a_run(swing):
     assert counted > 100
 
 
-def test_memory_does_not_grow(swing):
+def test_the_largest_amount_of_memory_does_not_grow(swing):
     def peak() -> int:
         gc.collect()
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

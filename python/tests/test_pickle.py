@@ -9,6 +9,7 @@ import numpy
 import pytest
 
 import mckibben
+from conftest import same
 
 STEP = 1e-3
 PULSES = 25.0
@@ -142,12 +143,6 @@ def test_what_is_no_state_is_refused(swing):
     many = mckibben.Actuators(swing, 2, 25.0)
     with pytest.raises(mckibben.InputError, match="1 states are given for 2"):
         many.__setstate__(numbers[numpy.newaxis])
-
-
-def same(one: mckibben.Trajectory, other: mckibben.Trajectory) -> None:
-    assert one.columns == other.columns and one.units == other.units and one.events == other.events
-    for name in one.columns:
-        numpy.testing.assert_array_equal(one[name], other[name])
 
 
 def test_scenarios_and_runs(swing, again):

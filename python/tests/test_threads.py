@@ -13,7 +13,7 @@ import numpy
 import pytest
 
 import mckibben
-from test_pickle import same
+from conftest import same
 
 STEP = 1e-3
 THREADS = 6
@@ -85,27 +85,6 @@ def test_everything_at_once_is_what_it_is_alone(scenario, swing):
         same(run, run_alone)
         for one, other in zip((*slopes, curves), (*slopes_alone, curves_alone)):
             numpy.testing.assert_array_equal(one, other)
-
-
-def test_a_thread_waits_for_what_another_does_during_a_run(swing):
-    """The run's thread is not through before this one has been at work, however slow the machine is."""
-    long = swing.with_values({"run.duration": "20 s", "run.engine": "fixed-step", "run.step": "20 us"})
-    begun, ended = threading.Event(), threading.Event()
-
-    def run():
-        begun.set()
-        mckibben.simulate(long)
-        ended.set()
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    begun.wait()
-    counted = 0
-    while not ended.is_set():
-        counted += 1
-    thread.join()
-    # With the interpreter held this thread would see the end the first time it is asked, or shortly after the beginning.
-    assert counted > 1000
 
 
 #: What is done before and after a fork, each on threads: more rows than are stepped on one, derivatives by more numbers than one
