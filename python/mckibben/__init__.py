@@ -35,6 +35,7 @@ from mckibben._mckibben import (
     curves,
     identify,
     linearize,
+    parameters,
     presets,
     simulate,
 )
@@ -63,6 +64,7 @@ __all__ = [
     "curves",
     "identify",
     "linearize",
+    "parameters",
     "presets",
     "simulate",
     "sweep",

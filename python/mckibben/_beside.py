@@ -1,4 +1,4 @@
-"""What is done with packages that may be there: pandas, Polars, Matplotlib, JAX. They are imported when asked for."""
+"""What is done with packages that may be there: pandas, Polars, Matplotlib, JAX, PyTorch. They are imported when asked for."""
 
 from __future__ import annotations
 
@@ -80,3 +80,66 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
     function: typing.Any = jax.custom_jvp(simulated)
     function.defjvp(forward)
     return typing.cast("collections.abc.Callable[..., typing.Any]", function)
+
+
+def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
+    """A run as a function of a tensor of PyTorch with the derivatives of the simulator."""
+    import torch
+
+    # Types of PyTorch change from one version to the next, and it need not be there.
+    Function: typing.Any = torch.autograd.Function
+
+    class Slopes(Function):  # type: ignore[misc]
+        """The slopes as they are: the simulator has no second derivatives, and nobody is to take them for zero."""
+
+        generate_vmap_rule = True
+
+        @staticmethod
+        def forward(values: typing.Any, slopes: typing.Any) -> typing.Any:
+            return slopes.clone()
+
+        @staticmethod
+        def setup_context(context: typing.Any, inputs: typing.Any, output: typing.Any) -> None:
+            pass
+
+        @staticmethod
+        def backward(context: typing.Any, *along: typing.Any) -> typing.Any:
+            raise InputError("a run has no second derivatives: differentiate it once")
+
+        @staticmethod
+        def jvp(context: typing.Any, *along: typing.Any) -> typing.Any:
+            raise InputError("a run has no second derivatives: differentiate it once")
+
+    class Simulated(Function):  # type: ignore[misc]
+        """Values and slopes of one run."""
+
+        @staticmethod
+        def forward(values: typing.Any) -> typing.Any:
+            both = run.with_slopes(values.detach().cpu().numpy())
+            return tuple(torch.from_numpy(array).to(values.device) for array in both)
+
+        @staticmethod
+        def setup_context(context: typing.Any, inputs: typing.Any, output: typing.Any) -> None:
+            context.mark_non_differentiable(output[1])
+            context.save_for_backward(inputs[0], output[1])
+            context.save_for_forward(inputs[0], output[1])
+
+        @staticmethod
+        def backward(context: typing.Any, along: typing.Any, _: typing.Any) -> typing.Any:
+            return torch.einsum("to,top->p", along, Slopes.apply(*context.saved_tensors))
+
+        @staticmethod
+        def jvp(context: typing.Any, along: typing.Any) -> typing.Any:
+            return Slopes.apply(*context.saved_tensors) @ along, None
+
+        @staticmethod
+        def vmap(info: typing.Any, in_dims: typing.Any, values: typing.Any) -> typing.Any:
+            both = [Simulated.apply(one) for one in values.movedim(in_dims[0], 0)]
+            return tuple(torch.stack(parts) for parts in zip(*both)), (0, 0)
+
+    def simulated(values: typing.Any) -> typing.Any:
+        if values.dtype != torch.float64:
+            raise InputError(f"the values are {values.dtype}: give a tensor with dtype=torch.float64")
+        return Simulated.apply(values)[0]
+
+    return simulated

@@ -6,6 +6,7 @@ import os
 import pathlib
 import subprocess
 
+import numpy
 import pytest
 
 import mckibben
@@ -47,3 +48,10 @@ def program():
 @pytest.fixture
 def swing() -> mckibben.Scenario:
     return mckibben.Scenario(SWING, "swing.toml")
+
+
+def same(one: mckibben.Trajectory, other: mckibben.Trajectory) -> None:
+    """Fails unless both runs are the same."""
+    assert one.columns == other.columns and one.units == other.units and one.events == other.events
+    for name in one.columns:
+        numpy.testing.assert_array_equal(one[name], other[name])

@@ -1,48 +1,20 @@
-"""As a guest in a Python program: pickling, threads, memory, and the stubs."""
+"""As a guest in a Python program: threads, memory, and the stubs."""
 
 from __future__ import annotations
 
 import concurrent.futures
 import gc
 import pathlib
-import pickle
 import resource
 import subprocess
 import sys
 
-import numpy
 import pytest
 
 import mckibben
-from conftest import ROOT
+from conftest import ROOT, same
 
 PACKAGE = pathlib.Path(mckibben.__file__).parent
-
-
-def same(one: mckibben.Trajectory, other: mckibben.Trajectory) -> None:
-    assert one.columns == other.columns and one.units == other.units and one.events == other.events
-    for name in one.columns:
-        numpy.testing.assert_array_equal(one[name], other[name])
-
-
-@pytest.mark.parametrize("protocol", range(2, pickle.HIGHEST_PROTOCOL + 1))
-def test_everything_can_be_pickled(swing, protocol):
-    def again(thing):
-        return pickle.loads(pickle.dumps(thing, protocol))
-
-    changed = swing.with_values({"load.mass": "6 lb", "run.duration": "0.5 s"})
-    assert again(changed) == changed
-    run = mckibben.simulate(changed)
-    assert run.events, "it turns round"
-    copy = again(run)
-    same(run, copy)
-    assert copy.scenario == changed and not copy.length.flags.writeable
-    assert copy.at(0.0123) == run.at(0.0123), "what lies between the samples is simulated anew"
-    assert again(run.events[0]) == run.events[0]
-    with pytest.raises(mckibben.InputError) as raised:
-        mckibben.Scenario("[load]\n")
-    error = again(raised.value)
-    assert type(error) is mckibben.InputError and str(error) == str(raised.value)
 
 
 def test_runs_on_threads_are_those_of_one(swing):
@@ -64,7 +36,7 @@ def test_other_threads_go_on_during_a_run(swing):
     assert counted > 100
 
 
-def test_memory_does_not_grow(swing):
+def test_the_largest_amount_of_memory_does_not_grow(swing):
     def peak() -> int:
         gc.collect()
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 
 import control
 import numpy
@@ -106,3 +107,56 @@ def test_presets_are_those_of_the_command_line(program, tmp_path):
             if of.get("assumed"):
                 assert "assumed" in row
     assert presets["colbrunn-2001"]["values"]["actuator.max_length"]["value"] == 3.85 * 0.0254
+
+
+def test_parameters_are_those_of_the_schema(program, tmp_path):
+    """Every key of `mckibben schema` that is a quantity is there, and says what is said there."""
+    schema = json.loads(program(tmp_path, "schema").stdout)
+
+    def quantities(section: dict, above: str = ""):
+        for name, key in section.get("properties", {}).items():
+            if " Unit: " in key.get("description", ""):
+                yield f"{above}{name}", key["description"]
+            if f"{above}{name}" not in ("antagonist", "sweep.vary"):
+                yield from quantities(key, f"{above}{name}.")
+
+    said = dict(quantities(schema))
+    parameters = mckibben.parameters()
+    assert set(parameters) == set(said) and len(said) > 150
+    for key, description in said.items():
+        of = parameters[key]
+        unit = of["unit"]
+        words = [of["meaning"], f"Symbol: {of['symbol']}.", f"Unit: {unit or 'none'}.", f"Source: {of['source']}."]
+        words.append(f"Range: {of['range']} {unit}".rstrip() + ".")
+        assert all(word in description for word in words), (key, description)
+        found = re.search(r" Default(?: without a preset)?: ([^ ]+?)(?: [^ ]+)?\. ", description)
+        if of["default"] is not None:
+            assert found and float(found[1]) == of["default"], (key, description)
+        ends = [end for end in (of["minimum"], of["maximum"]) if end is not None]
+        assert [float(end) for end in re.findall(r"-?[0-9][0-9.]*", of["range"])] == ends, (key, of["range"])
+        assert ("at least" in of["range"]) == of["minimum_included"], key
+        assert ("at most" in of["range"]) == of["maximum_included"], key
+
+
+def test_the_ends_of_a_range_are_where_values_are_refused(swing):
+    """By what a scenario takes, of keys whose quantity has one value and no other rules."""
+    parameters = mckibben.parameters()
+    tried = 0
+    for key in ["actuator.external_volume", "actuator.friction.viscous", "actuator.friction.static_ratio", "load.mass",
+                "air.heat_capacity_ratio", "actuator.wall_thickness", "run.relative_tolerance"]:
+        of = parameters[key]
+        for end in ["minimum", "maximum"]:
+            if of[end] is None:
+                continue
+            beyond = of[end] + (-1e-9 if end == "minimum" else 1e-9)
+            for value, taken in [(of[end], of[f"{end}_included"]), (beyond, False)]:
+                values = {key: f"{value!r} {of['unit']}" if of["unit"] else value}
+                tried += 1
+                if taken:
+                    swing.with_values(values)
+                else:
+                    with pytest.raises(mckibben.InputError, match="out of range"):
+                        swing.with_values(values)
+    assert tried > 10
+    assert parameters["actuator.friction.viscous"]["unit"] == "N*s/m"
+    assert parameters["load.gravity"]["default"] == 9.80665

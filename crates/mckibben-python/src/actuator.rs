@@ -3,10 +3,12 @@
 use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
+use crate::typed::{Numbers, Sequence};
 use mckibben::control::Drive;
 use mckibben::simulation::{ModularActuator, Snapshot, State};
 use mckibben::valve::Request;
 use mckibben_cli::failure::Failure;
+use numpy::PyArray1;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -77,16 +79,17 @@ pub(crate) struct Actuator {
 }
 
 /// Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
+///
+/// It can be pickled; `ActuatorState(numbers)` is one as its pickle has it, in the same version of the package. An actuator of
+/// the same scenario goes on from there to the same bits.
+///
+/// Raises `InputError` for numbers that are no state.
 #[pyclass(frozen, module = "mckibben")]
-pub(crate) struct ActuatorState {
-    snapshot: Snapshot,
-    state: State,
-    time: f64,
-    valve: &'static str,
-}
+pub(crate) struct ActuatorState(Snapshot);
 
 /// What an actuator answers to where its ends are, with its derivatives.
 #[pyclass(frozen, get_all, module = "mckibben")]
+#[derive(PartialEq)]
 pub(crate) struct Response {
     /// Tension in N, zero or more.
     tension: f64,
@@ -106,13 +109,6 @@ pub(crate) struct Response {
     volume: f64,
 }
 
-impl ActuatorState {
-    fn of(actuator: &ModularActuator) -> Self {
-        let (state, time, valve) = (actuator.state(), actuator.time(), actuator.ports().name());
-        Self { snapshot: actuator.snapshot(), state, time, valve }
-    }
-}
-
 #[pymethods]
 impl Actuator {
     #[new]
@@ -125,7 +121,7 @@ impl Actuator {
 
     /// The state at t = 0: that of the scenario, with the coils released.
     fn start(&self) -> ActuatorState {
-        ActuatorState::of(&self.model.actuator)
+        ActuatorState(self.model.actuator.snapshot())
     }
 
     /// Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
@@ -146,14 +142,14 @@ impl Actuator {
     ) -> PyResult<(ActuatorState, f64, Response)> {
         // It is set to where the state is before anything is done with it, so whoever left it anywhere does no harm.
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        let state = state.get();
-        actuator.restore(&state.snapshot);
+        let ActuatorState(snapshot) = state.get();
+        actuator.restore(snapshot);
         let went = match command {
             None => Ok(()),
             Some(Asked::Duty(duty)) => actuator.drive(self.model.pulses.of_duty(duty)),
             Some(Asked::Request(request)) => actuator.drive(Drive::Steady(request)),
         };
-        let went = went.and_then(|()| actuator.move_to(state.time + dt, length));
+        let went = went.and_then(|()| actuator.move_to(snapshot.time() + dt, length));
         went.map_err(|error| Failure::of_core(&error, &self.scenario.get().document)).raised()?;
         let response = actuator.respond(velocity);
         let answer = Response {
@@ -166,7 +162,7 @@ impl Actuator {
             temperature: response.temperature,
             volume: response.volume,
         };
-        Ok((ActuatorState::of(&actuator), response.tension, answer))
+        Ok((ActuatorState(actuator.snapshot()), response.tension, answer))
     }
 
     /// What it was made of.
@@ -186,45 +182,89 @@ impl Actuator {
 
 #[pymethods]
 impl ActuatorState {
+    #[new]
+    fn new(numbers: Sequence) -> PyResult<Self> {
+        Snapshot::of_numbers(&numbers.0).map(Self).raised()
+    }
+
     /// The time in s that has been reached.
     #[getter]
     fn time(&self) -> f64 {
-        self.time
+        self.0.time()
     }
 
     /// Distance between the ends in m.
     #[getter]
     fn length(&self) -> f64 {
-        self.state.length
+        self.0.state().length
     }
 
     /// Absolute pressure of the air in Pa.
     #[getter]
     fn pressure(&self) -> f64 {
-        self.state.pressure.0
+        self.0.state().pressure.0
     }
 
     /// Mass of the air in kg.
     #[getter]
     fn air_mass(&self) -> f64 {
-        self.state.air_mass
+        self.0.state().air_mass
     }
 
     /// Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
     #[getter]
     fn valve(&self) -> &'static str {
-        self.valve
+        self.0.ports().name()
+    }
+
+    /// Whether both are the same to the bit.
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        let bits = |state: &Self| state.0.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        other.cast::<Self>().is_ok_and(|other| bits(other.get()) == bits(self))
     }
 
     fn __repr__(&self) -> String {
-        let State { length, pressure, .. } = &self.state;
-        format!("<mckibben.ActuatorState at {:?} s, {length:?} m, {:?} Pa>", self.time, pressure.0)
+        let State { length, pressure, .. } = self.0.state();
+        format!("<mckibben.ActuatorState at {:?} s, {length:?} m, {:?} Pa>", self.0.time(), pressure.0)
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Numbers<'py>,) {
+        (Numbers(PyArray1::from_vec(py, self.0.numbers()).into_any()),)
     }
 }
 
+/// What a response is made of, for pickling.
+type Made = (f64, f64, f64, f64, f64, f64, f64, f64);
+
 #[pymethods]
 impl Response {
+    #[new]
+    #[expect(clippy::too_many_arguments, reason = "they are its attributes, each by its name")]
+    fn new(
+        tension: f64,
+        per_length: f64,
+        per_velocity: f64,
+        per_pressure: f64,
+        pressure_rate: f64,
+        mass_flow: f64,
+        temperature: f64,
+        volume: f64,
+    ) -> Self {
+        Self { tension, per_length, per_velocity, per_pressure, pressure_rate, mass_flow, temperature, volume }
+    }
+
+    /// Whether both are the same.
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get() == self)
+    }
+
     fn __repr__(&self) -> String {
         format!("<mckibben.Response, {:?} N>", self.tension)
+    }
+
+    fn __getnewargs__(&self) -> Made {
+        let Self { tension, per_length, per_velocity, per_pressure, .. } = *self;
+        let Self { pressure_rate, mass_flow, temperature, volume, .. } = *self;
+        (tension, per_length, per_velocity, per_pressure, pressure_rate, mass_flow, temperature, volume)
     }
 }

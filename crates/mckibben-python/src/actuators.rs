@@ -1,19 +1,20 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::Model;
+use crate::pool;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::Given;
+use crate::typed::{Given, Numbers};
 use mckibben::parameter;
-use mckibben::simulation::ModularActuator;
+use mckibben::simulation::{ModularActuator, Snapshot};
 use mckibben::{Error, control::Drive};
 use mckibben_cli::failure::Failure;
-use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1};
 use pyo3::prelude::*;
 
 /// Rows below which they are stepped on the caller's own thread: to wake others takes longer than these.
 const ALONE: usize = 128;
-/// Rows that a thread takes together at least.
+/// Rows up to which one thread takes them.
 const TOGETHER: usize = 32;
 
 /// Many actuators of one scenario, each with its own air, valve and memory, stepped together in loops of your own.
@@ -26,6 +27,7 @@ const TOGETHER: usize = 32;
 #[pyclass(module = "mckibben")]
 pub(crate) struct Actuators {
     scenario: Py<Scenario>,
+    pulse_frequency: Option<f64>,
     model: Model,
     rows: Vec<ModularActuator>,
 }
@@ -43,14 +45,14 @@ struct Span<'a> {
 
 impl<'a> Span<'a> {
     /// Steps every row; the first that could not go on, by its number among these, and why.
-    fn step(self, drive: &(impl Fn(f64) -> Drive + Sync), dt: f64, together: usize) -> Option<(usize, Error)> {
+    fn step(self, drive: &(impl Fn(f64) -> Drive + Sync), dt: f64) -> Option<(usize, Error)> {
         let count = self.rows.len();
-        if count <= together {
+        if count <= TOGETHER {
             return self.step_in_turn(drive, dt);
         }
         let middle = count / 2;
         let (left, right) = self.split(middle);
-        let (left, right) = rayon::join(|| left.step(drive, dt, together), || right.step(drive, dt, together));
+        let (left, right) = rayon::join(|| left.step(drive, dt), || right.step(drive, dt));
         left.or(right.map(|(row, error)| (middle + row, error)))
     }
 
@@ -128,7 +130,7 @@ impl Actuators {
     fn new(scenario: Py<Scenario>, count: usize, pulse_frequency: Option<f64>) -> PyResult<Self> {
         let model = Model::of(scenario.get(), pulse_frequency).raised()?;
         let rows = vec![model.actuator.clone(); count];
-        Ok(Self { scenario, model, rows })
+        Ok(Self { scenario, pulse_frequency, model, rows })
     }
 
     /// Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
@@ -180,8 +182,11 @@ impl Actuators {
         };
         let span = Span { rows, length, velocity, duty, tension, beside };
         let drive = |duty: f64| model.pulses.of_duty(duty);
-        let together = if count < ALONE { count } else { TOGETHER };
-        match py.detach(|| span.step(&drive, dt, together)) {
+        let stepped = py.detach(|| match count < ALONE {
+            true => Ok(span.step_in_turn(&drive, dt)),
+            false => pool::shared(|| span.step(&drive, dt)),
+        });
+        match stepped.raised()? {
             None => Ok(()),
             Some((row, error)) => Err(of_row(error.into(), row)).raised(),
         }
@@ -200,5 +205,32 @@ impl Actuators {
 
     fn __repr__(&self) -> String {
         format!("<mckibben.Actuators, {} of {:?}>", self.rows.len(), self.scenario.get().title())
+    }
+
+    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, usize, Option<f64>) {
+        (self.scenario.clone_ref(py), self.rows.len(), self.pulse_frequency)
+    }
+
+    /// Where each of them is, a row for each as an `ActuatorState` is pickled.
+    fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        let width = self.model.actuator.snapshot().numbers().len();
+        let numbers = self.rows.iter().flat_map(|actuator| actuator.snapshot().numbers()).collect();
+        Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.rows.len(), width])?.into_any()))
+    }
+
+    fn __setstate__(&mut self, numbers: Given<PyReadonlyArray2<'_, f64>>) -> PyResult<()> {
+        let numbers = numbers.0.as_array();
+        let states: Vec<Snapshot> = numbers
+            .rows()
+            .into_iter()
+            .map(|row| Snapshot::of_numbers(&row.to_vec()))
+            .collect::<Result<_, _>>()
+            .raised()?;
+        if states.len() != self.rows.len() {
+            let title = format!("{} states are given for {} actuators", states.len(), self.rows.len());
+            return Err(Failure::input(title, "give one for each")).raised();
+        }
+        self.rows.iter_mut().zip(&states).for_each(|(actuator, state)| actuator.restore(state));
+        Ok(())
     }
 }

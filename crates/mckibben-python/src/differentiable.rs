@@ -1,5 +1,6 @@
 //! A run as a function of numbers of its scenario, with exact derivatives: the class `Differentiable`.
 
+use crate::pool;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{Function, Names, Numbers, Sequence};
@@ -147,7 +148,7 @@ impl Differentiable {
     /// The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
     fn with_slopes<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
-        let both = py.detach(|| self.asked.with_slopes(&self.adjustable, &values.0));
+        let both = py.detach(|| pool::shared(|| self.asked.with_slopes(&self.adjustable, &values.0))).raised()?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
         let (times, quantities) = (self.asked.times.len(), self.of.len());
         let read = Self::shaped(py, read, &[times, quantities])?;
@@ -159,6 +160,14 @@ impl Differentiable {
     /// JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
     fn for_jax<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
         this.py().import("mckibben._beside")?.call_method1("for_jax", (this,)).map(Function)
+    }
+
+    /// The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
+    /// `torch.autograd.Function`, with the derivatives of `with_slopes`.
+    ///
+    /// Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
+    fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
+        this.py().import("mckibben._beside")?.call_method1("for_torch", (this,)).map(Function)
     }
 
     fn __repr__(&self) -> String {

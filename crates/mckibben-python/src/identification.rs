@@ -1,5 +1,6 @@
 //! `identify`, and the classes `Identification` and `Estimate`.
 
+use crate::pool;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use mckibben_cli::commands::identify::{WARNED, identified};
@@ -18,7 +19,7 @@ use std::path::PathBuf;
 pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) -> PyResult<Identification> {
     let found = py
         .detach(|| {
-            let found = identified(&study)?;
+            let found = pool::shared(|| identified(&study))??;
             if let Some(folder) = &output {
                 found.write(folder)?;
             }

@@ -9,10 +9,12 @@
 //! | `plants` | many actuators, joints or legs that are told what to do and begin anew one by one: `Plants` |
 //! | `pulses` | how a valve is pulsed by a duty cycle |
 //! | `curves` | `curves`, `presets` |
+//! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
 //! | `identification` | `identify`, the classes `Identification` and `Estimate` |
 //! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
+//! | `pool` | the threads of this process, and of one that was forked |
 //! | `columns` | columns of numbers and words as NumPy arrays |
 //! | `typed` | objects with the types that the stubs give them |
 //! | `values` | dictionaries of Python to TOML and back |
@@ -29,7 +31,9 @@ mod curves;
 mod differentiable;
 mod identification;
 mod linear;
+mod parameters;
 mod plants;
+mod pool;
 mod pulses;
 mod raised;
 mod scenario;
@@ -53,6 +57,8 @@ mod _mckibben {
     use crate::identification::{Estimate, Identification, identify};
     #[pymodule_export]
     use crate::linear::{LinearModel, linearize};
+    #[pymodule_export]
+    use crate::parameters::parameters;
     #[pymodule_export]
     use crate::plants::Plants;
     #[pymodule_export]

@@ -68,6 +68,8 @@ mod convert;
 mod dual;
 mod error;
 mod nested;
+#[cfg(feature = "alloc")]
+mod numbered;
 mod pressure;
 mod root;
 

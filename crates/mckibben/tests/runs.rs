@@ -54,6 +54,7 @@ mod row_by_row;
 mod segments;
 mod series_tendon;
 mod simulation;
+mod snapshot;
 mod solenoid;
 mod spool_rig;
 mod stiff;

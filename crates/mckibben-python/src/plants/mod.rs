@@ -18,6 +18,7 @@ mod legs;
 mod numbers;
 mod rigs;
 
+use crate::pool;
 use crate::pulses::Pulses;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
@@ -132,6 +133,14 @@ impl Plants {
     }
 }
 
+/// Does something with so many plants, on all cores; with one on the caller's own thread.
+fn together(count: usize, does: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
+    match count {
+        1 => does(),
+        _ => pool::shared(does)?,
+    }
+}
+
 /// A failure of a plant by its number.
 fn of_plant((row, failure): (usize, Failure)) -> Failure {
     failure.of(&format!("plant {row}"))
@@ -173,8 +182,12 @@ impl Plants {
     fn start(&mut self, py: Python<'_>, values: Option<Given<PyReadonlyArray2<'_, f64>>>) -> PyResult<()> {
         let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
         let values = self.values(values, self.count).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
-        let fleet = &mut self.fleet;
-        py.detach(|| fleet.begin(&values.iter().map(Vec::as_slice).collect::<Vec<_>>())).map_err(of_plant).raised()
+        let Self { fleet, count, .. } = self;
+        py.detach(|| {
+            let values: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
+            together(*count, || fleet.begin(&values).map_err(of_plant))
+        })
+        .raised()
     }
 
     /// The plants of these numbers begin anew with these values, of shape (len(rows), len(by)), and nothing asked of their
@@ -196,8 +209,8 @@ impl Plants {
         let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
         let values = self.values(values, rows.len()).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
         let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values.iter().map(Vec::as_slice)).collect();
-        let fleet = &mut self.fleet;
-        py.detach(|| fleet.restart(&rows)).map_err(of_plant).raised()
+        let Self { fleet, count, .. } = self;
+        py.detach(|| together(*count, || fleet.restart(&rows).map_err(of_plant))).raised()
     }
 
     /// Asks `asked`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
@@ -228,13 +241,13 @@ impl Plants {
         let width = fleet.columns().len();
         shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
         shaped("stopped", Some(stopped.len()), (self.count, 1)).raised()?;
-        py.detach(|| {
+        let step = || {
             fleet.step(span, asked)?;
             let rows = shown.par_chunks_mut(width).zip(stopped).enumerate().with_min_len(SHOWN_TOGETHER);
             rows.for_each(|(row, (shown, stopped))| *stopped = !fleet.show(row, shown));
-            Ok::<(), Failure>(())
-        })
-        .raised()
+            Ok(())
+        };
+        py.detach(|| together(self.count, step)).raised()
     }
 
     /// Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).

@@ -85,7 +85,10 @@ impl<W: Wide> Engine for Blocks<W> {
 
     fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error> {
         let each = |(count, block): (usize, &mut Block<W>)| block.tell_all(|lane| demand(count, lane));
-        self.0.par_iter_mut().enumerate().try_for_each(each)
+        match self.0.as_mut_slice() {
+            [block] => each((0, block)),
+            blocks => blocks.par_iter_mut().enumerate().try_for_each(each),
+        }
     }
 
     fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error> {

@@ -10,6 +10,8 @@
 //! or less is all rest, of one or more all pulse.
 
 use super::Drive;
+#[cfg(feature = "alloc")]
+use crate::numbered::Row;
 use crate::scalar::Real;
 use crate::valve::{Request, is_due};
 
@@ -75,6 +77,32 @@ impl<R: Real> Modulator<R> {
         let (some, all) = (duty.value() > 0.0, duty.value() >= 1.0);
         self.end = (some && !all).then_some((until, rest));
         Some(if some { pulse } else { rest })
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl Modulator {
+    /// As numbers in a row.
+    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+        let (mut kind, mut duty, mut pulse, mut rest) = match self.drive {
+            None => (0, 0.0, Request::Fill, Request::Fill),
+            Some(Drive::Steady(request)) => (1, 0.0, request, request),
+            Some(Drive::Pulses { duty, pulse, rest }) => (2, duty, pulse, rest),
+        };
+        row.choice(&mut kind, [0, 1, 2]);
+        row.duty(&mut duty);
+        row.request(&mut pulse);
+        row.request(&mut rest);
+        self.drive = match kind {
+            0 => None,
+            1 => Some(Drive::Steady(pulse)),
+            _ => Some(Drive::Pulses { duty, pulse, rest }),
+        };
+        row.count(&mut self.next_period);
+        let (mut end, mut after) = self.end.map_or((None, Request::Fill), |(end, after)| (Some(end), after));
+        row.instant(&mut end);
+        row.request(&mut after);
+        self.end = end.map(|end| (end, after));
     }
 }
 

@@ -55,6 +55,8 @@ mod segments;
 #[cfg(feature = "alloc")]
 mod series_tendon;
 #[cfg(feature = "alloc")]
+mod snapshot;
+#[cfg(feature = "alloc")]
 mod stepper;
 #[cfg(feature = "alloc")]
 mod stored;
@@ -98,7 +100,7 @@ pub use leg::{LegSample, LegStepper};
 pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
-pub use modular::{ModularActuator, Snapshot};
+pub use modular::ModularActuator;
 pub use pressure_course::PressureCourse;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
@@ -106,6 +108,8 @@ pub use sample::{Sample, SampleTimes, steps_between};
 pub use segments::simulate_in_segments;
 #[cfg(feature = "alloc")]
 pub use series_tendon::TendonActuator;
+#[cfg(feature = "alloc")]
+pub use snapshot::Snapshot;
 #[cfg(feature = "alloc")]
 pub use stepper::Stepper;
 #[cfg(feature = "alloc")]

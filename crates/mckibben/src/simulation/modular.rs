@@ -58,11 +58,13 @@ use super::kernel::{Held, Method};
 use super::piped::{Stepped, of_rig};
 use super::rig::{Rig, State};
 use super::sample::Sample;
+use super::snapshot::Snapshot;
 use crate::actuator::{ActuatorState, Response};
 use crate::air::Chamber;
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
 use crate::load::Line;
+use crate::numbered::Row;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Real;
@@ -84,11 +86,6 @@ pub(super) struct Exchange<R> {
     drawn: R,
     exhausted: R,
 }
-
-/// Where an actuator is in time, with its air, its valve's seats and pulses and what its hysteresis remembers: kept by a
-/// caller who wants to go on from there more than once.
-#[derive(Clone, Copy, Debug)]
-pub struct Snapshot<R: Real<Time = R> = f64>(Place<R>);
 
 /// Where an actuator is, to go back to.
 pub(super) type Place<R> = (Walk<R>, Modulator<R>, Exchange<R>);
@@ -140,6 +137,8 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// Goes to where an actuator of the same rig was. What feeds its valve stays.
     pub fn restore(&mut self, snapshot: &Snapshot<R>) {
         self.back_to(snapshot.0);
+        // Numbers do not say them, for they follow from where the seats are.
+        self.walk.course.held.openings = self.rig.seats().openings(&self.walk.progress);
     }
 
     /// Which passages are open at that time.
@@ -336,7 +335,16 @@ impl<R: Real<Time = R>> ModularActuator<R> {
 }
 
 impl<R: Real> Exchange<R> {
-    fn none() -> Self {
+    pub(super) fn none() -> Self {
         Self { drawn: R::zero(), exhausted: R::zero() }
+    }
+}
+
+impl Exchange<f64> {
+    /// As numbers in a row.
+    pub(super) fn each_number(&mut self, row: &mut impl Row) {
+        let Self { drawn, exhausted } = self;
+        row.number(drawn);
+        row.number(exhausted);
     }
 }

@@ -4,6 +4,8 @@
 use super::pressure_course::PressureCourse;
 use super::rig::Actuation;
 use crate::load::{Line, Motion};
+#[cfg(feature = "alloc")]
+use crate::numbered::Row;
 use crate::scalar::Real;
 use crate::valve::{Openings, Ports, RegulatorClock, SeatClock, SpoolClock, is_due};
 #[cfg(feature = "alloc")]
@@ -68,6 +70,15 @@ impl<S: Real> Progress<S> {
     #[cfg(feature = "alloc")]
     pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
         self.clock.ask(time, solenoid, request);
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl Progress<f64> {
+    /// The seats as numbers in a row: what progresses where there is neither a spool nor a pressure regulator in their place,
+    /// and neither motion nor pressure is given.
+    pub(super) fn each_number_of_seats(&mut self, row: &mut impl Row) {
+        self.clock.each_number(row);
     }
 }
 

@@ -25,6 +25,8 @@
 
 use crate::convert::Convert;
 use crate::error::Error;
+#[cfg(feature = "alloc")]
+use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
 
@@ -111,6 +113,15 @@ impl<S: Scalar> Stroke<S> {
     pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Stroke<T> {
         let Self { start, end, from, to } = *self;
         Stroke { start: number(start), end: number(end), from: number(from), to: number(to) }
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl Stroke {
+    /// As numbers in a row.
+    pub(super) fn each_number(&mut self, row: &mut impl Row) {
+        let Self { start, end, from, to } = self;
+        [start, end, from, to].into_iter().for_each(|number| row.number(number));
     }
 }
 

@@ -34,6 +34,8 @@ use super::regulator::Regulator;
 use super::spool::Spool;
 use crate::convert::Convert;
 use crate::error::Error;
+#[cfg(feature = "alloc")]
+use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::{Real, Scalar};
 
@@ -405,6 +407,19 @@ impl<S: Real> SeatClock<S> {
                 self.due[side] = Some(time + if energised { solenoid.opening_delay } else { solenoid.closing_delay });
             }
         }
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl SeatClock {
+    /// As numbers in a row.
+    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+        let Self { next_change, coil, seat, due, strokes, strokes_counted } = self;
+        row.count(next_change);
+        coil.iter_mut().chain(seat).for_each(|at| row.truth(at));
+        due.iter_mut().for_each(|due| row.instant(due));
+        strokes.iter_mut().for_each(|stroke| stroke.each_number(row));
+        row.count(strokes_counted);
     }
 }
 

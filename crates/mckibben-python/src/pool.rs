@@ -1,0 +1,52 @@
+//! The threads that share one calculation: a pool for each process, made when it is first used there.
+//!
+//! After `fork` a child has the one thread that forked and none of a pool's, but the pool's memory looks as if they were there:
+//! whoever waits for them waits for ever. So a pool belongs to the process that made it, and a child that was forked, as by
+//! `multiprocessing`, makes its own. Nothing here holds a lock while it is made, for a lock that another thread held when the
+//! process forked stays shut in the child.
+
+use mckibben_cli::failure::Failure;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::ptr;
+use std::sync::atomic::{AtomicPtr, Ordering};
+
+/// Bytes of stack of a thread: as much as a program's first has, and what a study needs without optimisation.
+const STACK: usize = 16 << 20;
+
+/// The threads of a process.
+struct Pool {
+    process: u32,
+    threads: ThreadPool,
+}
+
+/// What the last process that needed threads has made; never freed, because nobody knows who still works on it.
+static POOL: AtomicPtr<Pool> = AtomicPtr::new(ptr::null_mut());
+
+/// Does work that is shared among threads on those of this process.
+pub(crate) fn shared<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+    pool().map(|pool| pool.threads.install(work))
+}
+
+fn pool() -> Result<&'static Pool, Failure> {
+    let process = std::process::id();
+    let known = POOL.load(Ordering::Acquire);
+    // SAFETY: what is not null was made from a box that is never freed nor written to again.
+    match unsafe { known.as_ref() } {
+        Some(pool) if pool.process == process => return Ok(pool),
+        _ => {}
+    }
+    let threads = ThreadPoolBuilder::new().stack_size(STACK).build().map_err(|error| {
+        Failure::input(format!("threads cannot be started: {error}"), "ask for fewer by RAYON_NUM_THREADS")
+    })?;
+    let made = Box::into_raw(Box::new(Pool { process, threads }));
+    let pool = match POOL.compare_exchange(known, made, Ordering::AcqRel, Ordering::Acquire) {
+        Ok(_) => made,
+        Err(first) => {
+            // SAFETY: another thread of this process was faster, so nobody else has seen this one.
+            drop(unsafe { Box::from_raw(made) });
+            first
+        }
+    };
+    // SAFETY: as above; what was made is not null.
+    Ok(unsafe { &*pool })
+}

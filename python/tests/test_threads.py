@@ -1,0 +1,155 @@
+"""Many threads at once, and processes that were forked."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy
+import pytest
+
+import mckibben
+from conftest import same
+
+STEP = 1e-3
+THREADS = 6
+
+
+@pytest.fixture(scope="module")
+def scenario(examples) -> mckibben.Scenario:
+    return mckibben.Scenario.load(examples / "paper/fig-12.toml")
+
+
+def at_once(work, count: int) -> list:
+    """What `work(0)`, `work(1)` and so on give, on a thread each, all begun at one time."""
+    gate = threading.Barrier(count)
+
+    def one(number: int):
+        gate.wait()
+        return work(number)
+
+    with concurrent.futures.ThreadPoolExecutor(count) as pool:
+        return list(pool.map(one, range(count)))
+
+
+def test_one_actuator_serves_many_threads(scenario):
+    """Each thread goes its own way with it: another duty, and lengths that differ."""
+    actuator = mckibben.Actuator(scenario)
+
+    def work(number: int) -> list[tuple[mckibben.ActuatorState, float, mckibben.Response]]:
+        state, went = actuator.start(), []
+        length = state.length
+        for row in range(200):
+            length -= 1e-5 * (1 + number % 3)
+            went.append(actuator.step(state, length, -0.01, (number + 1) / (THREADS + 1) if row == 0 else None, STEP))
+            state = went[-1][0]
+        return went
+
+    alone = [work(number) for number in range(THREADS)]
+    assert at_once(work, THREADS) == alone
+    assert len({went[-1][1] for went in alone}) == THREADS
+
+
+def test_many_actuators_on_many_threads(scenario):
+    """Enough of them to be shared among cores, from several threads at once."""
+    count = 300
+
+    def work(number: int) -> numpy.ndarray:
+        many, found = mckibben.Actuators(scenario, count), numpy.zeros((2, count))
+        duty = numpy.linspace(0.0, 1.0, count) * (number + 1) / THREADS
+        for row in range(5):
+            length = numpy.full(count, 0.09 - 1e-5 * row)
+            many.step(STEP, length, numpy.zeros(count), duty, found[0], pressure=found[1])
+        return found
+
+    alone = [work(number) for number in range(THREADS)]
+    for one, other in zip(at_once(work, THREADS), alone):
+        numpy.testing.assert_array_equal(one, other)
+
+
+def test_everything_at_once_is_what_it_is_alone(scenario, swing):
+    heavy = [swing.with_values({"load.mass": f"{mass} lb"}) for mass in range(4, 4 + THREADS)]
+    length = mckibben.Differentiable(swing, ["load.mass", "initial.gauge_pressure"], ["length"], [0.05, 0.1])
+
+    def work(number: int):
+        values = length.start * (1 + 0.01 * number)
+        return mckibben.simulate(heavy[number]), length.with_slopes(values), mckibben.curves(heavy[number])["stiffness_n_m"]
+
+    for (run, slopes, curves), (run_alone, slopes_alone, curves_alone) in zip(
+        at_once(work, THREADS), [work(number) for number in range(THREADS)]
+    ):
+        same(run, run_alone)
+        for one, other in zip((*slopes, curves), (*slopes_alone, curves_alone)):
+            numpy.testing.assert_array_equal(one, other)
+
+
+#: What is done before and after a fork, each on threads: more rows than are stepped on one, derivatives by more numbers than one
+#: pass takes, a study of courses in time, a sweep.
+FORKED = """
+import multiprocessing, os, sys, numpy, mckibben
+examples = sys.argv[2]
+scenario = mckibben.Scenario.load(f"{examples}/paper/fig-12.toml").with_values({"run.duration": "20 ms"})
+BY = ["load.mass", "command.duty", "actuator.turns", "valve.efficiency", "supply.gauge_pressure", "initial.temperature",
+      "actuator.friction.viscous", "actuator.external_volume", "valve.opening_delay"]
+
+def rows():
+    count = 1000
+    many, tension = mckibben.Actuators(scenario, count), numpy.zeros(count)
+    for _ in range(3):
+        many.step(1e-3, numpy.full(count, 0.09), numpy.zeros(count), numpy.linspace(0, 1, count), tension)
+    return tension.tobytes()
+
+def slopes():
+    run = mckibben.Differentiable(scenario, BY, ["length", "tension"], [0.01, 0.02])
+    return b"".join(array.tobytes() for array in run.with_slopes(run.start))
+
+def sweep():
+    many = mckibben.Sweep(scenario.with_values({"sweep.vary": {"load.mass": {"from": "2 lb", "to": "9 lb", "count": 40}}}))
+    import tempfile
+    with tempfile.TemporaryDirectory() as folder:
+        return b"".join(part.read_bytes() for part in mckibben.sweep(many.scenario, folder, jobs=2).parts)
+
+def run():
+    return mckibben.simulate(scenario).tension.tobytes()
+
+work = {"rows": rows, "slopes": slopes, "sweep": sweep, "run": run}[sys.argv[1]]
+
+if __name__ == "__main__":
+    expected = work()
+    # By hand, and again from the child.
+    child = os.fork()
+    if child == 0:
+        grandchild = -1
+        if work() == expected:
+            grandchild = os.fork()
+            if grandchild == 0:
+                os._exit(0 if work() == expected else 3)
+        os._exit(4 if grandchild < 0 else os.waitstatus_to_exitcode(os.waitpid(grandchild, 0)[1]))
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0, "a child that was forked finds something else"
+    # The parent goes on, and so does a pool of forked processes.
+    assert work() == expected
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.starmap(work, [()] * 4) == [expected] * 4
+    print("done")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+@pytest.mark.parametrize("work", ["rows", "slopes", "sweep", "run"])
+def test_after_a_fork_a_child_goes_on(work, examples, tmp_path):
+    """In a process of its own with its children, which are killed where they wait for threads that are not there."""
+    script = tmp_path / "forked.py"
+    script.write_text(FORKED)
+    command = [sys.executable, "-W", "ignore", str(script), work, str(examples)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    try:
+        told, wrong = process.communicate(timeout=120)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        pytest.fail("a child that was forked waits for ever")
+    assert process.returncode == 0 and told == "done\n", wrong

@@ -1,0 +1,92 @@
+"""A run as a function of PyTorch, where that is installed: it is too large to be among what the tests need."""
+
+from __future__ import annotations
+
+import numpy
+import pytest
+
+import mckibben
+
+torch = pytest.importorskip("torch")
+
+BY = ["load.mass", "command.duty", "actuator.turns", "supply.gauge_pressure"]
+
+
+@pytest.fixture(scope="module")
+def pulsed(examples) -> mckibben.Differentiable:
+    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    return mckibben.Differentiable(scenario, by=BY, of=["length", "gauge_pressure", "tension"], at=[0.053, 0.131])
+
+
+@pytest.fixture
+def start(pulsed):
+    return torch.tensor(pulsed.start, requires_grad=True)
+
+
+def test_values_and_slopes_backwards(pulsed, start):
+    values, slopes = pulsed.with_slopes(pulsed.start)
+    function = pulsed.for_torch()
+    found = function(start)
+    numpy.testing.assert_array_equal(found.detach().numpy(), values)
+    weights = torch.from_numpy(numpy.random.default_rng(3).uniform(-1, 1, values.shape))
+    (weights * found).sum().backward()
+    numpy.testing.assert_allclose(start.grad.numpy(), numpy.einsum("to,top->p", weights.numpy(), slopes), rtol=1e-12)
+    jacobian = torch.autograd.functional.jacobian(function, start.detach())
+    numpy.testing.assert_allclose(jacobian.numpy(), slopes, rtol=1e-14)
+
+
+def test_slopes_forwards(pulsed, start):
+    _, slopes = pulsed.with_slopes(pulsed.start)
+    along = torch.from_numpy(pulsed.start * [0.1, -0.2, 0.3, 0.4])
+    with torch.autograd.forward_ad.dual_level():
+        dual = pulsed.for_torch()(torch.autograd.forward_ad.make_dual(start.detach(), along))
+        tangent = torch.autograd.forward_ad.unpack_dual(dual).tangent
+    numpy.testing.assert_allclose(tangent.numpy(), slopes @ along.numpy(), rtol=1e-14)
+
+
+def test_the_transforms_of_torch_func(pulsed, start):
+    """As in JAX: a Jacobian forwards and backwards, and many values one after another."""
+    function, values = pulsed.for_torch(), start.detach()
+    _, slopes = pulsed.with_slopes(pulsed.start)
+    for jacobian in [torch.func.jacfwd, torch.func.jacrev]:
+        numpy.testing.assert_allclose(jacobian(function)(values).numpy(), slopes, rtol=1e-14)
+    several = torch.stack([values, 1.01 * values])
+    found = torch.func.vmap(function)(several)
+    numpy.testing.assert_array_equal(found.numpy(), [pulsed(one.numpy()) for one in several])
+    gradients = torch.func.vmap(torch.func.grad(lambda one: function(one)[:, 0].sum()))(several)
+    expected = [pulsed.with_slopes(one.numpy())[1][:, 0].sum(axis=0) for one in several]
+    numpy.testing.assert_allclose(gradients.numpy(), expected, rtol=1e-13)
+
+
+def test_what_it_has_not_is_refused_and_not_zero(pulsed, start):
+    function = pulsed.for_torch()
+    (first,) = torch.autograd.grad((function(start) ** 2).sum(), start, create_graph=True)
+    with pytest.raises(mckibben.InputError, match="second derivatives"):
+        torch.autograd.grad(first.sum(), start)
+    for outer in [torch.func.jacfwd, torch.func.jacrev]:
+        for inner in [torch.func.jacfwd, torch.func.jacrev]:
+            with pytest.raises((mckibben.InputError, RuntimeError), match="second derivatives"):
+                outer(inner(lambda values: function(values)[:, 0].sum()))(start.detach())
+    with pytest.raises(mckibben.InputError, match="float64"):
+        function(start.float())
+    with pytest.raises(mckibben.InputError, match="load.mass"):
+        function(-start)
+
+
+def test_a_fit_by_an_optimiser_of_torch_finds_what_made_the_data(pulsed):
+    function = pulsed.for_torch()
+    true = pulsed.start.copy()
+    data = torch.from_numpy(pulsed(true))
+    share = torch.ones(1, dtype=torch.float64, requires_grad=True)
+    scale, rest = data.abs().max(dim=0).values, torch.from_numpy(true)
+
+    def mismatch():
+        optimiser.zero_grad()
+        mass = 1.1 * share * rest[:1]
+        loss = (((function(torch.cat([mass, rest[1:]])) - data) / scale) ** 2).sum()
+        loss.backward()
+        return loss
+
+    optimiser = torch.optim.LBFGS([share], max_iter=30, tolerance_grad=1e-12, line_search_fn="strong_wolfe")
+    optimiser.step(mismatch)
+    assert 1.1 * share.item() == pytest.approx(1.0, rel=1e-5)
