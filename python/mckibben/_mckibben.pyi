@@ -12,7 +12,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Plants", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "presets", "simulate"]
+__all__ = ["Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Plants", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "parameters", "presets", "simulate"]
 
 @final
 class Actuator:
@@ -53,7 +53,18 @@ class Actuator:
 class ActuatorState:
     """
     Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
+
+    It can be pickled; `ActuatorState(numbers)` is one as its pickle has it, in the same version of the package. An actuator of
+    the same scenario goes on from there to the same bits.
+
+    Raises `InputError` for numbers that are no state.
     """
+    def __eq__(self, other: object, /) -> bool:
+        """
+        Whether both are the same to the bit.
+        """
+    def __getnewargs__(self, /) -> tuple[NDArray[float64]]: ...
+    def __new__(cls, /, numbers: ArrayLike) -> ActuatorState: ...
     def __repr__(self, /) -> str: ...
     @property
     def air_mass(self, /) -> float:
@@ -92,12 +103,18 @@ class Actuators:
 
     `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of the scenario's PWM unless given.
     """
+    def __getnewargs__(self, /) -> tuple[Scenario, int, float | None]: ...
+    def __getstate__(self, /) -> NDArray[float64]:
+        """
+        Where each of them is, a row for each as an `ActuatorState` is pickled.
+        """
     def __len__(self, /) -> int:
         """
         How many there are.
         """
     def __new__(cls, /, scenario: Scenario, count: SupportsIndex, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
     def __repr__(self, /) -> str: ...
+    def __setstate__(self, /, numbers: NDArray[float64]) -> None: ...
     def reset(self, /) -> None:
         """
         All of them go back to t = 0 and the scenario's state, with the coils released.
@@ -151,6 +168,13 @@ class Differentiable:
         The same as a function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
 
         JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
+        """
+    def for_torch(self, /) -> Callable[..., Any]:
+        """
+        The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
+        `torch.autograd.Function`, with the derivatives of `with_slopes`.
+
+        Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
         """
     @property
     def of(self, /) -> list[str]:
@@ -434,6 +458,12 @@ class Response:
     """
     What an actuator answers to where its ends are, with its derivatives.
     """
+    def __eq__(self, other: object, /) -> bool:
+        """
+        Whether both are the same.
+        """
+    def __getnewargs__(self, /) -> tuple[float, float, float, float, float, float, float, float]: ...
+    def __new__(cls, /, tension: SupportsFloat | SupportsIndex, per_length: SupportsFloat | SupportsIndex, per_velocity: SupportsFloat | SupportsIndex, per_pressure: SupportsFloat | SupportsIndex, pressure_rate: SupportsFloat | SupportsIndex, mass_flow: SupportsFloat | SupportsIndex, temperature: SupportsFloat | SupportsIndex, volume: SupportsFloat | SupportsIndex) -> Response: ...
     def __repr__(self, /) -> str: ...
     @property
     def mass_flow(self, /) -> float:
@@ -773,6 +803,18 @@ def linearize(scenario: Scenario, *, pressure: str | None = None, length: str | 
     as "60 psi".
 
     Raises `InputError` where there is no such point.
+    """
+
+def parameters() -> dict[str, Any]:
+    """
+    The quantities of a scenario by their keys, in the order of the file: what `mckibben schema` says of them.
+
+    Of each `meaning`, `symbol` (the paper's, or the usual one), `unit` (SI; empty for a pure number), `range` in words,
+    `minimum` and `maximum` (`None` where there is no end) with `minimum_included` and `maximum_included`, `default` in that
+    unit (`None` where it must be given or follows from other keys), the `source` of definition and default, the `remedy` where
+    a value is refused, and an `example` as a file has it. A preset may stand in for a default.
+
+    Those of an antagonist are the same with `antagonist.` before them.
     """
 
 def presets() -> dict[str, Any]:
