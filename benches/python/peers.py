@@ -37,9 +37,14 @@ class Peer:
 TOLERANCES = [10.0 ** (-quarter / 4) for quarter in range(8, 45)]
 
 
+def plain(work: Work) -> collections.abc.Callable:
+    """The right-hand side as Python goes through it: of the four states and whether the supply is open."""
+    k, mass = work.muscle, work.mass
+    return lambda y, filling: rates(*y.tolist(), mass, filling, k)
+
+
 def scipy_between_instants(work: Work, method: str, right_hand_side: collections.abc.Callable) -> Peer:
     """`solve_ivp` from one motion of the seat to the next; kinks of the laws shorten its steps."""
-    k, mass = work.muscle, work.mass
 
     def run(tolerance: float) -> np.ndarray:
         state, answer = work.start.copy(), np.empty((2, len(work.samples)))
@@ -47,7 +52,7 @@ def scipy_between_instants(work: Work, method: str, right_hand_side: collections
             # A sample and an edge that a rounding parts are one instant.
             inside = (work.samples >= begin - SAME) & (work.samples < end - SAME)
             solution = solve_ivp(
-                lambda _, y, filling=filling: right_hand_side(y[0], y[1], y[2], y[3], mass, filling, k),
+                lambda _, y, filling=filling: right_hand_side(y, filling),
                 (begin, end),
                 state,
                 method=method,
@@ -218,13 +223,17 @@ def numba_peers(work: Work) -> tuple[Peer, Peer, collections.abc.Callable, colle
             ends[row] = y
         return ends
 
+    @jit
+    def right_hand_side(y, filling):
+        return slopes(y[0], y[1], y[2], y[3], mass, filling, k)
+
     edges = np.array([span[0] for span in work.spans] + [work.spans[-1][1]])
     fillings = np.array([span[2] for span in work.spans])
-    steps = [2e-4 / 2**half for half in np.arange(0, 5.5, 0.5)]
+    steps = [1e-3 / 2**half for half in np.arange(0, 8, 0.5)]
     return (
         Peer("", lambda step: fixed(work.start, instants, filling_of, is_sample, step, mass, k), steps),
         Peer("", lambda rtol: adaptive(work.start, instants, filling_of, is_sample, rtol, SCALES, mass, k), TOLERANCES),
-        slopes,
+        right_hand_side,
         lambda starts, masses, rtol: of_many(starts, masses, edges, fillings, rtol, SCALES, k),
     )
 
