@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Train a controller
 #
-# A muscle of the paper hangs with a mass of 2 to 3 kg, drawn anew for each episode, and is to bring it to a length that is
-# drawn too. The controller sees length, velocity, pressure and target, each with noise, and says every 5 ms whether its valve
-# is to fill, to hold or to exhaust; the valve takes 4 ms to open. It is a small network of 37 numbers, and the standard
-# library [cma](https://pypi.org/project/cma) looks for them: CMA-ES tries many networks at once, each on some muscles of one
-# vector environment.
+# A muscle of the paper hangs with a mass of 2 to 3 kg, drawn anew for each episode, and is to bring it to a length
+# that is drawn too. The controller sees length, velocity, pressure and target, each with noise, and says every 5 ms
+# whether its valve is to fill, to hold or to exhaust; the valve takes 4 ms to open. It is a small network of 37
+# numbers, and the standard library [cma](https://pypi.org/project/cma) looks for them: CMA-ES tries many networks at
+# once, each on some muscles of one vector environment.
 
 # %%
 import cma
@@ -33,9 +33,9 @@ OPTIONS = {
 # %% [markdown]
 # ## A network
 #
-# The error of the length, the velocity, the pressure and the target go in, six neurons stand between, and a number comes
-# out: above a half it fills, below minus a half it exhausts. All networks of a generation are calculated at once, each for
-# its own muscles.
+# The error of the length, the velocity, the pressure and the target go in, six neurons stand between, and a number
+# comes out: above a half it fills, below minus a half it exhausts. All networks of a generation are calculated at
+# once, each for its own muscles.
 
 # %%
 HIDDEN = 6
@@ -57,8 +57,8 @@ def requests(networks: np.ndarray, observed: np.ndarray) -> np.ndarray:
 # %% [markdown]
 # ## Trying
 #
-# What a network is worth is its mean reward in a step: minus the distance from the target as a share of the 20 mm that
-# targets are drawn from.
+# What a network is worth is its mean reward in a step: minus the distance from the target as a share of the 20 mm
+# that targets are drawn from.
 
 # %%
 many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=NETWORKS * MUSCLES, **OPTIONS)
@@ -92,8 +92,8 @@ many.close()
 # ## Does it work?
 #
 # On muscles that it has not seen, beside what anybody would write by hand: fill where the muscle will be more than a
-# millimetre too long in 60 ms, exhaust where it will be too short, and else hold. Without looking ahead the mass would be
-# thrown up and down.
+# millimetre too long in 60 ms, exhaust where it will be too short, and else hold. Without looking ahead the mass
+# would be thrown up and down.
 
 # %%
 many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=256, **OPTIONS)

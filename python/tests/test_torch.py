@@ -1,13 +1,12 @@
-"""A run as a function of PyTorch, where that is installed: it is too large to be among what the tests need."""
+"""A run as a function of PyTorch. It is too large to be among what the tests install: `conftest.py` leaves these out without it."""
 
 from __future__ import annotations
 
 import numpy
 import pytest
+import torch
 
 import mckibben
-
-torch = pytest.importorskip("torch")
 
 BY = ["load.mass", "command.duty", "actuator.turns", "supply.gauge_pressure"]
 
