@@ -300,7 +300,7 @@ fn rows_told_and_begun_anew_together_are_each_told_and_begun() {
     let rows = || plain(21).into_iter().chain([row(8).0]).collect::<Vec<_>>();
     let anew = |count: usize| {
         let of = |index: usize| (index, if index < 21 { plain(40).swap_remove(index + 10) } else { row(8).0 });
-        (0..22).filter(move |index| (index + count) % 3 == 0).map(of)
+        (0..22).filter(move |index| (index + count).is_multiple_of(3)).map(of)
     };
     for width in Width::available() {
         let mut batches = [false, true].map(|_| Batch::<f64>::with_width(rows(), Method::Stable, width));
