@@ -8,8 +8,12 @@ import os
 import pathlib
 import pickle
 import signal
+import subprocess
+import sys
+import time
 from concurrent.futures.process import BrokenProcessPool
 
+import polars
 import pytest
 
 import mckibben
@@ -143,6 +147,32 @@ def test_ray_gives_the_same_bytes_though_a_node_is_lost(swept, expected, tmp_pat
         ray.shutdown()
         cluster.shutdown()
     assert parts(tmp_path) == expected
+
+
+#: Enough runs that they are not done when the first part is there.
+LONG = """
+import sys, mckibben
+sweep = mckibben.Scenario(open("sweep.toml").read(), "sweep.toml").with_values({
+    "run.duration": "0.2 s", "sweep.part_rows": 20, "sweep.vary": {
+        "load.mass": {"from": "2 lb", "to": "9 lb", "count": 200},
+        "initial.gauge_pressure": {"from": "30 psi", "to": "90 psi", "count": 200}}})
+print(mckibben.Sweep(sweep).parts, flush=True)
+mckibben.sweep(sweep, "runs", jobs=2)
+"""
+
+
+def test_ctrl_c_stops_a_sweep_and_what_is_done_is_kept(tmp_path):
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    process = subprocess.Popen([sys.executable, "-c", LONG], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
+    while process.poll() is None and not list(tmp_path.glob("runs/part-*.parquet")):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    count, wrong = process.communicate()
+    assert wrong.rstrip().endswith("KeyboardInterrupt") and process.returncode != 0, wrong
+    done = list(tmp_path.glob("runs/part-*.parquet"))
+    assert 0 < len(done) < int(count)
+    assert polars.read_parquet(done[0]).height == 20, "it is there whole"
 
 
 def test_runs_that_fail_say_why(swept, tmp_path):

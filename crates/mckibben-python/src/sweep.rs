@@ -34,6 +34,10 @@ pub(crate) struct Sweep {
     choice: Option<Choice>,
 }
 
+/// Runs for each thread, a part at least, between which nobody asks whether Ctrl-C was pressed: so many that threads which wait
+/// for the last of them do not count.
+const UNHEEDING: u64 = 256;
+
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
@@ -147,16 +151,23 @@ impl Sweep {
     }
 
     /// Computes what is missing in the folder on `jobs` threads, one for each core unless given.
+    ///
+    /// Ctrl-C stops it once the parts under way are finished; what is in the folder then is kept.
     #[pyo3(signature = (folder, jobs = None))]
     fn run(&self, py: Python<'_>, folder: PathBuf, jobs: Option<NonZeroUsize>) -> PyResult<()> {
-        py.detach(|| {
-            let folder = self.prepared.folder(&folder)?;
-            let (missing, _) = self.missing_in(&folder)?;
-            let mut tally = Tally::new(self.prepared.sweep(), false);
-            let jobs = jobs.map_or_else(cores, NonZeroUsize::get);
-            self.prepared.simulate(self.choice.as_ref(), missing, jobs, Place::Folder(folder), &mut tally)
-        })
-        .raised()
+        let jobs = jobs.map_or_else(cores, NonZeroUsize::get);
+        let mut tally = Tally::new(self.prepared.sweep(), false);
+        let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).raised()?;
+        let together = (UNHEEDING * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
+        for parts in missing.chunks(usize::try_from(together).unwrap_or(usize::MAX)) {
+            py.check_signals()?;
+            py.detach(|| {
+                let place = Place::Folder(self.prepared.folder(&folder)?);
+                self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut tally)
+            })
+            .raised()?;
+        }
+        py.check_signals()
     }
 
     fn __repr__(&self) -> String {
