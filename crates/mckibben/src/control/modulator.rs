@@ -54,6 +54,7 @@ impl<R: Real> Modulator<R> {
     }
 
     /// From `time` in s on periods have another frequency in Hz. A pulse under way ends as it was to.
+    #[cfg(feature = "alloc")]
     pub(crate) fn recount(&mut self, time: R, frequency: R) {
         self.next_period = first_period(time, frequency);
     }
