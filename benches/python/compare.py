@@ -197,7 +197,6 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
         assert found <= most, (who, found)
         most = found if who == name else most
         told.append((who, f"{setting:.1e}", found))
-        print(f"{who}: {setting:.1e}", flush=True)
     print(
         f"{rows} runs of {of.spans[-1][1]:g} s over the mass, {MASSES[0]:.2f} to {MASSES[1]:.2f} kg, on {CORES} cores"
     )

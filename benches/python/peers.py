@@ -276,7 +276,7 @@ def diffrax_solver(work: Work, samples: np.ndarray) -> collections.abc.Callable:
             args=mass,
             stepsize_controller=controller,
             saveat=diffrax.SaveAt(ts=jnp.array(samples)),
-            max_steps=10_000_000,
+            max_steps=200_000,
             adjoint=diffrax.ForwardMode(),
             throw=False,
         ).ys
