@@ -607,6 +607,8 @@ class Sweep:
     def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None) -> None:
         """
         Computes what is missing in the folder on `jobs` threads, one for each core unless given.
+
+        Ctrl-C stops it once the parts under way are finished; what is in the folder then is kept.
         """
     @property
     def scenario(self, /) -> Scenario:
