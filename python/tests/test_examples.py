@@ -22,7 +22,11 @@ NOTEBOOKS = sorted(path.name for path in FOLDER.glob("*.py") if path.name != SHA
 def run(name: str, folder: pathlib.Path, *arguments: str) -> None:
     """As somebody would who has the package: in a folder of his own, with nothing on the path but what is installed."""
     package = pathlib.Path(mckibben.__file__).parents[1]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), os.environ.get("PYTHONPATH", "")])}
+    # Threads that wait for each other in matrices of four rows take minutes on cores that others use.
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join([str(package), os.environ.get("PYTHONPATH", "")]),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
     command = [sys.executable, "-W", "error::DeprecationWarning:__main__", str(FOLDER / name), *arguments]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
