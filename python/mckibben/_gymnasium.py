@@ -7,7 +7,7 @@ IDS = {"mckibben/HangingMass-v0": "HangingMass", "mckibben/Joint-v0": "Joint", "
 
 
 def register() -> None:
-    """Registers the environments, once. Gymnasium calls it while it is imported itself, so little of it is there."""
+    """Registers the environments, once."""
     for name, task in IDS.items():
         if name not in registry:
             to_register(

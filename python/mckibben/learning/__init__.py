@@ -1,11 +1,10 @@
 """Environments for learning: a muscle under a mass, an antagonistic joint and a leg, for Gymnasium.
 
->>> import gymnasium
+>>> import gymnasium, mckibben.learning
 >>> environment = gymnasium.make("mckibben/HangingMass-v0", noise={"length_m": 1e-4})
 >>> many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=4096, randomize={"load.mass": (1.5, 3.0)})
 
-Needs Gymnasium: `pip install "mckibben[learning]"`. The three are registered when Gymnasium is imported, where the package is
-installed, and when this module is.
+Needs Gymnasium: `pip install "mckibben[learning]"`. The three are registered when this module is imported.
 
 | id | what is controlled | valves |
 |---|---|---|
