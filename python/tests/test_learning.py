@@ -1,5 +1,6 @@
 """Environments: what Gymnasium asks of them, that a plant in them is the plant of a run, and that options do what they say."""
 
+import pickle
 import warnings
 from typing import Any
 
@@ -86,6 +87,22 @@ def test_the_same_seed_is_the_same_run_and_another_is_another() -> None:
         runs.append(np.array(seen))
     assert (runs[0] == runs[1]).all()
     assert (runs[0] != runs[2]).any()
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_what_comes_out_of_a_pickle_is_the_same_environment(name: str) -> None:
+    alone = gymnasium.make(name, asked="request", noise={}, sensor_delay=2e-3, **SHORT).unwrapped
+    many = gymnasium.make_vec(name, num_envs=3, autoreset_mode="same-step", action_delay=1e-3, **SHORT).unwrapped
+    for environment in (alone, many):
+        copied = pickle.loads(pickle.dumps(environment))
+        assert copied.metadata == environment.metadata and copied.dt == environment.dt
+        environment.action_space.seed(1)
+        for which in (environment, copied):
+            which.reset(seed=7)
+        for _ in range(25):
+            action = environment.action_space.sample()
+            for one, other in zip(environment.step(action)[:4], copied.step(action)[:4], strict=True):
+                np.testing.assert_array_equal(one, other)
 
 
 def test_numbers_that_are_drawn_are_those_of_the_plant() -> None:

@@ -120,6 +120,29 @@ def test_many_go_on_to_the_same_bits(rig, again):
     numpy.testing.assert_array_equal(step(copied, course(5)), step(many, course(5)))
 
 
+def test_plants_are_made_anew(rig, again):
+    plants = mckibben.Plants(rig, 3, by=["initial.gauge_pressure"], asked="request", pulse_frequency=PULSES)
+    shown, stopped = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool)
+
+    def step(which: mckibben.Plants) -> numpy.ndarray:
+        for row in range(12):
+            which.step(STEP, numpy.full((3, 1), 1.0 if row < 9 else -1.0), shown, stopped)
+        assert not stopped.any()
+        return shown.copy()
+
+    first = step(plants)
+    copied = again(plants)
+    assert len(copied) == 3 and copied.by == plants.by and copied.requests == plants.requests
+    numpy.testing.assert_array_equal(step(copied), first)
+    assert (step(plants) != first).any(), "the other went on"
+
+
+def test_plants_of_legs_are_made_anew(rig, again):
+    plants = mckibben.Plants(rig.with_values({"run.step": "1 ms"}), 2, by=["leg.shank.mass"], leg={"leg.thigh.mass": 0.4})
+    copied = again(plants)
+    assert copied.columns == plants.columns and copied.given == plants.given and copied.valves == 6
+
+
 def test_a_response_has_all_of_its_numbers(swing, again):
     actuator = mckibben.Actuator(swing, 25.0)
     _, _, response = actuator.step(actuator.start(), 0.084, -0.01, None, STEP)

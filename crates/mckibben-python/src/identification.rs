@@ -77,7 +77,7 @@ impl Identification {
         Self { estimates, notes, warnings, scenarios }
     }
 
-    /// The numbers with their intervals. A study of ring-downs tells its own in the report.
+    /// The numbers with their intervals; of ring-downs those of the waveform, or of all turns where there is none.
     #[getter]
     fn estimates(&self) -> Vec<Estimate> {
         self.estimates.clone()

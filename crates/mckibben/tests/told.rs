@@ -314,8 +314,13 @@ fn rows_told_and_begun_anew_together_are_each_told_and_begun() {
             for (index, demand) in (0..22).filter_map(|index| Some((index, told(index)?))) {
                 one_by_one.tell(index, demand).expect("told");
             }
-            together.tell_all(told).expect("told");
-            batches.iter_mut().for_each(|batch| batch.advance(millisecond(count + 1), STEPS));
+            one_by_one.advance(millisecond(count + 1), STEPS);
+            let (mut shown, mut stopped) = (vec![[f64::NAN; 4]; 22], vec![true; 22]);
+            together.go(millisecond(count + 1), STEPS, told, (&mut shown, &mut stopped)).expect("as many as rows");
+            for (index, shown) in shown.into_iter().enumerate() {
+                assert_eq!(one_by_one.state(index).map(|state| state.to_array()), Ok(shown), "{width:?} {index}");
+            }
+            assert_eq!(stopped, [false; 22]);
         }
         let [one_by_one, together] = batches.map(|batch| batch.samples());
         assert_eq!(one_by_one, together, "{width:?}");
@@ -333,7 +338,10 @@ fn a_row_that_has_stopped_lives_again() {
         for index in 0..5 {
             let stopped = batch.state(index).is_err();
             assert_eq!(batch.tell(index, Request::Exhaust).is_err(), stopped);
-            batch.tell_all(|_| Some(Request::Exhaust.into())).expect("those that go on are told");
+            let (mut shown, mut stops) = (vec![[f64::NAN; 4]; 5], vec![false; 5]);
+            let places = (&mut shown[..], &mut stops[..]);
+            batch.go(batch.time(), 0, |_| Some(Request::Exhaust.into()), places).expect("as many as rows");
+            assert_eq!((stops[index], shown[index][0].is_nan()), (stopped, stopped), "{width:?} {index}");
             batch.restart(index, plain(5).swap_remove(index)).expect("begins anew");
             assert_eq!(batch.state(index), Ok(plain(5)[index].start));
             batch.tell(index, Request::Exhaust).expect("told");

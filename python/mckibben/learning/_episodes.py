@@ -72,14 +72,11 @@ class Episodes:
         for name in (*options.noise, *task.targets, *(seen.column for seen in task.seen)):
             if name not in columns:
                 raise InputError(f"`{name}` is nothing that is seen of this plant; name one of {known}")
-        self._seen = np.array([columns[seen.column] for seen in task.seen])
-        self._zero = np.array([seen.zero for seen in task.seen])
-        self._unit = np.array([seen.unit for seen in task.seen])
-        noise = np.array([options.noise.get(seen.column, 0.0) for seen in task.seen])
-        self._noise = noise / self._unit if noise.any() else None
-        self._aimed = np.array([columns[name] for name in task.targets])
-        self._low, high = np.array(list(task.targets.values())).T
-        self._span = high - self._low
+        # Column by column: NumPy is slow along rows of a few numbers.
+        self._seen = [(columns[seen.column], seen.zero, 1.0 / seen.unit) for seen in task.seen]
+        noise = np.array([options.noise.get(seen.column, 0.0) / seen.unit for seen in task.seen])
+        self._noise = noise if noise.any() else None
+        self._aimed = [(columns[name], low, 1.0 / (high - low)) for name, (low, high) in task.targets.items()]
         self._requests = np.array(self.plants.requests) if options.asked == "request" else None
         width, valves = len(columns), self.plants.valves
         self.shown = np.zeros((count, width))
@@ -89,7 +86,7 @@ class Episodes:
         self._asked = np.zeros((count, valves))
         self._late = [np.zeros((count, valves)) for _ in range(options.periods("action_delay", options.action_delay))]
         self._old = [
-            np.zeros((count, len(task.seen))) for _ in range(options.periods("sensor_delay", options.sensor_delay))
+            np.zeros((count, len(task.seen)), dtype=np.float32) for _ in range(options.periods("sensor_delay", options.sensor_delay))
         ]
         self._clock = 0
 
@@ -131,7 +128,8 @@ class Episodes:
         return drawn
 
     def _enter(self, random: np.random.Generator, rows: NDArray[np.int64]) -> Observations:
-        self.aims[rows] = self._low + self._span * random.random((len(rows), len(self._aimed)))
+        # As shares of their ranges.
+        self.aims[rows] = random.random((len(rows), len(self._aimed)))
         self.elapsed[rows] = 0
         self.stopped[rows] = False
         self.plants.show(rows, self.shown)
@@ -142,19 +140,29 @@ class Episodes:
             old[rows] = now[rows]
         return self._observed(random, now)
 
-    def _scaled(self) -> Numbers:
-        scaled: Numbers = (self.shown[:, self._seen] - self._zero) / self._unit
+    def _scaled(self) -> Observations:
+        """What the task sees of the plants now."""
+        scaled = np.empty((self.count, len(self._seen)), dtype=np.float32)
+        for place, (column, zero, per_unit) in enumerate(self._seen):
+            np.multiply(self.shown[:, column] - zero, per_unit, out=scaled[:, place], casting="same_kind")
         return scaled
 
-    def _observed(self, random: np.random.Generator, scaled: Numbers) -> Observations:
+    def _observed(self, random: np.random.Generator, scaled: Observations) -> Observations:
         """What is seen where the plant is at `scaled`, or was as long ago as the sensors take."""
         seen = len(self._seen)
         observed = np.empty((self.count, seen + len(self._aimed)), dtype=np.float32)
         observed[:, :seen] = scaled
         if self._noise is not None:
             observed[:, :seen] += self._noise * random.standard_normal((self.count, seen), dtype=np.float32)
-        observed[:, seen:] = (self.aims - self._low) / self._span
+        observed[:, seen:] = self.aims
         return observed
+
+    def _rewards(self) -> Numbers:
+        """Minus the distance from the targets, as a share of their ranges."""
+        rewards = np.zeros(self.count)
+        for place, (column, low, per_span) in enumerate(self._aimed):
+            rewards -= np.abs((self.shown[:, column] - low) * per_span - self.aims[:, place])
+        return rewards
 
     def step(self, random: np.random.Generator, actions: NDArray[Any]) -> tuple[Observations, Numbers]:
         """Does the actions, one row for each, for a control period: what is seen then, and the rewards."""
@@ -170,8 +178,7 @@ class Episodes:
             scaled, self._old[place] = self._old[place], scaled
         self._clock += 1
         self.elapsed += 1
-        distance = np.abs(self.shown[:, self._aimed] - self.aims) / self._span
-        return self._observed(random, scaled), -distance.sum(axis=1)
+        return self._observed(random, scaled), self._rewards()
 
     def _number(self, actions: NDArray[Any]) -> Numbers:
         """Actions as the numbers that plants take. Those beyond the bounds count as the bound."""

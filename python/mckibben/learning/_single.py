@@ -4,6 +4,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from mckibben.learning._episodes import Episodes, Observations
@@ -11,15 +12,17 @@ from mckibben.learning._tasks import Task
 from mckibben.learning._vector import told
 
 
-class Environment(gymnasium.Env[Observations, Any]):
+class Environment(gymnasium.Env[Observations, Any], EzPickle):
     """One muscle, joint or leg that is to reach a target in each episode; made by `gymnasium.make`.
 
-    Options are those of `VectorEnvironment`, of which this is one plant; without `autoreset_mode`.
+    Options are those of `VectorEnvironment`, of which this is one plant; without `autoreset_mode`. What comes out of a pickle
+    is made anew with the same options: reset it.
     """
 
     metadata = {"render_modes": []}
 
     def __init__(self, task: str | Task = "HangingMass", *, render_mode: None = None, **options: Any) -> None:
+        EzPickle.__init__(self, task, render_mode=render_mode, **options)
         self._episodes = Episodes(*told(task, 1, options))
         self.render_mode = render_mode
         self.action_space = self._episodes.action_space()

@@ -6,6 +6,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from mckibben.learning._episodes import Episodes, Observations, Options
 from mckibben.learning._tasks import TASKS, Task
 
 
-class VectorEnvironment(VectorEnv[Observations, Any, Any]):
+class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     """Muscles, joints or legs, each of which is to reach a target in each episode; made by `gymnasium.make_vec`.
 
     All are stepped together on all cores, each through its own valve delays, friction and air. Options:
@@ -30,7 +31,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any]):
 
     An observation has what the task sees of the plant and then the targets, all of the order of one; a reward is minus the
     distance from the targets as a share of their ranges, summed. An episode is truncated after its duration; it is
-    terminated only if its plant leaves the physics.
+    terminated only if its plant leaves the physics. What comes out of a pickle is made anew with the same options: reset it.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -44,6 +45,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any]):
         render_mode: None = None,
         **options: Any,
     ) -> None:
+        EzPickle.__init__(self, task, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, **options)
         self._episodes = Episodes(*told(task, num_envs, options))
         self.num_envs, self.render_mode = num_envs, render_mode
         self.autoreset_mode = mode(autoreset_mode)

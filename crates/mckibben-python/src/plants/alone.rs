@@ -61,6 +61,16 @@ impl<K: Kind<VALVES>, const VALVES: usize> Alone<K, VALVES> {
         }
         Ok(drives)
     }
+
+    /// Takes one through a span; an error leaves it where it left the physics.
+    fn step_one(&self, member: &mut Member<K::Plant>, span: Span, asked: &[f64]) -> Result<(), Error> {
+        K::drive(&mut member.plant, self.drives(asked)?)?;
+        let from = member.pace.now();
+        member.pace = member.pace.on(span);
+        let until = member.pace.now();
+        let parts = (1..span.steps).map(|step| from + (until - from) * (step as f64 / span.steps as f64));
+        parts.chain([until]).try_for_each(|until| K::advance_to(&mut member.plant, until))
+    }
 }
 
 impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
@@ -93,30 +103,26 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
         wrong.map_or(Ok(()), |(row, error)| Err((row, self.kind.failed(&error))))
     }
 
-    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), Failure> {
-        let mut plants = core::mem::take(&mut self.plants);
-        let of_plant = |(Member { plant, pace, stopped }, asked): (&mut Member<K::Plant>, &[f64])| {
-            if *stopped {
-                return Ok(());
+    fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
+        let (mut plants, width) = (core::mem::take(&mut self.plants), self.kind.columns().len());
+        let places = shown.par_chunks_mut(width).zip(stopped);
+        let rows = plants.par_iter_mut().zip(asked.par_chunks(VALVES)).zip(places).with_min_len(TOGETHER);
+        rows.for_each(|((member, asked), (shown, stopped))| {
+            if !member.stopped {
+                member.stopped = self.step_one(member, span, asked).is_err();
             }
-            self.drives(asked).and_then(|drives| K::drive(plant, drives))?;
-            let from = pace.now();
-            *pace = pace.on(span);
-            let parts = (1..span.steps).map(|step| from + (pace.now() - from) * (step as f64 / span.steps as f64));
-            *stopped = parts.chain([pace.now()]).try_for_each(|until| K::advance_to(plant, until)).is_err();
-            Ok(())
-        };
-        let rows = plants.par_iter_mut().zip(asked.par_chunks(VALVES)).with_min_len(TOGETHER);
-        let went = rows.map(of_plant).collect::<Result<(), Error>>();
+            *stopped = member.stopped;
+            if !member.stopped {
+                K::show(&member.plant, shown);
+            }
+        });
         self.plants = plants;
-        went.map_err(|error| self.kind.failed(&error))
     }
 
-    fn show(&self, row: usize, into: &mut [f64]) -> bool {
+    fn show(&self, row: usize, into: &mut [f64]) {
         let Member { plant, stopped, .. } = &self.plants[row];
         if !stopped {
             K::show(plant, into);
         }
-        !stopped
     }
 }

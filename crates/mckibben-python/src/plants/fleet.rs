@@ -51,9 +51,10 @@ pub(super) trait Fleet: Send + Sync {
     /// Whether the valves can be asked for this: a number for each valve of each plant.
     fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)>;
 
-    /// Asks this of the valves, which has been checked, and goes on. Those that leave the physics stop there.
-    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), Failure>;
+    /// Asks this of the valves, which has been checked, goes on, and writes what each shows, and which have left the physics and
+    /// stopped: of those nothing is written.
+    fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]);
 
-    /// Writes what one shows; `false`, and nothing, where it has stopped.
-    fn show(&self, row: usize, into: &mut [f64]) -> bool;
+    /// Writes what one shows; nothing where it has stopped.
+    fn show(&self, row: usize, into: &mut [f64]);
 }

@@ -33,8 +33,9 @@ use mckibben_cli::failure::Failure;
 use numbers::Numbers;
 use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
 use pyo3::prelude::*;
-use rayon::prelude::*;
+use pyo3::types::PyDict;
 use rigs::Rigs;
+use std::collections::BTreeMap;
 
 /// Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
 /// may begin anew, with numbers of its own, while the others go on. The environments of `mckibben.learning` are made of it.
@@ -52,10 +53,15 @@ use rigs::Rigs;
 ///
 /// They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
 /// needs.
+///
+/// A copy, or what comes out of a pickle, is made anew: of the same scenario and for the same purpose, at t = 0.
 #[pyclass(module = "mckibben")]
 pub(crate) struct Plants {
     scenario: Py<Scenario>,
     by: Vec<String>,
+    asked: String,
+    pulse_frequency: Option<f64>,
+    leg: Option<Vec<(String, f64)>>,
     given: Vec<f64>,
     /// The longest step in s.
     longest: f64,
@@ -65,9 +71,6 @@ pub(crate) struct Plants {
     fleet: Box<dyn Fleet>,
 }
 
-/// Plants that a thread shows together at least.
-const SHOWN_TOGETHER: usize = 512;
-
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
 
@@ -76,8 +79,8 @@ impl Plants {
         py: Python<'_>,
         scenario: &Py<Scenario>,
         by: &[String],
-        (asked, pulse_frequency): (&str, Option<f64>),
-        leg: Option<&[(String, f64)]>,
+        (asked_by, pulse_frequency): (&str, Option<f64>),
+        leg: Option<Vec<(String, f64)>>,
         count: usize,
     ) -> Result<Self, Failure> {
         let Scenario { document, understood, .. } = scenario.get();
@@ -85,7 +88,7 @@ impl Plants {
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
         let actuation = base.driven().map_err(failed)?.actuation;
         let pulses = || Pulses::of(actuation.as_ref().map(|actuation| &actuation.command), pulse_frequency);
-        let asked = Asked::named(asked, pulses)?;
+        let asked = Asked::named(asked_by, pulses)?;
         let requests = actuation.as_ref().map_or(Vec::new(), |actuation| Asked::requests_of(&actuation.solenoid));
         let mut given = vec![f64::NAN; by.len()];
         let mut fill = |numbers: &mut dyn Iterator<Item = (usize, f64)>| {
@@ -95,7 +98,7 @@ impl Plants {
             let by: Vec<(usize, &str)> = by.iter().map(String::as_str).enumerate().collect();
             Numbers::find(scenario.clone_ref(py), &by)
         };
-        let (fleet, longest): (Box<dyn Fleet>, f64) = if let Some(set) = leg {
+        let (fleet, longest): (Box<dyn Fleet>, f64) = if let Some(set) = &leg {
             let legs = Legs::new(py, scenario, by, set, asked.pulse_frequency())?;
             fill(&mut legs.given().into_iter());
             (Box::new(Alone::new(legs, asked)), Self::step_of_leg(base.run.step)?)
@@ -107,11 +110,13 @@ impl Plants {
         } else {
             let experiment = base.experiment().map_err(failed)?;
             let (numbers, method): (Numbers, Method) = (numbers()?, experiment.method());
+            let valve = actuation.map(|actuation| actuation.solenoid);
             fill(&mut numbers.given());
-            (Box::new(Rigs::new(numbers, method, asked)), experiment.step().map_err(failed)?.0)
+            (Box::new(Rigs::new(numbers, method, asked, valve)), experiment.step().map_err(failed)?.0)
         };
         let (scenario, by, duration) = (scenario.clone_ref(py), by.to_vec(), base.run.duration);
-        Ok(Self { scenario, by, given, longest, duration, requests, count, fleet })
+        let asked = asked_by.to_owned();
+        Ok(Self { scenario, by, asked, pulse_frequency, leg, given, longest, duration, requests, count, fleet })
     }
 
     fn step_of_leg(step: Option<f64>) -> Result<f64, Failure> {
@@ -166,10 +171,10 @@ impl Plants {
         by: Vec<String>,
         asked: &str,
         pulse_frequency: Option<f64>,
-        leg: Option<std::collections::HashMap<String, f64>>,
+        leg: Option<BTreeMap<String, f64>>,
     ) -> PyResult<Self> {
         let leg: Option<Vec<(String, f64)>> = leg.map(|leg| leg.into_iter().collect());
-        let mut plants = Self::of(py, &scenario, &by, (asked, pulse_frequency), leg.as_deref(), count).raised()?;
+        let mut plants = Self::of(py, &scenario, &by, (asked, pulse_frequency), leg, count).raised()?;
         plants.start(py, None)?;
         Ok(plants)
     }
@@ -241,13 +246,13 @@ impl Plants {
         let width = fleet.columns().len();
         shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
         shaped("stopped", Some(stopped.len()), (self.count, 1)).raised()?;
-        let step = || {
-            fleet.step(span, asked)?;
-            let rows = shown.par_chunks_mut(width).zip(stopped).enumerate().with_min_len(SHOWN_TOGETHER);
-            rows.for_each(|(row, (shown, stopped))| *stopped = !fleet.show(row, shown));
-            Ok(())
-        };
-        py.detach(|| together(self.count, step)).raised()
+        py.detach(|| {
+            together(self.count, || {
+                fleet.step(span, asked, shown, stopped);
+                Ok(())
+            })
+        })
+        .raised()
     }
 
     /// Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
@@ -307,6 +312,16 @@ impl Plants {
 
     fn __len__(&self) -> usize {
         self.count
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((Py<Scenario>, usize), Bound<'py, PyDict>)> {
+        let named = PyDict::new(py);
+        named.set_item("by", &self.by)?;
+        named.set_item("asked", &self.asked)?;
+        named.set_item("pulse_frequency", self.pulse_frequency)?;
+        let leg: Option<BTreeMap<_, _>> = self.leg.as_ref().map(|leg| leg.iter().cloned().collect());
+        named.set_item("leg", leg)?;
+        Ok(((self.scenario.clone_ref(py), self.count), named))
     }
 
     fn __repr__(&self) -> String {

@@ -29,6 +29,11 @@ impl Numbers {
         Ok(Self { scenario, adjustable: Adjustable::new(base, places, given), which })
     }
 
+    /// Whether all numbers are the scenario's, and none differs from plant to plant.
+    pub(super) fn are_given(&self) -> bool {
+        self.which.is_empty()
+    }
+
     /// The scenario without values.
     pub(super) fn base(&self) -> &mckibben_scenario::Scenario {
         self.adjustable.base()
@@ -47,7 +52,7 @@ impl Numbers {
         values: &[f64],
         make: impl FnOnce(&mckibben_scenario::Scenario) -> Result<T, Error>,
     ) -> Result<T, Failure> {
-        if self.which.is_empty() {
+        if self.are_given() {
             return make(self.base()).map_err(|error| self.failed(&error));
         }
         let own: Vec<f64> = self.which.iter().map(|which| values[*which]).collect();

@@ -4,9 +4,11 @@ use super::asked::Asked;
 use super::fleet::{Fleet, Pace, Span};
 use super::numbers::Numbers;
 use mckibben::batch::{Batch, Row};
-use mckibben::simulation::{Method, State};
+use mckibben::simulation::Method;
+use mckibben::valve::Solenoid;
 use mckibben_cli::failure::Failure;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 const COLUMNS: &[&str] = &["length_m", "velocity_m_s", "pressure_pa", "air_mass_kg"];
 
@@ -15,18 +17,30 @@ pub(super) struct Rigs {
     numbers: Numbers,
     method: Method,
     asked: Asked,
+    /// What valves can do, whatever their numbers.
+    valve: Option<Solenoid>,
+    /// The row that all are, where none has values of its own.
+    only: OnceLock<Row>,
     pace: Pace,
     batch: Batch,
 }
 
 impl Rigs {
-    pub(super) fn new(numbers: Numbers, method: Method, asked: Asked) -> Self {
-        Self { numbers, method, asked, pace: Pace::default(), batch: Batch::new(Vec::new(), method) }
+    pub(super) fn new(numbers: Numbers, method: Method, asked: Asked, valve: Option<Solenoid>) -> Self {
+        Self { numbers, method, asked, valve, only: OnceLock::new(), pace: Pace::default(), batch: Batch::new(Vec::new(), method) }
     }
 
     fn row(&self, values: &[f64]) -> Result<Row, Failure> {
+        if let Some(row) = self.only.get() {
+            return Ok(row.clone());
+        }
         let experiment = self.numbers.with(values, |scenario| scenario.experiment())?;
-        Ok(Row { rig: experiment.rig, start: experiment.start })
+        let row = Row { rig: experiment.rig, start: experiment.start };
+        if self.numbers.are_given() {
+            // Another thread may have been faster with the same.
+            let _ = self.only.set(row.clone());
+        }
+        Ok(row)
     }
 }
 
@@ -57,23 +71,23 @@ impl Fleet for Rigs {
     }
 
     fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)> {
-        let wrong = |(row, number): (usize, &f64)| Some((row, self.asked.demand(*number).err()?));
+        let can = |demand| self.valve.as_ref().map_or(Ok(()), |valve| valve.check_demand(&demand));
+        let wrong = |(row, number): (usize, &f64)| Some((row, self.asked.demand(*number).and_then(can).err()?));
         let wrong = asked.iter().enumerate().find_map(wrong);
         wrong.map_or(Ok(()), |(row, error)| Err((row, self.numbers.failed(&error))))
     }
 
-    fn step(&mut self, span: Span, asked: &[f64]) -> Result<(), Failure> {
-        // What is asked has been checked.
-        let told = self.batch.tell_all(|row| self.asked.demand(asked[row]).ok());
-        told.map_err(|error| self.numbers.failed(&error))?;
+    fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
         self.pace = self.pace.on(span);
-        self.batch.advance(self.pace.now(), span.steps);
-        Ok(())
+        let demand = |row: usize| self.asked.demand(asked[row]).ok();
+        // What is asked has been checked, and there are as many places as rows.
+        let (shown, _) = shown.as_chunks_mut();
+        let _ = self.batch.go(self.pace.now(), span.steps, demand, (shown, stopped));
     }
 
-    fn show(&self, row: usize, into: &mut [f64]) -> bool {
-        let Ok(State { length, velocity, pressure, air_mass }) = self.batch.state(row) else { return false };
-        into.copy_from_slice(&[length, velocity, pressure.0, air_mass]);
-        true
+    fn show(&self, row: usize, into: &mut [f64]) {
+        if let Ok(state) = self.batch.state(row) {
+            into.copy_from_slice(&state.to_array());
+        }
     }
 }

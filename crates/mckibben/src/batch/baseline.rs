@@ -1,7 +1,8 @@
 //! Batches for machines without wide registers: every row goes by itself, as the fixed-step engine does, on all cores.
 
-use super::engine::{Dealing, Demands, Engine};
+use super::engine::{Dealing, Demands, Engine, Show};
 use super::lane::Lane;
+use super::span::Span;
 use super::wide::Number;
 use super::{Row, RowByRow};
 use crate::error::Error;
@@ -10,6 +11,7 @@ use crate::simulation::course::Course;
 use crate::simulation::fixed_step::Walk;
 use crate::simulation::piped::{of_rig, volume};
 use crate::simulation::sample::Sample;
+use crate::simulation::told::Told;
 use crate::simulation::{Decision, Method, State, Stepper};
 use crate::valve::{Demand, Openings};
 use alloc::boxed::Box;
@@ -26,6 +28,7 @@ struct Single<R: Number> {
     method: Method,
     lane: Lane<R>,
     walk: Walk<R>,
+    told: Told<f64>,
 }
 
 impl<R: Number> Baseline<R> {
@@ -46,8 +49,21 @@ impl<R: Number> Baseline<R> {
 }
 
 impl<R: Number> Engine for Baseline<R> {
-    fn advance(&mut self, _: f64, until: f64, steps: u64) {
+    fn advance(&mut self, Span { until, steps, .. }: Span) {
         self.0.advance(until, steps);
+    }
+
+    fn go(&mut self, span: Span, demand: &Demands<'_>, show: Option<Show<'_>>) {
+        self.0.for_each_living(|row, single| demand(row, 0).map_or(Ok(()), |demand| single.tell(demand)));
+        self.advance(span);
+        let Some(Show { states, stopped }) = show else { return };
+        for (row, (shown, stopped)) in states.iter_mut().zip(stopped).enumerate() {
+            let state = self.state(row, 0);
+            *stopped = state.is_err();
+            if let Ok(state) = state {
+                *shown = state.to_array();
+            }
+        }
     }
 
     fn control(&mut self, block: usize, _: usize, control: Box<dyn Control>) {
@@ -65,15 +81,7 @@ impl<R: Number> Engine for Baseline<R> {
     }
 
     fn tell(&mut self, block: usize, _: usize, demand: Demand) -> Result<(), Error> {
-        let Single { lane, walk, .. } = self.0.running(block)?;
-        lane.tell(&mut walk.progress, walk.course.time, demand)
-    }
-
-    fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error> {
-        self.0.try_for_each_living(|row, Single { lane, walk, .. }| match demand(row, 0) {
-            Some(demand) => lane.tell(&mut walk.progress, walk.course.time, demand),
-            None => Ok(()),
-        })
+        self.0.running(block)?.tell(demand)
     }
 
     fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error> {
@@ -82,7 +90,7 @@ impl<R: Number> Engine for Baseline<R> {
             let Some(Single { method, lane, .. }) = self.0.row(block) else { return Ok(()) };
             let (mut lane, mut walk) = lane.anew(row, time)?;
             lane.pass(&mut walk)?;
-            let single = Single { method: *method, lane, walk };
+            let single = Single { method: *method, lane, walk, told: Told::nothing() };
             self.0.put(block, single);
         }
         Ok(())
@@ -108,7 +116,12 @@ impl<R: Number> Single<R> {
         let mut lane = Lane::<R>::new(row);
         let mut walk = lane.begin(row, 0.0);
         let fault = lane.fault.take().or_else(|| lane.pass(&mut walk).err());
-        (Self { method, lane, walk }, fault)
+        (Self { method, lane, walk, told: Told::nothing() }, fault)
+    }
+
+    fn tell(&mut self, demand: Demand) -> Result<(), Error> {
+        let Self { lane, walk, told, .. } = self;
+        told.tell(lane.valve_mut()?, &mut walk.progress, walk.course.time, demand)
     }
 }
 
@@ -120,9 +133,9 @@ impl<R: Number> Stepper for Single<R> {
     }
 
     fn advance_to(&mut self, until: f64) -> Result<(), Error> {
-        let Self { lane, walk, .. } = self;
+        let Self { lane, walk, told, .. } = self;
         let time = walk.course.time;
-        if lane.told.hear(lane.actuation.as_mut(), &mut walk.progress, [time, until]) {
+        if told.hear(lane.actuation.as_mut(), &mut walk.progress, [time, until]) {
             lane.pass_due(walk);
         }
         self.lane.go(&mut self.walk, self.method, until, None)

@@ -1,7 +1,9 @@
 //! The blocks of a batch behind one face, whatever their number and width.
 
 use super::baseline::Baseline;
-use super::block::{Advance, Attach, Block, Create, Restart, Samples, Span};
+use super::block::{Advance, Attach, Block, Create, Restart, Samples, Stop};
+use super::gather::are_same;
+use super::span::Span;
 use super::twice::Twice;
 use super::wide::{Doubles, Number, Singles, Wide, compiled};
 use super::{Row, Width};
@@ -17,18 +19,25 @@ use rayon::prelude::*;
 /// What is asked of the valve of a block's lane, if anything.
 pub(super) type Demands<'a> = dyn Fn(usize, usize) -> Option<Demand> + Sync + 'a;
 
+/// Where all lanes of all blocks are, one after the other, and which have stopped: of those nothing is written.
+pub struct Show<'a> {
+    pub(super) states: &'a mut [[f64; 4]],
+    pub(super) stopped: &'a mut [bool],
+}
+
 /// Blocks of rows.
 pub trait Engine: Debug + Send + Sync {
-    /// Takes every block from one time in s to another in equal steps, on all cores.
-    fn advance(&mut self, from: f64, until: f64, steps: u64);
+    /// Takes every block through a span, on all cores.
+    fn advance(&mut self, span: Span);
+    /// The same, with what is asked of the valves told first, and where the lanes are then written, if that is wanted: block by
+    /// block, while it is at hand. A lane that cannot do what is asked stops.
+    fn go(&mut self, span: Span, demand: &Demands<'_>, show: Option<Show<'_>>);
     /// Gives a lane of a block a controller.
     fn control(&mut self, block: usize, lane: usize, control: Box<dyn Control>);
     /// What the controller of a lane has decided.
     fn decisions(&self, block: usize, lane: usize) -> &[Decision];
     /// What the valve of a lane is to do from now on.
     fn tell(&mut self, block: usize, lane: usize, demand: Demand) -> Result<(), Error>;
-    /// The same of every lane of every block that has not stopped: what is asked of it, given block and lane, if anything.
-    fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error>;
     /// Other rows in the place of lanes of a block, from now on.
     fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error>;
     /// The same of every block.
@@ -54,20 +63,47 @@ struct Blocks<W: Wide>(Vec<Block<W>>);
 impl<W: Wide> Blocks<W> {
     fn build(rows: &[Row], deal: Dealing<'_>, method: Method) -> Box<dyn Engine> {
         let members = deal(W::LANES);
-        let block = |members: &Vec<usize>| {
+        let block = |members: &Vec<usize>, first: Option<(&Row, &Block<W>)>| {
             let rows: Vec<&Row> = members.iter().map(|&row| &rows[row]).collect();
-            compiled(Create::<W>::new(&rows, method))
+            let same = |(first, _): &(&Row, _)| rows.iter().all(|row| are_same(&row.rig, &first.rig));
+            compiled(Create(&rows, method, first.filter(same).map(|(_, block)| block)))
         };
-        Box::new(Self(members.par_iter().map(block).collect()))
+        let Some((first, others)) = members.split_first() else { return Box::new(Self(Vec::new())) };
+        let mut blocks = Vec::from([block(first, None)]);
+        // A first block of rows that differ is nothing that others could be like.
+        let shared = &rows[first[0]];
+        let like = first.iter().all(|row| are_same(&rows[*row].rig, &shared.rig)).then_some((shared, &blocks[0]));
+        let others: Vec<_> = others.par_iter().map(|members| block(members, like)).collect();
+        blocks.extend(others);
+        Box::new(Self(blocks))
     }
 }
 
 impl<W: Wide> Engine for Blocks<W> {
-    fn advance(&mut self, from: f64, until: f64, steps: u64) {
-        let span = Span { from, until, steps };
+    fn advance(&mut self, span: Span) {
         match self.0.as_mut_slice() {
             [block] => compiled(Advance(block, span)),
             blocks => blocks.par_iter_mut().for_each(|block| compiled(Advance(block, span))),
+        }
+    }
+
+    fn go(&mut self, span: Span, demand: &Demands<'_>, show: Option<Show<'_>>) {
+        let go = |count: usize, block: &mut Block<W>| {
+            while let Err((lane, fault)) = block.tell_all(|lane| demand(count, lane)) {
+                compiled(Stop(block, lane, fault));
+            }
+            compiled(Advance(block, span));
+        };
+        let blocks = self.0.par_iter_mut();
+        match show {
+            Some(Show { states, stopped }) => {
+                let shown = states.par_chunks_mut(W::LANES).zip(stopped.par_chunks_mut(W::LANES));
+                blocks.zip(shown).enumerate().for_each(|(count, (block, (states, stopped)))| {
+                    go(count, block);
+                    block.show(states, stopped);
+                });
+            }
+            None => blocks.enumerate().for_each(|(count, block)| go(count, block)),
         }
     }
 
@@ -81,14 +117,6 @@ impl<W: Wide> Engine for Blocks<W> {
 
     fn tell(&mut self, block: usize, lane: usize, demand: Demand) -> Result<(), Error> {
         self.0[block].tell(lane, demand)
-    }
-
-    fn tell_all(&mut self, demand: &Demands<'_>) -> Result<(), Error> {
-        let each = |(count, block): (usize, &mut Block<W>)| block.tell_all(|lane| demand(count, lane));
-        match self.0.as_mut_slice() {
-            [block] => each((0, block)),
-            blocks => blocks.par_iter_mut().enumerate().try_for_each(each),
-        }
     }
 
     fn restart(&mut self, block: usize, rows: &[(usize, &Row)]) -> Result<(), Error> {

@@ -15,16 +15,22 @@ pub(super) fn form<R: Number>(rig: &Rig<R>) -> Rig<R> {
     rig.undriven(&mut Blank)
 }
 
+/// Whether two rigs are the same to the bit, whatever drives their valves.
+pub(super) fn are_same<R: Number>(one: &Rig<R>, other: &Rig<R>) -> bool {
+    let bits = |rig| numbers(rig).into_iter().map(f64::to_bits);
+    form(one) == form(other) && bits(one).eq(bits(other))
+}
+
+/// The numbers of a rig, in an order that depends on its form alone.
+fn numbers<R: Number>(rig: &Rig<R>) -> Vec<f64> {
+    let mut list = List(Vec::new());
+    rig.undriven(&mut list);
+    list.0
+}
+
 /// One rig over lanes from rows of the same form; the last row also fills the lanes that are left.
 pub(super) fn gather<R: Number, W: Wide>(rows: &[&Rig<R>]) -> Rig<W> {
-    let lists: Vec<Vec<f64>> = rows
-        .iter()
-        .map(|rig| {
-            let mut list = List(Vec::new());
-            rig.undriven(&mut list);
-            list.0
-        })
-        .collect();
+    let lists: Vec<Vec<f64>> = rows.iter().map(|rig| numbers(rig)).collect();
     let last = lists.len() - 1;
     rows[0].undriven(&mut Deal { lists: &lists, last, next: 0 })
 }

@@ -18,9 +18,9 @@ use crate::simulation::piped::Stepped as States;
 use crate::simulation::rig::Actuation;
 use crate::simulation::sample::Sample;
 use crate::simulation::timetable::{Progress, Timetable};
-use crate::simulation::told::{Told, check_restart};
+use crate::simulation::told::check_restart;
 use crate::simulation::{Method, Rig};
-use crate::valve::{Demand, Openings, Ports, is_due};
+use crate::valve::{Openings, Ports, is_due};
 use alloc::boxed::Box;
 
 /// A row is begun anew with a rig that does not fit the others of its block.
@@ -32,31 +32,22 @@ pub(super) const OTHER_FORM: Error = Error::Unsupported {
 /// What a row keeps for itself.
 #[derive(Debug)]
 pub(super) struct Lane<R> {
-    pub(super) rig: Rig<R>,
+    pub(super) rig: Box<Rig<R>>,
     pub(super) actuation: Option<Actuation>,
     pub(super) load: Load,
-    pub(super) progress: Progress<f64>,
-    pub(super) ports: Ports,
-    /// The next instant in s; infinite when none is known.
-    pub(super) next: f64,
     pub(super) fault: Option<Error>,
     pub(super) control: Option<Box<dyn Control>>,
-    pub(super) told: Told<f64>,
 }
 
 impl<R: Number> Lane<R> {
     /// A row at t = 0, before what is due then has been passed.
     pub(super) fn new(row: &Row) -> Self {
         Self {
-            rig: narrow(&row.rig),
+            rig: Box::new(narrow(&row.rig)),
             actuation: row.rig.actuation().cloned(),
             load: row.rig.load().clone(),
-            progress: Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0)),
-            ports: Ports::CLOSED,
-            next: f64::INFINITY,
             fault: row.rig.check_pressure_is_free().err(),
             control: None,
-            told: Told::nothing(),
         }
     }
 
@@ -81,13 +72,14 @@ impl<R: Number> Lane<R> {
         let state = start.map(R::constant);
         let memory = Memory::relaxed(self.rig.actuator().limits().actuator_length(state[0]));
         let held = Held { memory, compressor: compressor_starts(&row.rig, &start), ..Held::nothing() };
-        Walk { course: Course { time, state, held }, progress: self.progress, ports: self.ports }
+        let progress = Progress::none().regulated(row.rig.regulator_clock(row.start.pressure.0));
+        Walk { course: Course { time, state, held }, progress, ports: Ports::CLOSED }
     }
 
-    /// Tells the valve of a row that has come to `time` in s what it is to do from then on.
-    pub(super) fn tell(&mut self, progress: &mut Progress<f64>, time: f64, demand: Demand) -> Result<(), Error> {
+    /// The valve of a row, to be told what to do; there is none where a controller drives it.
+    pub(super) fn valve_mut(&mut self) -> Result<Option<&mut Actuation>, Error> {
         match &self.control {
-            None => self.told.tell(self.actuation.as_mut(), progress, time, demand),
+            None => Ok(self.actuation.as_mut()),
             Some(_) => Err(CONTROLLED),
         }
     }
@@ -101,13 +93,14 @@ impl<R: Number> Lane<R> {
         self.timetable().openings(progress)
     }
 
-    pub(super) fn look_ahead(&mut self, until: f64) {
-        let instant = self.timetable().next(&self.progress, until).unwrap_or(f64::INFINITY);
-        self.next = instant.smaller(self.sampling().unwrap_or(f64::INFINITY));
+    /// The next instant in s up to `until`, or the controller's next sample.
+    pub(super) fn next(&self, progress: &Progress<f64>, until: f64) -> Option<f64> {
+        let instant = self.timetable().next(progress, until);
+        [instant, self.sampling()].into_iter().flatten().reduce(f64::min)
     }
 
     /// The controller's next sampling instant in s.
-    pub(super) fn sampling(&self) -> Option<f64> {
+    fn sampling(&self) -> Option<f64> {
         self.control.as_ref().map(|control| control.next())
     }
 

@@ -60,7 +60,12 @@ mod block;
 mod engine;
 mod gather;
 mod lane;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod member;
 mod row_by_row;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod rows;
+mod span;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod twice;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
@@ -80,9 +85,10 @@ use alloc::vec::Vec;
 use alone::Alone;
 use core::fmt::Debug;
 use core::marker::PhantomData;
-use engine::Engine;
+use engine::{Engine, Show};
 use lane::OTHER_FORM;
 use row_by_row::NO_ROW;
+use span::Span;
 
 /// A rig and its start.
 #[derive(Clone, Debug)]
@@ -120,6 +126,9 @@ pub struct Batch<F: Float = f64> {
     /// The rows of each block, lane by lane, and those that go by themselves.
     members: Vec<Vec<usize>>,
     loners: Vec<usize>,
+    /// Whether lane after lane, and block after block, lies row after row, so that places in a list of all rows can be dealt
+    /// to the blocks.
+    in_order: bool,
     number: PhantomData<F>,
 }
 
@@ -149,8 +158,11 @@ impl<F: Float> Batch<F> {
     /// Rows, of which those that go by themselves are given.
     fn of(rows: &[Row], alone: Vec<Box<dyn Alone>>, method: Method, width: Width) -> Self {
         let (mut places, mut members) = (Vec::new(), Vec::new());
+        let mut in_order = false;
         let mut deal = |lanes: usize| {
             (places, members) = arrange(rows, lanes);
+            in_order = members.iter().flatten().copied().eq(0..rows.len())
+                && members.iter().rev().skip(1).all(|block| block.len() == lanes);
             members.clone()
         };
         let blocks = F::build(rows, &mut deal, method, width);
@@ -158,7 +170,7 @@ impl<F: Float> Batch<F> {
         let is_alone = |(row, place): (usize, &Place)| matches!(place, Place::Alone(_)).then_some(row);
         let loners = places.iter().enumerate().filter_map(is_alone).collect();
         let width = width.or_widest();
-        Self { width, method, time: 0.0, blocks, alone, places, members, loners, number: PhantomData }
+        Self { width, method, time: 0.0, blocks, alone, places, members, loners, in_order, number: PhantomData }
     }
 
     /// A batch at t = 0 whose rows have a controller each, with the widest instructions of this machine. Each row is the run of
@@ -229,19 +241,6 @@ impl<F: Float> Batch<F> {
             Place::Lane(block, lane) => self.blocks.tell(block, lane, demand.into()),
             Place::Alone(row) => self.alone.running(row)?.tell(demand.into()),
         }
-    }
-
-    /// The same of every row that has not stopped, on all cores: what is asked of it by its number, if anything.
-    ///
-    /// # Errors
-    /// As [`Batch::tell`], of any row that cannot be told; others may have been.
-    pub fn tell_all(&mut self, demand: impl Fn(usize) -> Option<Demand> + Sync) -> Result<(), Error> {
-        let Self { blocks, alone, members, loners, .. } = self;
-        blocks.tell_all(&|block, lane| demand(members[block][lane]))?;
-        alone.try_for_each_living(|row, stepper| match demand(loners[row]) {
-            Some(demand) => stepper.tell(demand),
-            None => Ok(()),
-        })
     }
 
     /// Another rig and start in the place of a row, at the time that has been reached: of the old one nothing is left, and if it
@@ -321,10 +320,53 @@ impl<F: Float> Batch<F> {
     /// Does nothing when `until` is not later than now or there are no steps.
     pub fn advance(&mut self, until: f64, steps: u64) {
         if steps > 0 && until > self.time && until.is_finite() {
-            self.blocks.advance(self.time, until, steps);
+            self.blocks.advance(Span { from: self.time, until, steps });
             self.alone.advance(until, steps);
             self.time = until;
         }
+    }
+
+    /// [`Batch::tell`], [`Batch::advance`] and [`Batch::state`] of all rows in one, on all cores, as who drives many rows from
+    /// outside wants it span by span: each row is told what is asked of it by its number, if anything, goes on to `until` (s) in
+    /// `steps` equal steps, and `shown` is where it is then: length (m), velocity (m/s), absolute pressure (Pa), mass of the air
+    /// (kg). With `steps` of zero, or `until` not later than now, rows are told and shown without going on.
+    ///
+    /// A row whose valve cannot do what is asked stops with that error. Of rows that have stopped, `stopped` is true and `shown`
+    /// stays as it is; [`Batch::state`] says why.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when `shown` or `stopped` has not one entry for each row. Then nothing has changed.
+    pub fn go(
+        &mut self,
+        until: f64,
+        steps: u64,
+        demand: impl Fn(usize) -> Option<Demand> + Sync,
+        (shown, stopped): (&mut [[f64; 4]], &mut [bool]),
+    ) -> Result<(), Error> {
+        if shown.len() != self.len() || stopped.len() != self.len() {
+            return Err(Error::Unsupported {
+                what: "the states of a batch are asked for in a place that has not as many entries as there are rows",
+                remedy: "give as many entries as rows",
+            });
+        }
+        let until = if steps > 0 && until > self.time && until.is_finite() { until } else { self.time };
+        let span = Span { from: self.time, until, steps: if until > self.time { steps } else { 0 } };
+        let Self { blocks, alone, members, loners, in_order, .. } = self;
+        let show = in_order.then_some(Show { states: &mut *shown, stopped: &mut *stopped });
+        blocks.go(span, &|block, lane| demand(members[block][lane]), show);
+        alone.for_each_living(|row, stepper| demand(loners[row]).map_or(Ok(()), |demand| stepper.tell(demand)));
+        alone.advance(span.until, span.steps);
+        self.time = until;
+        if !self.in_order {
+            for (row, (shown, stopped)) in shown.iter_mut().zip(stopped).enumerate() {
+                let state = self.state(row);
+                *stopped = state.is_err();
+                if let Ok(state) = state {
+                    *shown = state.to_array();
+                }
+            }
+        }
+        Ok(())
     }
 
     /// What every row shows now, or why it has stopped, in the order of the rows.

@@ -2,7 +2,7 @@
 //!
 //! Checked by `tests/row_by_row.rs`.
 
-use super::block::Span;
+use super::span::Span;
 use crate::control::{Controller, JointController};
 use crate::error::Error;
 use crate::scalar::Real;
@@ -176,16 +176,13 @@ impl<S: Stepper + Send> RowByRow<S> {
 }
 
 impl<S: Stepper + Send> RowByRow<S> {
-    /// Does something with every row that has not been stopped, given its number, on all cores.
-    pub(super) fn try_for_each_living(
-        &mut self,
-        does: impl Fn(usize, &mut S) -> Result<(), Error> + Sync,
-    ) -> Result<(), Error> {
-        let each = |(count, row): (usize, &mut Row<S>)| match row.fault {
-            None => does(count, &mut row.stepper),
-            Some(_) => Ok(()),
-        };
-        self.rows.par_iter_mut().enumerate().with_min_len(STEPS_TOGETHER).try_for_each(each)
+    /// Does something with every row that has not been stopped, given its number, on all cores; a row that cannot do it stops.
+    pub(super) fn for_each_living(&mut self, does: impl Fn(usize, &mut S) -> Result<(), Error> + Sync) {
+        self.rows.par_iter_mut().enumerate().with_min_len(STEPS_TOGETHER).for_each(|(count, row)| {
+            if row.fault.is_none() {
+                row.fault = does(count, &mut row.stepper).err();
+            }
+        });
     }
 }
 

@@ -21,6 +21,7 @@ use super::sample::Sample;
 use super::timetable::Progress;
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
+use crate::parameter;
 use crate::scalar::Real;
 use crate::valve::{Demand, is_due};
 
@@ -40,6 +41,29 @@ impl<R: Real> Told<R> {
         Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), unheard: false }
     }
 
+    /// Takes up at `time` in s what needs nothing of the valve, the request that holds or another duty cycle of the pulses that
+    /// go on; whether it is that.
+    pub(crate) fn follow(&mut self, time: R, demand: &Demand<R>) -> bool {
+        match (&self.last, demand) {
+            (Some(Demand::Request(before)), Demand::Request(request)) => before == request,
+            (
+                Some(Demand::Pulses { frequency: before, pulse: pulse_before, rest: rest_before, .. }),
+                Demand::Pulses { frequency, duty, pulse, rest },
+            ) => {
+                let goes_on = before.value() == frequency.value()
+                    && (pulse_before, rest_before) == (pulse, rest)
+                    && parameter::DUTY.range.contains(duty.value());
+                if goes_on {
+                    self.last = Some(*demand);
+                    let drive = Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest };
+                    self.modulator.command(drive, time, *frequency);
+                }
+                goes_on
+            }
+            _ => false,
+        }
+    }
+
     /// Tells a valve that has come to `time` in s what it is to do from then on.
     pub(crate) fn tell(
         &mut self,
@@ -48,6 +72,9 @@ impl<R: Real> Told<R> {
         time: R,
         demand: Demand<R>,
     ) -> Result<(), Error> {
+        if self.follow(time, &demand) {
+            return Ok(());
+        }
         let Some(actuation) = valve else {
             return Err(Error::Unsupported {
                 what: "something is asked of a valve, but the actuator has none",
@@ -55,11 +82,6 @@ impl<R: Real> Told<R> {
             });
         };
         actuation.solenoid.check_demand(&demand)?;
-        if let (Some(Demand::Request(before)), Demand::Request(request)) = (self.last, demand)
-            && before == request
-        {
-            return Ok(());
-        }
         let drive = match demand {
             Demand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
             Demand::Pulses { frequency, duty, pulse, rest } => Some((Drive::Pulses { duty, pulse, rest }, frequency)),
@@ -83,6 +105,17 @@ impl<R: Real> Told<R> {
         Ok(())
     }
 
+    /// Whether there is something to hear before `until` in s.
+    pub(crate) fn stirs(&self, until: R) -> bool {
+        self.unheard || self.edge(until).is_some()
+    }
+
+    /// The next edge of the pulses in s, if it comes before `until`: what is told at `until` comes before a pulse that begins
+    /// or ends there.
+    fn edge(&self, until: R) -> Option<R> {
+        self.modulator.next(self.pulse_frequency).filter(|edge| !is_due(until, *edge))
+    }
+
     /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s; whether it is
     /// another than before.
     pub(crate) fn hear(
@@ -91,21 +124,18 @@ impl<R: Real> Told<R> {
         progress: &mut Progress<R>,
         [time, until]: [R; 2],
     ) -> bool {
-        let frequency = self.pulse_frequency;
-        let Some(actuation) = valve.filter(|_| self.unheard || self.modulator.next(frequency).is_some()) else {
-            return false;
-        };
-        if !self.unheard {
-            progress.settle(actuation, time, R::constant(f64::INFINITY));
-        }
-        // What is told at `until` comes before a pulse that begins or ends there.
-        while let Some(edge) = self.modulator.next(frequency).filter(|edge| !is_due(until, *edge)) {
-            if let Some(request) = self.modulator.pass(edge, frequency) {
+        let mut changed = core::mem::take(&mut self.unheard);
+        let Some(actuation) = valve else { return changed };
+        while let Some(edge) = self.edge(until) {
+            if !changed {
+                progress.settle(actuation, time, R::constant(f64::INFINITY));
+                changed = true;
+            }
+            if let Some(request) = self.modulator.pass(edge, self.pulse_frequency) {
                 actuation.command.append(edge, Demand::Request(request));
             }
         }
-        self.unheard = false;
-        true
+        changed
     }
 }
 

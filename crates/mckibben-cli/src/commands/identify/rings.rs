@@ -7,6 +7,8 @@ use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
+use mckibben::parameter::{self, Parameter};
+use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, compare};
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_scenario::Scenario;
@@ -14,6 +16,8 @@ use mckibben_scenario::Scenario;
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let mut warnings = material.notes();
     let (mut rows, mut plates, mut scenarios) = (Vec::new(), Vec::new(), Vec::new());
+    let mut estimates = Vec::new();
+    let alone = material.recordings.len() == 1;
     let stems = ["ring-down-1", "ring-down-2", "ring-down-3", "ring-down-4", "ring-down-5", "ring-down-6"];
     for (place, recording) in material.recordings.iter().enumerate() {
         let document = material.document_of(recording)?;
@@ -31,13 +35,11 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         if let Some(stem) = stems.get(place) {
             plates.push(plate(&recording.name, &record, &found, stem));
         }
-        if let Some(text) = scenario_of(&scenario, &found) {
-            let file = if material.recordings.len() == 1 {
-                "scenario.toml".to_owned()
-            } else {
-                format!("scenario-{}.toml", recording.name)
-            };
-            scenarios.push((file, text));
+        if let Some((best, friction)) = best(&found) {
+            let file = if alone { "scenario.toml".to_owned() } else { format!("scenario-{}.toml", recording.name) };
+            scenarios.push((file, scenario_of(&scenario, best, &friction)));
+            let behind = if alone { String::new() } else { format!(" [{}]", recording.name) };
+            estimates.extend(friction.map(|estimate| Estimate { name: format!("{}{behind}", estimate.name), ..estimate }));
         }
     }
     let table = Table {
@@ -65,7 +67,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table,
         values: Table::default(),
-        estimates: Vec::new(),
+        estimates,
         warnings,
         scenarios,
     })
@@ -111,15 +113,21 @@ fn cells(run: &str, row: &Row) -> Vec<String> {
     ]
 }
 
-/// The scenario with the friction of the waveform, or of all turns where there is none.
-fn scenario_of(base: &Scenario, found: &Comparison) -> Option<String> {
-    let best = [Estimator::Waveform, Estimator::AllTurns]
-        .into_iter()
-        .find_map(|of| found.rows.iter().find(|row| row.estimator == of))?;
+/// The friction of the waveform, or of all turns where there is none, under the names that a scenario has for it.
+fn best(found: &Comparison) -> Option<(Estimator, [Estimate; 2])> {
+    let of = |estimator: Estimator| found.rows.iter().find(|row| row.estimator == estimator);
+    let best = of(Estimator::Waveform).or_else(|| of(Estimator::AllTurns))?;
+    let named = |parameter: &Parameter, estimate: &Estimate| Estimate { name: parameter.key.to_owned(), ..estimate.clone() };
+    let width = named(&parameter::COULOMB_WIDTH, best.law_width.as_ref()?);
+    Some((best.estimator, [width, named(&parameter::VISCOUS, &best.viscous)]))
+}
+
+/// The scenario with the friction that was found.
+fn scenario_of(base: &Scenario, by: Estimator, [width, viscous]: &[Estimate; 2]) -> String {
     let mut scenario = base.clone();
-    scenario.actuator.friction.coulomb_width = best.law_width.as_ref()?.value.max(0.0);
-    scenario.actuator.friction.viscous = best.viscous.value.max(0.0);
-    Some(format!("# Friction by `mckibben identify`: {}.\n\n{}", name(best.estimator), scenario.to_toml()))
+    scenario.actuator.friction.coulomb_width = width.value.max(0.0);
+    scenario.actuator.friction.viscous = viscous.value.max(0.0);
+    format!("# Friction by `mckibben identify`: {}.\n\n{}", name(by), scenario.to_toml())
 }
 
 fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> Plate {
