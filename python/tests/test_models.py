@@ -96,6 +96,40 @@ def test_identification_is_that_of_the_command_line(study, program, examples, tm
     assert found.notes and found.scenarios
 
 
+def test_ring_downs_tell_their_friction(tmp_path):
+    """What was put in is found again, in each run that is measured, under the names that a scenario has for it."""
+    friction = {"actuator.friction.coulomb_width": 1e-4, "actuator.friction.viscous": 9.0}
+    rig = mckibben.Scenario("""\
+        [actuator]
+        preset = "colbrunn-2001"
+        [load]
+        kind = "hanging-mass"
+        mass = "5 lb"
+        [initial]
+        gauge_pressure = "60 psi"
+        length = "90 mm"
+        [run]
+        duration = "2 s"
+        sample_interval = "1 ms"
+        """, "rig.toml").with_values({"actuator.friction.coulomb_width": "0.1 mm", "actuator.friction.viscous": "9 N*s/m"})
+    (tmp_path / "rig.toml").write_text(rig.to_toml())
+    study = '[study]\nkind = "ring-down"\nscenario = "rig.toml"\n'
+    study += '[columns.time]\nname = "t"\nunit = "s"\n[columns.length]\nname = "L"\nunit = "m"\n'
+    masses = {"light": "5 lb", "heavy": "7 lb"}
+    for name, mass in masses.items():
+        run = mckibben.simulate(rig.with_values({"load.mass": mass}))
+        rows = "".join(f"{time!r},{length!r}\n" for time, length in zip(run.t.tolist(), run.length.tolist()))
+        (tmp_path / f"{name}.csv").write_text("t,L\n" + rows)
+        study += f'[[run]]\nfile = "{name}.csv"\nset = {{ "load.mass" = "{mass}" }}\n'
+    (tmp_path / "study.toml").write_text(study)
+    found = mckibben.identify(tmp_path / "study.toml")
+    assert [estimate.name for estimate in found.estimates] == [f"{key} [{name}]" for name in masses for key in friction]
+    for name in masses:
+        for key, value in friction.items():
+            assert found[f"{key} [{name}]"].value == pytest.approx(value, rel=1e-3)
+        assert found.scenarios[f"scenario-{name}.toml"].to_dict()["actuator"]["friction"]
+
+
 def test_presets_are_those_of_the_command_line(program, tmp_path):
     presets = mckibben.presets()
     for name, preset in presets.items():

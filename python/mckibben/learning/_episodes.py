@@ -135,23 +135,23 @@ class Episodes:
         self.plants.show(rows, self.shown)
         for late in self._late:
             late[rows] = self.rest()
-        now = self._scaled()
         for old in self._old:
-            old[rows] = now[rows]
-        return self._observed(random, now)
+            self._sense(old, rows)
+        return self._observed(random, None)
 
-    def _scaled(self) -> Observations:
-        """What the task sees of the plants now."""
-        scaled = np.empty((self.count, len(self._seen)), dtype=np.float32)
+    def _sense(self, into: Observations, rows: NDArray[np.int64] | slice = slice(None)) -> None:
+        """Writes what the task sees of some plants now."""
         for place, (column, zero, per_unit) in enumerate(self._seen):
-            np.multiply(self.shown[:, column] - zero, per_unit, out=scaled[:, place], casting="same_kind")
-        return scaled
+            into[rows, place] = (self.shown[rows, column] - zero) * per_unit
 
-    def _observed(self, random: np.random.Generator, scaled: Observations) -> Observations:
-        """What is seen where the plant is at `scaled`, or was as long ago as the sensors take."""
+    def _observed(self, random: np.random.Generator, old: Observations | None) -> Observations:
+        """What is seen now, or what was seen as long ago as the sensors take."""
         seen = len(self._seen)
         observed = np.empty((self.count, seen + len(self._aimed)), dtype=np.float32)
-        observed[:, :seen] = scaled
+        if old is None:
+            self._sense(observed[:, :seen])
+        else:
+            observed[:, :seen] = old
         if self._noise is not None:
             observed[:, :seen] += self._noise * random.standard_normal((self.count, seen), dtype=np.float32)
         observed[:, seen:] = self.aims
@@ -172,13 +172,14 @@ class Episodes:
             late = self._late[place]
             asked, self._late[place] = late, asked
         self.plants.step(self.options.control_period, asked, self.shown, self.stopped)
-        scaled = self._scaled()
+        old = None
         if self._old:
-            place = self._clock % len(self._old)
-            scaled, self._old[place] = self._old[place], scaled
+            kept = self._old[self._clock % len(self._old)]
+            old = kept.copy()
+            self._sense(kept)
         self._clock += 1
         self.elapsed += 1
-        return self._observed(random, scaled), self._rewards()
+        return self._observed(random, old), self._rewards()
 
     def _number(self, actions: NDArray[Any]) -> Numbers:
         """Actions as the numbers that plants take. Those beyond the bounds count as the bound."""

@@ -123,20 +123,27 @@ impl Plants {
         step.ok_or_else(|| Failure::input("a leg does not choose its step by itself", "give run.step, as \"0.1 ms\""))
     }
 
-    /// The values of every plant, or a failure where they are as many as there should not be.
-    fn values<'a>(&'a self, values: Option<&'a [f64]>, count: usize) -> Result<Vec<&'a [f64]>, Failure> {
-        let width = self.by.len();
-        match values {
-            None => Ok(vec![self.given.as_slice(); count]),
-            Some(values) if values.len() == count * width && width > 0 => Ok(values.chunks(width).collect()),
-            Some(_) if width == 0 => Ok(vec![&[]; count]),
-            Some(values) => Err(Failure::input(
-                format!("{} values were given for {count} plants", values.len()),
-                format!("give one row for each plant, with a value for each of {}, in SI", self.by.join(", ")),
-            )),
-        }
+    /// The plants with the values of each; a failure where they are as many as there should not be.
+    fn valued<'a>(&'a mut self, values: Option<&'a [f64]>, count: usize) -> Result<Valued<'a>, Failure> {
+        let Self { fleet, by, given, .. } = self;
+        let width = by.len();
+        let values = match values {
+            None => vec![given.as_slice(); count],
+            Some(values) if values.len() == count * width && width > 0 => values.chunks(width).collect(),
+            Some(_) if width == 0 => vec![[].as_slice(); count],
+            Some(values) => {
+                return Err(Failure::input(
+                    format!("{} values were given for {count} plants", values.len()),
+                    format!("give one row for each plant, with a value for each of {}, in SI", by.join(", ")),
+                ));
+            }
+        };
+        Ok((fleet.as_mut(), values))
     }
 }
+
+/// Plants, and the values of each.
+type Valued<'a> = (&'a mut dyn Fleet, Vec<&'a [f64]>);
 
 /// Does something with so many plants, on all cores; with one on the caller's own thread.
 fn together(count: usize, does: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
@@ -185,14 +192,9 @@ impl Plants {
     /// Raises `InputError` for values that cannot be. Then nothing has changed.
     #[pyo3(signature = (values = None))]
     fn start(&mut self, py: Python<'_>, values: Option<Given<PyReadonlyArray2<'_, f64>>>) -> PyResult<()> {
-        let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
-        let values = self.values(values, self.count).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
-        let Self { fleet, count, .. } = self;
-        py.detach(|| {
-            let values: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
-            together(*count, || fleet.begin(&values).map_err(of_plant))
-        })
-        .raised()
+        let (values, count) = (values.as_ref().map(|values| values.0.as_slice()).transpose()?, self.count);
+        let (fleet, values) = self.valued(values, count).raised()?;
+        py.detach(|| together(count, || fleet.begin(&values).map_err(of_plant))).raised()
     }
 
     /// The plants of these numbers begin anew with these values, of shape (len(rows), len(by)), and nothing asked of their
@@ -211,11 +213,10 @@ impl Plants {
             Failure::input("a plant is meant that there is not", remedy)
         };
         let rows = rows.iter().map(|row| number(row).ok_or_else(unknown)).collect::<Result<Vec<_>, _>>().raised()?;
-        let values = values.as_ref().map(|values| values.0.as_slice()).transpose()?;
-        let values = self.values(values, rows.len()).raised()?.into_iter().map(<[f64]>::to_vec).collect::<Vec<_>>();
-        let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values.iter().map(Vec::as_slice)).collect();
-        let Self { fleet, count, .. } = self;
-        py.detach(|| together(*count, || fleet.restart(&rows).map_err(of_plant))).raised()
+        let (values, count) = (values.as_ref().map(|values| values.0.as_slice()).transpose()?, self.count);
+        let (fleet, values) = self.valued(values, rows.len()).raised()?;
+        let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values).collect();
+        py.detach(|| together(count, || fleet.restart(&rows).map_err(of_plant))).raised()
     }
 
     /// Asks `asked`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into

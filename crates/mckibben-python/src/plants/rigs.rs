@@ -27,7 +27,15 @@ pub(super) struct Rigs {
 
 impl Rigs {
     pub(super) fn new(numbers: Numbers, method: Method, asked: Asked, valve: Option<Solenoid>) -> Self {
-        Self { numbers, method, asked, valve, only: OnceLock::new(), pace: Pace::default(), batch: Batch::new(Vec::new(), method) }
+        Self {
+            numbers,
+            method,
+            asked,
+            valve,
+            only: OnceLock::new(),
+            pace: Pace::default(),
+            batch: Batch::new(Vec::new(), method),
+        }
     }
 
     fn row(&self, values: &[f64]) -> Result<Row, Failure> {

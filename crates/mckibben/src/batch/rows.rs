@@ -9,8 +9,8 @@
 //! last few that have not come to the end. So every row goes the fixed-step engine's way, bit for bit.
 
 use super::Row;
-use super::member::Member;
 use super::lane::Lane;
+use super::member::Member;
 use super::span::Span;
 use super::wide::Wide;
 use crate::error::Error;
@@ -450,4 +450,3 @@ impl<W: Wide, L: Statics<W>, const N: usize> WithSimd for Take<'_, W, L, N> {
         Stepped { end, sliding, happens: ceases | !holds }
     }
 }
-

@@ -39,7 +39,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
             let file = if alone { "scenario.toml".to_owned() } else { format!("scenario-{}.toml", recording.name) };
             scenarios.push((file, scenario_of(&scenario, best, &friction)));
             let behind = if alone { String::new() } else { format!(" [{}]", recording.name) };
-            estimates.extend(friction.map(|estimate| Estimate { name: format!("{}{behind}", estimate.name), ..estimate }));
+            estimates
+                .extend(friction.map(|estimate| Estimate { name: format!("{}{behind}", estimate.name), ..estimate }));
         }
     }
     let table = Table {
@@ -117,7 +118,8 @@ fn cells(run: &str, row: &Row) -> Vec<String> {
 fn best(found: &Comparison) -> Option<(Estimator, [Estimate; 2])> {
     let of = |estimator: Estimator| found.rows.iter().find(|row| row.estimator == estimator);
     let best = of(Estimator::Waveform).or_else(|| of(Estimator::AllTurns))?;
-    let named = |parameter: &Parameter, estimate: &Estimate| Estimate { name: parameter.key.to_owned(), ..estimate.clone() };
+    let named =
+        |parameter: &Parameter, estimate: &Estimate| Estimate { name: parameter.key.to_owned(), ..estimate.clone() };
     let width = named(&parameter::COULOMB_WIDTH, best.law_width.as_ref()?);
     Some((best.estimator, [width, named(&parameter::VISCOUS, &best.viscous)]))
 }
