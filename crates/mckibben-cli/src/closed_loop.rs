@@ -79,21 +79,27 @@ impl Goal {
     }
 }
 
-/// Runs the closed loop and shows how far it is.
+/// Runs the closed loop and shows how far it is. `reached` hears the time in s now and then, and may end the run.
 ///
 /// # Errors
 /// What the core finds.
-pub fn close(of: &ControlledExperiment) -> Result<Closed, Error> {
+pub fn close(of: &ControlledExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<Closed, Error> {
     const PARTS: f64 = 1000.0;
     let progress = Progress::begin("simulating", Some(PARTS as u64));
-    close_watched(of, |time| progress.at((PARTS * time / of.experiment.run.duration) as u64))
+    close_watched(of, |time| {
+        progress.at((PARTS * time / of.experiment.run.duration) as u64);
+        reached(time)
+    })
 }
 
 /// Runs the closed loop, calling `watch` with the time in s that has been reached, now and then.
 ///
 /// # Errors
 /// What the core finds.
-pub fn close_watched(of: &ControlledExperiment, mut watch: impl FnMut(f64)) -> Result<Closed, Error> {
+pub fn close_watched(
+    of: &ControlledExperiment,
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
+) -> Result<Closed, Error> {
     let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
     let (rig, start, run) = (&experiment.rig, experiment.start, experiment.run);
     let closed = |rig: &Rig, decisions: &[Decision], trajectory| Closed {
@@ -115,7 +121,7 @@ pub fn close_watched(of: &ControlledExperiment, mut watch: impl FnMut(f64)) -> R
             for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
                 stepper.advance_to(time)?;
                 if recorded {
-                    watch(time);
+                    watch(time)?;
                 }
             }
             Ok(closed(stepper.rig(), stepper.decisions(), None))
@@ -174,7 +180,7 @@ impl Closed {
     ///
     /// # Errors
     /// What the core finds.
-    pub fn outcome(&self, watch: &mut dyn FnMut(&Sample)) -> Result<Outcome, Error> {
+    pub fn outcome(&self, watch: &mut dyn FnMut(&Sample) -> Result<(), Error>) -> Result<Outcome, Error> {
         let experiment = &self.experiment;
         match &self.trajectory {
             Some(trajectory) => Ok(Outcome::Located(Box::new(trajectory.clone()))),

@@ -35,11 +35,15 @@ pub enum Outcome {
 }
 
 /// Runs an experiment. With the fixed-step engine `watch` sees the start and every step; the event-located engine
-/// keeps everything, to be looked at afterwards.
+/// keeps everything, to be looked at afterwards. `reached` hears the time in s now and then, and may end the run.
 ///
 /// # Errors
 /// [`Error::Stopped`] when the simulation cannot go on, and what the core finds out of range.
-pub fn run(experiment: &Experiment, watch: &mut dyn FnMut(&Sample)) -> Result<Outcome, Error> {
+pub fn run(
+    experiment: &Experiment,
+    watch: &mut dyn FnMut(&Sample),
+    reached: &mut dyn FnMut(f64) -> Result<(), Error>,
+) -> Result<Outcome, Error> {
     let run = &experiment.run;
     match run.engine {
         Engine::EventLocated => {
@@ -48,6 +52,7 @@ pub fn run(experiment: &Experiment, watch: &mut dyn FnMut(&Sample)) -> Result<Ou
             let (rig, start) = (&experiment.rig, experiment.start);
             let trajectory = simulate_watched(rig, start, run.duration, run.relative_tolerance, |time| {
                 progress.at((PARTS * time / run.duration) as u64);
+                reached(time)
             })?;
             Ok(Outcome::Located(Box::new(trajectory)))
         }
@@ -56,7 +61,10 @@ pub fn run(experiment: &Experiment, watch: &mut dyn FnMut(&Sample)) -> Result<Ou
                 let _progress = Progress::begin("choosing the step", None);
                 experiment.step()?
             };
-            run_steps(experiment, (step, chosen), Vec::new(), watch)
+            run_steps(experiment, (step, chosen), Vec::new(), &mut |sample| {
+                watch(sample);
+                reached(sample.time)
+            })
         }
     }
 }
@@ -69,12 +77,12 @@ pub fn run_steps(
     experiment: &Experiment,
     (step, chosen): (f64, Option<StepError>),
     divisions: Vec<f64>,
-    watch: &mut dyn FnMut(&Sample),
+    watch: &mut dyn FnMut(&Sample) -> Result<(), Error>,
 ) -> Result<Outcome, Error> {
     let progress = Progress::begin("simulating", Some(rows(&experiment.run)));
     let (mut steps, mut row) = (0, 0);
     step_through(experiment, regular(&experiment.run, step), &divisions, &mut |sample, recorded| {
-        watch(sample);
+        watch(sample)?;
         steps += 1;
         row += u64::from(recorded);
         if recorded {

@@ -28,7 +28,11 @@ pub enum Reason {
 impl Reason {
     /// What an error of the core is: a simulation that stopped, or values that contradict each other.
     fn of(error: &mckibben::Error) -> Self {
-        if matches!(error, mckibben::Error::Stopped { .. }) { Self::Stopped } else { Self::Input }
+        if matches!(error, mckibben::Error::Stopped { .. } | mckibben::Error::Interrupted { .. }) {
+            Self::Stopped
+        } else {
+            Self::Input
+        }
     }
 }
 

@@ -69,6 +69,9 @@ pub struct JointRun {
     pub control: Option<joint::control::Closed>,
 }
 
+/// Hears the time in s that a run has reached, and may end it.
+type Reached<'a> = dyn FnMut(f64) -> Result<(), mckibben::Error> + 'a;
+
 impl Ready {
     /// Reads what a document describes.
     ///
@@ -107,35 +110,51 @@ impl Ready {
         self.plan().engine == Engine::EventLocated
     }
 
-    /// Runs it. `watch` sees the start and every step of an actuator at fixed steps, with what is run.
+    /// Runs it. `watch` sees the start and every step of an actuator at fixed steps, with what is run; `reached` hears the time
+    /// in s now and then, and may end the run by an error such as [`mckibben::Error::Interrupted`].
     ///
     /// # Errors
     /// What the core finds, shown in the document.
-    pub fn run(self, document: &Document, watch: &mut dyn FnMut(&Experiment, &Sample)) -> Result<Finished, Failure> {
-        self.finish(watch).map_err(|error| Failure::of_core(&error, document))
+    pub fn run(
+        self,
+        document: &Document,
+        watch: &mut dyn FnMut(&Experiment, &Sample),
+        reached: &mut Reached<'_>,
+    ) -> Result<Finished, Failure> {
+        self.finish(watch, reached).map_err(|error| Failure::of_core(&error, document))
     }
 
-    fn finish(self, watch: &mut dyn FnMut(&Experiment, &Sample)) -> Result<Finished, mckibben::Error> {
+    fn finish(
+        self,
+        watch: &mut dyn FnMut(&Experiment, &Sample),
+        reached: &mut Reached<'_>,
+    ) -> Result<Finished, mckibben::Error> {
         Ok(match self {
             Self::Actuator(experiment) => {
-                let outcome = engine::run(&experiment, &mut |sample| watch(&experiment, sample))?;
+                let outcome = engine::run(&experiment, &mut |sample| watch(&experiment, sample), reached)?;
                 Finished::Actuator(Box::new(ActuatorRun { experiment: *experiment, outcome, control: None }))
             }
             Self::Controlled(of) => {
-                let closed = closed_loop::close(&of)?;
+                let closed = closed_loop::close(&of, reached)?;
                 let experiment = closed.experiment.clone();
-                let outcome = closed.outcome(&mut |sample| watch(&experiment, sample))?;
+                let outcome = closed.outcome(&mut |sample| {
+                    watch(&experiment, sample);
+                    reached(sample.time)
+                })?;
                 Finished::Actuator(Box::new(ActuatorRun { experiment, outcome, control: Some(closed) }))
             }
             Self::Joint(of) => {
-                let outcome = joint::outcome::run(&of)?;
+                let outcome = joint::outcome::run(&of, reached)?;
                 Finished::Joint(Box::new(JointRun { run: of.run, outcome, control: None }))
             }
             Self::ControlledJoint(of) => {
                 const PARTS: f64 = 1000.0;
                 let (run, progress) = (of.experiment.run, Progress::begin("simulating", Some(PARTS as u64)));
-                let reached = |time: f64| progress.at((PARTS * time / run.duration) as u64);
-                let (outcome, closed) = joint::control::close(&of, None, reached)?;
+                let watch = |time: f64| {
+                    progress.at((PARTS * time / run.duration) as u64);
+                    reached(time)
+                };
+                let (outcome, closed) = joint::control::close(&of, None, watch)?;
                 Finished::Joint(Box::new(JointRun { run, outcome, control: Some(closed) }))
             }
         })

@@ -15,22 +15,17 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
 ///
-/// Other threads of Python go on meanwhile. Raises `InputError` where the model finds a contradiction, and `StoppedError`
-/// where the simulation cannot go on.
+/// Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
+/// `StoppedError` where the simulation cannot go on.
 #[pyfunction]
 pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResult<Trajectory> {
     let of = scenario.get();
-    let (finished, columns, log) = py
-        .detach(|| {
-            let finished = run(of)?;
-            let columns = finished.columns()?;
-            let log = finished.log();
-            Ok::<_, Failure>((finished, columns, log))
-        })
-        .raised()?;
+    let finished = run(py, of)?;
+    let (columns, log) = py.detach(|| finished.columns().map(|columns| (columns, finished.log()))).raised()?;
     let of_column = |column: mckibben_cli::record::Filled| {
         Ok(Column { name: column.name, unit: column.unit.to_owned(), values: array(py, column.values)?.unbind() })
     };
@@ -47,9 +42,28 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResu
     Ok(Trajectory { scenario: scenario.clone().unbind(), columns, events, kept })
 }
 
-fn run(scenario: &Scenario) -> Result<Finished, Failure> {
-    Ready::of(&scenario.document)?.run(&scenario.document, &mut |_, _| ())
+fn run(py: Python<'_>, scenario: &Scenario) -> PyResult<Finished> {
+    let mut interrupted = None;
+    let finished = py.detach(|| {
+        let (mut heard, mut asked) = (0_u32, Instant::now());
+        Ready::of(&scenario.document)?.run(&scenario.document, &mut |_, _| (), &mut |time| {
+            heard = heard.wrapping_add(1);
+            if !heard.is_multiple_of(HEARD) || asked.elapsed() < PATIENCE {
+                return Ok(());
+            }
+            asked = Instant::now();
+            Python::attach(|py| py.check_signals()).map_err(|error| {
+                interrupted = Some(error);
+                mckibben::Error::Interrupted { time }
+            })
+        })
+    });
+    interrupted.map_or_else(|| finished.raised(), Err)
 }
+
+/// Between two looks at the clock a run goes on as often as this, and between two at Python's signals so long.
+const HEARD: u32 = 16;
+const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A column of a run.
 struct Column {
@@ -148,7 +162,7 @@ impl Trajectory {
             return Ok(finished);
         }
         let scenario = self.scenario.get();
-        let finished = Arc::new(py.detach(|| run(scenario)).raised()?);
+        let finished = Arc::new(run(py, scenario)?);
         Ok(kept().get_or_insert(finished).clone())
     }
 

@@ -67,6 +67,12 @@ pub enum Error {
         /// What to change.
         remedy: &'static str,
     },
+    /// Who watched the simulation wanted no more of it.
+    #[error("the simulation was interrupted at t = {time} s")]
+    Interrupted {
+        /// When, in s.
+        time: f64,
+    },
 }
 
 /// The other half of an [`Error::Inconsistent`]: a relation to a second quantity.

@@ -89,9 +89,10 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
     let started = Instant::now();
     let mut observer = None;
-    let finished = ready.run(&document, &mut |experiment: &Experiment, sample: &Sample| {
+    let mut see = |experiment: &Experiment, sample: &Sample| {
         observer.get_or_insert_with(|| Observer::new(experiment)).see(sample);
-    })?;
+    };
+    let finished = ready.run(&document, &mut see, &mut |_| Ok(()))?;
     let elapsed = started.elapsed();
 
     files.write(arguments, (&document, &scenario), &finished)?;

@@ -29,7 +29,7 @@ pub struct Closed {
 pub fn close(
     of: &ControlledJointExperiment,
     times: Option<&[f64]>,
-    mut watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<(Outcome, Closed), Error> {
     let ControlledJointExperiment { experiment, law, sampling, sensors, .. } = of;
     let JointExperiment { rig, start, run } = experiment;
@@ -54,7 +54,7 @@ pub fn close(
                 }
                 if recorded {
                     samples.push(stepper.sample());
-                    watch(time);
+                    watch(time)?;
                 }
             }
             let closed = closed(of, stepper.rig(), stepper.decisions());

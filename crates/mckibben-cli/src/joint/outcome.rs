@@ -34,14 +34,17 @@ pub struct Stepped {
     pub steps: u64,
 }
 
-/// Runs a joint without a controller and shows how far it is.
+/// Runs a joint without a controller and shows how far it is. `reached` hears the time in s now and then, and may end the run.
 ///
 /// # Errors
 /// What the core finds.
-pub fn run(of: &JointExperiment) -> Result<Outcome, Error> {
+pub fn run(of: &JointExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<Outcome, Error> {
     const PARTS: f64 = 1000.0;
     let progress = Progress::begin("simulating", Some(PARTS as u64));
-    let watch = |time: f64| progress.at((PARTS * time / of.run.duration) as u64);
+    let watch = |time: f64| {
+        progress.at((PARTS * time / of.run.duration) as u64);
+        reached(time)
+    };
     match of.run.engine {
         Engine::EventLocated => locate(of, watch),
         Engine::FixedStep => {
@@ -55,7 +58,7 @@ pub fn run(of: &JointExperiment) -> Result<Outcome, Error> {
 ///
 /// # Errors
 /// What the core finds.
-pub fn locate(of: &JointExperiment, watch: impl FnMut(f64)) -> Result<Outcome, Error> {
+pub fn locate(of: &JointExperiment, watch: impl FnMut(f64) -> Result<(), Error>) -> Result<Outcome, Error> {
     let trajectory = simulate_joint_watched(&of.rig, of.start, of.run.duration, of.run.relative_tolerance, watch)?;
     Ok(Outcome::Located(Box::new(trajectory)))
 }
@@ -68,7 +71,7 @@ pub fn step_through(
     of: &JointExperiment,
     (step, chosen): (f64, Option<JointStepError>),
     ends: impl Iterator<Item = (f64, bool)>,
-    mut watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<Outcome, Error> {
     let stepper = JointStepper::new(of.rig.clone(), of.method());
     let mut course = stepper.begin(of.start);
@@ -80,7 +83,7 @@ pub fn step_through(
         }
         if recorded {
             samples.push(stepper.sample(&course));
-            watch(time);
+            watch(time)?;
         }
     }
     Ok(Outcome::Stepped(Box::new(Stepped { rig: of.rig.clone(), samples, step, chosen, steps })))

@@ -319,7 +319,7 @@ fn locate(experiment: &Experiment, record: &Record) -> Outcome {
 
 /// Runs a row with a controller, as `mckibben simulate` does.
 fn control(of: &ControlledExperiment, record: &Record) -> Outcome {
-    let closed = match closed_loop::close_watched(of, |_| ()) {
+    let closed = match closed_loop::close_watched(of, |_| Ok(())) {
         Ok(closed) => closed,
         Err(error) => return Outcome::Failed(error.to_string()),
     };
@@ -355,12 +355,12 @@ fn listed(record: &Record) -> Option<&[f64]> {
 /// Runs a row with a joint, as `mckibben simulate` does.
 fn turn(of: &JointExperiment, choice: Option<&Choice>, record: &Record) -> Outcome {
     let run = match of.run.engine {
-        Engine::EventLocated => joint::outcome::locate(of, |_| ()),
+        Engine::EventLocated => joint::outcome::locate(of, |_| Ok(())),
         Engine::FixedStep => {
             let needed = || of.step().map(|(step, _)| step);
             step::of_row(&of.run, choice, needed).and_then(|step| {
                 let ends = engine::ends(&of.run, listed(record), step);
-                joint::outcome::step_through(of, (step, None), ends, |_| ())
+                joint::outcome::step_through(of, (step, None), ends, |_| Ok(()))
             })
         }
     };
@@ -369,7 +369,7 @@ fn turn(of: &JointExperiment, choice: Option<&Choice>, record: &Record) -> Outco
 
 /// Runs a row with a joint and a controller, as `mckibben simulate` does.
 fn turn_controlled(of: &ControlledJointExperiment, record: &Record) -> Outcome {
-    match joint::control::close(of, listed(record), |_| ()) {
+    match joint::control::close(of, listed(record), |_| Ok(())) {
         Ok((run, closed)) => look_at_joint(&run, &of.experiment, closed.goals, record),
         Err(error) => Outcome::Failed(error.to_string()),
     }

@@ -37,20 +37,21 @@ pub fn simulate_controlled<R: Real, C: Controller<R>>(
     controller: &C,
     (sampling, sensors): (Sampling<R>, Sensors<R>),
 ) -> Result<Controlled<R>, Error> {
-    simulate_controlled_watched(rig, start, (duration, relative_tolerance), controller, (sampling, sensors), |_| ())
+    simulate_controlled_watched(rig, start, (duration, relative_tolerance), controller, (sampling, sensors), |_| Ok(()))
 }
 
-/// The same as [`simulate_controlled`], calling `watch` with the time in s that has been reached, now and then.
+/// The same as [`simulate_controlled`], calling `watch` with the time in s that has been reached, now and then: it may show it, or end the run by
+/// an error such as [`Error::Interrupted`].
 ///
 /// # Errors
-/// As [`simulate_controlled`].
+/// As [`simulate_controlled`], and those of `watch`.
 pub fn simulate_controlled_watched<R: Real, C: Controller<R>>(
     rig: &Rig<R>,
     start: State<R>,
     (duration, relative_tolerance): (R, f64),
     controller: &C,
     (sampling, sensors): (Sampling<R>, Sensors<R>),
-    mut watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<Controlled<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     let closed_loop = ClosedLoop { controller, sensors };

@@ -37,12 +37,12 @@ pub fn simulate_in_segments<R: Real>(
     }
     let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
     for (place, joint) in joints.iter().enumerate() {
-        trajectory.extend(R::constant(*joint), &mut |_| ())?;
+        trajectory.extend(R::constant(*joint), &mut |_| Ok(()))?;
         let state = anew(place, trajectory.state_reached());
         check(*joint, &state)?;
         trajectory.resume(state);
     }
-    trajectory.extend(duration, &mut |_| ())?;
+    trajectory.extend(duration, &mut |_| Ok(()))?;
     Ok(trajectory)
 }
 

@@ -27,14 +27,14 @@ impl<R: Real, M: Copy, K, const N: usize> Stored<R, M, K, N> {
     }
 
     /// Goes on to `until` s with `relative_tolerance` for each step; `see` sees every piece, `watch` the time in s that has
-    /// been reached, now and then.
+    /// been reached, now and then; what it fails by ends the run.
     pub(super) fn extend<S: HybridSystem<R, N, Mode = M, Kind = K>>(
         &mut self,
         system: &S,
         until: R,
         relative_tolerance: f64,
         see: &mut dyn FnMut(&PieceOf<R, S, N>),
-        watch: &mut dyn FnMut(f64),
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let (time, state, mode) = self.last;
         let mut integrator = Integrator::new(system, time, state, mode, until, relative_tolerance);
@@ -42,7 +42,7 @@ impl<R: Real, M: Copy, K, const N: usize> Stored<R, M, K, N> {
             see(&piece);
             self.pieces.push(piece);
             if self.pieces.len().is_multiple_of(WATCHED) {
-                watch(integrator.time().value());
+                watch(integrator.time().value())?;
             }
             if self.pieces.len() > MAX_PIECES {
                 return Err(Error::Stopped {

@@ -69,19 +69,20 @@ pub fn simulate<R: Real>(
     duration: R,
     relative_tolerance: f64,
 ) -> Result<Trajectory<R>, Error> {
-    simulate_watched(rig, start, duration, relative_tolerance, |_| ())
+    simulate_watched(rig, start, duration, relative_tolerance, |_| Ok(()))
 }
 
-/// The same as [`simulate`], calling `watch` with the time in s that has been reached, now and then.
+/// The same as [`simulate`], calling `watch` with the time in s that has been reached, now and then: it may show it, or end the run by
+/// an error such as [`Error::Interrupted`].
 ///
 /// # Errors
-/// As [`simulate`].
+/// As [`simulate`], and those of `watch`.
 pub fn simulate_watched<R: Real>(
     rig: &Rig<R>,
     start: State<R>,
     duration: R,
     relative_tolerance: f64,
-    mut watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
@@ -112,7 +113,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Goes on to `until` s.
-    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64)) -> Result<(), Error> {
+    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<(), Error> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         let events = &mut self.events;
         with_run!(&mut self.run, stored => {

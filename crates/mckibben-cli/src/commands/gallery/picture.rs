@@ -47,7 +47,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
         _ => {}
     }
-    let finished = Ready::of(&document)?.run(&document, &mut |_, _| ())?;
+    let finished = Ready::of(&document)?.run(&document, &mut |_, _| (), &mut |_| Ok(()))?;
     // A given motion is not worth a curve; what it costs in force is.
     let (over, options) = match &finished {
         Finished::Actuator(of) if of.control.is_none() && matches!(of.experiment.rig.load(), Load::Prescribed(_)) => {

@@ -55,21 +55,22 @@ pub fn simulate_joint_controlled<R: Real, C: JointController<R>>(
         (duration, relative_tolerance),
         controller,
         (sampling, sensors),
-        |_| (),
+        |_| Ok(()),
     )
 }
 
-/// The same as [`simulate_joint_controlled`], calling `watch` with the time in s that has been reached, now and then.
+/// The same as [`simulate_joint_controlled`], calling `watch` with the time in s that has been reached, now and then: it may show it, or end the run by
+/// an error such as [`Error::Interrupted`].
 ///
 /// # Errors
-/// As [`simulate_joint_controlled`].
+/// As [`simulate_joint_controlled`], and those of `watch`.
 pub fn simulate_joint_controlled_watched<R: Real, C: JointController<R>>(
     rig: &JointRig<R>,
     start: JointState<R>,
     (duration, relative_tolerance): (R, f64),
     controller: &C,
     (sampling, sensors): (Sampling<R>, JointSensors<R>),
-    mut watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<ControlledJoint<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     let mut rig = rig.clone();

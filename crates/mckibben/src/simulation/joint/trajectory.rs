@@ -104,19 +104,20 @@ pub fn simulate_joint<R: Real>(
     duration: R,
     relative_tolerance: f64,
 ) -> Result<JointTrajectory<R>, Error> {
-    simulate_joint_watched(rig, start, duration, relative_tolerance, |_| ())
+    simulate_joint_watched(rig, start, duration, relative_tolerance, |_| Ok(()))
 }
 
-/// The same as [`simulate_joint`], calling `watch` with the time in s that has been reached, now and then.
+/// The same as [`simulate_joint`], calling `watch` with the time in s that has been reached, now and then: it may show it, or end the run by
+/// an error such as [`Error::Interrupted`].
 ///
 /// # Errors
-/// As [`simulate_joint`].
+/// As [`simulate_joint`], and those of `watch`.
 pub fn simulate_joint_watched<R: Real>(
     rig: &JointRig<R>,
     start: JointState<R>,
     duration: R,
     relative_tolerance: f64,
-    mut watch: impl FnMut(f64),
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<JointTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     let mut trajectory = JointTrajectory::begin(rig.clone(), start, relative_tolerance)?;
@@ -138,7 +139,7 @@ impl<R: Real> JointTrajectory<R> {
     }
 
     /// Goes on to `until` s.
-    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64)) -> Result<(), Error> {
+    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<(), Error> {
         let system = JointSystem::new(&self.rig, self.relative_tolerance);
         let events = &mut self.events;
         with_run!(&mut self.run, stored => {
