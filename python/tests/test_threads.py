@@ -155,10 +155,11 @@ def test_after_a_fork_a_child_goes_on(work, examples, tmp_path):
     assert process.returncode == 0 and told == "done\n", wrong
 
 
-@pytest.mark.parametrize("engine", ["event-located", "fixed-step"])
+@pytest.mark.parametrize("engine", [{"engine": "event-located"}, {"engine": "fixed-step", "step": "0.1 ms"}])
 def test_a_run_ends_at_an_interrupt(scenario, engine):
     """A run of an hour is interrupted by the signal that Ctrl-C sends; nothing is left of it, and another goes on."""
-    long = scenario.with_values({"run.duration": "3600 s", "run.engine": engine, "run.step": "0.1 ms"})
+    engine = {f"run.{key}": value for key, value in engine.items()}
+    long = scenario.with_values({"run.duration": "3600 s", **engine})
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
