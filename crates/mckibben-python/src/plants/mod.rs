@@ -145,6 +145,9 @@ impl Plants {
 /// Plants, and the values of each.
 type Valued<'a> = (&'a mut dyn Fleet, Vec<&'a [f64]>);
 
+/// What plants are made of, for pickling: by place and by name.
+type Made<'py> = ((Py<Scenario>, usize), Bound<'py, PyDict>);
+
 /// Does something with so many plants, on all cores; with one on the caller's own thread.
 fn together(count: usize, does: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
     match count {
@@ -315,7 +318,7 @@ impl Plants {
         self.count
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((Py<Scenario>, usize), Bound<'py, PyDict>)> {
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Made<'py>> {
         let named = PyDict::new(py);
         named.set_item("by", &self.by)?;
         named.set_item("asked", &self.asked)?;

@@ -135,7 +135,7 @@ impl<R: Number> Stepper for Single<R> {
     fn advance_to(&mut self, until: f64) -> Result<(), Error> {
         let Self { lane, walk, told, .. } = self;
         let time = walk.course.time;
-        if told.hear(lane.actuation.as_mut(), &mut walk.progress, [time, until]) {
+        if told.hear(|| lane.actuation.as_mut(), &mut walk.progress, [time, until]) {
             lane.pass_due(walk);
         }
         self.lane.go(&mut self.walk, self.method, until, None)

@@ -72,8 +72,8 @@ impl<R: Number> Member<R> {
     }
 
     /// Hears what the valve has been told between two times in s; whether its instants are others than before.
-    pub(super) fn hear(&mut self, [from, until]: [f64; 2]) -> bool {
-        self.told.stirs(until) && self.told.hear(self.lane.actuation.as_mut(), &mut self.progress, [from, until])
+    pub(super) fn hear(&mut self, span: [f64; 2]) -> bool {
+        self.told.hear(|| self.lane.actuation.as_mut(), &mut self.progress, span)
     }
 
     /// Finds the next instant up to `until` in s, and whether the passages are whole.

@@ -105,11 +105,6 @@ impl<R: Real> Told<R> {
         Ok(())
     }
 
-    /// Whether there is something to hear before `until` in s.
-    pub(crate) fn stirs(&self, until: R) -> bool {
-        self.unheard || self.edge(until).is_some()
-    }
-
     /// The next edge of the pulses in s, if it comes before `until`: what is told at `until` comes before a pulse that begins
     /// or ends there.
     fn edge(&self, until: R) -> Option<R> {
@@ -117,15 +112,18 @@ impl<R: Real> Told<R> {
     }
 
     /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s; whether it is
-    /// another than before.
-    pub(crate) fn hear(
+    /// another than before. The valve is asked for only where there is something to hear.
+    pub(crate) fn hear<'a>(
         &mut self,
-        valve: Option<&mut Actuation<R>>,
+        valve: impl FnOnce() -> Option<&'a mut Actuation<R>>,
         progress: &mut Progress<R>,
         [time, until]: [R; 2],
     ) -> bool {
+        if !self.unheard && self.edge(until).is_none() {
+            return false;
+        }
         let mut changed = core::mem::take(&mut self.unheard);
-        let Some(actuation) = valve else { return changed };
+        let Some(actuation) = valve() else { return changed };
         while let Some(edge) = self.edge(until) {
             if !changed {
                 progress.settle(actuation, time, R::constant(f64::INFINITY));
@@ -229,7 +227,7 @@ impl<R: Real<Time = R>> ToldStepper<R> {
     /// As [`super::FixedStepper::advance_to`].
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         let time = self.time();
-        let heard = self.told.hear(self.rig.actuation_mut(), self.journey.progress_mut(), [time, until]);
+        let heard = self.told.hear(|| self.rig.actuation_mut(), self.journey.progress_mut(), [time, until]);
         if heard {
             self.journey.pass_due(&self.rig);
         }
