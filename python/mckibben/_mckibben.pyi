@@ -287,7 +287,7 @@ class Identification:
     @property
     def estimates(self, /) -> list[Estimate]:
         """
-        The numbers with their intervals. A study of ring-downs tells its own in the report.
+        The numbers with their intervals; of ring-downs those of the waveform, or of all turns where there is none.
         """
     @property
     def notes(self, /) -> list[str]:
@@ -389,7 +389,10 @@ class Plants:
 
     They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
     needs.
+
+    A copy, or what comes out of a pickle, is made anew: of the same scenario and for the same purpose, at t = 0.
     """
+    def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict]: ...
     def __len__(self, /) -> int: ...
     def __new__(cls, /, scenario: Scenario, count: SupportsIndex, *, by: SupportsGetItem[int, str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None, leg: dict[str, SupportsFloat | SupportsIndex] | None = None) -> Plants: ...
     def __repr__(self, /) -> str: ...
@@ -831,6 +834,6 @@ def simulate(scenario: Scenario) -> Trajectory:
     """
     Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
 
-    Other threads of Python go on meanwhile. Raises `InputError` where the model finds a contradiction, and `StoppedError`
-    where the simulation cannot go on.
+    Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
+    `StoppedError` where the simulation cannot go on.
     """
