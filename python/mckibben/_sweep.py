@@ -119,28 +119,30 @@ def _on_executor(executor: concurrent.futures.Executor, todo: Sweep, missing: li
     waiting = collections.deque(missing)
     under_way: dict[concurrent.futures.Future[bytes], int] = {}
     lost: list[int] = []
-    reason: BaseException | None = None
+    reason: Exception | None = None
+    broken = False
     while waiting or under_way:
         try:
-            while waiting and len(under_way) < _AHEAD and reason is None:
+            while waiting and len(under_way) < _AHEAD and not broken:
                 under_way[executor.submit(_part, todo, waiting[0])] = waiting[0]
                 waiting.popleft()
         except concurrent.futures.BrokenExecutor as error:
-            reason = error
-        if reason is not None:
+            reason, broken = error, True
+        if broken:
             lost.extend(waiting)
             waiting.clear()
         for future in concurrent.futures.wait(under_way, return_when=concurrent.futures.FIRST_COMPLETED).done:
             part = under_way.pop(future)
             try:
                 data = future.result()
-            except concurrent.futures.BrokenExecutor as error:
-                reason = error
+            except Exception as error:
+                # Whether it is the executor's fault or the part's shows when this process computes the part.
+                reason, broken = error, broken or isinstance(error, concurrent.futures.BrokenExecutor)
                 lost.append(part)
             else:
                 put(part, data)
     if lost:
-        told = f"the executor broke ({reason}); this process computes the {len(lost)} parts that are missing"
+        told = f"the executor failed ({reason}); this process computes the {len(lost)} parts that are missing"
         warnings.warn(told, RuntimeWarning, stacklevel=3)
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             for part, data in zip(lost, pool.map(todo.part, lost)):

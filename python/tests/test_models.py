@@ -97,7 +97,8 @@ def test_identification_is_that_of_the_command_line(study, program, examples, tm
 
 
 def test_ring_downs_tell_their_friction(tmp_path):
-    """What was put in is found again, in each run that is measured, under the names that a scenario has for it."""
+    """What was put in is found again under a sensor's noise, in each run that is measured, by the names that a scenario has."""
+    random = numpy.random.default_rng(4)
     friction = {"actuator.friction.coulomb_width": 1e-4, "actuator.friction.viscous": 9.0}
     rig = mckibben.Scenario("""\
         [actuator]
@@ -118,7 +119,8 @@ def test_ring_downs_tell_their_friction(tmp_path):
     masses = {"light": "5 lb", "heavy": "7 lb"}
     for name, mass in masses.items():
         run = mckibben.simulate(rig.with_values({"load.mass": mass}))
-        rows = "".join(f"{time!r},{length!r}\n" for time, length in zip(run.t.tolist(), run.length.tolist()))
+        seen = run.length + random.normal(0.0, 1e-5, run.length.size)
+        rows = "".join(f"{time!r},{length!r}\n" for time, length in zip(run.t.tolist(), seen.tolist()))
         (tmp_path / f"{name}.csv").write_text("t,L\n" + rows)
         study += f'[[run]]\nfile = "{name}.csv"\nset = {{ "load.mass" = "{mass}" }}\n'
     (tmp_path / "study.toml").write_text(study)
@@ -126,7 +128,8 @@ def test_ring_downs_tell_their_friction(tmp_path):
     assert [estimate.name for estimate in found.estimates] == [f"{key} [{name}]" for name in masses for key in friction]
     for name in masses:
         for key, value in friction.items():
-            assert found[f"{key} [{name}]"].value == pytest.approx(value, rel=1e-3)
+            estimate = found[f"{key} [{name}]"]
+            assert abs(estimate.value - value) < 4.0 * estimate.deviation < 0.01 * value
         assert found.scenarios[f"scenario-{name}.toml"].to_dict()["actuator"]["friction"]
 
 

@@ -103,11 +103,31 @@ class Breaking(concurrent.futures.ThreadPoolExecutor):
         return lost
 
 
+class Confused(concurrent.futures.ThreadPoolExecutor):
+    """As a cluster that loses what was done already: of three futures one fails by an error of the executor's own."""
+
+    count = 0
+
+    def submit(self, function, /, *arguments, **named):
+        self.count += 1
+        if self.count % 3:
+            return super().submit(function, *arguments, **named)
+        confused: concurrent.futures.Future[bytes] = concurrent.futures.Future()
+        confused.set_exception(ValueError("too many values to unpack"))
+        return confused
+
+
+def test_a_part_that_an_executor_fails_at_is_done_again(swept, expected, tmp_path):
+    with Confused(2) as pool, pytest.warns(RuntimeWarning, match="too many values .* the 2 parts"):
+        mckibben.sweep(swept, tmp_path, executor=pool)
+    assert parts(tmp_path) == expected
+
+
 @pytest.mark.parametrize("healthy", [0, 1, 4, 8])
 def test_the_parts_of_a_killed_worker_are_done_again(swept, expected, tmp_path, healthy):
     with Breaking(2) as pool:
         pool.left = healthy
-        with pytest.warns(RuntimeWarning, match="the executor broke"):
+        with pytest.warns(RuntimeWarning, match="the executor failed"):
             mckibben.sweep(swept, tmp_path, executor=pool)
     assert parts(tmp_path) == expected
 

@@ -32,8 +32,8 @@ use mckibben::simulation::Method;
 use mckibben_cli::failure::Failure;
 use numbers::Numbers;
 use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rigs::Rigs;
 use std::collections::BTreeMap;
 
@@ -146,7 +146,7 @@ impl Plants {
 type Valued<'a> = (&'a mut dyn Fleet, Vec<&'a [f64]>);
 
 /// What plants are made of, for pickling: by place and by name.
-type Made<'py> = ((Py<Scenario>, usize), Bound<'py, PyDict>);
+type Made<'py> = ((Py<Scenario>, usize), BTreeMap<&'static str, Bound<'py, PyAny>>);
 
 /// Does something with so many plants, on all cores; with one on the caller's own thread.
 fn together(count: usize, does: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
@@ -319,13 +319,14 @@ impl Plants {
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Made<'py>> {
-        let named = PyDict::new(py);
-        named.set_item("by", &self.by)?;
-        named.set_item("asked", &self.asked)?;
-        named.set_item("pulse_frequency", self.pulse_frequency)?;
         let leg: Option<BTreeMap<_, _>> = self.leg.as_ref().map(|leg| leg.iter().cloned().collect());
-        named.set_item("leg", leg)?;
-        Ok(((self.scenario.clone_ref(py), self.count), named))
+        let named = [
+            ("by", (&self.by).into_bound_py_any(py)?),
+            ("asked", (&self.asked).into_bound_py_any(py)?),
+            ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
+            ("leg", leg.into_bound_py_any(py)?),
+        ];
+        Ok(((self.scenario.clone_ref(py), self.count), named.into()))
     }
 
     fn __repr__(&self) -> String {
