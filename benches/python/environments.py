@@ -1,6 +1,6 @@
 """How many environment steps a second the vector environments take, at 1 kHz control on all cores.
 
-    python benches/python/environments.py [--muscles 16384] [--seconds 5]
+    python benches/python/environments.py [--muscles 4096] [--seconds 5]
 
 Needs the package as `pip install ".[learning]"` builds it. Of each step it tells what share is the engine's, `Plants.step`
 alone on the same actions. Episodes end and begin anew meanwhile. It asserts that the muscles do what they are for: those
@@ -50,7 +50,7 @@ def shortens() -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--muscles", type=int, default=16384)
+    parser.add_argument("--muscles", type=int, default=4096)
     parser.add_argument("--seconds", type=float, default=5.0)
     arguments = parser.parse_args()
     shortens()
