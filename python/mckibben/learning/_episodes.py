@@ -172,14 +172,13 @@ class Episodes:
             late = self._late[place]
             asked, self._late[place] = late, asked
         self.plants.step(self.options.control_period, asked, self.shown, self.stopped)
-        old = None
-        if self._old:
-            kept = self._old[self._clock % len(self._old)]
-            old = kept.copy()
-            self._sense(kept)
+        old = self._old[self._clock % len(self._old)] if self._old else None
+        observed = self._observed(random, old)
+        if old is not None:
+            self._sense(old)
         self._clock += 1
         self.elapsed += 1
-        return self._observed(random, old), self._rewards()
+        return observed, self._rewards()
 
     def _number(self, actions: NDArray[Any]) -> Numbers:
         """Actions as the numbers that plants take. Those beyond the bounds count as the bound."""

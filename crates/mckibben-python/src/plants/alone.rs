@@ -104,7 +104,8 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
     }
 
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
-        let (mut plants, width) = (core::mem::take(&mut self.plants), self.kind.columns().len());
+        let mut plants = core::mem::take(&mut self.plants);
+        let width = (shown.len() / plants.len().max(1)).max(1);
         let places = shown.par_chunks_mut(width).zip(stopped);
         let rows = plants.par_iter_mut().zip(asked.par_chunks(VALVES)).zip(places).with_min_len(TOGETHER);
         rows.for_each(|((member, asked), (shown, stopped))| {

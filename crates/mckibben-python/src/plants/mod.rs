@@ -68,6 +68,8 @@ pub(crate) struct Plants {
     duration: f64,
     requests: Vec<f64>,
     count: usize,
+    /// How many columns are shown of each.
+    width: usize,
     fleet: Box<dyn Fleet>,
 }
 
@@ -115,8 +117,8 @@ impl Plants {
             (Box::new(Rigs::new(numbers, method, asked, valve)), experiment.step().map_err(failed)?.0)
         };
         let (scenario, by, duration) = (scenario.clone_ref(py), by.to_vec(), base.run.duration);
-        let asked = asked_by.to_owned();
-        Ok(Self { scenario, by, asked, pulse_frequency, leg, given, longest, duration, requests, count, fleet })
+        let (asked, width) = (asked_by.to_owned(), fleet.columns().len());
+        Ok(Self { scenario, by, asked, pulse_frequency, leg, given, longest, duration, requests, count, width, fleet })
     }
 
     fn step_of_leg(step: Option<f64>) -> Result<f64, Failure> {
@@ -247,8 +249,7 @@ impl Plants {
         self.fleet.check(asked).map_err(of_plant).raised()?;
         let (shown, stopped) = (shown.0.as_slice_mut()?, stopped.0.as_slice_mut()?);
         let fleet = &mut self.fleet;
-        let width = fleet.columns().len();
-        shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
+        shaped("shown", Some(shown.len()), (self.count, self.width)).raised()?;
         shaped("stopped", Some(stopped.len()), (self.count, 1)).raised()?;
         py.detach(|| {
             together(self.count, || {
@@ -261,7 +262,7 @@ impl Plants {
 
     /// Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
     fn show(&self, rows: Rows<'_>, mut shown: Given<PyReadwriteArray2<'_, f64>>) -> PyResult<()> {
-        let width = self.fleet.columns().len();
+        let width = self.width;
         let shown = shown.0.as_slice_mut()?;
         shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
         for row in rows.0.as_slice()?.iter().filter_map(|row| usize::try_from(*row).ok()) {
