@@ -155,8 +155,16 @@ def test_after_a_fork_a_child_goes_on(work, examples, tmp_path):
     assert process.returncode == 0 and told == "done\n", wrong
 
 
+@pytest.fixture
+def listening():
+    """Python hears Ctrl-C, also where whoever started it in the background has had it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.parametrize("engine", [{"engine": "event-located"}, {"engine": "fixed-step", "step": "0.1 ms"}])
-def test_a_run_ends_at_an_interrupt(scenario, engine):
+def test_a_run_ends_at_an_interrupt(scenario, engine, listening):
     """A run of an hour is interrupted by the signal that Ctrl-C sends; nothing is left of it, and another goes on."""
     engine = {f"run.{key}": value for key, value in engine.items()}
     long = scenario.with_values({"run.duration": "3600 s", **engine})
