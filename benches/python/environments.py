@@ -3,7 +3,7 @@
     python benches/python/environments.py [--muscles 4096] [--seconds 5]
 
 Needs the package as `pip install ".[learning]"` builds it. Of each step it tells what share is the engine's, `Plants.step`
-alone on the same actions. Episodes end and begin anew meanwhile. It asserts that the muscles do what they are for: those
+alone on actions drawn in the same way. Episodes end and begin anew meanwhile. It asserts that the muscles do what they are for: those
 that are filled shorten.
 """
 
@@ -26,12 +26,12 @@ def rate(name: str, count: int, seconds: float, **options: object) -> tuple[floa
     plants, episodes = many.unwrapped._episodes.plants, many.unwrapped._episodes
     spent, in_engine, steps = 0.0, 0.0, 0
     while spent + in_engine < seconds:
-        which = int(random.integers(8))
+        one, another = random.integers(8, size=2)
         begun = time.perf_counter()
-        many.step(actions[which])
+        many.step(actions[one])
         spent += time.perf_counter() - begun
         begun = time.perf_counter()
-        plants.step(1e-3, asked[which], episodes.shown, episodes.stopped)
+        plants.step(1e-3, asked[another], episodes.shown, episodes.stopped)
         in_engine += time.perf_counter() - begun
         steps += 1
     per_step = spent / steps

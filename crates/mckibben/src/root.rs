@@ -1,7 +1,13 @@
 //! A bracketed root, by interpolation that can never be slower than bisection by more than a factor.
 //!
-//! The ITP method (Oliveira & Takahashi 2020): a secant step, truncated towards the middle and projected onto the
-//! interval that bisection would still allow. Used for equilibria and for the instants of events.
+//! [`bracketed`] is the ITP method (Oliveira & Takahashi 2020): a secant step, truncated towards the middle and projected onto
+//! the interval that bisection would still allow. Used for equilibria and for the instants of events.
+//!
+//! [`Search`] is for smooth functions that cost much and may carry derivatives: it interpolates the inverse by all that is
+//! known of the last few points, and bisects where that does not converge (as Brent 1973 does with three points). Each error is
+//! of the order of the product of those before, so that three to five evaluations do.
+
+use crate::scalar::Real;
 
 /// A point between `low` and `high` at which `function` changes sign, to `tolerance` in the argument.
 ///
@@ -48,9 +54,103 @@ pub(crate) fn bracketed(mut low: f64, mut high: f64, tolerance: f64, mut functio
     high
 }
 
+/// How many points the inverse is interpolated by.
+const POINTS: usize = 4;
+
+/// A search between zero and one for the point at which a function that is above zero ceases to be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search<R> {
+    low: R,
+    high: R,
+    /// The points that are known with the function's values, the latest first.
+    known: [[R; 2]; POINTS],
+    count: usize,
+    /// By how much the last two proposals were away from those before, the latest first.
+    moves: [R; 2],
+}
+
+impl<R: Real> Search<R> {
+    /// A search from a point, zero or above, to one, by the values there.
+    pub(crate) fn between(low: [R; 2], at_high: R) -> Self {
+        let (high, far) = ([R::one(), at_high], R::constant(2.0));
+        Self { low: low[0], high: high[0], known: [high, low, low, low], count: 2, moves: [far; 2] }
+    }
+
+    /// Where to look next.
+    pub(crate) fn proposal(&self) -> R {
+        let (next, half) = (self.interpolated(), R::constant(0.5));
+        // What is not a number lies nowhere.
+        let within = self.low.lt(next) && next.lt(self.high);
+        let converges = within && self.away(next).lt(half * self.moves[1]);
+        if converges { next } else { half * (self.low + self.high) }
+    }
+
+    /// By how much a point is away from the one that was looked at last.
+    pub(crate) fn away(&self, point: R) -> R {
+        (point - self.known[0][0]).magnitude()
+    }
+
+    /// Takes up the value at a point, and whether the root has been passed there.
+    pub(crate) fn learn(&mut self, [point, value]: [R; 2], is_beyond: bool) {
+        self.moves = [self.away(point), self.moves[0]];
+        *(if is_beyond { &mut self.high } else { &mut self.low }) = point;
+        self.known.rotate_right(1);
+        self.known[0] = [point, value];
+        self.count = (self.count + 1).min(POINTS);
+    }
+
+    /// The argument at which the polynomial through the arguments, as a function of the values, has the value zero (Neville's
+    /// scheme).
+    fn interpolated(&self) -> R {
+        let mut at = self.known.map(|[point, _]| point);
+        for width in 1..self.count {
+            for first in 0..self.count - width {
+                let [value, other] = [first, first + width].map(|place| self.known[place][1]);
+                at[first] = (value * at[first + 1] - other * at[first]) / (value - other);
+            }
+        }
+        at[0]
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::bracketed;
+    use super::{Search, bracketed};
+
+    /// The root, and how often the function was evaluated.
+    fn searched(function: fn(f64) -> f64) -> (f64, usize) {
+        let mut search = Search::between([0.0, function(0.0)], function(1.0));
+        for count in 1..100_usize {
+            let next = search.proposal();
+            let (value, moved) = (function(next), search.away(next));
+            if value == 0.0 || moved < 1e-5 {
+                return (next, count);
+            }
+            search.learn([next, value], value < 0.0);
+        }
+        panic!("no root was found")
+    }
+
+    #[test]
+    fn a_search_needs_few_evaluations_of_what_is_smooth() {
+        type Case = (fn(f64) -> f64, f64);
+        let cases: [Case; 3] = [
+            (|x| 0.3_f64.exp() - x.exp(), 0.3),
+            (|x| (0.8 - x) * (1.0 + 0.3 * x), 0.8),
+            (|x| (0.5 - x) * (1.0 + 0.1 * x * x), 0.5),
+        ];
+        for (function, exact) in cases {
+            let (root, count) = searched(function);
+            assert!((root - exact).abs() < 1e-9, "{root} is not {exact}");
+            assert!(count <= 5, "{count} evaluations");
+        }
+    }
+
+    #[test]
+    fn a_search_finds_what_interpolation_does_not() {
+        let (root, count) = searched(|x| if x < 0.3 { 1e-9 } else { -1e9 });
+        assert!((root - 0.3).abs() < 1e-4 && count < 30, "{root} after {count} evaluations");
+    }
 
     #[test]
     fn finds_roots_of_easy_and_awkward_functions() {

@@ -56,13 +56,8 @@ impl<R: Number> Engine for Baseline<R> {
     fn go(&mut self, span: Span, demand: &Demands<'_>, show: Option<Show<'_>>) {
         self.0.for_each_living(|row, single| demand(row, 0).map_or(Ok(()), |demand| single.tell(demand)));
         self.advance(span);
-        let Some(Show { states, stopped }) = show else { return };
-        for (row, (shown, stopped)) in states.iter_mut().zip(stopped).enumerate() {
-            let state = self.state(row, 0);
-            *stopped = state.is_err();
-            if let Ok(state) = state {
-                *shown = state.to_array();
-            }
+        if let Some(show) = show {
+            show.where_are(|row| self.state(row, 0));
         }
     }
 
@@ -113,7 +108,7 @@ impl<R: Number> Engine for Baseline<R> {
 impl<R: Number> Single<R> {
     /// A row at t = 0 with what is due then behind it, and why it goes no further, if so.
     fn begin(row: &Row, method: Method) -> (Self, Option<Error>) {
-        let mut lane = Lane::<R>::new(row);
+        let mut lane = Lane::<R>::new(row, None);
         let mut walk = lane.begin(row, 0.0);
         let fault = lane.fault.take().or_else(|| lane.pass(&mut walk).err());
         (Self { method, lane, walk, told: Told::nothing() }, fault)
@@ -121,7 +116,8 @@ impl<R: Number> Single<R> {
 
     fn tell(&mut self, demand: Demand) -> Result<(), Error> {
         let Self { lane, walk, told, .. } = self;
-        told.tell(lane.valve_mut()?, &mut walk.progress, walk.course.time, demand)
+        let Walk { course, progress, .. } = walk;
+        told.tell(|| Ok((lane.valve_mut()?, progress)), course.time, demand)
     }
 }
 
@@ -135,7 +131,7 @@ impl<R: Number> Stepper for Single<R> {
     fn advance_to(&mut self, until: f64) -> Result<(), Error> {
         let Self { lane, walk, told, .. } = self;
         let time = walk.course.time;
-        if told.hear(|| lane.actuation.as_mut(), &mut walk.progress, [time, until]) {
+        if told.hear(|| (lane.actuation.as_mut(), &mut walk.progress), [time, until]) {
             lane.pass_due(walk);
         }
         self.lane.go(&mut self.walk, self.method, until, None)

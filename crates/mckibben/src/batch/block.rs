@@ -1,14 +1,14 @@
 //! A block: as many rows as a vector has lanes, with laws of the same form, whatever these laws are.
 
 use super::Row;
-use super::gather::{are_same, gather};
+use super::engine::Show;
+use super::gather::gather;
 use super::member::Member;
 use super::rows::Rows;
 use super::span::Span;
 use super::wide::{Compiled, Wide};
 use crate::error::Error;
 use crate::force::{Characteristic, IdealBraid};
-use crate::scalar::Real;
 use crate::simulation::closed_loop::Control;
 use crate::simulation::fixed_step::Walk;
 use crate::simulation::piped::{PIPED, PLAIN, SHORT};
@@ -46,10 +46,10 @@ impl<W: Wide> Block<W> {
     /// At most as many rows of the same form as there are lanes, at t = 0; `like` is a block whose rows have the same numbers.
     pub(super) fn new(rows: &[&Row], method: Method, like: Option<&Self>) -> Self {
         match like {
-            Some(Self::Ideal(other)) => Self::Ideal(Box::new(Rows::new(other.rig.clone(), rows, method))),
-            Some(Self::Plain(other)) => Self::Plain(Box::new(Rows::new(other.rig.clone(), rows, method))),
-            Some(Self::Piped(other)) => Self::Piped(Box::new(Rows::new(other.rig.clone(), rows, method))),
-            Some(Self::Celled(other)) => Self::Celled(Box::new(Rows::new(other.rig.clone(), rows, method))),
+            Some(Self::Ideal(other)) => Self::Ideal(Box::new(other.of_others(rows))),
+            Some(Self::Plain(other)) => Self::Plain(Box::new(other.of_others(rows))),
+            Some(Self::Piped(other)) => Self::Piped(Box::new(other.of_others(rows))),
+            Some(Self::Celled(other)) => Self::Celled(Box::new(other.of_others(rows))),
             None => Self::of(gather(&rows.iter().map(|row| &row.rig).collect::<Vec<_>>()), rows, method),
         }
     }
@@ -57,16 +57,16 @@ impl<W: Wide> Block<W> {
     fn of(rig: Rig<W>, rows: &[&Row], method: Method) -> Self {
         // One with an air line is not taken for ideal.
         match rig.ideal() {
-            Some(ideal) => Self::Ideal(Box::new(Rows::new(Arc::new(ideal), rows, method))),
-            None if rig.has_cells() => Self::Celled(Box::new(Rows::new(Arc::new(rig), rows, method))),
-            None if rig.is_piped() => Self::Piped(Box::new(Rows::new(Arc::new(rig), rows, method))),
-            None => Self::Plain(Box::new(Rows::new(Arc::new(rig), rows, method))),
+            Some(ideal) => Self::Ideal(Box::new(Rows::new(Arc::new(ideal), rows, method, None))),
+            None if rig.has_cells() => Self::Celled(Box::new(Rows::new(Arc::new(rig), rows, method, None))),
+            None if rig.is_piped() => Self::Piped(Box::new(Rows::new(Arc::new(rig), rows, method, None))),
+            None => Self::Plain(Box::new(Rows::new(Arc::new(rig), rows, method, None))),
         }
     }
 
     /// What the controller of a lane has decided; nothing where there is none.
     pub(super) fn decisions(&self, index: usize) -> &[Decision] {
-        let control = with_rows!(self, rows => &rows.members[index].lane.control);
+        let control = with_rows!(self, rows => &rows.members[index].kept.lane.control);
         control.as_ref().map_or(&[], |control| control.decisions())
     }
 
@@ -77,14 +77,12 @@ impl<W: Wide> Block<W> {
 
     /// Where a lane is, or why it has stopped.
     pub(super) fn state(&self, index: usize) -> Result<State, &Error> {
-        with_rows!(self, rows => {
-            let state = State::from_array([0, 1, 2, 3].map(|place| rows.state[place].lane(index).value()));
-            // A lane that has stopped holds no number: those that live need not be looked at themselves.
-            match state.length.is_nan() {
-                true => rows.members[index].lane.fault.as_ref().map_or(Ok(state), Err),
-                false => Ok(state),
-            }
-        })
+        with_rows!(self, rows => rows.state_of(index))
+    }
+
+    /// Writes where the lanes are.
+    pub(super) fn show(&self, show: Show<'_>) {
+        with_rows!(self, rows => show.where_are(|index| rows.state_of(index)));
     }
 
     /// Tells every lane that has not stopped what is asked of it, if anything; the first lane that cannot do that, and why.
@@ -99,27 +97,16 @@ impl<W: Wide> Block<W> {
         })
     }
 
-    /// Writes where the lanes are, and which have stopped: of those nothing is written.
-    pub(super) fn show(&self, shown: &mut [[f64; 4]], stopped: &mut [bool]) {
-        with_rows!(self, rows => {
-            let [length, velocity, pressure, mass, ..] = &rows.state;
-            for (index, (shown, stopped)) in shown.iter_mut().zip(stopped).enumerate() {
-                let state = [length, velocity, pressure, mass].map(|number| number.lane(index).value());
-                *stopped = state[0].is_nan();
-                if !*stopped {
-                    *shown = state;
-                }
-            }
-        })
-    }
-
     /// Puts other rows in the place of lanes, from now on.
     #[inline(always)]
     fn restart(&mut self, anew: &[(usize, &Row)]) -> Result<(), Error> {
         let (walks, others) = with_rows!(self, rows => {
             let begin = |(index, row): &(usize, &Row)| Ok((*index, rows.members[*index].anew(row, rows.time)?));
             let begun: Vec<(usize, (Member<_>, Walk<_>))> = anew.iter().map(begin).collect::<Result<_, Error>>()?;
-            let others = begun.iter().any(|(index, (member, _))| !are_same(&member.lane.rig, &rows.members[*index].lane.rig));
+            let differs = |(index, (member, _)): &(usize, (Member<_>, _))| {
+                !Arc::ptr_eq(&member.kept.lane.rig, &rows.members[*index].kept.lane.rig)
+            };
+            let others = begun.iter().any(differs);
             let put = |(index, (member, walk))| {
                 rows.members[index] = member;
                 (index, walk)
@@ -136,7 +123,7 @@ impl<W: Wide> Block<W> {
     /// Makes the rig over lanes anew of those of the rows.
     #[inline(always)]
     fn gather(&mut self) {
-        let rigs: Vec<_> = with_rows!(self, rows => rows.members.iter().map(|member| &*member.lane.rig).collect());
+        let rigs: Vec<_> = with_rows!(self, rows => rows.members.iter().map(|member| &*member.kept.lane.rig).collect());
         let rig: Rig<W> = gather(&rigs);
         match self {
             Self::Ideal(rows) => {

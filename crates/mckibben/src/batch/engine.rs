@@ -25,6 +25,20 @@ pub struct Show<'a> {
     pub(super) stopped: &'a mut [bool],
 }
 
+impl Show<'_> {
+    /// Writes them as they are.
+    #[inline(always)]
+    pub(super) fn where_are<'a>(self, state: impl Fn(usize) -> Result<State, &'a Error>) {
+        for (count, (shown, stopped)) in self.states.iter_mut().zip(self.stopped).enumerate() {
+            let state = state(count);
+            *stopped = state.is_err();
+            if let Ok(state) = state {
+                *shown = state.to_array();
+            }
+        }
+    }
+}
+
 /// Blocks of rows.
 pub trait Engine: Debug + Send + Sync {
     /// Takes every block through a span, on all cores.
@@ -100,7 +114,7 @@ impl<W: Wide> Engine for Blocks<W> {
                 let shown = states.par_chunks_mut(W::LANES).zip(stopped.par_chunks_mut(W::LANES));
                 blocks.zip(shown).enumerate().for_each(|(count, (block, (states, stopped)))| {
                     go(count, block);
-                    block.show(states, stopped);
+                    block.show(Show { states, stopped });
                 });
             }
             None => blocks.enumerate().for_each(|(count, block)| go(count, block)),

@@ -3,7 +3,7 @@
 
 use super::Row;
 use super::alone::CONTROLLED;
-use super::gather::{form, narrow};
+use super::gather::{are_same, form, narrow};
 use super::wide::Number;
 use crate::error::Error;
 use crate::friction::Memory;
@@ -22,6 +22,7 @@ use crate::simulation::told::check_restart;
 use crate::simulation::{Method, Rig};
 use crate::valve::{Openings, Ports, is_due};
 use alloc::boxed::Box;
+use alloc::sync::Arc;
 
 /// A row is begun anew with a rig that does not fit the others of its block.
 pub(super) const OTHER_FORM: Error = Error::Unsupported {
@@ -32,7 +33,8 @@ pub(super) const OTHER_FORM: Error = Error::Unsupported {
 /// What a row keeps for itself.
 #[derive(Debug)]
 pub(super) struct Lane<R> {
-    pub(super) rig: Box<Rig<R>>,
+    /// Rows whose numbers are the same share it: it then stays in the cache.
+    pub(super) rig: Arc<Rig<R>>,
     pub(super) actuation: Option<Actuation>,
     pub(super) load: Load,
     pub(super) fault: Option<Error>,
@@ -40,10 +42,11 @@ pub(super) struct Lane<R> {
 }
 
 impl<R: Number> Lane<R> {
-    /// A row at t = 0, before what is due then has been passed.
-    pub(super) fn new(row: &Row) -> Self {
+    /// A row at t = 0, before what is due then has been passed; `like` is the rig of another, which may have the same numbers.
+    pub(super) fn new(row: &Row, like: Option<&Arc<Rig<R>>>) -> Self {
+        let rig = narrow(&row.rig);
         Self {
-            rig: Box::new(narrow(&row.rig)),
+            rig: like.filter(|like| are_same(&rig, like)).cloned().unwrap_or_else(|| Arc::new(rig)),
             actuation: row.rig.actuation().cloned(),
             load: row.rig.load().clone(),
             fault: row.rig.check_pressure_is_free().err(),
@@ -57,11 +60,12 @@ impl<R: Number> Lane<R> {
         if self.control.is_some() {
             return Err(CONTROLLED);
         }
-        if row.rig.tendon().is_some() || form(&narrow::<R>(&row.rig)) != form(&self.rig) {
+        let row = Row { rig: row.rig.clone().not_asked(), start: row.start };
+        let lane = Self::new(&row, Some(&self.rig));
+        let is_like = || Arc::ptr_eq(&lane.rig, &self.rig) || form(&lane.rig) == form(&self.rig);
+        if row.rig.tendon().is_some() || !is_like() {
             return Err(OTHER_FORM);
         }
-        let row = Row { rig: row.rig.clone().not_asked(), start: row.start };
-        let lane = Self::new(&row);
         let walk = lane.begin(&row, time);
         Ok((lane, walk))
     }

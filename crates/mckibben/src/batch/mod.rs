@@ -358,13 +358,7 @@ impl<F: Float> Batch<F> {
         alone.advance(span.until, span.steps);
         self.time = until;
         if !self.in_order {
-            for (row, (shown, stopped)) in shown.iter_mut().zip(stopped).enumerate() {
-                let state = self.state(row);
-                *stopped = state.is_err();
-                if let Ok(state) = state {
-                    *shown = state.to_array();
-                }
-            }
+            Show { states: shown, stopped }.where_are(|row| self.state(row));
         }
         Ok(())
     }

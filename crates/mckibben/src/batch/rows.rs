@@ -10,7 +10,7 @@
 
 use super::Row;
 use super::lane::Lane;
-use super::member::Member;
+use super::member::{Kept, Member};
 use super::span::Span;
 use super::wide::Wide;
 use crate::error::Error;
@@ -24,7 +24,7 @@ use crate::simulation::fixed_step::{Walk, compressor_starts, stepped};
 use crate::simulation::kernel::Held;
 use crate::simulation::piped::{PIPED, PLAIN, Stepped as States, of_rig, volume};
 use crate::simulation::sample::Sample;
-use crate::simulation::{Method, Rig};
+use crate::simulation::{Method, Rig, State};
 use crate::valve::is_due;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -61,12 +61,15 @@ pub(super) struct Rows<W: Wide, L, const N: usize> {
 }
 
 impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
-    pub(super) fn new(rig: Arc<Rig<W, L>>, rows: &[&Row], method: Method) -> Self {
-        let begin = |row: &Row| {
-            let lane = Lane::new(row);
+    /// Rows at t = 0; `like` is the rig of one that may have the same numbers as the first of them.
+    pub(super) fn new(rig: Arc<Rig<W, L>>, rows: &[&Row], method: Method, mut like: Option<Arc<Rig<W::Lane>>>) -> Self {
+        let begin = |row: &&Row| {
+            let lane = Lane::new(row, like.as_ref());
+            like = Some(lane.rig.clone());
             let walk = lane.begin(row, 0.0);
             Member::new(lane, &walk)
         };
+        let members = rows.iter().map(begin).collect();
         // Lanes without a row hold no number.
         let starts: Vec<_> = rows.iter().map(|row| stepped(&row.rig, row.start)).collect();
         let start =
@@ -87,10 +90,16 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,
-            members: rows.iter().map(|row| begin(row)).collect(),
+            members,
         };
         block.pass(|member| member.lives);
         block
+    }
+
+    /// Other rows with the same numbers at t = 0.
+    pub(super) fn of_others(&self, rows: &[&Row]) -> Self {
+        let like = self.members.first().map(|member| member.kept.lane.rig.clone());
+        Self::new(self.rig.clone(), rows, self.method, like)
     }
 
     /// A lane by itself, at the time in s that it has come to.
@@ -113,7 +122,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             memory: self.memory_of(index),
         };
         let state = whole(&self.state, index);
-        let Member { progress, ports, .. } = self.members[index];
+        let Kept { progress, ports, .. } = *self.members[index].kept;
         Walk { course: Course { time, state, held }, progress, ports }
     }
 
@@ -151,7 +160,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             held.memory.elements[element].put(index, of_lane.memory.elements[element]);
         }
         let member = &mut self.members[index];
-        (member.progress, member.ports) = (walk.progress, walk.ports);
+        (member.kept.progress, member.kept.ports) = (walk.progress, walk.ports);
         member.look_ahead(self.known_until);
     }
 
@@ -164,7 +173,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         does: impl FnOnce(&mut Lane<W::Lane>, &mut Walk<W::Lane>) -> Result<(), Error>,
     ) {
         let mut walk = self.walk(index, time);
-        match does(&mut self.members[index].lane, &mut walk) {
+        match does(&mut self.members[index].kept.lane, &mut walk) {
             Ok(()) => self.take_back(index, &walk, end),
             Err(fault) => self.fail(index, fault, end),
         }
@@ -186,7 +195,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
     /// Puts a controller in place of a lane's command, at t = 0.
     pub(super) fn control(&mut self, index: usize, control: Box<dyn Control>) {
         let member = &mut self.members[index];
-        member.lane.control = Some(control);
+        member.kept.lane.control = Some(control);
         if member.lives {
             let mut end = self.state;
             self.by_itself(index, self.time, &mut end, Lane::sample_due);
@@ -200,7 +209,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         let mut end = self.state;
         for (index, mut walk) in walks {
             self.alive = self.alive | W::mask(|lane| lane == index);
-            match self.members[index].lane.pass(&mut walk) {
+            match self.members[index].kept.lane.pass(&mut walk) {
                 Ok(()) => self.take_back(index, &walk, &mut end),
                 Err(fault) => self.fail(index, fault, &mut end),
             }
@@ -323,25 +332,28 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             self.state = end;
             self.arrive(until);
         }
-        self.sort();
     }
 
     /// Gives every row that has not come to `until` its goal; whether there are enough of them to go on side by side. If not,
     /// they have gone there by themselves.
     #[inline(never)]
     fn set_out(&mut self, until: f64) -> bool {
-        let mut going = 0;
+        let (mut going, mut left) = (0, false);
         for member in self.members.iter_mut().filter(|member| member.lives) {
             member.goes = member.time < until || is_due(member.next, until);
             member.goal = until.smaller(member.next).larger(member.time);
             going += usize::from(member.goes && !member.under_way);
+            left |= member.goes;
         }
         if going >= FEW {
             return true;
         }
-        let mut end = self.state;
-        self.walk_left(until, &mut end, |_, _| true);
-        self.state = end;
+        if left {
+            let mut end = self.state;
+            self.walk_left(until, &mut end, |_, _| true);
+            self.state = end;
+            self.sort();
+        }
         false
     }
 
@@ -384,7 +396,19 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
 
     #[inline(never)]
     fn under_way(&self, index: usize, sample: Sample) -> Sample {
-        self.members[index].lane.under_way(&self.walk(index, self.time), sample)
+        self.members[index].kept.lane.under_way(&self.walk(index, self.time), sample)
+    }
+
+    /// Where a lane is, or why it has stopped.
+    #[inline(always)]
+    pub(super) fn state_of(&self, index: usize) -> Result<State, &Error> {
+        let number = |place: usize| self.state[place].lane(index).value();
+        let state = State::from_array([number(0), number(1), number(2), number(3)]);
+        // A lane that has stopped holds no number: those that live need not be looked at themselves.
+        match state.length.is_nan() {
+            true => self.members[index].kept.lane.fault.as_ref().map_or(Ok(state), Err),
+            false => Ok(state),
+        }
     }
 
     /// What each row shows now, or why it has stopped.
@@ -394,11 +418,16 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
         let observed = self.rig.observe(time, &self.state, &self.held);
         let (air, supply) = (self.rig.hose_content(&self.state), self.rig.feed(&self.state));
         let hose = air.map(|air| [self.state[volume(0)], air]);
-        let sample = |(index, member): (usize, &Member<_>)| match &member.lane.fault {
+        let sample = |(index, member): (usize, &Member<_>)| match &member.kept.lane.fault {
             Some(fault) => Err(fault.clone()),
             None => {
-                let sample =
-                    Sample::of_lane(self.time, of_rig(&self.state), &observed, index, (member.ports, hose, supply));
+                let sample = Sample::of_lane(
+                    self.time,
+                    of_rig(&self.state),
+                    &observed,
+                    index,
+                    (member.kept.ports, hose, supply),
+                );
                 Ok(match member.under_way {
                     false => sample,
                     true => self.under_way(index, sample),

@@ -36,6 +36,7 @@ impl<R: Real> Modulator<R> {
     }
 
     /// A command arrives at `time` in s; the request that changes at once, if one does.
+    #[inline]
     pub fn command(&mut self, drive: Drive<R>, time: R, frequency: R) -> Option<Request> {
         let was_pulsing = matches!(self.drive, Some(Drive::Pulses { .. }));
         self.drive = Some(drive);

@@ -3,8 +3,8 @@
 //! With Coulomb friction the direction of sliding is held over a step, and so is the extent: slack, taut, or free, which is
 //! between the limits of the length or beyond the longest without pull. Where the velocity has changed its sign by the end
 //! of the step, friction can no longer hold a load at rest, or the length or the force of the taut braid has left the
-//! extent, the point within the step where that first happens is found by bracketed secants on the method's own step; the
-//! load then turns, sticks or breaks away, or the extent changes, and the rest of the step follows.
+//! extent, the point within the step where that first happens is searched for by the method's own step; the load then
+//! turns, sticks or breaks away, or the extent changes, and the rest of the step follows.
 //!
 //! At rest the load sticks while its pull lies between the least and the largest tension that friction can hold,
 //! `F_s + F_limit ± Q k_sec`, (12).
@@ -19,6 +19,7 @@ use super::rig::Rig;
 use crate::force::Statics;
 use crate::line::HoseKind;
 use crate::load::Load;
+use crate::root::Search;
 use crate::scalar::{Mask, Real, Scalar};
 
 /// What may cease to hold: the direction of sliding, the extent, whether the compressor runs.
@@ -30,12 +31,12 @@ const COMPRESSOR: usize = 2;
 const MAX_TURNS: usize = 4;
 /// Parts of a step that takes more air than there is, at most.
 const MOST_PARTS: u32 = 256;
-/// Part of a step that the last secant moves a turn by: what is left of its error is of the order of the square.
-const TURN_TOLERANCE: f64 = 1e-6;
+/// Part of a step that the last look moves a turn by: what is left of its error is smaller by the errors of those before.
+const TURN_TOLERANCE: f64 = 1e-5;
 /// Part of a step that a load which starts from rest, or on a limit, moves before a turn is looked for.
 const FROM_REST: f64 = 1e-3;
-/// Secants and bisections after which a turn is taken where the bracket is.
-const MAX_SECANTS: usize = 60;
+/// Looks after which a turn is taken to be where the last one was.
+const MOST_LOOKS: usize = 60;
 
 /// Where a rig is, and what it holds to until the next instant.
 #[derive(Clone, Copy, Debug)]
@@ -175,8 +176,7 @@ impl<R: Real> Course<R> {
     /// What holds at the end of the step is taken to hold throughout. Of two that do not, the one that is nil at the turn
     /// has ceased to hold first.
     ///
-    /// Secants with the older end's value halved when it stays twice (the Illinois rule), and a bisection now and then so
-    /// that the bracket shrinks whatever the function.
+    /// Each look is a step of the method from the start.
     fn locate(&self, rig: &Rig<R>, method: Method, step: R, end: Stepped<R>, ceases: [bool; MARGINS]) -> Turn<R> {
         let margin = |state: &Stepped<R>| {
             let margins = rig.keeps(&self.held, state);
@@ -188,43 +188,38 @@ impl<R: Real> Course<R> {
             }
             least
         };
-        let half = R::constant(0.5);
-        let (mut low, mut high) = (R::zero(), R::one());
-        let (mut at_low, _) = margin(&self.state);
-        let (mut at_high, what) = margin(&end);
-        let (mut theta, mut was_beyond) = (R::one(), None);
-        let mut turn = Turn { part: step, state: end, what };
-        for count in 0..MAX_SECANTS {
-            // From rest or from a limit the function starts at zero, or a rounding below: look away from the start.
-            let from_rest = at_low.le(R::zero());
-            let secant = (high - low).multiply_add(at_low / (at_low - at_high), low);
-            let next = if from_rest {
-                R::constant(FROM_REST)
-            } else if count % 8 != 7 && low.lt(secant) && secant.lt(high) {
-                secant
-            } else {
-                half * (low + high)
-            };
-            let state = self.take(rig, method, next * step);
+        let look = |theta: R| {
+            let part = theta * step;
+            let state = self.take(rig, method, part);
             let (value, what) = margin(&state);
             // What is not a number is beyond as well.
-            let is_beyond = !R::zero().le(value);
-            let change = (next - theta).magnitude();
-            theta = next;
-            turn = Turn { part: theta * step, state, what };
+            (value, !R::zero().le(value), Turn { part, state, what })
+        };
+        let ((at_start, _), (at_end, what)) = (margin(&self.state), margin(&end));
+        // From rest or from a limit the margin starts at zero, or a rounding below: look away from the start, and at the margin
+        // over the part of the step, which has no root there.
+        let from_rest = at_start.le(R::zero());
+        let over = |theta: R, value: R| if from_rest { value / theta } else { value };
+        let mut search = if from_rest {
+            let theta = R::constant(FROM_REST);
+            let (value, is_beyond, turn) = look(theta);
+            if is_beyond {
+                return turn;
+            }
+            Search::between([theta, over(theta, value)], at_end)
+        } else {
+            Search::between([R::zero(), at_start], at_end)
+        };
+        let mut turn = Turn { part: step, state: end, what };
+        for _ in 0..MOST_LOOKS {
+            let theta = search.proposal();
+            let (value, is_beyond, of_look) = look(theta);
+            turn = of_look;
             let is_nil = value.le(R::zero()) && R::zero().le(value);
-            if change.le(R::constant(TURN_TOLERANCE)) || is_nil || (from_rest && is_beyond) {
+            if is_nil || search.away(theta).le(R::constant(TURN_TOLERANCE)) {
                 break;
             }
-            let stays = was_beyond == Some(is_beyond);
-            if is_beyond {
-                (high, at_high) = (next, value);
-                at_low = R::select(stays, half * at_low, at_low);
-            } else {
-                (low, at_low) = (next, value);
-                at_high = R::select(stays, half * at_high, at_high);
-            }
-            was_beyond = Some(is_beyond);
+            search.learn([theta, over(theta, value)], is_beyond);
         }
         turn
     }

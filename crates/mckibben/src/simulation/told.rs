@@ -31,19 +31,26 @@ pub(crate) struct Told<R> {
     last: Option<Demand<R>>,
     modulator: Modulator<R>,
     pulse_frequency: R,
+    /// When in s the modulator asks for something by itself next; infinite when it does not.
+    edge: R,
     /// Something has been told since it was last heard.
     unheard: bool,
 }
 
+/// The valve of a rig, if it has one, and where it is in its timetable.
+pub(crate) type Driven<'a, R> = (Option<&'a mut Actuation<R>>, &'a mut Progress<R>);
+
 impl<R: Real> Told<R> {
     /// Nothing so far.
     pub(crate) fn nothing() -> Self {
-        Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), unheard: false }
+        let never = R::constant(f64::INFINITY);
+        Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), edge: never, unheard: false }
     }
 
     /// Takes up at `time` in s what needs nothing of the valve, the request that holds or another duty cycle of the pulses that
     /// go on; whether it is that.
-    pub(crate) fn follow(&mut self, time: R, demand: &Demand<R>) -> bool {
+    #[inline]
+    fn follow(&mut self, time: R, demand: &Demand<R>) -> bool {
         match (&self.last, demand) {
             (Some(Demand::Request(before)), Demand::Request(request)) => before == request,
             (
@@ -64,17 +71,22 @@ impl<R: Real> Told<R> {
         }
     }
 
-    /// Tells a valve that has come to `time` in s what it is to do from then on.
-    pub(crate) fn tell(
+    /// Tells a valve that has come to `time` in s what it is to do from then on. The valve is asked for only where there is
+    /// something to change.
+    #[inline]
+    pub(crate) fn tell<'a>(
         &mut self,
-        valve: Option<&mut Actuation<R>>,
-        progress: &mut Progress<R>,
+        valve: impl FnOnce() -> Result<Driven<'a, R>, Error>,
         time: R,
         demand: Demand<R>,
     ) -> Result<(), Error> {
-        if self.follow(time, &demand) {
-            return Ok(());
+        match self.follow(time, &demand) {
+            true => Ok(()),
+            false => self.change(valve()?, time, demand),
         }
+    }
+
+    fn change(&mut self, (valve, progress): Driven<'_, R>, time: R, demand: Demand<R>) -> Result<(), Error> {
         let Some(actuation) = valve else {
             return Err(Error::Unsupported {
                 what: "something is asked of a valve, but the actuator has none",
@@ -102,28 +114,31 @@ impl<R: Real> Told<R> {
             None => actuation.command.append(time, demand),
         }
         (self.last, self.unheard) = (Some(demand), true);
+        self.look_ahead();
         Ok(())
+    }
+
+    fn look_ahead(&mut self) {
+        self.edge = self.modulator.next(self.pulse_frequency).unwrap_or(R::constant(f64::INFINITY));
     }
 
     /// The next edge of the pulses in s, if it comes before `until`: what is told at `until` comes before a pulse that begins
     /// or ends there.
+    #[inline]
     fn edge(&self, until: R) -> Option<R> {
-        self.modulator.next(self.pulse_frequency).filter(|edge| !is_due(until, *edge))
+        Some(self.edge).filter(|edge| !is_due(until, *edge))
     }
 
     /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s; whether it is
     /// another than before. The valve is asked for only where there is something to hear.
-    pub(crate) fn hear<'a>(
-        &mut self,
-        valve: impl FnOnce() -> Option<&'a mut Actuation<R>>,
-        progress: &mut Progress<R>,
-        [time, until]: [R; 2],
-    ) -> bool {
-        if !self.unheard && self.edge(until).is_none() {
-            return false;
-        }
+    #[inline]
+    pub(crate) fn hear<'a>(&mut self, valve: impl FnOnce() -> Driven<'a, R>, span: [R; 2]) -> bool {
+        (self.unheard || self.edge(span[1]).is_some()) && self.go_on(valve(), span)
+    }
+
+    fn go_on(&mut self, (valve, progress): Driven<'_, R>, [time, until]: [R; 2]) -> bool {
         let mut changed = core::mem::take(&mut self.unheard);
-        let Some(actuation) = valve() else { return changed };
+        let Some(actuation) = valve else { return changed };
         while let Some(edge) = self.edge(until) {
             if !changed {
                 progress.settle(actuation, time, R::constant(f64::INFINITY));
@@ -132,6 +147,7 @@ impl<R: Real> Told<R> {
             if let Some(request) = self.modulator.pass(edge, self.pulse_frequency) {
                 actuation.command.append(edge, Demand::Request(request));
             }
+            self.look_ahead();
         }
         changed
     }
@@ -218,7 +234,7 @@ impl<R: Real<Time = R>> ToldStepper<R> {
     /// outside its range. Then nothing has changed.
     pub fn tell(&mut self, demand: impl Into<Demand<R>>) -> Result<(), Error> {
         let time = self.time();
-        self.told.tell(self.rig.actuation_mut(), self.journey.progress_mut(), time, demand.into())
+        self.told.tell(|| Ok((self.rig.actuation_mut(), self.journey.progress_mut())), time, demand.into())
     }
 
     /// Goes on to `until` in one step, divided where something switches.
@@ -227,7 +243,7 @@ impl<R: Real<Time = R>> ToldStepper<R> {
     /// As [`super::FixedStepper::advance_to`].
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         let time = self.time();
-        let heard = self.told.hear(|| self.rig.actuation_mut(), self.journey.progress_mut(), [time, until]);
+        let heard = self.told.hear(|| (self.rig.actuation_mut(), self.journey.progress_mut()), [time, until]);
         if heard {
             self.journey.pass_due(&self.rig);
         }

@@ -331,10 +331,8 @@ impl<S: Real> SeatClock<S> {
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         let change = command.change(self.next_change).map(|(time, _)| time + solenoid.transport);
         let [first, second] = self.strokes.map(|stroke| stroke.end());
-        [change, self.due[0], self.due[1], first, second]
-            .into_iter()
-            .flatten()
-            .min_by(|a, b| a.value().total_cmp(&b.value()))
+        let others = [self.due[0], self.due[1], first, second].into_iter().flatten();
+        others.fold(change, |soonest, time| soonest.filter(|soonest| soonest.value() <= time.value()).or(Some(time)))
     }
 
     /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.
