@@ -186,9 +186,7 @@ class Episodes:
         if self._requests is not None:
             return self._requests[np.asarray(actions, dtype=np.int64).reshape(shape)]
         low = -1.0 if self.options.asked == "position" else 0.0
-        numbers = np.array(actions, dtype=np.float64).reshape(shape)
-        np.maximum(numbers, low, out=numbers)
-        np.minimum(numbers, 1.0, out=numbers)
+        numbers = np.clip(np.asarray(actions, dtype=np.float64).reshape(shape), low, 1.0)
         return numbers * self.options.most_pressure if self.options.asked == "set-point" else numbers
 
     def finished(self) -> NDArray[np.bool_]:
