@@ -12,6 +12,8 @@ import pytest
 
 import mckibben
 
+pytestmark = pytest.mark.blas
+
 
 def test_curves_are_those_of_the_command_line(program, examples, tmp_path):
     path = examples / "laws/bladder.toml"
