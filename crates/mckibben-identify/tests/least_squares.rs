@@ -239,7 +239,8 @@ fn beyond(scale: f64) -> Curve<impl Fn(f64, &[f64]) -> (f64, Vec<f64>)> {
 fn a_fit_in_which_every_unknown_rests_on_a_bound_has_values_and_no_intervals() {
     let unknowns = [Unknown::new("a", "", 0.5).between(0.0, 1.0), Unknown::new("b", "", 0.0).between(-1.0, 1e-9)];
     for scale in [1e1, 1e4, 1e8] {
-        let found = fit(&beyond(scale), &unknowns, &Search::default()).unwrap_or_else(|error| panic!("{scale}: {error}"));
+        let found =
+            fit(&beyond(scale), &unknowns, &Search::default()).unwrap_or_else(|error| panic!("{scale}: {error}"));
         assert!(found.estimates.iter().all(|of| of.on_bound && of.interval.is_none()), "{:?}", found.estimates);
         assert!((found.estimates[0].value - 1.0).abs() < 1e-6, "{:?}", found.estimates);
         assert!(found.condition.is_finite() && found.untold.is_empty());

@@ -299,7 +299,8 @@ impl Work<'_> {
         }
         let Some((place, why)) = found.first() else { return Ok(()) };
         if !entry.rules.drop_outliers {
-            let what = format!("the {words} in the column `{}` is {:?} {unit}, {why}", entry.name, column.values[*place]);
+            let what =
+                format!("the {words} in the column `{}` is {:?} {unit}, {why}", entry.name, column.values[*place]);
             let remedy =
                 "mend the cell or empty it, or say drop_outliers = true for this column to leave such cells out";
             return Err(self.refuse(Some(self.lines[*place]), what, remedy));
