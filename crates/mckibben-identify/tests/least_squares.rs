@@ -27,12 +27,7 @@ impl<F: Fn(f64, &[f64]) -> (f64, Vec<f64>)> Model for Curve<F> {
 }
 
 /// A certified value and standard deviation for each unknown, and the residual standard deviation.
-fn certified(
-    curve: &Curve<impl Fn(f64, &[f64]) -> (f64, Vec<f64>)>,
-    starts: &[&[f64]],
-    expected: &[[f64; 2]],
-    scatter: f64,
-) {
+fn certified(curve: &Curve<Plain>, starts: &[&[f64]], expected: &[[f64; 2]], scatter: f64) {
     for start in starts {
         let unknown = |(place, value): (usize, &f64)| Unknown::new(format!("b{}", place + 1), "1", *value);
         let unknowns: Vec<Unknown> = start.iter().enumerate().map(unknown).collect();
@@ -227,8 +222,11 @@ fn too_few_points_and_a_start_outside_the_bounds_have_their_messages() {
     assert!(nowhere.to_string().contains("no finite value at the start"), "{nowhere}");
 }
 
+/// Value and slopes at a place, by the unknowns.
+type Plain = fn(f64, &[f64]) -> (f64, Vec<f64>);
+
 /// A straight line through points that ask for a number beyond every bound.
-fn beyond(scale: f64) -> Curve<impl Fn(f64, &[f64]) -> (f64, Vec<f64>)> {
+fn beyond(scale: f64) -> Curve<Plain> {
     Curve {
         points: (0..8).map(|x| [f64::from(x), scale]).collect(),
         curve: |x, of: &[f64]| (of[0] + x * of[1], vec![1.0, x]),
@@ -270,7 +268,7 @@ fn what_ends_a_search_is_said_in_words() {
 }
 
 /// Rosenbrock's valley as residuals, which takes many steps, and one more residual so that there is something to tell.
-fn rosenbrock() -> Curve<impl Fn(f64, &[f64]) -> (f64, Vec<f64>)> {
+fn rosenbrock() -> Curve<Plain> {
     let curve = |which: f64, of: &[f64]| match which as u8 {
         0 => (10.0 * (of[1] - of[0] * of[0]), vec![-20.0 * of[0], 10.0]),
         1 => (1.0 - of[0], vec![-1.0, 0.0]),
