@@ -792,9 +792,11 @@ def identify(study: str | PathLike[str], output: str | PathLike[str] | None = No
     """
     From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
 
-    With `output`, a folder, the report, the scenarios and the numbers are written there as well.
+    With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
+    fail, `warnings` say which and why.
 
-    Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found.
+    Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found; the report
+    is written then too.
     """
 
 def linearize(scenario: Scenario, *, pressure: str | None = None, length: str | None = None, load: str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: str | None = None, angle: str | None = None, stiffness: str | None = None, amplitude: str | None = None, all_states: bool = False) -> LinearModel:

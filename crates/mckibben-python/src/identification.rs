@@ -11,17 +11,22 @@ use std::path::PathBuf;
 
 /// From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
 ///
-/// With `output`, a folder, the report, the scenarios and the numbers are written there as well.
+/// With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
+/// fail, `warnings` say which and why.
 ///
-/// Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found.
+/// Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found; the report
+/// is written then too.
 #[pyfunction]
 #[pyo3(signature = (study, output = None))]
 pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) -> PyResult<Identification> {
     let found = py
         .detach(|| {
-            let found = pool::shared(|| identified(&study))??;
-            if let Some(folder) = &output {
-                found.write(folder)?;
+            let found = pool::shared(|| identified(&study, output.as_deref()))??;
+            let page = output.as_ref().map(|folder| found.write(folder)).transpose()?;
+            // What was found of other runs is worth having; the warnings say what failed.
+            match found.estimates.is_empty() {
+                true => found.verdict(page.as_deref())?,
+                false => {}
             }
             Ok::<_, Failure>(found)
         })

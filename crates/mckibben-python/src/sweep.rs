@@ -143,9 +143,8 @@ impl Sweep {
     fn put(&self, py: Python<'_>, folder: PathBuf, part: u64, bytes: &[u8]) -> PyResult<()> {
         py.detach(|| {
             let folder = self.prepared.folder(&folder)?;
-            output::write(&folder.part(part), bytes)?;
-            folder.clear_remains_of(part);
-            Ok::<_, Failure>(())
+            let written = output::write(&folder.part(part), bytes);
+            written.map_err(|failure| failure.staying(|| folder.stays(&self.prepared.plan())))
         })
         .raised()
     }

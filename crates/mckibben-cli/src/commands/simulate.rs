@@ -160,14 +160,8 @@ impl<'a> Files<'a> {
             let title = format!("`{}` does not say how to write the events", path.display());
             return Err(Failure::input(title, "end the name of --events-output with .csv"));
         }
-        let scenario = Some(arguments.file.as_path());
-        let same = |a: Option<&Path>, b: Option<&Path>| a.is_some() && a.map(output::settled) == b.map(output::settled);
-        if same(output, events) || same(output, scenario) || same(events, scenario) || same(plot, scenario) {
-            return Err(Failure::input(
-                "two of the files that are to be read and written are the same",
-                "give --output, --plot and --events-output names of their own",
-            ));
-        }
+        let help = "give --output, --plot and --events-output names of their own";
+        output::distinct([arguments.file.as_path()], output.into_iter().chain(plot).chain(events), help)?;
         let output = output.map(|path| record::Format::of(path).map(|format| (path, format))).transpose()?;
         let plot = plot.map(|path| portrait::Format::of(path).map(|format| (path, format))).transpose()?;
         Ok(Self { output, plot, events })
