@@ -88,7 +88,7 @@ def test_every_action_changes_the_next_observation(name: str, options: dict[str,
         differ = 1 + step * valves + np.arange(valves)
         assert (seen[differ] != seen[0]).any(axis=1).all(), f"step {step}"
         later = np.arange(1 + (step + 1) * valves, many.num_envs)
-        assert (shown[later] == shown[0]).all(), "plants that have done the same are the same"
+        assert (shown[later] == shown[0]).all(), "plants with equal actions are equal"
 
 
 @pytest.mark.parametrize("asked", ["duty", "request"])

@@ -101,7 +101,7 @@ def test_success_is_a_plant_near_all_of_its_targets(name: str) -> None:
     assert info["is_success"] == bool((np.abs(seen - aims) <= 0.1).all())
 
 
-def test_diverging_is_told_in_both_forms() -> None:
+def test_the_single_form_reports_divergence() -> None:
     alone = gymnasium.make(MASS, **fragile()).unwrapped
     alone.reset(seed=2)
     for _ in range(20):
@@ -114,7 +114,7 @@ def test_diverging_is_told_in_both_forms() -> None:
 
 
 @pytest.mark.parametrize("name", IDS)
-def test_the_vector_form_says_of_each_plant_what_the_single_form_says(name: str) -> None:
+def test_info_of_the_vector_form_is_that_of_single_forms(name: str) -> None:
     many = gymnasium.make_vec(name, num_envs=3)
     alone = [gymnasium.make(name).unwrapped for _ in range(3)]
     seeds = [3, 4, 5]
@@ -211,7 +211,7 @@ def test_a_mask_begins_episodes_of_some_plants_and_leaves_the_others() -> None:
     for _ in range(3):
         last = many.step(np.full((3, 1), 0.4, dtype=np.float32))[0]
     observed, info = many.reset(options={"reset_mask": mask, "targets": {"length_m": 0.08}})
-    assert (observed[1] == last[1]).all(), "what a plant that waits was last seen to do"
+    assert (observed[1] == last[1]).all(), "a plant that waits keeps its last observation"
     np.testing.assert_allclose(observed[mask, 3], 0.5, rtol=1e-6)
     assert info["velocity_m_s"][0] == 0.0 != info["velocity_m_s"][1]
     for wrong in (np.zeros(3, dtype=bool), np.ones(2, dtype=bool), np.array([0, 1, 2])):
@@ -259,7 +259,7 @@ def test_the_specification_has_the_steps_of_an_episode(name: str) -> None:
         assert one.spec.max_episode_steps == many.spec.max_episode_steps == steps
         again = [gymnasium.make(one.spec), gymnasium.make_vec(many.spec)]
         assert [form.spec.max_episode_steps for form in again] == [steps, steps]
-    # Whoever counts steps finds as many.
+    # The truncation comes in that step.
     one = gymnasium.make(name, duration=0.2)
     one.reset(seed=1)
     ends = [one.step(one.action_space.sample())[3] for _ in range(one.spec.max_episode_steps)]
