@@ -58,7 +58,7 @@ lift, push = plant.A, plant.B[:, 0]
 #
 # Before a controller is designed by a model, the thing that it will meet: two `Actuator`s, each with its air and its
 # valve's seats, and a limb. The muscles come from the package; the limb is two lines, which one would have from a
-# robot's simulator. `decide` is asked once a period.
+# robot's simulator. `decide` is asked once a period, and a computer takes its time: its answer is done in the next one.
 
 # %%
 described = scenario.to_dict()
@@ -82,11 +82,12 @@ def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float
     leave their middle."""
     agonist, antagonist = muscle(gauge_pressure), muscle(gauge_pressure)
     first, second = agonist.start(), antagonist.start()
-    angle = rate = pull = counter_pull = asked = 0.0
+    angle = rate = pull = counter_pull = asked = coming = 0.0
     rows = []
     for count in range(round(duration / step)):
         if count % round(PERIOD / step) == 0:
-            asked = decide(count * step, angle, (first.pressure - second.pressure) / BAR)
+            decided = decide(count * step, angle, (first.pressure - second.pressure) / BAR)
+            asked, coming = coming if count else decided, decided
         torque = RADIUS * (pull - counter_pull) - GRAVITY_TORQUE * math.sin(angle) - limb["damping"] * rate
         rate += torque / INERTIA * step
         angle += rate * step
@@ -108,8 +109,8 @@ assert math.degrees(apart) < 0.05
 # %% [markdown]
 # ## Does the linear model hold?
 #
-# A step of the difference of the duties, by the model and by the pulsed muscles. A duty becomes pulses with the next
-# period, so the model is one sample late. What it does not know is dry friction: the steps have to be large beside it.
+# A step of the difference of the duties, by the model and by the pulsed muscles. A duty is done a period after it is
+# decided, so the model is one sample late. What it does not know is dry friction: the steps have to be large beside it.
 
 # %%
 BALANCE = point["agonist_gauge_pressure_pa"]

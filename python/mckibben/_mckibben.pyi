@@ -406,6 +406,12 @@ class Plants:
         """
         What is shown of each, by the names of the columns of a run.
         """
+    def differ(self, /, one: ArrayLike, other: ArrayLike) -> bool:
+        """
+        Whether plants with these two sets of values of the numbers `by`, in SI, would differ. Commands of valves do not count.
+
+        Raises `InputError` for values that cannot be.
+        """
     @property
     def duration(self, /) -> float:
         """
@@ -415,6 +421,11 @@ class Plants:
     def given(self, /) -> NDArray[float64]:
         """
         What the scenario has for these numbers, in SI.
+        """
+    @property
+    def pulses(self, /) -> float | None:
+        """
+        How often pulses come, in Hz, where `asked` is "duty".
         """
     @property
     def requests(self, /) -> list[float]:
@@ -449,6 +460,18 @@ class Plants:
         as they are, and only `restart` brings them back.
 
         Raises `InputError` for what cannot be asked, before anything has changed.
+        """
+    @property
+    def time(self, /) -> NDArray[float64]:
+        """
+        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. It begins with the
+        plant's episode; that of actuators with their loads, which share one clock, with `start`.
+        """
+    @property
+    def valve_delay(self, /) -> float:
+        """
+        The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
+        dead time of a pressure regulator, and what a hose adds.
         """
     @property
     def valves(self, /) -> int:

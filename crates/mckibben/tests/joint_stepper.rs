@@ -295,6 +295,32 @@ fn pulses_are_those_of_the_command() {
     }
 }
 
+/// A duty cycle that is commanded where a pulse begins is that pulse's, as one that was commanded during the pulse before.
+#[test]
+fn a_command_where_a_pulse_begins_comes_before_it() {
+    let pair = smooth(0.0);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let stepper = JointStepper::driven(rig, Method::Stable, 25.0).expect("a stepper");
+    let pulses = |duty| [duty, 0.5].map(|duty| Drive::Pulses { duty, pulse: Request::Fill, rest: Request::Exhaust });
+    // In steps of an eighth of a period; another duty cycle is commanded after so many of them.
+    let after = |changed: u32| {
+        let mut course = stepper.begin(start);
+        stepper.drive(&mut course, pulses(0.3)).expect("pulses");
+        for step in 0..32 {
+            if step == changed {
+                stepper.drive(&mut course, pulses(0.7)).expect("pulses");
+            }
+            stepper.advance_to(&mut course, f64::from(step + 1) * 5e-3).expect("a step");
+        }
+        course.state()
+    };
+    for begin in [8, 16, 24] {
+        assert_eq!(after(begin), after(begin - 4));
+        assert_ne!(after(begin), after(begin + 4));
+    }
+}
+
 /// At rest on an actuator's shortest length, and at steps far too long for the stops, every number stays one.
 #[test]
 fn it_rests_where_an_actuator_is_at_its_shortest() {

@@ -174,3 +174,27 @@ fn what_cannot_be_done_is_refused_and_changes_nothing() {
     let guided = Rig::new(sealed.actuator(), None, Load::Prescribed(Motion::Guided)).expect_err("nobody moves it");
     assert!(guided.to_string().contains("guided"), "{guided}");
 }
+
+/// A duty cycle that is commanded where a pulse begins is that pulse's, as one that was commanded during the pulse before.
+#[test]
+fn a_command_where_a_pulse_begins_comes_before_it() {
+    let paper = Paper::pwm(FREQUENCY, 0.5);
+    let (length, period) = (paper.start().length, 1.0 / FREQUENCY);
+    let after = |commands: [(f64, f64); 2]| {
+        let mut actuator = modular(&paper);
+        for count in 0..8 {
+            let now = f64::from(count) * 0.5 * period;
+            for (_, duty) in commands.iter().filter(|(time, _)| (time - now).abs() < 1e-9) {
+                actuator.drive(pulses(*duty)).expect("pulses");
+            }
+            actuator.move_to(f64::from(count + 1) * 0.5 * period, length).expect("a step");
+        }
+        actuator.state()
+    };
+    for count in 1..4 {
+        let begin = f64::from(count) * period;
+        let at_once = after([(0.0, 0.3), (begin, 0.7)]);
+        assert_eq!(at_once, after([(0.0, 0.3), (begin - 0.5 * period, 0.7)]));
+        assert_ne!(at_once, after([(0.0, 0.3), (begin + 0.5 * period, 0.7)]));
+    }
+}

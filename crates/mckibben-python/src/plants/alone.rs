@@ -6,6 +6,7 @@ use mckibben::Error;
 use mckibben::control::Drive;
 use mckibben_cli::failure::Failure;
 use rayon::prelude::*;
+use std::fmt::Debug;
 
 /// Rows that a thread takes together at least.
 const TOGETHER: usize = 4;
@@ -13,7 +14,7 @@ const TOGETHER: usize = 4;
 /// How plants of a kind are made, driven, stepped and shown, `VALVES` valves each.
 pub(super) trait Kind<const VALVES: usize>: Send + Sync {
     /// One of them.
-    type Plant: Send + Sync;
+    type Plant: Debug + Send + Sync;
 
     fn columns(&self) -> Vec<String>;
 
@@ -118,6 +119,15 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
             }
         });
         self.plants = plants;
+    }
+
+    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure> {
+        let [one, other] = values.map(|values| self.kind.begin(values).map(|plant| format!("{plant:?}")));
+        Ok(one? != other?)
+    }
+
+    fn time(&self, row: usize) -> f64 {
+        self.plants[row].pace.now()
     }
 
     fn show(&self, row: usize, into: &mut [f64]) {

@@ -55,6 +55,12 @@ pub(super) trait Fleet: Send + Sync {
     /// stopped: of those nothing is written.
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]);
 
+    /// Whether plants with these two sets of values differ in anything but the commands of their valves.
+    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure>;
+
+    /// The time in s of one plant, which its pulses follow.
+    fn time(&self, row: usize) -> f64;
+
     /// Writes what one shows; nothing where it has stopped.
     fn show(&self, row: usize, into: &mut [f64]);
 }

@@ -22,13 +22,13 @@ use crate::pool;
 use crate::pulses::Pulses;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Flags, Given, Numbers as Array, Rows};
+use crate::typed::{Flags, Given, Numbers as Array, Rows, Sequence};
 use alone::Alone;
 use asked::Asked;
 use fleet::{Fleet, Span};
 use joints::Joints;
 use legs::Legs;
-use mckibben::simulation::Method;
+use mckibben::simulation::{Actuation, Method};
 use mckibben_cli::failure::Failure;
 use numbers::Numbers;
 use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
@@ -67,6 +67,10 @@ pub(crate) struct Plants {
     longest: f64,
     duration: f64,
     requests: Vec<f64>,
+    /// Frequency of the pulses in Hz, where duty cycles are asked for.
+    pulses: Option<f64>,
+    /// Longest time in s from a command to its effect at a valve.
+    valve_delay: f64,
     count: usize,
     /// How many columns are shown of each.
     width: usize,
@@ -89,9 +93,22 @@ impl Plants {
         let base = understood.open_loop();
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
         let actuation = base.driven().map_err(failed)?.actuation;
+        let valve = actuation.as_ref().map(|actuation| &actuation.solenoid);
+        Asked::check(asked_by, valve)?;
         let pulses = || Pulses::of(actuation.as_ref().map(|actuation| &actuation.command), pulse_frequency);
         let asked = Asked::named(asked_by, pulses)?;
-        let requests = actuation.as_ref().map_or(Vec::new(), |actuation| Asked::requests_of(&actuation.solenoid));
+        let requests = valve.map_or(Vec::new(), Asked::requests_of);
+        let second = base.of_antagonist().map(|other| other.driven()).transpose().map_err(failed)?;
+        let valves = [actuation.as_ref(), second.as_ref().and_then(|second| second.actuation.as_ref())];
+        let of_valve = |actuation: &Actuation| {
+            let Actuation { solenoid, .. } = actuation;
+            let dead_time = solenoid.regulator().map(|regulator| regulator.dead_time());
+            solenoid.delays().into_iter().chain(dead_time).fold(0.0, f64::max)
+        };
+        // What cannot be built is refused below.
+        let hose = base.rig().ok().and_then(|rig| rig.line().hose.map(|hose| hose.transport_delay()));
+        let valve_delay = valves.into_iter().flatten().map(of_valve).fold(0.0, f64::max) + hose.unwrap_or_default();
+        let pulses = matches!(asked, Asked::Duty(_)).then(|| asked.pulse_frequency());
         let mut given = vec![f64::NAN; by.len()];
         let mut fill = |numbers: &mut dyn Iterator<Item = (usize, f64)>| {
             numbers.for_each(|(which, value)| given[which] = value);
@@ -116,9 +133,25 @@ impl Plants {
             fill(&mut numbers.given());
             (Box::new(Rigs::new(numbers, method, asked, valve)), experiment.step().map_err(failed)?.0)
         };
+        fleet.check(&vec![asked.least(&requests); fleet.valves()]).map_err(|(_, failure)| failure)?;
         let (scenario, by, duration) = (scenario.clone_ref(py), by.to_vec(), base.run.duration);
         let (asked, width) = (asked_by.to_owned(), fleet.columns().len());
-        Ok(Self { scenario, by, asked, pulse_frequency, leg, given, longest, duration, requests, count, width, fleet })
+        Ok(Self {
+            scenario,
+            by,
+            asked,
+            pulse_frequency,
+            leg,
+            given,
+            longest,
+            duration,
+            requests,
+            pulses,
+            valve_delay,
+            count,
+            width,
+            fleet,
+        })
     }
 
     fn step_of_leg(step: Option<f64>) -> Result<f64, Failure> {
@@ -271,6 +304,39 @@ impl Plants {
             }
         }
         Ok(())
+    }
+
+    /// Whether plants with these two sets of values of the numbers `by`, in SI, would differ. Commands of valves do not count.
+    ///
+    /// Raises `InputError` for values that cannot be.
+    fn differ(&self, one: Sequence, other: Sequence) -> PyResult<bool> {
+        let values = [one.0.as_slice(), other.0.as_slice()];
+        if values.iter().any(|values| values.len() != self.by.len()) {
+            let remedy = format!("give a value for each of {}, in SI", self.by.join(", "));
+            return Err(Failure::input("values are missing, or there are too many", remedy)).raised();
+        }
+        self.fleet.differ(values).raised()
+    }
+
+    /// The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. It begins with the
+    /// plant's episode; that of actuators with their loads, which share one clock, with `start`.
+    #[getter]
+    fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
+        let time: Vec<f64> = (0..self.count).map(|row| self.fleet.time(row)).collect();
+        Array(PyArray1::from_vec(py, time).into_any())
+    }
+
+    /// How often pulses come, in Hz, where `asked` is "duty".
+    #[getter]
+    fn pulses(&self) -> Option<f64> {
+        self.pulses
+    }
+
+    /// The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
+    /// dead time of a pressure regulator, and what a hose adds.
+    #[getter]
+    fn valve_delay(&self) -> f64 {
+        self.valve_delay
     }
 
     /// What is shown of each, by the names of the columns of a run.

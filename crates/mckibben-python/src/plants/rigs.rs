@@ -101,6 +101,22 @@ impl Fleet for Rigs {
         let _ = self.batch.go(self.pace.now(), span.steps, demand, (shown, stopped));
     }
 
+    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure> {
+        let [one, other] = values.map(|values| {
+            self.numbers.with(values, |scenario| {
+                let mut scenario = scenario.clone();
+                scenario.command.clone_from(&self.numbers.base().command);
+                let experiment = scenario.experiment()?;
+                Ok(format!("{:?} {:?}", experiment.rig, experiment.start))
+            })
+        });
+        Ok(one? != other?)
+    }
+
+    fn time(&self, _: usize) -> f64 {
+        self.pace.now()
+    }
+
     fn show(&self, row: usize, into: &mut [f64]) {
         if let Ok(state) = self.batch.state(row) {
             into.copy_from_slice(&state.to_array());

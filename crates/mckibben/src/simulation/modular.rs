@@ -3,7 +3,8 @@
 //! ```text
 //! drive     what is asked of the valve from now on: a request, or pulses of a duty cycle
 //! move_to   the ends go in a straight line to where they are at the end of the step; air, seats and memory follow,
-//!           with every motion of a seat and every edge of a pulse at its instant within the step
+//!           with every motion of a seat and every edge of a pulse at its instant within the step; an edge where the
+//!           step ends belongs to the next, so that a command that is given there comes before it
 //! respond   the tension and its derivatives there
 //!
 //! feed      the pressure that comes to the valve from now on
@@ -195,7 +196,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         Ok(())
     }
 
-    /// What is asked of the valve from now on. Pulses begin with the next period.
+    /// What is asked of the valve from now on. Pulses begin with the next period, which may be now.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a duty
@@ -241,7 +242,8 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         course.held.line = Line { time: from, length: course.state[0], slope };
         course.state[1] = slope;
         course.enter(&self.rig);
-        while let Some(edge) = self.modulator.next(self.pulse_frequency).filter(|edge| is_due(*edge, until)) {
+        // An edge where the step ends waits: a command that is given there comes before it.
+        while let Some(edge) = self.modulator.next(self.pulse_frequency).filter(|edge| !is_due(until, *edge)) {
             // The air does not feel an edge, only the seats that move up to it.
             while let Some(instant) = self.rig.seats().next(&self.walk.progress, edge.smaller(until)) {
                 self.go_to(instant.smaller(until), &before)?;
