@@ -67,6 +67,13 @@ impl Failure {
         Self::words(Reason::Stopped, title.into(), None)
     }
 
+    /// A number that came out of a run or a study is not finite: where it stands, with the number.
+    pub fn not_finite(which: &str) -> Self {
+        let title = format!("{which} is not a finite number, so nothing was written");
+        let help = "a value of the input lies far outside what the model is made for: look for a unit that was mistaken";
+        Self::words(Reason::Stopped, title, Some(help.into()))
+    }
+
     /// An error of the core, shown in the scenario that led to it.
     pub fn of_core(error: &mckibben::Error, document: &Document) -> Self {
         Self::places(Reason::of(error), document.diagnose(error).into())

@@ -151,6 +151,35 @@ fn check_set_points(command: &Command, valve: &Valve) -> Result<(), Error> {
     }
 }
 
+impl<S: Real> Actuation<S> {
+    /// That the command has no more than [`MAX_COUNT`](parameter::MAX_COUNT) pulses in a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        if let Command::Pwm { frequency, .. } = &self.command {
+            let frequency = frequency.value();
+            parameter::PWM_FREQUENCY.check_count(frequency, frequency * duration, "pulses")?;
+        }
+        Ok(())
+    }
+}
+
+impl<S: Real> Rig<S> {
+    /// That the command and the motion of the ends have no more than [`MAX_COUNT`](parameter::MAX_COUNT) pulses and periods in
+    /// a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        if let Some(Motion::Sinusoid { frequency, .. }) = self.load.motion() {
+            let frequency = frequency.value();
+            parameter::MOTION_FREQUENCY.check_count(frequency, frequency * duration, "periods of the motion")?;
+        }
+        self.actuation.as_ref().map_or(Ok(()), |actuation| actuation.check_counts(duration))
+    }
+}
+
 impl<S: Scalar> Actuation<S> {
     /// The same over another scalar.
     pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {

@@ -443,7 +443,8 @@ fn compared(judged: &[Judged]) -> Plate {
         "in_sample_rms_percent",
         "held_out_lengths_rms_percent",
         "held_out_pressures_rms_percent",
-    ]);
+    ])
+    .lacking(&["held_out_lengths_rms_percent", "held_out_pressures_rms_percent"]);
     data.rows = (0..judged.len())
         .map(|place| vec![place as f64, columns[0].1[place], columns[1].1[place], columns[2].1[place]])
         .collect();
@@ -462,7 +463,7 @@ fn compared(judged: &[Judged]) -> Plate {
 /// Errors at each length that was left out.
 fn astray(pair: &[&Judged]) -> Option<Plate> {
     let mut panel = Panel::new(Axis::new("error there", "%").starting_at(0.0)).legend(Legend::Above);
-    let mut data = Data::new(&["law", "left_out_m", "rms_percent"]);
+    let mut data = Data::new(&["law", "left_out_m", "rms_percent"]).lacking(&["rms_percent"]);
     for (law, of) in pair.iter().enumerate() {
         let held = of.held_out(Grouping::Lengths)?;
         let middle = |fold: &[f64; 2]| 0.5 * (fold[0] + fold[1]);

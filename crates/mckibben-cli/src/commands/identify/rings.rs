@@ -147,7 +147,7 @@ fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> 
             .series(Series::dots("measured", times.clone(), lengths.clone()).colour(Colour::Category(1)))
             .marks(Marks::at("turns", Symbol::Circle, at, turns)),
     ];
-    let mut data = Data::new(&["time_s", "length_m", "off_m"]);
+    let mut data = Data::new(&["time_s", "length_m", "off_m"]).lacking(&["off_m"]);
     if let Some(waveform) = &found.waveform {
         let off: Vec<f64> = waveform
             .fit

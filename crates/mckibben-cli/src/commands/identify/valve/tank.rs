@@ -397,7 +397,7 @@ fn pressure_plate(of: &Experiment<'_>, off: Option<Vec<f64>>, stem: &'static str
     let mut top =
         Panel::new(Axis::new("absolute pressure", "Pa")).legend(Legend::Above).height_mm(55.0).series(measured);
     let mut panels = Vec::new();
-    let mut data = Data::new(&["time_s", "measured_pa", "fitted_pa"]);
+    let mut data = Data::new(&["time_s", "measured_pa", "fitted_pa"]).lacking(&["fitted_pa"]);
     let mut caption = format!("`{}`: the pressure in the tank", of.run);
     let of_fit = off.clone().unwrap_or_else(|| vec![f64::NAN; of.times.len()]);
     let fitted: Vec<f64> = of.pressures.iter().zip(&of_fit).map(|(pressure, off)| pressure + off).collect();
