@@ -100,7 +100,7 @@ pub use leg::{LegSample, LegStepper};
 pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
-pub use modular::ModularActuator;
+pub use modular::{MOST_PARTS, ModularActuator};
 pub use pressure_course::PressureCourse;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
