@@ -70,7 +70,8 @@ impl Failure {
     /// A number that came out of a run or a study is not finite: where it stands, with the number.
     pub fn not_finite(which: &str) -> Self {
         let title = format!("{which} is not a finite number, so nothing was written");
-        let help = "a value of the input lies far outside what the model is made for: look for a unit that was mistaken";
+        let help =
+            "a value of the input lies far outside what the model is made for: look for a unit that was mistaken";
         Self::words(Reason::Stopped, title, Some(help.into()))
     }
 
@@ -112,6 +113,14 @@ impl Failure {
                 Self { message, ..self }
             }
             Message::Places(_) => self,
+        }
+    }
+
+    /// The same with its sentences in the words of another host; places in a file stay as they are.
+    pub fn in_words(self, words: impl Fn(&str) -> String) -> Self {
+        match self.message {
+            Message::Words { title, help } => Self::words(self.reason, words(&title), help.map(|help| words(&help))),
+            message @ Message::Places(_) => Self { reason: self.reason, message },
         }
     }
 

@@ -26,9 +26,6 @@ pub(super) trait Kind<const VALVES: usize>: Send + Sync {
     fn advance_to(plant: &mut Self::Plant, until: f64) -> Result<(), Error>;
 
     fn show(plant: &Self::Plant, into: &mut [f64]);
-
-    /// An error of the core, in the scenario's words.
-    fn failed(&self, error: &Error) -> Failure;
 }
 
 /// Plants of a kind, each with a clock of its own.
@@ -83,6 +80,10 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
         VALVES
     }
 
+    fn bytes(&self) -> usize {
+        size_of::<Member<K::Plant>>()
+    }
+
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| {
             self.kind.begin(values).map(Member::new).map_err(|failure| (row, failure))
@@ -101,7 +102,7 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
     fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)> {
         let wrong = |(row, asked): (usize, &[f64])| Some((row, self.drives(asked).err()?));
         let wrong = asked.chunks(VALVES).enumerate().find_map(wrong);
-        wrong.map_or(Ok(()), |(row, error)| Err((row, self.kind.failed(&error))))
+        wrong.map_or(Ok(()), |(row, error)| Err((row, error.into())))
     }
 
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {

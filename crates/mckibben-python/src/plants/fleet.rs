@@ -42,6 +42,9 @@ pub(super) trait Fleet: Send + Sync {
     /// How many valves each has.
     fn valves(&self) -> usize;
 
+    /// Bytes that each takes at least.
+    fn bytes(&self) -> usize;
+
     /// All begin at t = 0, as many as there are rows of values.
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)>;
 

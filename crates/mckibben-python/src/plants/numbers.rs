@@ -64,8 +64,11 @@ impl Numbers {
         self.adjustable.at(&own).and_then(|scenario| make(&scenario)).map_err(refused)
     }
 
-    /// An error of the core, in the scenario's words.
+    /// An error of the core: shown in the scenario, unless its values came from elsewhere.
     pub(super) fn failed(&self, error: &Error) -> Failure {
-        Failure::of_core(error, &self.scenario.get().document)
+        match self.are_given() {
+            true => Failure::of_core(error, &self.scenario.get().document),
+            false => error.clone().into(),
+        }
     }
 }

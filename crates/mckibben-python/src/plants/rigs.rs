@@ -62,6 +62,11 @@ impl Fleet for Rigs {
         1
     }
 
+    fn bytes(&self) -> usize {
+        // A row, and what the batch keeps of it.
+        2 * size_of::<Row>()
+    }
+
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| self.row(values).map_err(|failure| (row, failure));
         let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
@@ -90,7 +95,7 @@ impl Fleet for Rigs {
         let can = |demand| self.valve.as_ref().map_or(Ok(()), |valve| valve.check_demand(&demand));
         let wrong = |(row, number): (usize, &f64)| Some((row, self.asked.demand(*number).and_then(can).err()?));
         let wrong = asked.iter().enumerate().find_map(wrong);
-        wrong.map_or(Ok(()), |(row, error)| Err((row, self.numbers.failed(&error))))
+        wrong.map_or(Ok(()), |(row, error)| Err((row, error.into())))
     }
 
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {

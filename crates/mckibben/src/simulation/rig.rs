@@ -491,9 +491,14 @@ impl<S: Real> Rig<S> {
                 remedy: "give initial.length a length",
             });
         };
+        self.length_under(inertia.pull, pressure)
+    }
+
+    /// The distance in m at which a pull in N balances the static force at a pressure; as [`Rig::equilibrium`].
+    pub(super) fn length_under(&self, pull: S, pressure: AbsolutePressure<S>) -> Result<S, Error> {
         let limits = self.actuator.limits();
         let surplus =
-            |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull;
+            |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - pull;
         let at = |length: f64| surplus(S::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
         let thread = self.actuator.law().law.end_length().value();
@@ -505,7 +510,7 @@ impl<S: Real> Rig<S> {
             });
         }
         if at(bracket.0) > 0.0 {
-            return if inertia.pull.value() >= 0.0 {
+            return if pull.value() >= 0.0 {
                 Ok(limits.min_length())
             } else {
                 Err(Error::Unsupported {
