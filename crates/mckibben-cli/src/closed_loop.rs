@@ -1,7 +1,7 @@
 //! A run with a controller: the closed loop is run first; what it asked of the valve is then a command like any other.
 
-use crate::engine::{self, Outcome};
 use crate::engine::Way;
+use crate::engine::{self, Outcome};
 use mckibben::Error;
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::simulation::{

@@ -13,8 +13,8 @@ use crate::quantities::{self, given};
 use mckibben::Error;
 use mckibben::simulation::accuracy::StepError;
 use mckibben::simulation::{
-    Consumer, FixedStepper, Rig, RunEnd, Sample, SampleTimes, Trajectory, STEPS_WATCHED, simulate_into, simulate_watched,
-    steps_between,
+    Consumer, FixedStepper, Rig, RunEnd, STEPS_WATCHED, Sample, SampleTimes, Trajectory, simulate_into,
+    simulate_watched, steps_between,
 };
 use mckibben_scenario::{Engine, Experiment, Run};
 

@@ -66,7 +66,8 @@ impl Failure {
     /// A number that came out of a run or a study is not finite: where it stands, with the number.
     pub fn not_finite(which: &str) -> Self {
         let title = format!("{which} is not a finite number, so nothing was written");
-        let help = "a value of the input lies far outside what the model is made for: look for a unit that was mistaken";
+        let help =
+            "a value of the input lies far outside what the model is made for: look for a unit that was mistaken";
         Self::words(Reason::Stopped, title, Some(help.into()))
     }
 

@@ -14,13 +14,11 @@ use crate::engine::{self, Outcome};
 use crate::events::{self, Log};
 use crate::failure::Failure;
 use crate::joint;
-use crate::plot::Figure;
 use crate::observation::{Observation, Observer};
+use crate::plot::Figure;
 use crate::portrait::{self, Over};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
-use mckibben::simulation::{
-    JointRig, JointSample, Readable, Reading, Sample, SampleTimes,
-};
+use mckibben::simulation::{JointRig, JointSample, Readable, Reading, Sample, SampleTimes};
 use mckibben_scenario::{
     ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, Run,
 };

@@ -7,8 +7,8 @@ use crate::engine::Outcome;
 use mckibben::Actuator;
 use mckibben::air::Flow;
 use mckibben::simulation::{
-    AcceptedStep, CircuitAudit, Counts, EnergyAudit, EventKind, Extent, FixedStepper, Ledger, Mode, Readable, Reading, RunEnd, Sample,
-    SampleTimes,
+    AcceptedStep, CircuitAudit, Counts, EnergyAudit, EventKind, Extent, FixedStepper, Ledger, Mode, Readable, Reading,
+    RunEnd, Sample, SampleTimes,
 };
 use mckibben::valve::Command;
 use mckibben_scenario::Experiment;

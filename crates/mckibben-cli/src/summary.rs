@@ -102,7 +102,8 @@ impl Summary<'_> {
         page.heading("State");
         page.head(["at the end", "least", "greatest"]);
         page.range("length", last.length, extremes.length, "m");
-        let percents = [contraction(last.length), shortening.least, shortening.greatest].map(|share| page.percent(share));
+        let percents =
+            [contraction(last.length), shortening.least, shortening.greatest].map(|share| page.percent(share));
         page.columns("contraction", percents);
         page.range("velocity", last.velocity, extremes.velocity, "m/s");
         page.range("tension", last.tension, extremes.tension, "N");
@@ -118,7 +119,10 @@ impl Summary<'_> {
         page.line("air", &format!("{} in {} at the end", page.quantity(last.air_mass, "kg"), page.volume(last.volume)));
         match last.supply_pressure.filter(|_| self.experiment.rig.regulator().is_some()) {
             Some(regulated) => {
-                page.line("regulator", &format!("at {} gauge at the end", page.quantity(regulated.0 - atmosphere, "Pa")));
+                page.line(
+                    "regulator",
+                    &format!("at {} gauge at the end", page.quantity(regulated.0 - atmosphere, "Pa")),
+                );
             }
             None => page.line("valve", &format!("{} at the end", last.ports.name())),
         }
@@ -134,8 +138,7 @@ impl Summary<'_> {
         if self.scenario.valve.is_none() {
             return;
         }
-        let said =
-            |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
+        let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
         page.heading("Air");
         if self.observation.located.is_none() {
             page.line("in", &format!("{} (by the net change of each step)", said(air.from_supply)));
@@ -481,7 +484,9 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_an_error_that_names_its_line() {
-        for sums in [[f64::NAN, 4.0, 1e-12], [f64::INFINITY, 4.0, 1e-12], [0.0, f64::NAN, 1e-12], [1.0, f64::INFINITY, 0.0]] {
+        for sums in
+            [[f64::NAN, 4.0, 1e-12], [f64::INFINITY, 4.0, 1e-12], [0.0, f64::NAN, 1e-12], [1.0, f64::INFINITY, 0.0]]
+        {
             let failure = of(sums).expect_err("no praise for what is not finite");
             assert_eq!(failure.code(), 3);
             assert!(failure.to_string().contains("the summary's residual = "), "{failure}");

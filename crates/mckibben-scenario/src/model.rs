@@ -7,9 +7,9 @@ use crate::scenario::{
     self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
     MomentArm, Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
 };
-use mckibben::parameter as p;
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
+use mckibben::parameter as p;
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{
     self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, JointStepError, PressureCourse, Rig, State,

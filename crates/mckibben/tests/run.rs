@@ -11,8 +11,8 @@ use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{
     AcceptedJointStep, AcceptedStep, JointLedger, Ledger, Reading, Rig, SampleTimes, simulate, simulate_controlled,
-    simulate_controlled_into, simulate_into, simulate_joint, simulate_joint_controlled,
-    simulate_joint_controlled_into, simulate_joint_into,
+    simulate_controlled_into, simulate_into, simulate_joint, simulate_joint_controlled, simulate_joint_controlled_into,
+    simulate_joint_into,
 };
 use mckibben::valve::{Command, Request, ValveKind};
 
@@ -206,7 +206,10 @@ fn counts_without_measure_are_refused_with_the_count() {
     let paper = Paper::driven(Command::Constant(Request::Exhaust)).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
     for (sampling, key) in [
         (Sampling::new(1e12, 0).expect("a rate"), "controller.rate"),
-        (Sampling::new(100.0, 0).and_then(|of| of.with_pulse_frequency(1e12)).expect("a rate"), "controller.pulse_frequency"),
+        (
+            Sampling::new(100.0, 0).and_then(|of| of.with_pulse_frequency(1e12)).expect("a rate"),
+            "controller.pulse_frequency",
+        ),
     ] {
         let run = simulate_controlled(&paper.rig(), paper.start(), 3.0, 1e-8, &law, (sampling, Sensors::perfect()));
         refused(run.unwrap_err(), key, 3e12);

@@ -8,8 +8,8 @@ use super::summary::add_air;
 use crate::observation::{AirUse, Range, Steps};
 use mckibben::Error;
 use mckibben::simulation::{
-    AcceptedJointStep, Counts, EventKind, JointAudit, JointCircuitAudit, JointLedger, JointRunEnd, JointSample, Reading,
-    SampleTimes,
+    AcceptedJointStep, Counts, EventKind, JointAudit, JointCircuitAudit, JointLedger, JointRunEnd, JointSample,
+    Reading, SampleTimes,
 };
 use mckibben_scenario::Run;
 use std::collections::BTreeMap;

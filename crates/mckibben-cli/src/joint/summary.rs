@@ -114,13 +114,7 @@ pub(crate) fn used(trajectory: &JointTrajectory) -> [AirUse; 2] {
 }
 
 /// Adds the air of both at a point of a quadrature with its weight in s.
-pub(super) fn add_air(
-    used: &mut [AirUse; 2],
-    rig: &JointRig,
-    weight: f64,
-    sample: &JointSample,
-    mode: &JointMode,
-) {
+pub(super) fn add_air(used: &mut [AirUse; 2], rig: &JointRig, weight: f64, sample: &JointSample, mode: &JointMode) {
     for (index, air) in used.iter_mut().enumerate() {
         let actuator = &rig.driven()[index].actuator;
         air.see_actuator(actuator, weight, &sample.actuators[index], &mode.actuators[index]);

@@ -221,5 +221,4 @@ mod tests {
             assert_eq!(failure.code(), 3);
         }
     }
-
 }

@@ -12,8 +12,8 @@
 
 use super::rows::{Outcome, Samples};
 use super::sheet::Sheet;
-use crate::failure::Failure;
 use crate::closed_loop::Goals;
+use crate::failure::Failure;
 use crate::record::{COLUMNS, VALVE, Value, of_joint};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
 
@@ -87,7 +87,8 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
         }
         Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
             let kind = |value: &Value<_>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
-            columns.extend(of_joint(&Goals::default()).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)));
+            columns
+                .extend(of_joint(&Goals::default()).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)));
         }
         Record::Samples(_) | Record::Trajectories => {
             columns.extend(COLUMNS.iter().map(|c| column(c.name, c.unit, Kind::Number, true)));

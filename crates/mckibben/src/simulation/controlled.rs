@@ -6,8 +6,8 @@ use super::closed_loop::{ClosedLoop, Decision, OneValve};
 use super::fixed_step::Journey;
 use super::kernel::Method;
 use super::rig::{Rig, State};
-use super::sample::Sample;
 use super::run::{Consumer, RunEnd, Simulation};
+use super::sample::Sample;
 use super::trajectory::{Kept, Trajectory};
 use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
@@ -106,15 +106,10 @@ fn run<R: Real, C: Controller<R>>(
     sampling.check_counts(duration.value())?;
     let closed_loop = ClosedLoop { controller, sensors };
     let (clockwork, rig) = closed_loop.begin(rig, sampling)?;
-    clockwork.run(
-        Simulation::begin(rig, start, relative_tolerance)?,
-        duration,
-        extend,
-        |simulation, clockwork| {
-            decided(closed_loop.sample(clockwork, &simulation.reached(), simulation.rig_mut())?);
-            Ok(())
-        },
-    )
+    clockwork.run(Simulation::begin(rig, start, relative_tolerance)?, duration, extend, |simulation, clockwork| {
+        decided(closed_loop.sample(clockwork, &simulation.reached(), simulation.rig_mut())?);
+        Ok(())
+    })
 }
 
 /// Steps one rig under control through time at fixed steps, as [`super::FixedStepper`] does; a step is divided at sampling

@@ -90,16 +90,16 @@ pub use energy::{EnergyAudit, Ledger};
 pub use fixed_step::FixedStepper;
 pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
+#[cfg(feature = "alloc")]
+pub use joint::{
+    AcceptedJointStep, ControlledJoint, ControlledJointStepper, JointAudit, JointCircuitAudit, JointConsumer,
+    JointCourse, JointDecision, JointEvent, JointLedger, JointRunEnd, JointSample, JointStepError, JointStepper,
+    JointTrajectory, joint_step_for_accuracy, simulate_joint, simulate_joint_controlled,
+    simulate_joint_controlled_into, simulate_joint_controlled_watched, simulate_joint_into, simulate_joint_watched,
+};
 pub use joint::{
     Contact, Driven, End, InitialAngle, JointEventKind, JointGuard, JointInitial, JointMode, JointPhase, JointRig,
     JointState, JointSystem, Turning,
-};
-#[cfg(feature = "alloc")]
-pub use joint::{
-    AcceptedJointStep, ControlledJoint, ControlledJointStepper, JointAudit, JointCircuitAudit, JointConsumer, JointCourse,
-    JointDecision, JointEvent, JointLedger, JointRunEnd, JointSample, JointStepError, JointStepper, JointTrajectory,
-    joint_step_for_accuracy, simulate_joint, simulate_joint_controlled, simulate_joint_controlled_into,
-    simulate_joint_controlled_watched, simulate_joint_into, simulate_joint_watched,
 };
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]

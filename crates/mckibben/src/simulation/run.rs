@@ -269,10 +269,7 @@ impl<R: Real> Rig<R> {
 }
 
 /// The front of a system with `N` states at its start.
-fn begin<R: Real, const N: usize>(
-    system: &RigSystem<'_, R>,
-    start: State<R>,
-) -> Front<R, Phase<R>, EventKind, N> {
+fn begin<R: Real, const N: usize>(system: &RigSystem<'_, R>, start: State<R>) -> Front<R, Phase<R>, EventKind, N> {
     let state = system.start(start);
     Front::begin(state, system.begin(&state))
 }

@@ -201,11 +201,7 @@ impl<R: Real, M: Copy, K: Copy, const N: usize> Stored<R, M, K, N> {
 /// What one takes that keeps every step of a run: how often a watcher is called, and that there is an end to it.
 ///
 /// `kept` counts the steps with this one, which ends at `time` s.
-pub(super) fn keep_watch(
-    kept: usize,
-    time: f64,
-    watch: &mut dyn FnMut(f64) -> Result<(), Error>,
-) -> Result<(), Error> {
+pub(super) fn keep_watch(kept: usize, time: f64, watch: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<(), Error> {
     if kept.is_multiple_of(STEPS_WATCHED) {
         watch(time)?;
     }

@@ -75,10 +75,7 @@ impl JointCircuitAudit {
 }
 
 /// Adds the air of an accepted step to the accounts of those that draw.
-pub(super) fn add_air<R: Real>(
-    accounts: &mut [Option<(Exergy, CircuitAudit)>; 2],
-    step: &AcceptedJointStep<'_, R>,
-) {
+pub(super) fn add_air<R: Real>(accounts: &mut [Option<(Exergy, CircuitAudit)>; 2], step: &AcceptedJointStep<'_, R>) {
     let driven = step.rig().driven();
     let regulates = |driven: &Driven<R>| driven.actuation.as_ref().is_some_and(|it| it.solenoid.regulator().is_some());
     let regulated = driven.each_ref().map(regulates);

@@ -125,17 +125,12 @@ fn run<R: Real, C: JointController<R>>(
     sampling.check_counts(duration.value())?;
     let mut rig = rig.clone();
     let clockwork: TwoValves<R, C> = Clockwork::begin(controller.begin(), sampling, rig.valves())?;
-    clockwork.run(
-        JointSimulation::begin(rig, start, relative_tolerance)?,
-        duration,
-        extend,
-        |simulation, clockwork| {
-            let truth = simulation.reached();
-            let decision = decide(clockwork, (controller, &sensors), &truth, simulation.rig_mut())?;
-            decided(simulation.rig_mut(), decision);
-            Ok(())
-        },
-    )
+    clockwork.run(JointSimulation::begin(rig, start, relative_tolerance)?, duration, extend, |simulation, clockwork| {
+        let truth = simulation.reached();
+        let decision = decide(clockwork, (controller, &sensors), &truth, simulation.rig_mut())?;
+        decided(simulation.rig_mut(), decision);
+        Ok(())
+    })
 }
 
 /// Takes the sample that is due, and continues the commands of the rig up to the next.

@@ -2,9 +2,7 @@
 
 use super::beside::{MOST, PLAIN};
 use super::mode::{JointEventKind, JointMode};
-use super::run::{
-    AcceptedJointStep, FrontOfSize, JointConsumer, JointRunEnd, JointSimulation, OfSize, event,
-};
+use super::run::{AcceptedJointStep, FrontOfSize, JointConsumer, JointRunEnd, JointSimulation, OfSize, event};
 use super::system::{JointPhase, JointSystem};
 use super::{JointRig, JointState};
 use crate::error::Error;
