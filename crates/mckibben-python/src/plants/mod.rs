@@ -264,7 +264,7 @@ impl Plants {
         let number = |row: &i64| usize::try_from(*row).ok().filter(|row| *row < count);
         let unknown = |row: &i64| {
             let remedy = format!("count the plants from 0 to {}", count.saturating_sub(1));
-            Failure::input(format!("there is no plant {row}"), remedy)
+            Failure::input(format!("rows: number {row} of a plant is meant that there is not"), remedy)
         };
         let rows = rows.as_slice()?.iter().map(|row| number(row).ok_or_else(|| unknown(row)));
         let rows = rows.collect::<Result<Vec<_>, _>>().raised()?;
