@@ -118,10 +118,13 @@ impl Failure {
 
     /// The same with its sentences in the words of another host; places in a file stay as they are.
     pub fn in_words(self, words: impl Fn(&str) -> String) -> Self {
-        match self.message {
-            Message::Words { title, help } => Self::words(self.reason, words(&title), help.map(|help| words(&help))),
-            message @ Message::Places(_) => Self { reason: self.reason, message },
-        }
+        let message = match self.message {
+            Message::Words { title, help } => {
+                Message::Words { title: words(&title), help: help.map(|help| words(&help)) }
+            }
+            message @ Message::Places(_) => message,
+        };
+        Self { message, ..self }
     }
 
     /// What sort of failure it is.

@@ -26,9 +26,8 @@ pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) 
             let found = pool::shared(|| identified(&study, output.as_deref()))??;
             let page = output.as_ref().map(|folder| found.write(folder)).transpose()?;
             // What was found of other runs is worth having; the warnings say what failed.
-            match found.estimates.is_empty() {
-                true => found.verdict(page.as_deref())?,
-                false => {}
+            if found.estimates.is_empty() {
+                found.verdict(page.as_deref())?;
             }
             Ok::<_, Failure>(found)
         })

@@ -191,7 +191,7 @@ impl Plants {
 type Valued<'a> = (&'a mut dyn Fleet, Vec<&'a [f64]>);
 
 /// The plants, unless another thread works on them.
-fn mine<'a, 'py>(this: &'a Bound<'py, Plants>) -> PyResult<PyRefMut<'py, Plants>> {
+fn mine<'py>(this: &Bound<'py, Plants>) -> PyResult<PyRefMut<'py, Plants>> {
     this.try_borrow_mut().map_err(|_| {
         let remedy = "give each thread Plants of its own, or wait for the other";
         exception(&Failure::input("these Plants are being stepped by another thread", remedy))

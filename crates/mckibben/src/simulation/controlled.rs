@@ -91,6 +91,9 @@ pub fn simulate_controlled_into<R: Real, C: Controller<R>>(
     simulation.finish(consumer)
 }
 
+/// Takes a run on to a time in s.
+type Extend<'e, R> = dyn FnMut(&mut Simulation<R>, R) -> Result<(), Error> + 'e;
+
 /// Takes a run under control to its end by `extend`; the last step is not handed on yet.
 fn run<R: Real, C: Controller<R>>(
     rig: &Rig<R>,
@@ -98,7 +101,7 @@ fn run<R: Real, C: Controller<R>>(
     (duration, relative_tolerance): (R, f64),
     controller: &C,
     (sampling, sensors): (Sampling<R>, Sensors<R>),
-    extend: &mut dyn FnMut(&mut Simulation<R>, R) -> Result<(), Error>,
+    extend: &mut Extend<'_, R>,
     decided: &mut dyn FnMut(Decision<R>),
 ) -> Result<Simulation<R>, Error> {
     parameter::DURATION.check(duration.value())?;

@@ -110,6 +110,9 @@ pub fn simulate_joint_controlled_into<R: Real, C: JointController<R>>(
     simulation.finish(consumer)
 }
 
+/// Takes a run on to a time in s.
+type Extend<'e, R> = dyn FnMut(&mut JointSimulation<R>, R) -> Result<(), Error> + 'e;
+
 /// Takes a run under control to its end by `extend`; the last step is not handed on yet.
 fn run<R: Real, C: JointController<R>>(
     rig: &JointRig<R>,
@@ -117,7 +120,7 @@ fn run<R: Real, C: JointController<R>>(
     (duration, relative_tolerance): (R, f64),
     controller: &C,
     (sampling, sensors): (Sampling<R>, JointSensors<R>),
-    extend: &mut dyn FnMut(&mut JointSimulation<R>, R) -> Result<(), Error>,
+    extend: &mut Extend<'_, R>,
     decided: &mut dyn FnMut(&JointRig<R>, JointDecision<R>),
 ) -> Result<JointSimulation<R>, Error> {
     parameter::DURATION.check(duration.value())?;
