@@ -24,6 +24,7 @@ pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) 
     let found = py
         .detach(|| {
             let found = pool::shared(|| identified(&study, output.as_deref()))??;
+            found.check_finite()?;
             let page = output.as_ref().map(|folder| found.write(folder)).transpose()?;
             // What was found of other runs is worth having; the warnings say what failed.
             if found.estimates.is_empty() {

@@ -13,8 +13,7 @@ use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::{Command, Request, Solenoid, is_due};
 #[cfg(feature = "batch")]
-use alloc::boxed::Box;
-use alloc::vec::Vec;
+use alloc::{boxed::Box, vec::Vec};
 
 /// What a controller saw at a sampling instant and what it decided.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -169,7 +169,11 @@ impl<R: Real<Time = R>> ModularActuator<R> {
 
     /// Parts of a span in s without edges.
     fn parts_of(&self, span: R) -> f64 {
-        ((span / self.longest_part).value() - ROUNDING).ceil().max(1.0)
+        let parts = (span / self.longest_part).value() - ROUNDING;
+        // Without the standard library: up to the next whole number, as long as there are others.
+        let whole = parts as u64 as f64;
+        let next = if whole < parts { whole + 1.0 } else { whole };
+        (if parts < MOST_PARTS { next } else { parts }).max(1.0)
     }
 
     /// What the distance between the ends must be less than in m, and the name of that limit: the length of a thread, where

@@ -303,9 +303,10 @@ impl<S: Real> FlowLaw<S> {
     /// where a zone has no end.
     pub fn bounds(&self, zone: FlowZone, beyond: S) -> (Option<S>, Option<S>) {
         let (choked_in, laminar_in) = (Some(self.critical_ratio() * beyond), Some(self.laminar_ratio * beyond));
-        // With a critical ratio of zero inflow chokes up to a vacuum in the actuator, which is never, and outflow at no
-        // pressure, so that subsonic outflow has no end.
-        let chokes = (beyond / self.critical_ratio()).value().is_finite();
+        // With a critical ratio of zero, or below it where a fit tries one, inflow chokes up to a vacuum in the actuator, which
+        // is never, and outflow at no pressure, so that subsonic outflow has no end.
+        let ratio = self.critical_ratio().value();
+        let chokes = ratio > 0.0 && (beyond.value() / ratio).is_finite();
         let (choked_out, laminar_out) =
             (chokes.then(|| beyond / self.critical_ratio()), Some(beyond / self.laminar_ratio));
         match zone {

@@ -153,8 +153,9 @@ impl Outcome {
     /// That all was found.
     ///
     /// # Errors
-    /// [`Failure::stopped`], which says what was not; `page` shows the rest.
+    /// [`Failure::stopped`], which says what was not; `page` shows the rest. [`Failure::not_finite`] for an estimate.
     pub fn verdict(&self, page: Option<&Path>) -> Result<(), Failure> {
+        self.check_finite()?;
         let Some(first) = self.failed.first() else { return Ok(()) };
         let others = match self.failed.len() {
             1 => String::new(),
@@ -162,6 +163,20 @@ impl Outcome {
         };
         let shows = page.map(|page| format!("; {} shows what there is", page.display())).unwrap_or_default();
         Err(Failure::stopped(format!("{}{others}{shows}", first.sentence())))
+    }
+
+    /// That every estimate, and what is known of how sure it is, is a finite number.
+    ///
+    /// # Errors
+    /// [`Failure::not_finite`] with the estimate.
+    pub fn check_finite(&self) -> Result<(), Failure> {
+        for Estimate { name, value, deviation, interval, .. } in &self.estimates {
+            let mut numbers = [*value].into_iter().chain(*deviation).chain(interval.iter().flatten().copied());
+            if let Some(number) = numbers.find(|number| !number.is_finite()) {
+                return Err(Failure::not_finite(&format!("the estimate of {name}: {number}")));
+            }
+        }
+        Ok(())
     }
 
     /// For the terminal.
@@ -194,8 +209,9 @@ impl Outcome {
     /// Writes everything into a folder; the page comes last, so that where it stands everything that it refers to stands too.
     ///
     /// # Errors
-    /// [`Failure::output`] when a file cannot be written.
+    /// [`Failure::output`] when a file cannot be written; [`Failure::not_finite`] for an estimate, and nothing is written.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, Failure> {
+        self.check_finite()?;
         std::fs::create_dir_all(folder).map_err(|error| Failure::output(folder, error))?;
         for plate in self.sections.iter().flat_map(|section| &section.plates) {
             plate.write(folder)?;
@@ -258,4 +274,28 @@ fn measured(run: &Recording, stem: &'static str) -> Option<Plate> {
     let figure = Figure { width_mm: 150.0, x, panels, ..Figure::default() };
     // A table of nothing but times has nothing to show.
     (!data.rows.is_empty()).then_some(Plate { stem, caption, figure, data })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_that_is_not_finite_is_a_failure() {
+        let estimate = |value, deviation| Estimate {
+            name: "load.mass".to_owned(),
+            unit: "kg",
+            value,
+            deviation,
+            interval: None,
+            on_bound: false,
+        };
+        let of = |estimate| Outcome { estimates: vec![estimate], ..Outcome::default() };
+        assert!(of(estimate(1.0, Some(0.1))).verdict(None).is_ok());
+        assert!(of(estimate(1.0, None)).verdict(None).is_ok());
+        for wrong in [estimate(f64::NAN, None), estimate(1.0, Some(f64::INFINITY))] {
+            let said = of(wrong).verdict(None).expect_err("not finite").sentence();
+            assert!(said.contains("load.mass"), "{said}");
+        }
+    }
 }
