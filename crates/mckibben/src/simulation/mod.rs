@@ -17,7 +17,7 @@
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
-mod arc;
+pub(crate) mod arc;
 mod chain;
 #[cfg(feature = "alloc")]
 mod circuit;
@@ -39,7 +39,7 @@ pub(crate) mod kernel;
 mod leg;
 #[cfg(feature = "alloc")]
 mod manifold;
-mod member;
+pub(crate) mod member;
 mod mode;
 #[cfg(feature = "alloc")]
 mod modular;
@@ -68,7 +68,7 @@ pub(crate) mod timetable;
 pub(crate) mod told;
 #[cfg(feature = "alloc")]
 mod trajectory;
-mod zones;
+pub(crate) mod zones;
 
 pub use crate::load::SeriesTendon;
 pub use arc::Arc;

@@ -153,7 +153,7 @@ fn check_set_points(command: &Command, valve: &Valve) -> Result<(), Error> {
 
 impl<S: Scalar> Actuation<S> {
     /// The same over another scalar.
-    pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
         Actuation { solenoid: self.solenoid.convert(convert), command: self.command.convert(convert) }
     }
 }
