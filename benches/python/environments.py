@@ -1,14 +1,20 @@
-"""How many environment steps a second the vector environments take, at 1 kHz control on all cores.
+"""How many environment steps a second the vector environments take on all cores, where every action matters.
 
-    python benches/python/environments.py [--muscles 4096] [--seconds 5]
+    python benches/python/environments.py [--muscles 4096] [--seconds 2] [--runs 7]
 
-Needs the package as `pip install ".[learning]"` builds it. Of each step it tells what share is the engine's, `Plants.step`
-alone on actions drawn in the same way. Episodes end and begin anew meanwhile. It asserts that the muscles do what they are
-for: those that are filled shorten. What error a run.step leaves is in docs/accuracy.md.
+Needs the package as `pip install ".[learning]"` builds it. An action holds as long as it does by default: a duty cycle for a
+pulse of 40 ms, a request for 5 ms, another at each step. Printed are medians over the runs with the least and the greatest,
+how many seconds of its plants' time that is in a second, what one core spends on a step, and which share of that is the
+engine's, `Plants.step` alone on actions drawn in the same way. Runs of all environments alternate, so that a change of the
+machine's load meets all; the load is printed at the end. Episodes end and begin again meanwhile. It asserts that the muscles
+do what they are for: those that are filled shorten. What error a run.step leaves is in docs/accuracy.md.
 """
 
 import argparse
+import os
+import statistics
 import time
+from typing import NamedTuple
 
 import gymnasium
 import numpy as np
@@ -16,33 +22,51 @@ import numpy as np
 import mckibben.learning  # noqa: F401
 
 
-def rate(name: str, count: int, seconds: float, **options: object) -> tuple[float, float, float]:
-    """Environment steps a second, the nanoseconds of one and those of its engine."""
-    many = gymnasium.make_vec(name, num_envs=count, duration=1.0, **options)
-    many.reset(seed=1)
-    random = np.random.default_rng(2)
-    actions = [many.action_space.sample() for _ in range(8)]
-    asked = [many.unwrapped._episodes._number(action) for action in actions]
-    plants, episodes = many.unwrapped._episodes.plants, many.unwrapped._episodes
-    spent, in_engine, steps = 0.0, 0.0, 0
-    while spent + in_engine < seconds:
-        one, another = random.integers(8, size=2)
-        begun = time.perf_counter()
-        many.step(actions[one])
-        spent += time.perf_counter() - begun
-        begun = time.perf_counter()
-        plants.step(1e-3, asked[another], episodes.shown, episodes.stopped)
-        in_engine += time.perf_counter() - begun
-        steps += 1
-    per_step = spent / steps
-    return count / per_step, per_step / count * 1e9, in_engine / steps / count * 1e9
+class Rate(NamedTuple):
+    """What a run took: steps a second, seconds of a core for one, and the share of the engine in that."""
+
+    steps: float
+    core: float
+    engine: float
+
+
+class Bench:
+    """One vector environment under random actions."""
+
+    def __init__(self, name: str, count: int, step: str | None, asked: str) -> None:
+        scenario = gymnasium.make(f"mckibben/{name}-v0").unwrapped._episodes.task.scenario
+        if step is not None:
+            scenario = scenario.with_values({"run.step": step})
+        self.name, self.count, self.asked, self.step = name, count, asked, scenario.to_dict()["run"]["step"]
+        self.many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=count, scenario=scenario, asked=asked)
+        self.many.reset(seed=1)
+        self.period = self.many.unwrapped.dt
+        self.random = np.random.default_rng(2)
+        self.actions = [self.many.action_space.sample() for _ in range(8)]
+        self.commands = [self.many.unwrapped._episodes._commands(action) for action in self.actions]
+
+    def run(self, seconds: float) -> Rate:
+        """Steps the environment, and the engine alone, in turn."""
+        episodes = self.many.unwrapped._episodes
+        wall, core, engine, steps = 0.0, 0.0, 0.0, 0
+        began = time.perf_counter()
+        while time.perf_counter() - began < seconds:
+            one, another = self.random.integers(8, size=2)
+            before = time.perf_counter(), time.process_time()
+            self.many.step(self.actions[one])
+            wall, core = wall + time.perf_counter() - before[0], core + time.process_time() - before[1]
+            before_engine = time.process_time()
+            episodes.plants.step(self.period, self.commands[another], episodes.shown, episodes.stopped)
+            engine += time.process_time() - before_engine
+            steps += self.count
+        return Rate(steps / wall, core / steps, engine / core)
 
 
 def shortens() -> None:
     """Muscles that are filled lift their mass, and those that are let go lower it."""
     many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=2, asked="request")
     many.reset(seed=0)
-    for _ in range(500):
+    for _ in range(100):
         many.step(np.array([1, 0]))
     filled, let_go = many.unwrapped.shown[:, 0]
     assert filled < 0.075 < 0.09 < let_go, (filled, let_go)
@@ -51,23 +75,29 @@ def shortens() -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--muscles", type=int, default=4096)
-    parser.add_argument("--seconds", type=float, default=5.0)
+    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--runs", type=int, default=7)
     arguments = parser.parse_args()
     shortens()
-    print(f"{'environment':<28}{'run.step':<10}{'action':<10}{'plants':>8}{'steps/s':>12}{'ns/step':>10}{'engine':>9}")
-    for name, count, step in [
-        ("HangingMass", arguments.muscles, None),
-        ("HangingMass", arguments.muscles, "1 ms"),
-        ("Joint", 1024, None),
-        ("Leg", 256, None),
-    ]:
-        scenario = gymnasium.make(f"mckibben/{name}-v0").unwrapped._episodes.task.scenario
-        if step is not None:
-            scenario = scenario.with_values({"run.step": step})
-        step = scenario.to_dict()["run"]["step"]
-        for asked in ("duty", "request"):
-            steps, cost, engine = rate(f"mckibben/{name}-v0", count, arguments.seconds, asked=asked, scenario=scenario)
-            print(f"{name:<28}{step:<10}{asked:<10}{count:>8}{steps:>12.3g}{cost:>10.0f}{engine / cost:>9.0%}")
+    plants = [("HangingMass", arguments.muscles, None), ("HangingMass", arguments.muscles, "1 ms"), ("Joint", 1024, None)]
+    plants += [("Joint", 4096, None), ("Leg", 256, None)]
+    benches = [Bench(*plant, asked) for plant in plants for asked in ("duty", "request")]
+    load = [os.getloadavg()[0]]
+    runs: list[list[Rate]] = [[] for _ in benches]
+    for _ in range(arguments.runs):
+        for bench, rates in zip(benches, runs, strict=True):
+            rates.append(bench.run(arguments.seconds))
+        load.append(os.getloadavg()[0])
+    print(f"{'environment':<13}{'run.step':<10}{'action':<9}{'period':>8}{'plants':>8}"
+          f"{'steps/s':>11}{'least':>10}{'greatest':>10}{'s/s':>10}{'core':>11}{'engine':>8}")
+    for bench, rates in zip(benches, runs, strict=True):
+        steps = [rate.steps for rate in rates]
+        middle = statistics.median(steps)
+        core, engine = (statistics.median(getattr(rate, name) for rate in rates) for name in ("core", "engine"))
+        print(f"{bench.name:<13}{bench.step:<10}{bench.asked:<9}{bench.period * 1e3:>5.3g} ms{bench.count:>8}"
+              f"{middle:>11.3g}{min(steps):>10.3g}{max(steps):>10.3g}{middle * bench.period:>10.3g}"
+              f"{core * 1e6:>8.3g} µs{engine:>8.0%}")
+    print(f"{os.cpu_count()} cores, load {min(load):.1f} to {max(load):.1f}, median of {arguments.runs} runs")
 
 
 if __name__ == "__main__":

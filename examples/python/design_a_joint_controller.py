@@ -58,7 +58,7 @@ lift, push = plant.A, plant.B[:, 0]
 #
 # Before a controller is designed by a model, the thing that it will meet: two `Actuator`s, each with its air and its
 # valve's seats, and a limb. The muscles come from the package; the limb is two lines, which one would have from a
-# robot's simulator. `decide` is asked once a period.
+# robot's simulator. `decide` is asked once a period, and a computer takes its time: its answer is done in the next one.
 
 # %%
 described = scenario.to_dict()
@@ -82,11 +82,12 @@ def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float
     leave their middle."""
     agonist, antagonist = muscle(gauge_pressure), muscle(gauge_pressure)
     first, second = agonist.start(), antagonist.start()
-    angle = rate = pull = counter_pull = asked = 0.0
+    angle = rate = pull = counter_pull = asked = coming = 0.0
     rows = []
     for count in range(round(duration / step)):
         if count % round(PERIOD / step) == 0:
-            asked = decide(count * step, angle, (first.pressure - second.pressure) / BAR)
+            decided = decide(count * step, angle, (first.pressure - second.pressure) / BAR)
+            asked, coming = coming if count else decided, decided
         torque = RADIUS * (pull - counter_pull) - GRAVITY_TORQUE * math.sin(angle) - limb["damping"] * rate
         rate += torque / INERTIA * step
         angle += rate * step
@@ -108,8 +109,8 @@ assert math.degrees(apart) < 0.05
 # %% [markdown]
 # ## Does the linear model hold?
 #
-# A step of the difference of the duties, by the model and by the pulsed muscles. A duty becomes pulses with the next
-# period, so the model is one sample late. What it does not know is dry friction: the steps have to be large beside it.
+# A step of the difference of the duties, by the model and by the pulsed muscles. A duty is done a period after it is
+# decided, so the model is one sample late. What it does not know is dry friction: the steps have to be large beside it.
 
 # %%
 BALANCE = point["agonist_gauge_pressure_pa"]
@@ -172,12 +173,16 @@ def slowest(loop: control.StateSpace) -> float:
 # %% [markdown]
 # ## Margins
 #
-# How much stronger might the valves be than we think, and how much later may the controller speak, before the loop
-# swings by itself?
+# How much stronger might the valves be than we think, and how much later may the controller act, before the loop
+# oscillates? The margins are read from the frequency response on a fine grid. The polynomials of the transfer function
+# would give them too, but their coefficients span so many orders that rounding decides which roots are found.
 
 # %%
 loop = opened()
-gain_margins, phase_margins, distances, _, crossings, _ = control.stability_margins(loop, returnall=True)
+frequencies = np.geomspace(0.1, 99, 2000)
+response = loop(np.exp(2j * math.pi * frequencies * PERIOD)).ravel()
+measured = control.frd(response, 2 * math.pi * frequencies, smooth=True)
+gain_margins, phase_margins, distances, _, crossings, _ = control.stability_margins(measured, returnall=True)
 phase_margin, crossing = min(zip(phase_margins, crossings))
 gain_margin = scipy.optimize.brentq(lambda gain: slowest(gain * loop) - 1, 1, 100)
 most_late = max(late for late in range(40) if slowest(opened(late)) < 1)
@@ -186,9 +191,8 @@ print(f"distance from -1 {min(distances):.2f}, up to {most_late} samples ({1e3 *
 # What the open loop's curve says and what the closed loop's poles say is one thing.
 assert np.isclose(gain_margins, gain_margin, rtol=1e-3).any()
 assert math.floor(math.radians(phase_margin) / crossing / PERIOD) == most_late
+assert np.isclose(min(distances), np.abs(1 + response).min(), rtol=1e-4)
 
-frequencies = np.geomspace(0.1, 99, 400)
-response = loop(np.exp(2j * math.pi * frequencies * PERIOD)).ravel()
 figure, (nyquist, bode) = plt.subplots(1, 2, figsize=(6.8, 3.4))
 nyquist.plot(response.real, response.imag)
 nyquist.plot(-1, 0, "x", color="#d55e00")

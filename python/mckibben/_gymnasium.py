@@ -7,7 +7,11 @@ IDS = {"mckibben/HangingMass-v0": "HangingMass", "mckibben/Joint-v0": "Joint", "
 
 
 def register() -> None:
-    """Registers the environments, once."""
+    """Registers the environments, once.
+
+    The number of steps of an episode depends on the options: each environment puts it into its own `spec`. Here, it would
+    become a wrapper that cuts longer episodes off.
+    """
     for name, task in IDS.items():
         if name not in registry:
             to_register(

@@ -2,8 +2,8 @@
 What is compiled of the package `mckibben`.
 """
 
-from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
-from collections.abc import Callable, Mapping
+from _typeshed import Incomplete, SupportsLenAndGetItem
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from matplotlib.figure import Figure
 from numpy import bool_, complex128, float64, int64, str_
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,20 @@ class Actuator:
     def __getnewargs__(self, /) -> tuple[Scenario, float | None]: ...
     def __new__(cls, /, scenario: Scenario, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
     def __repr__(self, /) -> str: ...
+    def respond(self, /, state: ActuatorState, velocity: SupportsFloat | SupportsIndex = 0.0) -> Response:
+        """
+        What the actuator answers at `state` while its ends move apart at `velocity` in m/s: the tension with which a loop
+        begins, and what it would be at another velocity.
+
+        Raises `InputError` for a state of another actuator.
+        """
+    def rest_length(self, /, gauge_pressure: SupportsFloat | SupportsIndex) -> float:
+        """
+        The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
+        friction, does not pull; its shortest length where it pulls even there.
+
+        Raises `InputError` for a pressure below vacuum, and where there is no such length.
+        """
     @property
     def scenario(self, /) -> Scenario:
         """
@@ -37,16 +51,20 @@ class Actuator:
         """
         The state at t = 0: that of the scenario, with the coils released.
         """
-    def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | str | None, dt: SupportsFloat | SupportsIndex) -> tuple[ActuatorState, float, Response]:
+    def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | str | None, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> tuple[ActuatorState, float, Response]:
         """
         Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
 
         `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; with `None` what was asked before goes on, and an
         actuator without a valve takes nothing else. `velocity` in m/s is that of the ends at the end of the step.
 
+        With `max_step` in s the step is divided into equal parts no longer than that, over which the length is interpolated
+        linearly: the air is then as exact as in steps of `max_step`.
+
         Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
 
-        Raises `InputError` for what cannot be asked, and `StoppedError` where the step leaves the physics.
+        Raises `InputError` for what cannot be asked, for a state of another actuator, and for more than 10 000 000 parts and
+        edges of pulses; `StoppedError` where the step leaves the physics. Ctrl-C ends a step of many parts.
         """
 
 @final
@@ -55,7 +73,7 @@ class ActuatorState:
     Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
 
     It can be pickled; `ActuatorState(numbers)` is one as its pickle has it, in the same version of the package. An actuator of
-    the same scenario goes on from there to the same bits.
+    the same scenario goes on from there to the same bits; one of another refuses it.
 
     Raises `InputError` for numbers that are no state.
     """
@@ -102,6 +120,8 @@ class Actuators:
     `Actuator` by itself, to the bit.
 
     `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of the scenario's PWM unless given.
+
+    Raises `MemoryError` for a count that this machine has no memory for.
     """
     def __getnewargs__(self, /) -> tuple[Scenario, int, float | None]: ...
     def __getstate__(self, /) -> NDArray[float64]:
@@ -112,24 +132,30 @@ class Actuators:
         """
         How many there are.
         """
-    def __new__(cls, /, scenario: Scenario, count: SupportsIndex, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
+    def __new__(cls, /, scenario: Scenario, count: int, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, numbers: NDArray[float64]) -> None: ...
     def reset(self, /) -> None:
         """
         All of them go back to t = 0 and the scenario's state, with the coils released.
         """
-    def step(self, /, dt: SupportsFloat | SupportsIndex, length: NDArray[float64], velocity: NDArray[float64], duty: NDArray[float64] | None, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, pressure: NDArray[float64] | None = None) -> None:
+    def respond(self, /, velocity: NDArray[float64], tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, pressure: NDArray[float64] | None = None) -> None:
+        """
+        Writes what the actuators answer where they are while their ends move apart at `velocity` in m/s, as `step` does: the
+        tensions with which a loop begins.
+        """
+    def step(self, /, dt: SupportsFloat | SupportsIndex, length: NDArray[float64], velocity: NDArray[float64], duty: NDArray[float64] | None, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, pressure: NDArray[float64] | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> None:
         """
         Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
         pulses of `duty` from 0 to 1; with `None` what was asked before goes on.
 
         `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
         `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
+        `max_step` in s divides the step as that of an `Actuator`.
 
-        Raises `InputError` for arrays and duties that cannot be, before anything has changed, and `StoppedError` where an
+        Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `StoppedError` where an
         actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
-        gone on.
+        gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
         """
 
 @final
@@ -144,14 +170,15 @@ class Differentiable:
 
     Called with values of the numbers in SI, in the order of `by`, it gives an array of shape (len(at), len(of)).
 
-    Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a controller.
+    Ctrl-C ends a call. Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a
+    controller.
     """
     def __call__(self, /, values: ArrayLike) -> NDArray[float64]:
         """
         The quantities at the times, of shape (len(at), len(of)).
         """
     def __getnewargs__(self, /) -> tuple[Scenario, list[str], list[str], Incomplete]: ...
-    def __new__(cls, /, scenario: Scenario, by: SupportsGetItem[int, str], of: SupportsGetItem[int, str], at: ArrayLike) -> Differentiable: ...
+    def __new__(cls, /, scenario: Scenario, by: Sequence[str], of: Sequence[str], at: ArrayLike) -> Differentiable: ...
     def __repr__(self, /) -> str: ...
     @property
     def at(self, /) -> NDArray[float64]:
@@ -254,12 +281,13 @@ class Event:
         Whether both are the same.
         """
     def __getnewargs__(self, /) -> tuple[float, list[str], list[str]]: ...
-    def __new__(cls, /, time: SupportsFloat | SupportsIndex, columns: SupportsGetItem[int, str], words: SupportsGetItem[int, str]) -> Event: ...
+    def __new__(cls, /, time: SupportsFloat | SupportsIndex, columns: Sequence[str], words: Sequence[str]) -> Event: ...
     def __repr__(self, /) -> str: ...
     @property
-    def after(self, /) -> dict[str, str]:
+    def after(self, /) -> dict[str, str | float | bool]:
         """
-        What holds from then on, by the names of the columns of `mckibben simulate --events-output`.
+        What holds from then on, by the names of the columns of `mckibben simulate --events-output`: words such as "slack",
+        whether something is so as a `bool`, numbers as `float`.
         """
     @property
     def kind(self, /) -> str:
@@ -282,12 +310,20 @@ class Identification:
         The number of this name, such as "actuator.friction.viscous".
         """
     def __getnewargs__(self, /) -> tuple[list[Estimate], list[str], list[str], list[tuple[str, str]]]: ...
-    def __new__(cls, /, estimates: SupportsGetItem[int, Estimate], notes: SupportsGetItem[int, str], warnings: SupportsGetItem[int, str], scenarios: SupportsGetItem[int, tuple[str, str]]) -> Identification: ...
+    def __iter__(self, /) -> Iterator[str]:
+        """
+        The names of the estimates in their order.
+        """
+    def __new__(cls, /, estimates: Sequence[Estimate], notes: Sequence[str], warnings: Sequence[str], scenarios: Sequence[tuple[str, str]]) -> Identification: ...
     def __repr__(self, /) -> str: ...
     @property
     def estimates(self, /) -> list[Estimate]:
         """
         The numbers with their intervals; of ring-downs those of the waveform, or of all turns where there is none.
+        """
+    def keys(self, /) -> list[str]:
+        """
+        The names of the estimates: `dict(found)` has the estimates by their names.
         """
     @property
     def notes(self, /) -> list[str]:
@@ -333,7 +369,7 @@ class LinearModel:
         One row for each output, one column for each input.
         """
     def __getnewargs__(self, /) -> tuple[Any, ...]: ...
-    def __new__(cls, /, matrices: SupportsLenAndGetItem[Incomplete], signals: SupportsLenAndGetItem[SupportsGetItem[int, tuple[str, str]]], poles: SupportsGetItem[int, tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]], point: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], json: str) -> LinearModel: ...
+    def __new__(cls, /, matrices: SupportsLenAndGetItem[Incomplete], signals: SupportsLenAndGetItem[Sequence[tuple[str, str]]], poles: Sequence[tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]], point: Sequence[tuple[str, SupportsFloat | SupportsIndex]], json: str) -> LinearModel: ...
     def __repr__(self, /) -> str: ...
     @property
     def inputs(self, /) -> list[str]:
@@ -394,7 +430,7 @@ class Plants:
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
     def __len__(self, /) -> int: ...
-    def __new__(cls, /, scenario: Scenario, count: SupportsIndex, *, by: SupportsGetItem[int, str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None, leg: dict[str, SupportsFloat | SupportsIndex] | None = None) -> Plants: ...
+    def __new__(cls, /, scenario: Scenario, count: int, *, by: Sequence[str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None, leg: dict[str, SupportsFloat | SupportsIndex] | None = None) -> Plants: ...
     def __repr__(self, /) -> str: ...
     @property
     def by(self, /) -> list[str]:
@@ -406,6 +442,12 @@ class Plants:
         """
         What is shown of each, by the names of the columns of a run.
         """
+    def differ(self, /, one: ArrayLike, other: ArrayLike) -> bool:
+        """
+        Whether plants with these two sets of values of the numbers `by`, in SI, would differ. Commands of valves do not count.
+
+        Raises `InputError` for values that cannot be.
+        """
     @property
     def duration(self, /) -> float:
         """
@@ -415,6 +457,11 @@ class Plants:
     def given(self, /) -> NDArray[float64]:
         """
         What the scenario has for these numbers, in SI.
+        """
+    @property
+    def pulses(self, /) -> float | None:
+        """
+        How often pulses come, in Hz, where `asked` is "duty".
         """
     @property
     def requests(self, /) -> list[float]:
@@ -448,7 +495,20 @@ class Plants:
         `shown`, of shape (count, len(columns)), and into `stopped` which of them have left the physics: their entries stay
         as they are, and only `restart` brings them back.
 
-        Raises `InputError` for what cannot be asked, before anything has changed.
+        Raises `InputError` for what cannot be asked, and for more than 10 000 000 steps or edges of pulses, before anything
+        has changed. Ctrl-C ends a step of many parts between two of them.
+        """
+    @property
+    def time(self, /) -> NDArray[float64]:
+        """
+        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. It begins with the
+        plant's episode; that of actuators with their loads, which share one clock, with `start`.
+        """
+    @property
+    def valve_delay(self, /) -> float:
+        """
+        The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
+        dead time of a pressure regulator, and what a hose adds.
         """
     @property
     def valves(self, /) -> int:
@@ -525,7 +585,7 @@ class Scenario:
         Whether both mean the same.
         """
     def __getnewargs__(self, /) -> tuple[str, str, list[tuple[str, str]]]: ...
-    def __new__(cls, /, text: str, name: str = "scenario.toml", values: SupportsGetItem[int, tuple[str, str]] = ...) -> Scenario: ...
+    def __new__(cls, /, text: str, name: str = "scenario.toml", values: Sequence[tuple[str, str]] = ...) -> Scenario: ...
     def __repr__(self, /) -> str: ...
     @staticmethod
     def from_dict(values: Mapping[str, Any], name: str = "scenario.toml") -> Scenario:
@@ -534,6 +594,8 @@ class Scenario:
         `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
 
         Lists may be NumPy arrays, and numbers those of NumPy. Messages show the dictionary as TOML.
+
+        Raises `InputError` for one that contains itself, or has more than 64 levels or 2 000 000 values.
         """
     @staticmethod
     def load(path: str | PathLike[str]) -> Scenario:
@@ -577,7 +639,7 @@ class Sweep:
     Raises `InputError` for a scenario without a sweep, and for one that cannot be.
     """
     def __getnewargs__(self, /) -> tuple[Scenario, tuple[float, float, list[int], list[int]] | None]: ...
-    def __new__(cls, /, scenario: Scenario, chosen: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsGetItem[int, SupportsIndex], SupportsGetItem[int, SupportsIndex]] | None = None) -> Sweep: ...
+    def __new__(cls, /, scenario: Scenario, chosen: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, Sequence[SupportsIndex], Sequence[SupportsIndex]] | None = None) -> Sweep: ...
     def __repr__(self, /) -> str: ...
     @property
     def columns(self, /) -> list[str]:
@@ -607,11 +669,13 @@ class Sweep:
         """
         How many runs there are.
         """
-    def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None) -> None:
+    def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None, progress: Any | None = None) -> None:
         """
-        Computes what is missing in the folder on `jobs` threads, one for each core unless given.
+        Computes what is missing in the folder on `jobs` threads, one for each core unless given, and calls `progress` now and
+        then with the parts that are done and all there are.
 
-        Ctrl-C stops it once the parts under way are finished; what is in the folder then is kept.
+        Ctrl-C, and an exception of `progress`, stop it once the parts under way are finished; what is in the folder then is
+        kept.
         """
     @property
     def scenario(self, /) -> Scenario:
@@ -640,16 +704,24 @@ class Trajectory:
 
     Arrays cannot be written to: copy one to change it.
     """
+    def __contains__(self, name: Any, /) -> bool:
+        """
+        Whether there is a column of this name.
+        """
     def __getitem__(self, name: str, /) -> NDArray[Any]:
         """
         A column by its name, such as "length_m" or "hose_pressure_pa".
         """
     def __getnewargs__(self, /) -> tuple[Any, ...]: ...
+    def __iter__(self, /) -> Iterator[str]:
+        """
+        The names of the columns in their order.
+        """
     def __len__(self, /) -> int:
         """
         How many rows there are.
         """
-    def __new__(cls, /, scenario: Scenario, columns: SupportsGetItem[int, tuple[str, str, Any]], events: SupportsGetItem[int, Event] | None) -> Trajectory:
+    def __new__(cls, /, scenario: Scenario, columns: Sequence[tuple[str, str, Any]], events: Sequence[Event] | None) -> Trajectory:
         """
         A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
         """
@@ -689,6 +761,10 @@ class Trajectory:
     def events(self, /) -> list[Event]:
         """
         What happened, in order of time; none at fixed steps, whose engine keeps no log.
+        """
+    def keys(self, /) -> list[str]:
+        """
+        The names of the columns, as of a data frame: `dict(run)` has the columns by their names.
         """
     @property
     def length(self, /) -> NDArray[float64]:
@@ -792,9 +868,11 @@ def identify(study: str | PathLike[str], output: str | PathLike[str] | None = No
     """
     From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
 
-    With `output`, a folder, the report, the scenarios and the numbers are written there as well.
+    With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
+    fail, `warnings` say which and why.
 
-    Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found.
+    Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found; the report
+    is written then too.
     """
 
 def linearize(scenario: Scenario, *, pressure: str | None = None, length: str | None = None, load: str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: str | None = None, angle: str | None = None, stiffness: str | None = None, amplitude: str | None = None, all_states: bool = False) -> LinearModel:

@@ -21,6 +21,7 @@ if typing.TYPE_CHECKING:
 #: Parts that are computed or wait to be, where nobody says how many workers there are.
 _AHEAD = 64
 
+#: Called with the parts that are finished and all there are.
 Progress = collections.abc.Callable[[int, int], object]
 
 
@@ -74,8 +75,10 @@ def sweep(
 
     A part whose worker dies is computed again: by Ray and Dask on another worker; where an executor of `concurrent.futures`
     breaks, by this process, with a `RuntimeWarning`. Parts that are finished in the folder are kept, so a sweep that was
-    stopped goes on with what is missing. An executor's `progress` is told by calls with the parts that are
-    done and all there are.
+    stopped goes on with what is missing.
+
+    `progress(done, parts)` is called with the parts that are finished and all there are: by an executor after each part, by
+    the threads of this process after each few. An exception that it raises ends the sweep between parts.
 
     Raises `InputError` for a scenario without a sweep and for a folder of another one. Runs that fail do not stop the
     others: they have their reason in the column `error`.
@@ -93,7 +96,7 @@ def sweep(
             progress(done, todo.parts)
 
     if executor is None:
-        todo.run(folder, jobs)
+        todo.run(folder, jobs, progress)
     elif jobs is not None:
         raise InputError("`jobs` are threads of this process; an executor has workers of its own: leave `jobs` out")
     elif executor == "ray":

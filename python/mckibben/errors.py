@@ -14,4 +14,4 @@ class StoppedError(Error, RuntimeError):
 
 
 class OutputError(Error, OSError):
-    """A file could not be written: nothing was left behind."""
+    """A file could not be written: nothing was left behind but what the message names."""

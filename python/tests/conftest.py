@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import pathlib
 import subprocess
@@ -13,9 +12,6 @@ import pytest
 import mckibben
 
 ROOT = pathlib.Path(__file__).parents[2]
-
-#: PyTorch is five gigabytes, more than all that the tests install; with it, its tests are among them.
-collect_ignore = [] if importlib.util.find_spec("torch") else ["test_torch.py"]
 
 #: A muscle that swings under a weight and then sticks.
 SWING = """\

@@ -114,7 +114,7 @@ def test_what_cannot_be_asked_is_refused(scenario):
             actuator.step(state, 0.09, 0.0, command, STEP)
     with pytest.raises(mckibben.InputError, match="back in time"):
         actuator.step(state, 0.09, 0.0, 0.5, 0.0)
-    with pytest.raises(mckibben.StoppedError, match="left the physics"):
+    with pytest.raises(mckibben.StoppedError, match="longer than its thread of 109.8 mm"):
         actuator.step(state, 0.2, 0.0, 0.5, STEP)
     with pytest.raises(mckibben.InputError, match="pulse_frequency"):
         mckibben.Actuator(scenario.with_values({"command": {"kind": "fill"}}))

@@ -19,8 +19,16 @@ FOLDER = pathlib.Path(__file__).parents[2] / "examples" / "python"
 NOTEBOOKS = sorted(path.name for path in FOLDER.glob("*.py") if path.name != SHARED)
 
 
+def rests_on_matrices(name: str) -> bool:
+    """Whether a notebook designs a controller: its figures then rest on eigenvalues and matrix equations."""
+    return "import control\n" in (FOLDER / name).read_text()
+
+
+MARKED = [pytest.param(name, marks=[pytest.mark.blas] * rests_on_matrices(name)) for name in NOTEBOOKS]
+
+
 def run(name: str, folder: pathlib.Path, *arguments: str) -> None:
-    """As somebody would who has the package: in a folder of his own, with nothing on the path but what is installed."""
+    """Runs a notebook as a user of the package does: in another folder, with only what is installed on the path."""
     package = pathlib.Path(mckibben.__file__).parents[1]
     # Threads that wait for each other in matrices of four rows take minutes on cores that others use.
     environment = os.environ | {
@@ -34,9 +42,10 @@ def run(name: str, folder: pathlib.Path, *arguments: str) -> None:
 
 def test_the_notebooks_are_there():
     assert len(NOTEBOOKS) >= 5
+    assert any(rests_on_matrices(name) for name in NOTEBOOKS)
 
 
-@pytest.mark.parametrize("name", NOTEBOOKS)
+@pytest.mark.parametrize("name", MARKED)
 def test_it_runs_and_leaves_its_pictures(name, tmp_path):
     run(name, tmp_path, "--out", "pictures")
     drawn = re.findall(r'pictures\.save\(\w+, "([\w-]+)"\)', (FOLDER / name).read_text())

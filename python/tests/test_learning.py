@@ -14,13 +14,14 @@ from mckibben import learning
 from mckibben._mckibben import Plants
 
 IDS = ["mckibben/HangingMass-v0", "mckibben/Joint-v0", "mckibben/Leg-v0"]
-SHORT = {"duration": 0.02}
+SHORT = {"control_period": 0.04, "duration": 0.8}
 
 
 @pytest.mark.parametrize("name", IDS)
 @pytest.mark.parametrize("asked", ["duty", "request"])
-def test_gymnasiums_own_check_passes(name: str, asked: str) -> None:
-    environment = gymnasium.make(name, asked=asked, **SHORT)
+@pytest.mark.parametrize("options", [{}, {"control_period": 1e-3, "duration": 0.02}])
+def test_gymnasiums_own_check_passes(name: str, asked: str, options: dict[str, float]) -> None:
+    environment = gymnasium.make(name, asked=asked, **options)
     with warnings.catch_warnings():
         # That a box has no bounds is all that it may complain of.
         warnings.filterwarnings("error")
@@ -32,11 +33,10 @@ def test_gymnasiums_own_check_passes(name: str, asked: str) -> None:
 @pytest.mark.parametrize("name", IDS)
 def test_many_keep_to_their_spaces_and_end_together(name: str) -> None:
     many = gymnasium.make_vec(name, num_envs=5, **SHORT)
-    observed, info = many.reset(seed=3)
+    observed, _ = many.reset(seed=3)
     assert observed in many.observation_space
-    assert info == {}
     for count in range(1, 45):
-        observed, rewards, terminated, truncated, info = many.step(many.action_space.sample())
+        observed, rewards, terminated, truncated, _ = many.step(many.action_space.sample())
         assert observed in many.observation_space
         assert np.isfinite(observed).all()
         assert rewards.shape == (5,)
@@ -53,7 +53,8 @@ def test_a_plant_is_that_of_a_run_to_the_last_bit() -> None:
     text += 'state = ["fill", "exhaust", "fill"]\n'
     scenario = mckibben.Scenario(text).with_values({"run.duration": "40 ms", "run.sample_interval": "1 ms"})
     run = mckibben.simulate(scenario)
-    many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=3, asked="request", scenario=scenario)
+    options = {"asked": "request", "control_period": 1e-3, "scenario": scenario}
+    many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=3, **options)
     many.reset(seed=0)
     for count in range(40):
         many.step(np.full(3, int(not 12 <= count < 20)))
@@ -91,15 +92,16 @@ def test_the_same_seed_is_the_same_run_and_another_is_another() -> None:
 
 @pytest.mark.parametrize("name", IDS)
 def test_what_comes_out_of_a_pickle_is_the_same_environment(name: str) -> None:
-    alone = gymnasium.make(name, asked="request", noise={}, sensor_delay=2e-3, **SHORT).unwrapped
-    many = gymnasium.make_vec(name, num_envs=3, autoreset_mode="same-step", action_delay=1e-3, **SHORT).unwrapped
+    alone = gymnasium.make(name, asked="request", noise={}, sensor_delay=0.08, **SHORT).unwrapped
+    many = gymnasium.make_vec(name, num_envs=3, autoreset_mode="same-step", action_delay=0.04, **SHORT).unwrapped
     for environment in (alone, many):
         copied = pickle.loads(pickle.dumps(environment))
         assert copied.metadata == environment.metadata and copied.dt == environment.dt
         environment.action_space.seed(1)
         for which in (environment, copied):
             which.reset(seed=7)
-        for _ in range(25):
+        # Only the vector form begins again by itself.
+        for _ in range(20 if environment is alone else 25):
             action = environment.action_space.sample()
             for one, other in zip(environment.step(action)[:4], copied.step(action)[:4], strict=True):
                 np.testing.assert_array_equal(one, other)
@@ -143,15 +145,18 @@ def test_noise_has_its_deviation_and_is_only_seen() -> None:
 
 
 def test_what_is_seen_is_as_old_and_what_is_done_as_late_as_was_said() -> None:
-    plain, old, late = made(2), made(2, sensor_delay=3e-3), made(2, action_delay=3e-3)
+    fast = {"control_period": 1e-3}
+    plain, old, late = made(2, **fast), made(2, sensor_delay=3e-3, **fast), made(2, action_delay=3e-3, **fast)
     for many in (plain, old, late):
         many.reset(seed=4)
     actions = np.full((2, 1), 0.5, dtype=np.float32)
     seen = {many: [many.step(actions)[0] for _ in range(60)] for many in (plain, old)}
     for count in range(3, 60):
-        assert (seen[old][count] == seen[plain][count - 3]).all()
+        # Length, velocity and pressure; the controller knows its own pulses.
+        assert (seen[old][count][:, :3] == seen[plain][count - 3][:, :3]).all()
+        assert (seen[old][count][:, 3:] == seen[plain][count][:, 3:]).all()
     # For three steps a muscle that is asked nothing does what one does that is asked for exhaust.
-    rest = made(2)
+    rest = made(2, **fast)
     rest.reset(seed=4)
     reference = np.concatenate([lengths(rest, 3, 0.0), lengths(rest, 30)])
     assert (lengths(late, 33) == reference).all()

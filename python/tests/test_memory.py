@@ -1,4 +1,9 @@
-"""Memory does not grow, however often something is called."""
+"""Memory does not grow, however often something is called.
+
+How much is resident depends on the machine: on its pages, its allocator and how many threads it starts. So it is measured once
+everything has been called often, and the room that is left is far below what is looked for. Where the system does not say how
+much is resident, these tests are skipped and say so.
+"""
 
 from __future__ import annotations
 
@@ -71,6 +76,19 @@ def run(scenario: mckibben.Scenario):
     return lambda: mckibben.simulate(short)
 
 
+def columns(scenario: mckibben.Scenario):
+    """A run with 4 MB of columns, read in every way."""
+    long = scenario.with_values({"run.sample_interval": "2 us"})
+
+    def call() -> None:
+        run = mckibben.simulate(long)
+        run.at(0.01), run.events, run.to_dict(), run.at_times(run.t[:100])
+        with pytest.raises(mckibben.InputError):
+            run.at(-1.0)
+
+    return call
+
+
 def values(scenario: mckibben.Scenario):
     return lambda: scenario.with_values({"load.mass": "6 lb"})
 
@@ -84,7 +102,7 @@ def called(scenario: mckibben.Scenario):
 @pytest.mark.skipif(not STATM.exists(), reason="Linux says how much memory is resident")
 @pytest.mark.parametrize("what, count", [
     (step, 100_000), (steps, 100_000), (shared_steps, 20_000), (pickled, 100_000), (refused, 100_000), (run, 20_000),
-    (values, 100_000), (called, 100_000),
+    (columns, 40), (values, 100_000), (called, 100_000),
 ])
 def test_memory_does_not_grow(what, count, swing):
     call = what(swing)

@@ -65,7 +65,9 @@ def test_a_run_is_that_of_the_command_line(kind, values, program, examples, tmp_
     if located:
         with open(tmp_path / "events.csv", newline="") as file:
             logged = list(csv.DictReader(file))
-        own = [{"time_s": event.time, "event": event.kind, **event.after} for event in run.events]
+        truths = {True: "true", False: "false"}
+        after = [{name: truths.get(value, value) for name, value in event.after.items()} for event in run.events]
+        own = [{"time_s": event.time, "event": event.kind, **words} for event, words in zip(run.events, after)]
         assert own == [{**event, "time_s": float(event["time_s"])} for event in logged]
     else:
         assert run.events == []

@@ -78,6 +78,28 @@ def test_any_executor_gives_the_same_bytes(swept, expected, tmp_path):
     assert seen == 2 * [(done, 8) for done in range(1, 9)]
 
 
+def test_progress_is_called_also_where_this_process_computes(swept, expected, tmp_path):
+    """With the parts that are finished and all there are; an exception there ends the sweep, and what is done is kept."""
+    seen: list[tuple[int, int]] = []
+    mckibben.sweep(swept, tmp_path / "whole", jobs=1, progress=lambda *at: seen.append(at))
+    assert seen == [(part, 8) for part in range(1, 9)]
+
+    class Enough(Exception):
+        pass
+
+    def stop(done: int, parts: int) -> None:
+        raise Enough
+
+    with pytest.raises(Enough):
+        mckibben.sweep(swept, tmp_path / "stopped", jobs=1, progress=stop)
+    left = mckibben.Sweep(swept).missing(tmp_path / "stopped")[0]
+    assert left == list(range(1, 8)), "the part that was finished is kept, and no other was begun"
+    seen.clear()
+    mckibben.sweep(swept, tmp_path / "stopped", jobs=1, progress=lambda *at: seen.append(at))
+    assert seen == [(part, 8) for part in range(2, 9)]
+    assert parts(tmp_path / "whole") == parts(tmp_path / "stopped") == expected
+
+
 def test_what_is_there_is_kept_and_what_is_missing_is_done(swept, expected, tmp_path):
     mckibben.sweep(swept, tmp_path)
     (tmp_path / "part-00003.parquet").unlink()

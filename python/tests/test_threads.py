@@ -156,21 +156,92 @@ def test_after_a_fork_a_child_goes_on(work, examples, tmp_path):
 
 
 @pytest.fixture
-def listening():
-    """Python hears Ctrl-C, also where whoever started it in the background has had it ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
+def interrupted():
+    """Calls with one argument, and interrupts the call by the signal that Ctrl-C sends.
+
+    No clock decides when: another thread sends the signal once the call is next, after some work of its own, and again until
+    the call hears it. Were the interpreter kept from other threads, none would be sent; were it not heard, the call would
+    come to its end.
+    """
+    before = signal.getsignal(signal.SIGINT)
+
+    def interrupted(call, argument):
+        begun, heard, ended = threading.Event(), threading.Event(), []
+
+        def arguments():
+            begun.set()
+            yield argument
+
+        def hear(_, frame):
+            # Heard in these lines of Python, before the call or after its end, it says nothing of the call.
+            while frame is not None and frame.f_code is not arguments.__code__:
+                frame = frame.f_back
+            if frame is None and not ended and not heard.is_set():
+                heard.set()
+                raise KeyboardInterrupt
+
+        def send():
+            begun.wait()
+            for _ in range(10_000):
+                pass
+            while not heard.is_set():
+                signal.raise_signal(signal.SIGINT)
+                heard.wait(0.01)
+
+        signal.signal(signal.SIGINT, hear)
+        other = threading.Thread(target=send, daemon=True)
+        other.start()
+        try:
+            # From the argument to the call, and from its end to where that is noted, there is no line of Python.
+            next(map(ended.append, map(call, arguments())))
+            return ended[0]
+        finally:
+            heard.set()
+            other.join()
+
+    yield interrupted
     signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("engine", [{"engine": "event-located"}, {"engine": "fixed-step", "step": "0.1 ms"}])
-def test_a_run_ends_at_an_interrupt(scenario, engine, listening):
-    """A run of an hour is interrupted by the signal that Ctrl-C sends; nothing is left of it, and another goes on."""
+def test_a_run_lets_other_threads_go_on_and_ends_at_an_interrupt(scenario, engine, interrupted):
+    """A run of an hour is interrupted; nothing is left of it, and another goes on."""
     engine = {f"run.{key}": value for key, value in engine.items()}
     long = scenario.with_values({"run.duration": "3600 s", **engine})
+    with pytest.raises(KeyboardInterrupt):
+        interrupted(mckibben.simulate, long)
+    same(mckibben.simulate(scenario), mckibben.simulate(scenario))
+
+
+def endless(scenario: mckibben.Scenario, what: str):
+    """A call that takes many seconds at least, and what it must leave as it was."""
+    if what == "actuator":
+        actuator = mckibben.Actuator(scenario)
+        state = actuator.start()
+        return lambda: actuator.step(state, 0.09, 0.0, 0.5, 9.0, max_step=1e-6), lambda: actuator.step(state, 0.09, 0.0, 0.5, STEP)[1]
+    if what == "actuators":
+        many = mckibben.Actuators(scenario, 40)
+        length, velocity, duty, tension = numpy.full(40, 0.09), numpy.zeros(40), numpy.full(40, 0.5), numpy.zeros(40)
+        return lambda: many.step(9.0, length, velocity, duty, tension, max_step=1e-6), lambda: many.__getstate__().tobytes()
+    if what == "plants":
+        plants = mckibben.Plants(scenario.with_values({"run.engine": "fixed-step", "run.step": "1 us"}), 40)
+        shown, stopped = numpy.zeros((40, len(plants.columns))), numpy.zeros(40, dtype=bool)
+        return lambda: plants.step(9.0, numpy.full((40, 1), 0.5), shown, stopped), lambda: len(plants)
+    long = scenario.with_values({"run.duration": "3600 s"})
+    function = mckibben.Differentiable(long, ["load.mass", "command.duty"], ["length"], [3600.0])
+    short = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.01])
+    call = function if what == "values" else function.with_slopes
+    return lambda: call(function.start), lambda: short(short.start).tobytes()
+
+
+@pytest.mark.parametrize("what", ["actuator", "actuators", "plants", "values", "slopes"])
+def test_a_long_call_ends_at_an_interrupt(what, scenario, listening):
+    """The signal that Ctrl-C sends arrives while the call is under way; what there was before is there after it."""
+    call, seen = endless(scenario, what)
+    before = seen()
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        mckibben.simulate(long)
+        call()
     timer.join()
-    same(mckibben.simulate(scenario), mckibben.simulate(scenario))
+    assert seen() == before

@@ -4,6 +4,7 @@
 //! trajectories are computed, and with the package that is built and tested in it. Nothing is skipped because something is
 //! missing.
 
+mod counts;
 mod python;
 mod steps;
 

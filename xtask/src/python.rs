@@ -1,8 +1,8 @@
 //! The Python side: an environment of its own, the reference trajectories made in it, and the package with its tests.
 
-use crate::steps::{cargo, counted, succeed};
+use crate::counts::{Counts, pytest};
+use crate::steps::{cargo, command, succeed};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The stubs of what is compiled of the package: made from it, and kept beside it for who installs the package.
 const STUBS: &str = "python/mckibben/_mckibben.pyi";
@@ -29,27 +29,20 @@ pub(crate) fn reference(root: &Path) -> Result<(), String> {
     for scenario in &scenarios {
         let name = scenario.file_stem().unwrap_or_default();
         let output = folder.join(name).with_extension("csv");
-        succeed(Command::new(&python).arg(&script).arg(scenario).arg("--output").arg(output))?;
+        succeed(command(root, &python).arg(&script).arg(scenario).arg("--output").arg(output))?;
     }
     println!("{} reference trajectories", scenarios.len());
     Ok(())
 }
 
-/// Builds the package and runs its tests; how many passed and how many failed.
-pub(crate) fn package(root: &Path) -> Result<(u64, u64), String> {
+/// Builds the package and runs its tests. Those marked `blas` run with each of OpenBLAS's kernels that the processor has:
+/// what they claim must not depend on how a matrix product is rounded.
+pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     let python = environment(root, "python/tests/requirements.txt")?;
     let stubs = || std::fs::read_to_string(root.join(STUBS)).unwrap_or_default();
     let kept = stubs();
-    let mut build = Command::new(&python);
-    build.current_dir(root).args([
-        "-m",
-        "maturin",
-        "develop",
-        "--locked",
-        "--generate-stubs",
-        "--features",
-        "as-tests",
-    ]);
+    let mut build = command(root, &python);
+    build.args(["-m", "maturin", "develop", "--locked", "--generate-stubs", "--features", "as-tests"]);
     build.envs(AS_TESTS);
     succeed(build.env("VIRTUAL_ENV", root.join(".venv")))?;
     if stubs() != kept {
@@ -69,11 +62,34 @@ pub(crate) fn package(root: &Path) -> Result<(u64, u64), String> {
     ]);
     succeed(program.args(["--features", "mckibben-python/as-tests"]).envs(AS_TESTS))?;
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    let mut tests = Command::new(&python);
-    tests.current_dir(root).args(["-m", "pytest", "--quiet", "--durations=5"]);
-    counted(
-        tests.env("MCKIBBEN_PROGRAM", target.join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION)),
-    )
+    let program = target.join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION);
+    let tests = || {
+        let mut tests = command(root, &python);
+        tests.args(["-m", "pytest", "--quiet", "--durations=5"]).env("MCKIBBEN_PROGRAM", &program);
+        tests
+    };
+    let mut counts = pytest(&mut tests())?;
+    for kernel in blas_kernels() {
+        println!("\nwith OPENBLAS_CORETYPE={kernel}");
+        let again = pytest(tests().args(["-m", "blas"]).env("OPENBLAS_CORETYPE", kernel))?;
+        // What was skipped has been counted.
+        (counts.passed, counts.failed) = (counts.passed + again.passed, counts.failed + again.failed);
+    }
+    counts.notes.push(format!("OpenBLAS kernels: the default, {}", blas_kernels().join(", ")));
+    Ok(counts)
+}
+
+/// The kernels of OpenBLAS that this processor can run, of those that sum in another order.
+fn blas_kernels() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    let found = [
+        ("Nehalem", is_x86_feature_detected!("sse4.2")),
+        ("Haswell", is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")),
+        ("SkylakeX", is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512vl")),
+    ];
+    #[cfg(not(target_arch = "x86_64"))]
+    let found: [(&str, bool); 0] = [];
+    found.into_iter().filter_map(|(name, there)| there.then_some(name)).collect()
 }
 
 /// The interpreter of `.venv`, which is made if it is not there, with the packages that a file lists.
@@ -83,9 +99,9 @@ fn environment(root: &Path, requirements: &str) -> Result<PathBuf, String> {
     let python = scripts.join(if cfg!(windows) { "python.exe" } else { "python" });
     if !python.exists() {
         let system = if cfg!(windows) { "python" } else { "python3" };
-        succeed(Command::new(system).args(["-m", "venv"]).arg(&folder))?;
+        succeed(command(root, system).args(["-m", "venv"]).arg(&folder))?;
     }
-    let mut install = Command::new(&python);
+    let mut install = command(root, &python);
     install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
     succeed(install.arg(root.join(requirements)))?;
     Ok(python)

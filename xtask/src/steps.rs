@@ -1,16 +1,17 @@
 //! The steps of the check, in order, and the summary at the end.
 
+use crate::counts::{Counts, rust_tests};
 use crate::python;
-use std::io::{BufRead, BufReader};
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-/// Tests that passed and failed in a step; `None` for a step that runs no tests of its own.
-type Tally = Option<(u64, u64)>;
-
 /// A step's name and what it does; an error says in words what went wrong.
-type Step = (&'static str, fn(&Path) -> Result<Tally, String>);
+type Step = (&'static str, fn(&Path) -> Result<Counts, String>);
+
+/// Variables that change what a test does: nothing that the shell happens to hold may change the check.
+const CLEARED: [&str; 2] = ["MCKIBBEN_", "PROPTEST_"];
 
 const STEPS: [Step; 7] = [
     ("format", format),
@@ -29,7 +30,10 @@ pub(crate) fn run(chosen: &[String]) -> ExitCode {
         return ExitCode::from(2);
     }
     let root = root();
-    let mut report: Vec<(&str, Duration, Result<Tally, String>)> = Vec::new();
+    for (name, _) in set_outside() {
+        println!("{} is set, and ignored: it would change what is tested", name.to_string_lossy());
+    }
+    let mut report: Vec<(&str, Duration, Result<Counts, String>)> = Vec::new();
     for (name, step) in STEPS {
         if !chosen.is_empty() && !chosen.iter().any(|wanted| wanted == name) {
             continue;
@@ -45,29 +49,31 @@ pub(crate) fn run(chosen: &[String]) -> ExitCode {
     summary(&report)
 }
 
-fn summary(report: &[(&str, Duration, Result<Tally, String>)]) -> ExitCode {
+fn summary(report: &[(&str, Duration, Result<Counts, String>)]) -> ExitCode {
     println!("\n{:<12}{:>9}  outcome", "step", "time");
-    let (mut passed, mut failed) = (0, 0);
+    let mut total = Counts::NONE;
     for (name, time, outcome) in report {
         let words = match outcome {
-            Ok(Some((good, bad))) => {
-                passed += good;
-                failed += bad;
-                format!("{good} tests passed, {bad} failed")
-            }
-            Ok(None) => {
-                passed += 1;
+            Ok(Counts { passed: 0, failed: 0, .. }) => {
+                total.passed += 1;
                 "passed".to_owned()
             }
+            Ok(counts) => {
+                total.add(counts);
+                format!("{} tests passed, {} failed, {} not run", counts.passed, counts.failed, counts.skipped)
+            }
             Err(problem) => {
-                failed += 1;
+                total.failed += 1;
                 format!("FAILED: {problem}")
             }
         };
         println!("{name:<12}{:>7.1} s  {words}", time.as_secs_f64());
+        for note in outcome.iter().flat_map(|counts| &counts.notes) {
+            println!("{:<23}{note}", "");
+        }
     }
-    println!("\n{passed} passed, {failed} failed");
-    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    println!("\n{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
+    if total.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 fn root() -> PathBuf {
@@ -76,9 +82,21 @@ fn root() -> PathBuf {
 }
 
 pub(crate) fn cargo(root: &Path) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command(root, std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// A program that runs in the repository, without the variables that would change what is tested.
+pub(crate) fn command(root: &Path, program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new(program);
     command.current_dir(root);
+    for (name, _) in set_outside() {
+        command.env_remove(name);
+    }
     command
+}
+
+fn set_outside() -> impl Iterator<Item = (OsString, OsString)> {
+    std::env::vars_os().filter(|(name, _)| CLEARED.iter().any(|prefix| name.to_string_lossy().starts_with(prefix)))
 }
 
 /// Runs a command to its end; its output goes where ours goes.
@@ -91,91 +109,64 @@ pub(crate) fn succeed(command: &mut Command) -> Result<(), String> {
     }
 }
 
-fn words(command: &Command) -> String {
+pub(crate) fn words(command: &Command) -> String {
     let name = Path::new(command.get_program()).file_name().unwrap_or_default().to_string_lossy().into_owned();
     command.get_args().fold(name, |line, word| format!("{line} {}", word.to_string_lossy()))
 }
 
-fn format(root: &Path) -> Result<Tally, String> {
+fn format(root: &Path) -> Result<Counts, String> {
     succeed(cargo(root).args(["fmt", "--all", "--check"]))?;
-    succeed(cargo(root).args(["fmt", "--all", "--check"]).current_dir(root.join("benches"))).map(|()| None)
+    succeed(cargo(root).args(["fmt", "--all", "--check"]).current_dir(root.join("benches"))).map(|()| Counts::NONE)
 }
 
-fn lint(root: &Path) -> Result<Tally, String> {
+fn lint(root: &Path) -> Result<Counts, String> {
     let mut command = cargo(root);
     command.args(["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"]);
     succeed(&mut command)?;
     // The benchmark is a workspace of its own; it must go on fitting the core.
     let mut benchmark = cargo(&root.join("benches"));
     benchmark.args(["clippy", "--all-targets", "--locked", "--", "--deny", "warnings"]);
-    succeed(benchmark.env("CARGO_TARGET_DIR", root.join("target"))).map(|()| None)
+    succeed(benchmark.env("CARGO_TARGET_DIR", root.join("target"))).map(|()| Counts::NONE)
 }
 
-fn docs(root: &Path) -> Result<Tally, String> {
+fn docs(root: &Path) -> Result<Counts, String> {
     let mut command = cargo(root);
     command.args(["doc", "--workspace", "--no-deps", "--locked"]).env("RUSTDOCFLAGS", "--deny warnings");
-    succeed(&mut command).map(|()| None)
+    succeed(&mut command).map(|()| Counts::NONE)
 }
 
-/// The core without the standard library, with and without an allocator.
-fn no_std(root: &Path) -> Result<Tally, String> {
-    for features in ["libm", "libm,alloc"] {
+/// The core without the standard library: with and without an allocator it compiles, and its laws and tables keep their
+/// tests with the mathematics of `libm`.
+fn no_std(root: &Path) -> Result<Counts, String> {
+    let core = |verb: &str, features: &str| {
         let mut command = cargo(root);
-        command.args(["check", "--package", "mckibben", "--no-default-features", "--features", features, "--locked"]);
-        succeed(command.env("RUSTFLAGS", "--deny warnings").env("CARGO_TARGET_DIR", root.join("target/no-std")))?;
-    }
-    Ok(None)
+        command.args([verb, "--package", "mckibben", "--no-default-features", "--features", features, "--locked"]);
+        command.env("RUSTFLAGS", "--deny warnings").env("CARGO_TARGET_DIR", root.join("target/no-std"));
+        command.env("CARGO_INCREMENTAL", "0");
+        command
+    };
+    succeed(&mut core("check", "libm"))?;
+    succeed(&mut core("check", "libm,alloc"))?;
+    rust_tests(core("test", "libm,alloc").args(["--test", "parts"]))
 }
 
 /// The independent reference trajectories, computed anew.
-fn reference(root: &Path) -> Result<Tally, String> {
-    python::reference(root).map(|()| None)
+fn reference(root: &Path) -> Result<Counts, String> {
+    python::reference(root).map(|()| Counts::NONE)
 }
 
 /// The Python package: built, its stubs as they are kept, its tests and its types.
-fn python_package(root: &Path) -> Result<Tally, String> {
-    python::package(root).map(Some)
-}
-
-/// Runs pytest, and counts what it says of passed and failed tests.
-pub(crate) fn counted(tests: &mut Command) -> Result<(u64, u64), String> {
-    // The last line has the counts.
-    tallied(tests, |(passed, failed), line| {
-        (*passed, *failed) =
-            (count_before(line, " passed"), count_before(line, " failed") + count_before(line, " error"));
-    })
-}
-
-/// Runs tests, shows what they say, and counts by each line those that passed and those that failed.
-fn tallied(tests: &mut Command, see: impl Fn(&mut (u64, u64), &str)) -> Result<(u64, u64), String> {
-    let line = words(tests);
-    let lost = |error| format!("`{line}` could not be run: {error}");
-    let mut child = tests.stdout(Stdio::piped()).spawn().map_err(lost)?;
-    let mut counts = (0, 0);
-    if let Some(output) = child.stdout.take() {
-        for line in BufReader::new(output).lines().map_while(Result::ok) {
-            println!("{line}");
-            see(&mut counts, &line);
-        }
-    }
-    let status = child.wait().map_err(lost)?;
-    if status.success() || counts.1 > 0 { Ok(counts) } else { Err(format!("`{line}` ended with {status}")) }
+fn python_package(root: &Path) -> Result<Counts, String> {
+    python::package(root)
 }
 
 /// Every test of the workspace, the examples in the documentation included.
-fn test(root: &Path) -> Result<Tally, String> {
+fn test(root: &Path) -> Result<Counts, String> {
     let mut command = cargo(root);
     command.args(["test", "--workspace", "--locked", "--no-fail-fast"]);
     command.env("MCKIBBEN_REFERENCE", python::reference_folder(root));
     // What is compiled once keeps nothing for the next time.
-    command.env("CARGO_INCREMENTAL", "0");
-    let tally = tallied(&mut command, |(passed, failed), line| {
-        if let Some(counts) = line.strip_prefix("test result: ") {
-            *passed += count_before(counts, " passed");
-            *failed += count_before(counts, " failed");
-        }
-    });
-    tally.map(Some)
+    rust_tests(command.env("CARGO_INCREMENTAL", "0"))
 }
 
 /// Writes the page on the accuracy of the fixed-step engine: the test that holds it to what is measured does so when asked.
@@ -211,12 +202,4 @@ fn ended(outcome: Result<(), String>) -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// The number that stands before a word: 12 for ` passed` in `ok. 12 passed; 0 failed`.
-fn count_before(line: &str, word: &str) -> u64 {
-    line.split_once(word)
-        .and_then(|(before, _)| before.rsplit(|c: char| !c.is_ascii_digit()).next())
-        .and_then(|digits| digits.parse().ok())
-        .unwrap_or(0)
 }

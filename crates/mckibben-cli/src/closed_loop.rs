@@ -1,15 +1,20 @@
 //! A run with a controller: the closed loop is run first; what it asked of the valve is then a command like any other.
 
+use crate::engine::Way;
 use crate::engine::{self, Outcome};
-use crate::progress::Progress;
 use mckibben::Error;
-use mckibben::control::Quantity;
+use mckibben::control::{Quantity, SetPoint};
 use mckibben::simulation::{
-    Actuation, Controlled, ControlledStepper, Decision, Rig, Sample, SampleTimes, Trajectory,
-    simulate_controlled_watched,
+    Actuation, Consumer, Controlled, ControlledStepper, Decision, Rig, RunEnd, Sample, SampleTimes, Trajectory,
+    simulate_controlled_into, simulate_controlled_watched,
 };
 use mckibben::valve::Command;
 use mckibben_scenario::{ControlledExperiment, Engine, Experiment};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// Goals that grow while a run is made.
+pub(crate) type Goals = Rc<RefCell<Vec<Goal>>>;
 
 /// A closed loop that has been run.
 #[derive(Clone, Debug)]
@@ -57,12 +62,15 @@ impl Goal {
     pub fn new(quantity: Quantity, regulated: bool, rows: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
         let mut goal =
             Self { quantity, whose: None, regulated, time: Vec::new(), target: Vec::new(), measured: Vec::new() };
-        for (time, target, measured) in rows {
-            goal.time.push(time);
-            goal.target.push(target);
-            goal.measured.push(measured);
-        }
+        rows.into_iter().for_each(|row| goal.push(row));
         goal
+    }
+
+    /// Adds a set point and what was measured, as `(time, target, measured)`.
+    pub(crate) fn push(&mut self, (time, target, measured): (f64, f64, f64)) {
+        self.time.push(time);
+        self.target.push(target);
+        self.measured.push(measured);
     }
 
     /// How far it was missed.
@@ -84,12 +92,46 @@ impl Goal {
 /// # Errors
 /// What the core finds.
 pub fn close(of: &ControlledExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<Closed, Error> {
-    const PARTS: f64 = 1000.0;
-    let progress = Progress::begin("simulating", Some(PARTS as u64));
+    let run = &of.experiment.run;
+    let mut way = Way::begin(run);
+    if run.engine == Engine::EventLocated {
+        way = way.keeping(of.experiment.rig.bytes_per_step());
+    }
     close_watched(of, |time| {
-        progress.at((PARTS * time / of.experiment.run.duration) as u64);
+        way.kept(time);
         reached(time)
     })
+}
+
+/// Runs the closed loop by the event-located engine and hands each accepted step to `consumer`; of the run nothing is kept but
+/// what the controller did, which is added to `goals` and not to the result. A goal has what was decided before a step when the step is handed on.
+///
+/// # Errors
+/// What the core finds, and what the consumer fails by.
+pub(crate) fn stream(
+    of: &ControlledExperiment,
+    goals: &Goals,
+    consumer: &mut Consumer<'_>,
+) -> Result<(RunEnd, Closed), Error> {
+    let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
+    let (run, mut instants, mut way) = (experiment.run, Vec::new(), Way::begin(&experiment.run));
+    let end = simulate_controlled_into(
+        &experiment.rig,
+        experiment.start,
+        (run.duration, run.relative_tolerance),
+        law,
+        (*sampling, *sensors),
+        &mut |step| {
+            way.at(step.end());
+            consumer(step)
+        },
+        &mut |decision| {
+            instants.push(decision.seen.time);
+            add(&mut goals.borrow_mut(), of, &decision);
+        },
+    )?;
+    let experiment = Experiment { rig: end.rig.clone(), ..experiment.clone() };
+    Ok((end, Closed { experiment, goals: Vec::new(), instants, trajectory: None }))
 }
 
 /// Runs the closed loop, calling `watch` with the time in s that has been reached, now and then.
@@ -137,21 +179,36 @@ pub(crate) fn asked(actuation: Option<&Actuation>) -> usize {
     }
 }
 
-/// What is regulated, then what else the file gives set points of.
-pub(crate) fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
-    let measured = |quantity: Quantity, decision: &Decision| quantity.of(&decision.seen);
-    let regulated = decisions.iter().filter_map(|decision| {
-        let (quantity, target) = decision.aim?;
-        Some((decision.seen.time, target, measured(quantity, decision)?))
-    });
-    let mut goals = vec![Goal::new(of.regulated, true, regulated)];
-    for (quantity, set_point) in of.set_points.iter().filter(|(quantity, _)| *quantity != of.regulated) {
-        let rows = decisions.iter().filter_map(|decision| {
-            let time = decision.seen.time;
-            Some((time, set_point.at(time), measured(*quantity, decision)?))
-        });
-        goals.push(Goal::new(*quantity, false, rows));
+/// What is regulated, then what else the file gives set points of, before the first sample.
+pub(crate) fn begin_goals(of: &ControlledExperiment) -> Vec<Goal> {
+    let others = others(of).map(|(quantity, _)| Goal::new(*quantity, false, []));
+    std::iter::once(Goal::new(of.regulated, true, [])).chain(others).collect()
+}
+
+fn others(of: &ControlledExperiment) -> impl Iterator<Item = &(Quantity, SetPoint)> {
+    of.set_points.iter().filter(|(quantity, _)| *quantity != of.regulated)
+}
+
+/// Adds what was to be reached and what was measured at a sampling instant.
+fn add(goals: &mut [Goal], of: &ControlledExperiment, decision: &Decision) {
+    let (time, measured) = (decision.seen.time, |quantity: Quantity| quantity.of(&decision.seen));
+    let [regulated, rest @ ..] = goals else { return };
+    if let Some((quantity, target)) = decision.aim
+        && let Some(measured) = measured(quantity)
+    {
+        regulated.push((time, target, measured));
     }
+    for ((quantity, set_point), goal) in others(of).zip(rest) {
+        if let Some(measured) = measured(*quantity) {
+            goal.push((time, set_point.at(time), measured));
+        }
+    }
+}
+
+/// The goals with all that was decided.
+pub(crate) fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
+    let mut goals = begin_goals(of);
+    decisions.iter().for_each(|decision| add(&mut goals, of, decision));
     goals
 }
 
@@ -176,14 +233,14 @@ impl Closed {
         asked(self.experiment.rig.actuation())
     }
 
-    /// The run; the fixed-step engine repeats it, divided at the sampling instants as before, and shows every step.
+    /// The run, which is no longer held here; the fixed-step engine repeats it, divided at the sampling instants as before, and shows every step.
     ///
     /// # Errors
     /// What the core finds.
-    pub fn outcome(&self, watch: &mut dyn FnMut(&Sample) -> Result<(), Error>) -> Result<Outcome, Error> {
+    pub fn outcome(&mut self, watch: &mut dyn FnMut(&Sample) -> Result<(), Error>) -> Result<Outcome, Error> {
         let experiment = &self.experiment;
-        match &self.trajectory {
-            Some(trajectory) => Ok(Outcome::Located(Box::new(trajectory.clone()))),
+        match self.trajectory.take() {
+            Some(trajectory) => Ok(Outcome::Located(Box::new(trajectory))),
             None => engine::run_steps(experiment, experiment.step()?, self.instants.clone(), watch),
         }
     }

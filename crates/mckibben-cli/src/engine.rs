@@ -2,16 +2,20 @@
 //!
 //! | engine | kept | events | audit |
 //! |---|---|---|---|
-//! | event-located | the trajectory, as polynomials | all | energy and air |
+//! | event-located | the trajectory, as polynomials, where a figure or events are wanted; else nothing: each step goes to a consumer | all | energy and air |
 //! | fixed-step | nothing: the run is repeated when it is read, to the same bits | none | air, by the net change of each step |
 //!
 //! The fixed-step engine divides each sample interval into the least number of equal steps that are not longer than
 //! `run.step`, or than the step that `run.accuracy` needs. Checked by `tests/simulate.rs`.
 
 use crate::progress::Progress;
+use crate::quantities::{self, given};
 use mckibben::Error;
 use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, Trajectory, simulate_watched, steps_between};
+use mckibben::simulation::{
+    Consumer, FixedStepper, Rig, RunEnd, STEPS_WATCHED, Sample, SampleTimes, Trajectory, simulate_into,
+    simulate_watched, steps_between,
+};
 use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
@@ -47,11 +51,10 @@ pub fn run(
     let run = &experiment.run;
     match run.engine {
         Engine::EventLocated => {
-            const PARTS: f64 = 1000.0;
-            let progress = Progress::begin("simulating", Some(PARTS as u64));
             let (rig, start) = (&experiment.rig, experiment.start);
+            let mut way = Way::begin(run).keeping(rig.bytes_per_step());
             let trajectory = simulate_watched(rig, start, run.duration, run.relative_tolerance, |time| {
-                progress.at((PARTS * time / run.duration) as u64);
+                way.kept(time);
                 reached(time)
             })?;
             Ok(Outcome::Located(Box::new(trajectory)))
@@ -67,6 +70,72 @@ pub fn run(
             })
         }
     }
+}
+
+/// Runs an experiment by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
+///
+/// # Errors
+/// As [`run`], and those of the consumer.
+pub fn stream(experiment: &Experiment, consumer: &mut Consumer<'_>) -> Result<RunEnd, Error> {
+    let (run, mut way) = (&experiment.run, Way::begin(&experiment.run));
+    simulate_into(&experiment.rig, experiment.start, run.duration, run.relative_tolerance, &mut |step| {
+        way.at(step.end());
+        consumer(step)
+    })
+}
+
+/// How far an event-located run is, and what it keeps.
+#[derive(Debug)]
+pub(crate) struct Way {
+    progress: Progress,
+    duration: f64,
+    /// What a step takes in bytes where all are kept.
+    bytes: Option<usize>,
+    kept: u64,
+}
+
+/// Bytes that a run keeps before it says so.
+const WORTH_SAYING: u64 = 256 << 20;
+
+impl Way {
+    /// Begins a run.
+    pub(crate) fn begin(run: &Run) -> Self {
+        let progress = Progress::begin("simulating", Some(PARTS as u64));
+        Self { progress, duration: run.duration, bytes: None, kept: 0 }
+    }
+
+    /// Of a run that keeps every step, each of so many bytes.
+    pub(crate) fn keeping(self, bytes: usize) -> Self {
+        Self { bytes: Some(bytes), ..self }
+    }
+
+    /// It has come to a time in s.
+    pub(crate) fn at(&mut self, time: f64) {
+        self.progress.at((PARTS * time / self.duration) as u64);
+    }
+
+    /// The same, at a call of a watcher of a run that keeps every step.
+    pub(crate) fn kept(&mut self, time: f64) {
+        self.at(time);
+        let before = self.kept;
+        self.kept += STEPS_WATCHED as u64 * self.bytes.unwrap_or(0) as u64;
+        if before < WORTH_SAYING && self.kept >= WORTH_SAYING && time > 0.0 {
+            let (now, end) = (gigabytes(self.kept as f64), gigabytes(self.kept as f64 * self.duration / time));
+            let (time, duration) = (given(time, "s"), given(self.duration, "s"));
+            // Over a bar this would leave half a line.
+            self.progress.say(&format!(
+                "note: every step is kept, for figures, events and values between samples: {now} at {time}, about {end} at \
+                 {duration}; `mckibben simulate` with --output alone keeps nothing"
+            ));
+        }
+    }
+}
+
+/// Parts of a run that its bar shows.
+const PARTS: f64 = 1000.0;
+
+fn gigabytes(bytes: f64) -> String {
+    format!("{} GB", quantities::digits(bytes / 1e9))
 }
 
 /// Runs an experiment by the fixed-step engine with steps of at most `step` s that are divided at `divisions` (s, rising).

@@ -5,10 +5,12 @@
 //! | 0 | done | |
 //! | 2 | the input is wrong: arguments, a missing file, a scenario; nothing was written | [`Failure::input`] |
 //! | 3 | the simulation could not go on; nothing was written | [`Failure::stopped`] |
-//! | 4 | the output could not be written; nothing was left behind | [`Failure::output`] |
+//! | 4 | the output could not be written; what was finished before stays, and the message names it | [`Failure::output`] |
+//! | 129, 130, 143 | stopped by SIGHUP, SIGINT, SIGTERM | [`crate::interrupt`] |
 //!
 //! Checked by `tests/bad_input.rs` and `tests/simulate.rs`.
 
+use crate::terminal;
 use mckibben_scenario::{Diagnostic, Diagnostics, Document, Style};
 use std::fmt;
 use std::path::Path;
@@ -41,6 +43,8 @@ impl Reason {
 pub struct Failure {
     reason: Reason,
     message: Message,
+    /// What is left behind all the same, where output could not be written.
+    stays: Option<String>,
 }
 
 /// What is said about it.
@@ -63,28 +67,64 @@ impl Failure {
         Self::words(Reason::Stopped, title.into(), None)
     }
 
-    /// An error of the core, shown in the scenario that led to it.
-    pub fn of_core(error: &mckibben::Error, document: &Document) -> Self {
-        Self { reason: Reason::of(error), message: Message::Places(document.diagnose(error).into()) }
+    /// A number that came out of a run or a study is not finite: where it stands, with the number.
+    pub fn not_finite(which: &str) -> Self {
+        let title = format!("{which} is not a finite number, so nothing was written");
+        let help =
+            "a value of the input lies far outside what the model is made for: look for a unit that was mistaken";
+        Self::words(Reason::Stopped, title, Some(help.into()))
     }
 
-    /// A file could not be written.
+    /// An error of the core, shown in the scenario that led to it.
+    pub fn of_core(error: &mckibben::Error, document: &Document) -> Self {
+        Self::places(Reason::of(error), document.diagnose(error).into())
+    }
+
+    /// A file could not be written, and nothing was left behind; [`Failure::staying`] names what was.
     pub fn output(path: &Path, error: impl fmt::Display) -> Self {
         let title = format!("`{}` could not be written: {error}", path.display());
-        let help = "give a path in a folder that exists and that you may write to; nothing was left behind";
+        let help = "give a path in a folder that exists, has space left, and that you may write to";
         Self::words(Reason::Output, title, Some(help.into()))
     }
 
+    /// The same with what was finished before and stays, as in `3 files stay`; of output that could not be written, and unless
+    /// that is said already.
+    #[must_use]
+    pub fn staying(self, what: impl FnOnce() -> String) -> Self {
+        match self.reason {
+            Reason::Output if self.stays.is_none() => Self { stays: Some(what()), ..self },
+            _ => self,
+        }
+    }
+
     fn words(reason: Reason, title: String, help: Option<String>) -> Self {
-        Self { reason, message: Message::Words { title, help } }
+        Self { reason, message: Message::Words { title, help }, stays: None }
+    }
+
+    fn places(reason: Reason, places: Diagnostics) -> Self {
+        Self { reason, message: Message::Places(places), stays: None }
     }
 
     /// The same of one thing among several, such as `actuator 7`; places in a file say it themselves.
     pub fn of(self, whose: &str) -> Self {
         match self.message {
-            Message::Words { title, help } => Self::words(self.reason, format!("{whose}: {title}"), help),
-            message @ Message::Places(_) => Self { reason: self.reason, message },
+            Message::Words { title, help } => {
+                let message = Message::Words { title: format!("{whose}: {title}"), help };
+                Self { message, ..self }
+            }
+            Message::Places(_) => self,
         }
+    }
+
+    /// The same with its sentences in the words of another host; places in a file stay as they are.
+    pub fn in_words(self, words: impl Fn(&str) -> String) -> Self {
+        let message = match self.message {
+            Message::Words { title, help } => {
+                Message::Words { title: words(&title), help: help.map(|help| words(&help)) }
+            }
+            message @ Message::Places(_) => message,
+        };
+        Self { message, ..self }
     }
 
     /// What sort of failure it is.
@@ -106,15 +146,30 @@ impl Failure {
                     Style::Plain => ("", "", ""),
                     Style::Coloured => ("\x1b[1m\x1b[91m", "\x1b[1m", "\x1b[0m"),
                 };
-                let help = help.as_ref().map(|help| format!("\n {bold}= help{reset}: {help}")).unwrap_or_default();
+                let behind = match (self.reason, &self.stays) {
+                    (Reason::Output, None) => "; nothing was left behind",
+                    (Reason::Output, Some(what)) => &format!("; {what}"),
+                    _ => "",
+                };
+                let help = help.as_ref().map(|help| format!("\n {bold}= help{reset}: {help}{behind}"));
+                let help = help.unwrap_or_default();
                 format!("{red}error{reset}{bold}: {title}{reset}{help}")
             }
         }
     }
 
-    /// Prints the message on standard error, in colour where that is wanted.
+    /// What is wrong and what to do about it, in one line for a report.
+    pub fn sentence(&self) -> String {
+        match &self.message {
+            Message::Places(places) => places.render(Style::Plain),
+            Message::Words { title, help } => help.iter().fold(title.clone(), |title, help| format!("{title}; {help}")),
+        }
+    }
+
+    /// Prints the message on standard error, in colour where that is wanted; that it could not be printed has nowhere to be
+    /// said.
     pub fn print(&self) {
-        anstream::eprintln!("{}", self.render(Style::Coloured));
+        terminal::print_error(&format!("{}\n", self.render(Style::Coloured)));
     }
 }
 
@@ -127,7 +182,7 @@ impl From<mckibben::Error> for Failure {
 
 impl From<Diagnostics> for Failure {
     fn from(places: Diagnostics) -> Self {
-        Self { reason: Reason::Input, message: Message::Places(places) }
+        Self::places(Reason::Input, places)
     }
 }
 

@@ -9,16 +9,16 @@
 //!
 //! Every command and every other host that runs whole scenarios does so here. Checked by `tests/simulate.rs`.
 
-use crate::closed_loop::{self, Closed, Goal};
+use crate::closed_loop::{self, Closed, Goal, Goals};
 use crate::engine::{self, Outcome};
 use crate::events::{self, Log};
 use crate::failure::Failure;
 use crate::joint;
+use crate::observation::{Observation, Observer};
 use crate::plot::Figure;
 use crate::portrait::{self, Over};
-use crate::progress::Progress;
-use crate::record::{self, Filled, Format, Provenance, filled, of_controlled, of_joint};
-use mckibben::simulation::{JointSample, Sample};
+use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
+use mckibben::simulation::{JointRig, JointSample, Readable, Reading, Sample, SampleTimes};
 use mckibben_scenario::{
     ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, Run,
 };
@@ -65,6 +65,37 @@ pub struct JointRun {
     pub run: Run,
     /// The run.
     pub outcome: joint::outcome::Outcome,
+    /// The controller's part in it, if there is one.
+    pub control: Option<joint::control::Closed>,
+}
+
+/// The figures of a run of which nothing else need be left.
+#[derive(Clone, Debug)]
+pub enum Figures {
+    /// Of an actuator on a load.
+    Actuator(Box<ActuatorFigures>),
+    /// Of a joint.
+    Joint(Box<JointFigures>),
+}
+
+/// The figures of the run of an actuator on a load.
+#[derive(Clone, Debug)]
+pub struct ActuatorFigures {
+    /// What was simulated; under a controller with the command that it made.
+    pub experiment: Experiment,
+    /// What was observed.
+    pub observation: Observation,
+    /// The controller's part in it, if there is one.
+    pub control: Option<Closed>,
+}
+
+/// The figures of the run of a joint.
+#[derive(Clone, Debug)]
+pub struct JointFigures {
+    /// The joint; under a controller with the commands that it made.
+    pub rig: JointRig,
+    /// What was observed.
+    pub observation: joint::observation::Observation,
     /// The controller's part in it, if there is one.
     pub control: Option<joint::control::Closed>,
 }
@@ -124,6 +155,73 @@ impl Ready {
         self.finish(watch, reached).map_err(|error| Failure::of_core(&error, document))
     }
 
+    /// Runs it by the event-located engine, writes its samples as they come if a target is given, and keeps nothing but what a
+    /// controller did: memory does not grow with the run, and the bytes are those of a run that is kept.
+    ///
+    /// # Errors
+    /// What the core finds, shown in the document; [`Failure::output`] when writing fails.
+    pub(crate) fn stream(self, document: &Document, target: Option<Target<'_>>) -> Result<Figures, Failure> {
+        let run = *self.plan();
+        let shown = |error: mckibben::Error| Failure::of_core(&error, document);
+        match self {
+            Self::Actuator(experiment) => {
+                let mut observer = Observer::new(&experiment);
+                let fields = of_controlled(&experiment.rig, &Goals::default());
+                let end = through(target, &fields, &run, shown, |take| {
+                    let end = engine::stream(&experiment, &mut |step| {
+                        observer.step(step);
+                        take(step)
+                    })?;
+                    Ok((end.sample, end))
+                })?;
+                let observation = observer.finish(&end);
+                Ok(Figures::Actuator(Box::new(ActuatorFigures { experiment: *experiment, observation, control: None })))
+            }
+            Self::Controlled(of) => {
+                let mut observer = Observer::new(&of.experiment);
+                let goals = Goals::new(closed_loop::begin_goals(&of).into());
+                let fields = of_controlled(&of.experiment.rig, &goals);
+                let (end, mut closed) = through(target, &fields, &run, shown, |take| {
+                    let (end, closed) = closed_loop::stream(&of, &goals, &mut |step| {
+                        observer.step(step);
+                        take(step)
+                    })?;
+                    Ok((end.sample, (end, closed)))
+                })?;
+                closed.goals = goals.take();
+                let (experiment, observation) = (closed.experiment.clone(), observer.finish(&end));
+                let figures = ActuatorFigures { experiment, observation, control: Some(closed) };
+                Ok(Figures::Actuator(Box::new(figures)))
+            }
+            Self::Joint(of) => {
+                let mut observer = joint::observation::Observer::new(&of.rig, &run);
+                let end = through(target, &of_joint(&Goals::default()), &run, shown, |take| {
+                    let end = joint::outcome::stream(&of, &mut |step| {
+                        observer.step(step);
+                        take(step)
+                    })?;
+                    Ok((end.sample, end))
+                })?;
+                let observation = observer.finish(&end);
+                Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: None })))
+            }
+            Self::ControlledJoint(of) => {
+                let mut observer = joint::observation::Observer::new(&of.experiment.rig, &run);
+                let goals = Goals::new(joint::control::begin_goals(&of).into());
+                let (end, mut closed) = through(target, &of_joint(&goals), &run, shown, |take| {
+                    let (end, closed) = joint::control::stream(&of, &goals, &mut |step| {
+                        observer.step(step);
+                        take(step)
+                    })?;
+                    Ok((end.sample, (end, closed)))
+                })?;
+                closed.goals = goals.take();
+                let observation = observer.finish(&end);
+                Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: Some(closed) })))
+            }
+        }
+    }
+
     fn finish(
         self,
         watch: &mut dyn FnMut(&Experiment, &Sample),
@@ -135,7 +233,7 @@ impl Ready {
                 Finished::Actuator(Box::new(ActuatorRun { experiment: *experiment, outcome, control: None }))
             }
             Self::Controlled(of) => {
-                let closed = closed_loop::close(&of, reached)?;
+                let mut closed = closed_loop::close(&of, reached)?;
                 let experiment = closed.experiment.clone();
                 let outcome = closed.outcome(&mut |sample| {
                     watch(&experiment, sample);
@@ -148,10 +246,9 @@ impl Ready {
                 Finished::Joint(Box::new(JointRun { run: of.run, outcome, control: None }))
             }
             Self::ControlledJoint(of) => {
-                const PARTS: f64 = 1000.0;
-                let (run, progress) = (of.experiment.run, Progress::begin("simulating", Some(PARTS as u64)));
+                let (run, mut way) = (of.experiment.run, joint::outcome::way(&of.experiment));
                 let watch = |time: f64| {
-                    progress.at((PARTS * time / run.duration) as u64);
+                    way.kept(time);
                     reached(time)
                 };
                 let (outcome, closed) = joint::control::close(&of, None, watch)?;
@@ -161,15 +258,59 @@ impl Ready {
     }
 }
 
+/// What of a step is written: its error ends the run.
+type Take<'t, S> = &'t mut dyn FnMut(&dyn Readable<Sample = S>) -> Result<(), mckibben::Error>;
+
+/// Makes a run by `simulate` and writes its samples on the way. `simulate` hands every step to what it is given, and returns the
+/// last sample with what else there is at the end.
+fn through<S: Copy, E>(
+    target: Option<Target<'_>>,
+    fields: &[Field<S>],
+    run: &Run,
+    shown: impl Fn(mckibben::Error) -> Failure,
+    simulate: impl FnOnce(Take<'_, S>) -> Result<(S, E), mckibben::Error>,
+) -> Result<E, Failure> {
+    let Some(target) = target else {
+        return simulate(&mut |_| Ok(())).map(|(_, end)| end).map_err(shown);
+    };
+    let (mut simulate, mut ended) = (Some(simulate), None);
+    let rows: record::Rows<'_, S> = &mut |each| {
+        let Some(simulate) = simulate.take() else { return Ok(()) };
+        let mut reading = Reading::new(SampleTimes::new(run.duration, run.sample_interval).times(), run.duration);
+        let mut failure = None;
+        let made = simulate(&mut |step| {
+            reading.step(step, &mut *each).map_err(|failed| {
+                failure = Some(failed);
+                mckibben::Error::Interrupted { time: 0.0 }
+            })
+        });
+        // What writing failed by has ended the run.
+        let (last, end) = failure.map_or_else(|| made.map_err(&shown), Err)?;
+        reading.finish(&last, each)?;
+        ended = Some(end);
+        Ok(())
+    };
+    record::write(fields, rows, target)?;
+    ended.ok_or_else(|| Failure::stopped("the run did not come to its end"))
+}
+
 impl ActuatorRun {
     fn goals(&self) -> &[Goal] {
         self.control.as_ref().map_or(&[], |closed| &closed.goals)
+    }
+
+    fn fields(&self) -> Vec<Field<Sample>> {
+        of_controlled(self.outcome.rig(), &Goals::new(self.goals().to_vec().into()))
     }
 }
 
 impl JointRun {
     fn goals(&self) -> &[Goal] {
         self.control.as_ref().map_or(&[], |closed| &closed.goals)
+    }
+
+    fn fields(&self) -> Vec<Field<JointSample>> {
+        of_joint(&Goals::new(self.goals().to_vec().into()))
     }
 }
 
@@ -191,12 +332,12 @@ impl Finished {
         match self {
             Self::Actuator(of) => {
                 let rows: record::Rows<'_, Sample> = &mut |each| of.outcome.each_sample(interval, each);
-                filled(of_controlled(of.outcome.rig(), of.goals()), rows)
+                filled(of.fields(), rows)
             }
             Self::Joint(of) => {
                 let rows: record::Rows<'_, JointSample> =
                     &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
-                filled(of_joint(of.goals()), rows)
+                filled(of.fields(), rows)
             }
         }
     }
@@ -218,13 +359,13 @@ impl Finished {
                 let Outcome::Located(trajectory) = &of.outcome else { return Err(between_samples()) };
                 let rows: record::Rows<'_, Sample> =
                     &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
-                filled(of_controlled(of.outcome.rig(), of.goals()), rows)
+                filled(of.fields(), rows)
             }
             Self::Joint(of) => {
                 let Some(trajectory) = of.outcome.located() else { return Err(between_samples()) };
                 let rows: record::Rows<'_, JointSample> =
                     &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
-                filled(of_joint(of.goals()), rows)
+                filled(of.fields(), rows)
             }
         }
     }
@@ -252,14 +393,44 @@ impl Finished {
     pub fn write(
         &self,
         provenance: &Provenance<'_>,
-        target: (&Path, Format),
+        (path, format): (&Path, Format),
         out: &mut (dyn Write + Send),
     ) -> Result<(), Failure> {
         let interval = self.plan().sample_interval;
         match self {
-            Self::Actuator(of) => record::write(&of.outcome, of.goals(), interval, provenance, target, out),
-            Self::Joint(of) => record::write_joint(&of.outcome, of.goals(), interval, provenance, target, out),
+            Self::Actuator(of) => {
+                let rows: record::Rows<'_, Sample> = &mut |each| of.outcome.each_sample(interval, each);
+                record::write(&of.fields(), rows, Target { provenance, path, format, out })
+            }
+            Self::Joint(of) => {
+                let rows: record::Rows<'_, JointSample> =
+                    &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
+                record::write(&of.fields(), rows, Target { provenance, path, format, out })
+            }
         }
+    }
+
+    /// The figures of the run; those of fixed steps of an actuator as an observer has seen them.
+    ///
+    /// # Errors
+    /// None but those of the engine.
+    pub fn figures(&self, observer: Option<Observer>) -> Result<Figures, Failure> {
+        Ok(match self {
+            Self::Actuator(of) => {
+                let ActuatorRun { experiment, outcome, control } = of.as_ref();
+                let observation = observer.unwrap_or_else(|| Observer::new(experiment)).finish_of(outcome)?;
+                let (experiment, control) = (experiment.clone(), control.clone());
+                Figures::Actuator(Box::new(ActuatorFigures { experiment, observation, control }))
+            }
+            Self::Joint(of) => {
+                let JointRun { run, outcome, control } = of.as_ref();
+                let observer = joint::observation::Observer::new(outcome.rig(), run);
+                let observation = observer.finish_of(outcome)?;
+                let observation = observation.ok_or_else(|| Failure::stopped("the run has no sample"))?;
+                let (rig, control) = (outcome.rig().clone(), control.clone());
+                Figures::Joint(Box::new(JointFigures { rig, observation, control }))
+            }
+        })
     }
 
     /// The figure of the run; that of a joint is always over time.

@@ -14,6 +14,7 @@
 //! | [`portrait`], [`plot`] | a run as a figure, and figures in general |
 //! | [`sweep`] | many runs of one scenario |
 //! | [`output`] | files that are whole or not there |
+//! | [`temporary`], [`interrupt`] | files under way, and what becomes of them when the program is stopped |
 //! | [`terminal`], [`progress`], [`quantities`] | words, bars and numbers for people |
 //! | [`failure`] | why a command failed, and the exit code that says so |
 
@@ -27,6 +28,7 @@ pub mod engine;
 pub mod events;
 pub mod failure;
 pub mod finished;
+pub mod interrupt;
 pub mod joint;
 pub mod observation;
 pub mod output;
@@ -39,6 +41,7 @@ pub mod report;
 pub mod settings;
 pub mod summary;
 pub mod sweep;
+pub mod temporary;
 pub mod terminal;
 
 use clap::Parser as _;
@@ -47,9 +50,14 @@ use std::process::ExitCode;
 /// Runs the program on the process's arguments; the exit code is that of [`failure`].
 pub fn run() -> ExitCode {
     let arguments = arguments::Arguments::parse();
+    interrupt::listen();
     match commands::run(&arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
+            let failure = match output::stays(temporary::finished()) {
+                None => failure,
+                Some(stays) => failure.staying(|| stays),
+            };
             failure.print();
             ExitCode::from(failure.code())
         }

@@ -1,13 +1,18 @@
 //! The figures of a run: extremes, the last periods under PWM, the air through each port.
 //!
-//! An event-located run is looked at in five points of every step, at every event and at every sample; a fixed-step run at every step.
+//! An event-located run is evaluated in five points of every step, at every event and at every sample; a fixed-step run at every
+//! step. Either is observed as it is made: nothing of it is kept.
 
 use crate::engine::Outcome;
 use mckibben::Actuator;
 use mckibben::air::Flow;
-use mckibben::simulation::{Extent, Mode, Sample, Trajectory};
+use mckibben::simulation::{
+    AcceptedStep, CircuitAudit, Counts, EnergyAudit, EventKind, Extent, FixedStepper, Ledger, Mode, Readable, Reading,
+    RunEnd, Sample, SampleTimes,
+};
 use mckibben::valve::Command;
 use mckibben_scenario::Experiment;
+use std::collections::BTreeMap;
 
 /// The least and the greatest value of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +27,11 @@ impl Range {
     pub(crate) const NONE: Self = Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY };
 
     pub(crate) fn see(&mut self, value: f64) {
+        // What is no number stays, to be found: the least and the greatest of two would pass over it.
+        if value.is_nan() || self.least.is_nan() {
+            *self = Self { least: f64::NAN, greatest: f64::NAN };
+            return;
+        }
         self.least = self.least.min(value);
         self.greatest = self.greatest.max(value);
     }
@@ -110,8 +120,32 @@ pub struct Ripple {
     pub drift: Option<f64>,
 }
 
-/// Everything that is observed.
+/// What only the event-located engine gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Located {
+    /// Steps, evaluations and events.
+    pub counts: Counts,
+    /// How many events of each kind there were.
+    pub events: BTreeMap<EventKind, u64>,
+    /// Where the work of the gas went.
+    pub work: EnergyAudit,
+    /// Where the exergy of the supply's air went, where there is an account of it.
+    pub circuit: Option<CircuitAudit>,
+}
+
+/// What only the fixed-step engine gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
+    /// The longest step in s.
+    pub step: f64,
+    /// When it was chosen for an accuracy: the time in s that was compared, and the greatest error.
+    pub chosen: Option<[f64; 2]>,
+    /// How many there were.
+    pub steps: u64,
+}
+
+/// Everything that is observed.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// The sample at the start.
     pub first: Sample,
@@ -123,6 +157,10 @@ pub struct Observation {
     pub air: AirUse,
     /// Ripple, when the command is PWM and at least one period is over.
     pub ripple: Option<Ripple>,
+    /// By the event-located engine.
+    pub located: Option<Located>,
+    /// By the fixed-step engine.
+    pub steps: Option<Steps>,
 }
 
 /// Periods of PWM that are looked at.
@@ -132,22 +170,30 @@ const POINTS: u64 = 400;
 /// Samples in which extremes are looked for at least.
 const LEAST_SAMPLES: f64 = 5000.0;
 
-/// Collects what a fixed-step run shows on its way.
-#[derive(Clone, Debug)]
+/// Times at which a run is read.
+type Times = Box<dyn Iterator<Item = f64> + Send>;
+
+/// Observes a run on its way.
 pub struct Observer {
     first: Option<Sample>,
     last: Option<Sample>,
     extremes: Extremes,
     air: AirUse,
     window: Option<Window>,
-    /// The sample interval of the run in s.
-    interval: f64,
+    /// Of an event-located run.
+    ledger: Ledger,
+    events: BTreeMap<EventKind, u64>,
+    /// Time in s of the last event, until the step that holds it.
+    event: Option<f64>,
+    samples: Reading<Times>,
+    points: Reading<Times>,
 }
 
 /// The last periods of a run under PWM.
 #[derive(Clone, Debug)]
 struct Window {
     start: f64,
+    end: f64,
     period: f64,
     /// For each period the integral of length and its time, and the range.
     periods: Vec<(f64, f64, Range)>,
@@ -161,7 +207,19 @@ impl Window {
         let whole = (experiment.run.duration / period * (1.0 + 1e-12)) as u64;
         let count = whole.min(PERIODS);
         let start = experiment.run.duration - count as f64 * period;
-        (count > 0).then(|| Self { start, period, periods: vec![(0.0, 0.0, Range::NONE); count as usize] })
+        let end = experiment.run.duration;
+        (count > 0).then(|| Self { start, end, period, periods: vec![(0.0, 0.0, Range::NONE); count as usize] })
+    }
+
+    /// The time in s between two of the points at which an event-located run is read.
+    fn step(&self) -> f64 {
+        (self.end - self.start) / (self.periods.len() as u64 * POINTS) as f64
+    }
+
+    /// The times in s of those points.
+    fn points(&self) -> impl Iterator<Item = f64> + use<> {
+        let (start, step) = (self.start, self.step());
+        (0..self.periods.len() as u64 * POINTS).map(move |point| start + (point as f64 + 0.5) * step)
     }
 
     fn see(&mut self, time: f64, weight: f64, length: f64) {
@@ -203,17 +261,29 @@ impl Window {
 impl Observer {
     /// Begins to observe a run.
     pub fn new(experiment: &Experiment) -> Self {
+        let (window, end) = (Window::of(experiment), experiment.run.duration);
+        // A long step, as of a mass in free flight, may hold an extreme between two of its points; and no figure may
+        // contradict the file.
+        let interval = experiment.run.sample_interval.min(end / LEAST_SAMPLES);
+        let points: Times = match &window {
+            Some(window) => Box::new(window.points()),
+            None => Box::new(std::iter::empty()),
+        };
         Self {
             first: None,
             last: None,
             extremes: Extremes::NONE,
             air: AirUse::default(),
-            window: Window::of(experiment),
-            interval: experiment.run.sample_interval,
+            window,
+            ledger: Ledger::new(&experiment.rig),
+            events: BTreeMap::new(),
+            event: None,
+            samples: Reading::new(Box::new(SampleTimes::new(end, interval).times()), end),
+            points: Reading::new(points, end),
         }
     }
 
-    /// Sees the state after a step of the fixed-step engine, or the start.
+    /// Observes the state after a step of the fixed-step engine, or the start.
     pub fn see(&mut self, sample: &Sample) {
         self.extremes.see(sample);
         self.first.get_or_insert(*sample);
@@ -229,48 +299,78 @@ impl Observer {
         }
     }
 
-    /// The figures of the run.
-    pub fn finish(mut self, outcome: &Outcome) -> Observation {
-        if let Outcome::Located(trajectory) = outcome {
-            self.look_over(trajectory);
+    /// Observes an accepted step of the event-located engine.
+    pub fn step(&mut self, step: &AcceptedStep<'_>) {
+        let Self { first, extremes, air, window, ledger, events, event, samples, points, .. } = self;
+        ledger.step(step);
+        step.quadrature(|_, sample, _| extremes.see(sample));
+        step.valve_flows(|weight, flows| air.see(weight, flows));
+        let read = |sample: &Sample| {
+            first.get_or_insert(*sample);
+            extremes.see(sample);
+            Ok::<_, std::convert::Infallible>(())
+        };
+        let Ok(()) = samples.step(step, read);
+        if let Some(time) = event.take_if(|time| step.holds(*time)) {
+            extremes.see(&step.read(time));
         }
-        // The engines show at least their start; the stand-in keeps this free of a panic.
-        let nothing = || experiment_without_samples(outcome);
-        let first = self.first.unwrap_or_else(nothing);
-        let last = self.last.unwrap_or(first);
-        let ripple = self.window.as_ref().and_then(Window::ripple);
-        Observation { first, last, extremes: self.extremes, air: self.air, ripple }
-    }
-
-    /// Looks at a whole trajectory.
-    fn look_over(&mut self, trajectory: &Trajectory) {
-        trajectory.quadrature(|_, sample, _| self.extremes.see(sample));
-        trajectory.valve_flows(|weight, flows| self.air.see(weight, flows));
-        let end = trajectory.duration();
-        let (first, last) = (trajectory.at(0.0), trajectory.at(end));
-        let at_events = trajectory.events().iter().map(|event| trajectory.at(event.time));
-        // A long step, as of a mass in free flight, may hold an extreme between two of its points; and no figure may
-        // contradict the file.
-        let interval = self.interval.min(end / LEAST_SAMPLES);
-        at_events.chain(trajectory.samples(interval)).for_each(|sample| self.extremes.see(&sample));
-        (self.first, self.last) = (Some(first), Some(last));
-        if let Some(window) = &mut self.window {
-            let points = window.periods.len() as u64 * POINTS;
-            let step = (end - window.start) / points as f64;
-            for point in 0..points {
-                let time = window.start + (point as f64 + 0.5) * step;
-                window.see(time, step, trajectory.at(time).length);
+        let Ok(()) = points.step(step, |sample| {
+            if let Some(window) = window {
+                let weight = window.step();
+                window.see(sample.time, weight, sample.length);
             }
+            Ok::<_, std::convert::Infallible>(())
+        });
+        if let Some(happened) = step.event() {
+            *events.entry(happened.kind).or_insert(0) += 1;
+            *event = Some(happened.time);
         }
     }
-}
 
-/// The start of a run as a sample, for a run that showed none.
-fn experiment_without_samples(outcome: &Outcome) -> Sample {
-    match outcome {
-        Outcome::Located(trajectory) => trajectory.at(0.0),
-        Outcome::Stepped { experiment, .. } => {
-            mckibben::simulation::FixedStepper::new(&experiment.rig, experiment.start, experiment.method()).sample()
+    /// The figures of a run of the event-located engine that has come to its end.
+    pub fn finish(mut self, end: &RunEnd) -> Observation {
+        let (work, circuit) = self.ledger.finish(end);
+        self.extremes.see(&end.sample);
+        let ripple = self.window.as_ref().and_then(Window::ripple);
+        Observation {
+            first: self.first.unwrap_or(end.sample),
+            last: end.sample,
+            extremes: self.extremes,
+            air: self.air,
+            ripple,
+            located: Some(Located { counts: end.counts, events: self.events, work, circuit }),
+            steps: None,
+        }
+    }
+
+    /// The figures of a run that was kept, or that was seen step by step by the fixed-step engine.
+    ///
+    /// # Errors
+    /// None but those of the engine.
+    pub fn finish_of(mut self, outcome: &Outcome) -> Result<Observation, mckibben::Error> {
+        match outcome {
+            Outcome::Located(trajectory) => {
+                let end = trajectory.replay(&mut |step| {
+                    self.step(step);
+                    Ok(())
+                })?;
+                Ok(self.finish(&end))
+            }
+            Outcome::Stepped { experiment, step, chosen, steps, .. } => {
+                // The engine shows at least its start; the stand-in keeps this free of a panic.
+                let start = || FixedStepper::new(&experiment.rig, experiment.start, experiment.method()).sample();
+                let first = self.first.unwrap_or_else(start);
+                let chosen = chosen.map(|error| [error.compared, error.greatest()]);
+                Ok(Observation {
+                    first,
+                    last: self.last.unwrap_or(first),
+                    extremes: self.extremes,
+                    air: self.air,
+                    ripple: self.window.as_ref().and_then(Window::ripple),
+                    located: None,
+                    steps: Some(Steps { step: *step, chosen, steps: *steps }),
+                })
+            }
         }
     }
 }

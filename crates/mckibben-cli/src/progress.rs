@@ -59,6 +59,13 @@ impl Progress {
         Self { bar, _done: done }
     }
 
+    /// Prints a line on standard error, above the bar if one is shown; nothing where another program is the host.
+    pub fn say(&self, line: &str) {
+        if !SILENT.load(Ordering::Relaxed) {
+            self.bar.suspend(|| crate::terminal::print_error(&format!("{line}\n")));
+        }
+    }
+
     /// Says how many parts are done.
     pub fn at(&self, parts: u64) {
         self.bar.set_position(parts);

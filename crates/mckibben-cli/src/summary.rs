@@ -2,15 +2,15 @@
 
 use crate::closed_loop::{Closed, Goal, Miss};
 use crate::describe;
-use crate::engine::Outcome;
-use crate::events;
-use crate::observation::{Observation, Range, Ripple};
-use crate::quantities::{common_prefix, count, digits, given, percent, quantity};
+use crate::failure::Failure;
+use crate::observation::{Observation, Range, Ripple, Steps};
+use crate::quantities::{self, common_prefix, count, given};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
 use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
+use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -32,8 +32,6 @@ pub struct Summary<'a> {
     pub scenario: &'a Scenario,
     /// What was simulated.
     pub experiment: &'a Experiment,
-    /// The run.
-    pub outcome: &'a Outcome,
     /// The controller's part in it, if there is one.
     pub control: Option<&'a Closed>,
     /// Its figures.
@@ -46,29 +44,31 @@ pub struct Summary<'a> {
 
 impl Summary<'_> {
     /// The summary, with colours.
-    pub fn render(&self) -> String {
-        let mut page = Page::default();
-        self.what_ran(&mut page);
-        self.events(&mut page);
-        self.states(&mut page);
+    ///
+    /// # Errors
+    /// [`Failure::stopped`] for a number that is not finite.
+    pub fn render(&self) -> Result<String, Failure> {
+        let page = &Page::default();
+        self.what_ran(page);
+        self.events(page);
+        self.states(page);
         if let Some(closed) = self.control {
-            goals(&mut page, &closed.goals);
-            let air = quantity(self.observation.air.from_supply, "kg");
-            effort(&mut page, closed.samples(), &count(closed.requests() as u64), Some(&air));
+            goals(page, &closed.goals);
+            let air = page.quantity(self.observation.air.from_supply, "kg");
+            effort(page, closed.samples(), &count(closed.requests() as u64), Some(&air));
         }
-        self.air(&mut page);
-        if let Outcome::Located(trajectory) = self.outcome {
-            let of_circuit = trajectory.circuit();
-            energy(&mut page, &of_circuit.map_or_else(|| trajectory.audit(), |audit| audit.work));
-            if let Some(audit) = of_circuit {
-                let sums = [audit.residual(), audit.turnover()];
-                circuit(&mut page, &audit, trajectory.rig().actuator().air().process(), sums);
+        self.air(page);
+        if let Some(located) = &self.observation.located {
+            energy(page, &located.work);
+            if let Some(audit) = &located.circuit {
+                let sums = [audit.residual(), audit.turnover(), audit.rounding()];
+                circuit(page, audit, self.experiment.rig.actuator().air().process(), sums);
             }
         }
-        page.text + &assumptions(self.assumed)
+        page.finish(&assumptions(self.assumed))
     }
 
-    fn what_ran(&self, page: &mut Page) {
+    fn what_ran(&self, page: &Page) {
         let run = &self.experiment.run;
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
         page.line("load", &describe::load(&self.scenario.load));
@@ -78,18 +78,19 @@ impl Summary<'_> {
         page.line("drive", &describe::drive(self.scenario));
         page.line("air", &describe::air(&self.scenario.air.process));
         page.line("engine", &describe::engine(run));
-        if let Outcome::Stepped { step, chosen, .. } = self.outcome {
-            let error = chosen.map(|error| [error.compared, error.greatest()]);
-            page.line("step", &step_of(*step, error, run));
+        if let Some(Steps { step, chosen, .. }) = &self.observation.steps {
+            page.line("step", &step_of(page, *step, *chosen, run));
         }
-        let steps = match self.outcome {
-            Outcome::Located(trajectory) => cost(trajectory.counts()),
-            Outcome::Stepped { steps, .. } => format!("{} steps", count(*steps)),
-        };
-        page.line("cost", &format!("{steps}, {}", quantity(self.elapsed.as_secs_f64(), "s")));
+        page.line("cost", &format!("{}, {}", self.cost(), page.quantity(self.elapsed.as_secs_f64(), "s")));
     }
 
-    fn states(&self, page: &mut Page) {
+    fn cost(&self) -> String {
+        let located = self.observation.located.as_ref().map(|located| cost(located.counts));
+        let steps = self.observation.steps.as_ref().map(|steps| format!("{} steps", count(steps.steps)));
+        located.or(steps).unwrap_or_default()
+    }
+
+    fn states(&self, page: &Page) {
         let (last, extremes) = (&self.observation.last, &self.observation.extremes);
         let limits = self.experiment.rig.actuator().limits();
         let longest = limits.max_length();
@@ -101,90 +102,103 @@ impl Summary<'_> {
         page.heading("State");
         page.head(["at the end", "least", "greatest"]);
         page.range("length", last.length, extremes.length, "m");
-        let percents = [contraction(last.length), shortening.least, shortening.greatest].map(percent);
+        let percents =
+            [contraction(last.length), shortening.least, shortening.greatest].map(|share| page.percent(share));
         page.columns("contraction", percents);
         page.range("velocity", last.velocity, extremes.velocity, "m/s");
         page.range("tension", last.tension, extremes.tension, "N");
         if let Some(tendon) = self.experiment.rig.tendon() {
-            let stretch = quantity(last.tension / tendon.stiffness(), "m");
-            let distance = quantity(last.load_distance, "m");
+            let stretch = page.quantity(last.tension / tendon.stiffness(), "m");
+            let distance = page.quantity(last.load_distance, "m");
             page.line("tendon", &format!("stretched by {stretch} at the end, the load at {distance}"));
         }
         page.range("gauge pressure", last.pressure.0 - atmosphere, gauge(extremes.pressure), "Pa");
-        let kelvin = |kelvin: f64| format!("{kelvin:.1} K");
+        let kelvin = |kelvin: f64| format!("{:.1} K", page.sound(kelvin));
         let temperature = &extremes.temperature;
         page.columns("temperature", [last.temperature, temperature.least, temperature.greatest].map(kelvin));
-        page.line("air", &format!("{} in {} at the end", quantity(last.air_mass, "kg"), volume(last.volume)));
+        page.line("air", &format!("{} in {} at the end", page.quantity(last.air_mass, "kg"), page.volume(last.volume)));
         match last.supply_pressure.filter(|_| self.experiment.rig.regulator().is_some()) {
             Some(regulated) => {
-                page.line("regulator", &format!("at {} gauge at the end", quantity(regulated.0 - atmosphere, "Pa")));
+                page.line(
+                    "regulator",
+                    &format!("at {} gauge at the end", page.quantity(regulated.0 - atmosphere, "Pa")),
+                );
             }
             None => page.line("valve", &format!("{} at the end", last.ports.name())),
         }
         // A length that is fixed has no ripple, whatever the pressure does.
         let moves = !matches!(self.scenario.load, Load::Isometric);
         if let Some(ripple) = self.observation.ripple.as_ref().filter(|_| moves) {
-            page.line("under PWM", &under_pwm(ripple, contraction(ripple.mean)));
+            page.line("under PWM", &under_pwm(page, ripple, contraction(ripple.mean)));
         }
     }
 
-    fn air(&self, page: &mut Page) {
+    fn air(&self, page: &Page) {
         let air = &self.observation.air;
         if self.scenario.valve.is_none() {
             return;
         }
-        let told = |mass: f64| format!("{}, {} ANR", quantity(mass, "kg"), volume(mass / REFERENCE_DENSITY));
+        let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
         page.heading("Air");
-        if matches!(self.outcome, Outcome::Stepped { .. }) {
-            page.line("in", &format!("{} (by the net change of each step)", told(air.from_supply)));
-            page.line("out", &told(air.to_surroundings));
+        if self.observation.located.is_none() {
+            page.line("in", &format!("{} (by the net change of each step)", said(air.from_supply)));
+            page.line("out", &said(air.to_surroundings));
             return;
         }
-        page.line("from supply", &told(air.from_supply));
-        page.line("to exhaust", &told(air.to_surroundings));
+        page.line("from supply", &said(air.from_supply));
+        page.line("to exhaust", &said(air.to_surroundings));
         // Flow against the usual direction is worth a line only where there is any.
         for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
-            if mass > 1e-12 * (air.from_supply + air.to_surroundings) {
-                page.line(name, &told(mass));
+            if page.sound(mass) > 1e-12 * (air.from_supply + air.to_surroundings) {
+                page.line(name, &said(mass));
             }
         }
     }
 
-    fn events(&self, page: &mut Page) {
+    fn events(&self, page: &Page) {
         page.heading("Events");
-        match events::of(self.outcome) {
+        match &self.observation.located {
             None => page.line("", "the fixed-step engine keeps no log of events"),
-            Some([]) => page.line("", "none"),
-            Some(log) => {
-                let counts = events::counts(log);
-                let kinds: Vec<String> =
-                    counts.iter().map(|(kind, number)| format!("{}{KEPT}{}", kind.name(), count(*number))).collect();
-                page.line(&count(log.len() as u64), &kinds.join(", "));
-            }
+            Some(located) => events(page, located.events.iter().map(|(kind, number)| (kind.name(), *number))),
         }
     }
 }
 
+/// How many events there were of each kind.
+pub(crate) fn events(page: &Page, counts: impl Iterator<Item = (&'static str, u64)>) {
+    let mut total = 0;
+    let kinds = counts.map(|(kind, number)| {
+        total += number;
+        format!("{kind}{KEPT}{}", count(number))
+    });
+    let kinds = kinds.collect::<Vec<_>>().join(", ");
+    match total {
+        0 => page.line("", "none"),
+        total => page.line(&count(total), &kinds),
+    }
+}
+
 /// How far the goals of a controller were missed.
-pub(crate) fn goals<'g>(page: &mut Page, goals: impl IntoIterator<Item = &'g Goal>) {
+pub(crate) fn goals<'g>(page: &Page, goals: impl IntoIterator<Item = &'g Goal>) {
     page.heading("Control");
     // Wider than the other tables: a stiffness has a long unit.
-    let row = |page: &mut Page, name: &str, [a, b, c]: [String; 3]| {
+    let row = |name: &str, [a, b, c]: [String; 3]| {
+        page.ends(name);
         page.put(format_args!("  {name:<NAMES$}{a:>16}{b:>16}{c:>12}\n"));
     };
-    row(page, "", ["rms error", "largest error", "at"].map(str::to_owned));
+    row("", ["rms error", "largest error", "at"].map(str::to_owned));
     for goal in goals {
         let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
         let name = match goal.whose {
             Some(1) => "  antagonist",
             _ => describe::controlled(goal.quantity),
         };
-        row(page, name, [quantity(rms, unit), quantity(largest, unit), quantity(at, "s")]);
+        row(name, [page.quantity(rms, unit), page.quantity(largest, unit), page.quantity(at, "s")]);
     }
 }
 
 /// What a controller did and what it took.
-pub(crate) fn effort(page: &mut Page, samples: usize, requests: &str, air: Option<&str>) {
+pub(crate) fn effort(page: &Page, samples: usize, requests: &str, air: Option<&str>) {
     page.line("samples", &format!("{}; errors are as measured then", count(samples as u64)));
     page.line("requests", &format!("{requests} changes of what the valve is asked"));
     if let Some(air) = air {
@@ -203,16 +217,21 @@ pub(crate) fn cost(counts: Counts) -> String {
     format!("{steps} steps{implicit}, {rejected} repeated, {evaluations} evaluations")
 }
 
-/// What does not close of an energy audit, and what share of its turnover that is.
-pub(crate) fn residual(page: &mut Page, residual: f64, turnover: f64) {
-    let relative = if turnover > 0.0 { residual / turnover } else { 0.0 };
-    let share =
-        if relative == 0.0 { "closed to the last bit".to_owned() } else { format!("{relative:.1e} of the turnover") };
-    page.value("residual", &quantity(residual, "J"), &share);
+/// What does not close of an energy audit, and what share of its turnover that is, unless that is no more than rounding.
+pub(crate) fn residual(page: &Page, [residual, turnover, rounding]: [f64; 3]) {
+    let _ = page.sound(turnover);
+    let share = if turnover <= rounding {
+        format!("within rounding, which may leave {}", page.quantity(rounding, "J"))
+    } else if residual == 0.0 {
+        "nothing is left".to_owned()
+    } else {
+        format!("{:.1e} of the turnover", page.sound(residual / turnover))
+    };
+    page.value("residual", &page.quantity(residual, "J"), &share);
 }
 
 /// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
-pub(crate) fn step_of(step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
+pub(crate) fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
     let Some([compared, greatest]) = chosen else { return format!("at most {}, as given", given(step, "s")) };
     let over =
         if compared < run.duration { format!(" over the first {}", given(compared, "s")) } else { String::new() };
@@ -220,12 +239,12 @@ pub(crate) fn step_of(step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String 
         "at most {}, chosen for an accuracy of {:e}: measured error {:.1e} of the range{over}",
         given(step, "s"),
         run.accuracy,
-        greatest
+        page.sound(greatest)
     )
 }
 
 /// The length under PWM in words.
-fn under_pwm(ripple: &Ripple, contraction: f64) -> String {
+fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
     let periods = match ripple.periods {
         1 => "the last period".to_owned(),
         many => format!("the last {many} periods"),
@@ -233,18 +252,18 @@ fn under_pwm(ripple: &Ripple, contraction: f64) -> String {
     let settled = |drift: f64| drift.abs() <= SETTLED * ripple.mean.abs();
     let drift = match ripple.drift {
         Some(drift) if settled(drift) => "; the mean has settled".to_owned(),
-        Some(drift) => format!("; the mean drifts by {} per period", quantity(drift, "m")),
+        Some(drift) => format!("; the mean drifts by {} per period", page.quantity(drift, "m")),
         None => String::new(),
     };
     format!(
         "mean length {} (contraction {}), ripple {} peak to peak over {periods}{drift}",
-        quantity(ripple.mean, "m"),
-        percent(contraction),
-        quantity(ripple.peak_to_peak, "m"),
+        page.quantity(ripple.mean, "m"),
+        page.percent(contraction),
+        page.quantity(ripple.peak_to_peak, "m"),
     )
 }
 
-fn energy(page: &mut Page, audit: &EnergyAudit) {
+fn energy(page: &Page, audit: &EnergyAudit) {
     page.heading("Energy");
     let named = [
         ("gas work", audit.gas_work, "by the gauge pressure"),
@@ -268,14 +287,14 @@ fn energy(page: &mut Page, audit: &EnergyAudit) {
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
     for (index, (name, value, where_to)) in named.into_iter().enumerate() {
         if index < 2 || value.abs() > 1e-12 * turnover {
-            page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
+            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
         }
     }
-    residual(page, audit.residual(), turnover);
+    residual(page, [audit.residual(), turnover, audit.rounding]);
 }
 
-/// Where the exergy of the air from the supply went; with what does not close and the turnover, in J.
-pub(crate) fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process, [open, turnover]: [f64; 2]) {
+/// Where the exergy of the air from the supply went; with what does not close, the turnover, and what rounding may leave, in J.
+pub(crate) fn circuit(page: &Page, audit: &CircuitAudit, process: Process, sums: [f64; 3]) {
     page.heading("Exergy of the supply's air");
     let heat = match process {
         Process::Isentropic | Process::Polytropic { .. } => {
@@ -283,7 +302,7 @@ pub(crate) fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process, [
         }
         Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
     };
-    let work = audit.work.gas_work;
+    let (work, [_, turnover, _]) = (audit.work.gas_work, sums);
     let named = [
         ("drawn", audit.drawn, "work potential at the supply's temperature and outside pressure"),
         ("gas work", work, "by the gauge pressure, see Energy"),
@@ -296,14 +315,14 @@ pub(crate) fn circuit(page: &mut Page, audit: &CircuitAudit, process: Process, [
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
     for (index, (name, value, where_to)) in named.into_iter().enumerate() {
         if index < 2 || value.abs() > 1e-12 * turnover {
-            page.value(name, &format!("{} {prefix}J", digits(value * factor)), where_to);
+            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
         }
     }
-    residual(page, open, turnover);
+    residual(page, sums);
     if let (Some(whole), Some(compressor)) = (audit.efficiency(), audit.compressor_efficiency()) {
-        let compressor_work = quantity(audit.compressor, "J");
-        page.value("efficiency", &percent(whole), "work on the load over what was drawn");
-        page.value("of compressor", &percent(compressor), &format!("over its isothermal work, {compressor_work}"));
+        let compressor_work = page.quantity(audit.compressor, "J");
+        page.value("efficiency", &page.percent(whole), "work on the load over what was drawn");
+        page.value("of compressor", &page.percent(compressor), &format!("over its isothermal work, {compressor_work}"));
     }
 }
 
@@ -336,60 +355,148 @@ fn keep_numbers(text: &str) -> String {
     kept
 }
 
-/// A volume in litres.
-fn volume(cubic_metres: f64) -> String {
-    quantity(cubic_metres * 1e3, "L")
-}
-
-/// Text with a column of names.
+/// Text with a column of names. A number that is not finite is remembered with the name of its line.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
-    pub(crate) text: String,
+    text: RefCell<String>,
+    /// A number of the line under way that is not finite.
+    unsound: Cell<Option<f64>>,
+    /// The first line with such a number.
+    fault: RefCell<Option<String>>,
 }
 
 impl Page {
-    pub(crate) fn heading(&mut self, heading: &str) {
-        let gap = if self.text.is_empty() { "" } else { "\n" };
+    /// The text with what follows it.
+    ///
+    /// # Errors
+    /// [`Failure::stopped`] when a number was not finite.
+    pub(crate) fn finish(&self, end: &str) -> Result<String, Failure> {
+        match self.fault.take() {
+            None => Ok(self.text.take() + end),
+            Some(fault) => Err(Failure::not_finite(&fault)),
+        }
+    }
+
+    /// A number as it is, noted where it is not finite.
+    pub(crate) fn sound(&self, value: f64) -> f64 {
+        if !value.is_finite() {
+            self.unsound.set(Some(value));
+        }
+        value
+    }
+
+    /// A value with its unit.
+    pub(crate) fn quantity(&self, value: f64, unit: &str) -> String {
+        quantities::quantity(self.sound(value), unit)
+    }
+
+    /// Four digits.
+    pub(crate) fn digits(&self, value: f64) -> String {
+        quantities::digits(self.sound(value))
+    }
+
+    /// A ratio in percent.
+    pub(crate) fn percent(&self, value: f64) -> String {
+        quantities::percent(self.sound(value))
+    }
+
+    /// A volume in litres.
+    pub(crate) fn volume(&self, cubic_metres: f64) -> String {
+        self.quantity(cubic_metres * 1e3, "L")
+    }
+
+    /// Ends a line of this name: a number in it that was not finite is its fault.
+    fn ends(&self, name: &str) {
+        if let Some(value) = self.unsound.take() {
+            self.fault.borrow_mut().get_or_insert_with(|| format!("the summary's {} = {value}", name.trim()));
+        }
+    }
+
+    pub(crate) fn heading(&self, heading: &str) {
+        let gap = if self.text.borrow().is_empty() { "" } else { "\n" };
         self.put(format_args!("{gap}{}\n", styled(HEADING, heading)));
     }
 
     /// A name and some text, broken where the terminal ends.
-    pub(crate) fn line(&mut self, name: &str, text: &str) {
+    pub(crate) fn line(&self, name: &str, text: &str) {
+        self.ends(name);
         let indent = " ".repeat(NAMES + 4);
         let text = wrap(&keep_numbers(text), &indent, width()).replace(KEPT, " ");
         self.put(format_args!("  {name:<NAMES$}  {}\n", text.trim_start()));
     }
 
     /// A name, a value at the right of its column, and what it is.
-    pub(crate) fn value(&mut self, name: &str, value: &str, what: &str) {
+    pub(crate) fn value(&self, name: &str, value: &str, what: &str) {
+        self.ends(name);
         self.put(format_args!("  {name:<NAMES$}{value:>14}  {}\n", styled(FAINT, what)));
     }
 
-    pub(crate) fn head(&mut self, names: [&str; 3]) {
+    pub(crate) fn head(&self, names: [&str; 3]) {
         let [a, b, c] = names;
         let line = format!("  {:<NAMES$}{a:>14}{b:>14}{c:>14}", "");
         self.put(format_args!("{}\n", styled(FAINT, line)));
     }
 
-    pub(crate) fn columns(&mut self, name: &str, [a, b, c]: [String; 3]) {
+    pub(crate) fn columns(&self, name: &str, [a, b, c]: [String; 3]) {
+        self.ends(name);
         self.put(format_args!("  {name:<NAMES$}{a:>14}{b:>14}{c:>14}\n"));
     }
 
     /// Three values under one prefix.
-    pub(crate) fn range(&mut self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
+    pub(crate) fn range(&self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
         let values = [end, least, greatest];
         let (factor, prefix) = common_prefix(&values);
         // A remainder of rounding is no value; the largest of the three gives the measure.
         let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let told = |value: f64| {
+        let said = |value: f64| {
             let value = if value.abs() < fine { 0.0 } else { value };
-            format!("{} {prefix}{unit}", digits(value * factor))
+            format!("{} {prefix}{unit}", self.digits(value * factor))
         };
-        self.columns(name, values.map(told));
+        self.columns(name, values.map(said));
     }
 
-    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+    fn put(&self, text: std::fmt::Arguments<'_>) {
         // Writing to a string cannot fail.
-        let _ = self.text.write_fmt(text);
+        let _ = self.text.borrow_mut().write_fmt(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(sums: [f64; 3]) -> Result<String, Failure> {
+        let page = Page::default();
+        page.heading("NaN.toml, inf");
+        residual(&page, sums);
+        page.finish("")
+    }
+
+    #[test]
+    fn a_remainder_is_judged_against_a_turnover_that_is_more_than_rounding() {
+        let text = |sums| of(sums).expect("finite numbers");
+        assert!(text([2e-9, 4.0, 1e-12]).contains("5.0e-10 of the turnover"));
+        // The turnover of a muscle that is held at one length: half of it does not close, and says nothing.
+        let held = text([2e-17, 4e-17, 1e-12]);
+        assert!(held.contains("within rounding, which may leave 1.000 pJ") && !held.contains("turnover"), "{held}");
+        assert!(text([0.0, 0.0, 1e-12]).contains("within rounding"));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_an_error_that_names_its_line() {
+        for sums in
+            [[f64::NAN, 4.0, 1e-12], [f64::INFINITY, 4.0, 1e-12], [0.0, f64::NAN, 1e-12], [1.0, f64::INFINITY, 0.0]]
+        {
+            let failure = of(sums).expect_err("no praise for what is not finite");
+            assert_eq!(failure.code(), 3);
+            assert!(failure.to_string().contains("the summary's residual = "), "{failure}");
+        }
+        let page = Page::default();
+        page.range("length", 1.0, Range { least: f64::NAN, greatest: 2.0 }, "m");
+        page.line("fine", &page.quantity(1.0, "m"));
+        assert!(page.finish("").expect_err("a length").to_string().contains("length = NaN"));
+        let mut range = Range::NONE;
+        [1.0, f64::NAN, 2.0].into_iter().for_each(|value| range.see(value));
+        assert!(range.least.is_nan() && range.greatest.is_nan());
     }
 }

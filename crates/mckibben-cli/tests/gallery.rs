@@ -71,3 +71,45 @@ fn a_file_that_fails_is_shown_and_told() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("bad.toml"));
     assert_eq!(folder.mckibben().args(["gallery", "absent"]).output().unwrap().status.code(), Some(2));
 }
+
+#[cfg(unix)]
+#[test]
+fn symbolic_links_are_not_followed_out_of_the_folders() {
+    use std::os::unix::fs::symlink;
+    let folder = Folder::new("gallery-links");
+    let scenario = std::fs::read_to_string(of_repository("examples/isometric-charge.toml")).unwrap();
+    for inner in ["in/sub", "elsewhere", "out"] {
+        std::fs::create_dir_all(folder.path(inner)).unwrap();
+    }
+    folder.file("in/good.toml", &scenario);
+    folder.file("elsewhere/secret.toml", &format!("# A secret.\n{scenario}"));
+    symlink(folder.path("elsewhere/secret.toml"), folder.path("in/file.toml")).unwrap();
+    symlink(folder.path("elsewhere"), folder.path("in/folder")).unwrap();
+    symlink(folder.path("elsewhere"), folder.path("in/folder.toml")).unwrap();
+    symlink("../good.toml", folder.path("in/sub/within.toml")).unwrap();
+    let gallery = || folder.mckibben().args(["gallery", "in", "--output", "out"]).output().unwrap();
+    let output = gallery();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{error}");
+    assert!(error.contains("left out: 2 symbolic links that lead out of `in`"), "{error}");
+    let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
+    assert_eq!(page.matches("<img ").count(), 2, "{page}");
+    assert!(page.contains("sub/within.svg") && !page.contains("secret") && !folder.path("out/file.toml.txt").exists());
+    // Nor is anything written through one.
+    std::fs::write(folder.path("elsewhere/victim.svg"), "mine").unwrap();
+    std::fs::remove_file(folder.path("out/good.svg")).unwrap();
+    symlink(folder.path("elsewhere/victim.svg"), folder.path("out/good.svg")).unwrap();
+    let output = gallery();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "{error}");
+    assert!(error.contains("good.svg") && error.contains("leads out of `out`"), "{error}");
+    assert_eq!(std::fs::read_to_string(folder.path("elsewhere/victim.svg")).unwrap(), "mine");
+    std::fs::remove_file(folder.path("out/good.svg")).unwrap();
+    std::fs::remove_dir_all(folder.path("out/sub")).unwrap();
+    symlink(folder.path("elsewhere"), folder.path("out/sub")).unwrap();
+    assert_eq!(gallery().status.code(), Some(4));
+    let mut there: Vec<_> =
+        std::fs::read_dir(folder.path("elsewhere")).unwrap().map(|of| of.unwrap().file_name()).collect();
+    there.sort();
+    assert_eq!(there, ["secret.toml", "victim.svg"]);
+}

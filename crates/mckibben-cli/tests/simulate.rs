@@ -292,7 +292,8 @@ fn what_cannot_be_written_is_told_before_anything_is_simulated() {
         [("-o", "absent/run.csv"), ("-p", "absent/run.svg"), ("-o", "folder.csv"), ("-o", "muscle.toml/run.csv")]
     {
         // A run of a century would not come back.
-        let arguments = ["simulate", "muscle.toml", "--set", "run.duration=3e9 s", option, path];
+        let long = ["--set", "run.duration=3e7 s", "--set", "run.sample_interval=1 s"];
+        let arguments = [&["simulate", "muscle.toml"], &long[..], &[option, path]].concat();
         let output = folder.mckibben().args(arguments).output().expect("the program runs");
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(4), "{message}");

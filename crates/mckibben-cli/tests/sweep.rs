@@ -169,10 +169,20 @@ fn the_engines_agree_within_the_error_of_the_fixed_step() {
         let relative = |(line, exact)| (number(line, name) / number(exact, name) - 1.0).abs();
         lines.iter().zip(&exact).map(relative).fold(0.0, f64::max)
     };
-    // The method has order 2: a quarter of the step leaves a sixteenth of the error.
+    // The method has order 2: a quarter of the step leaves a sixteenth of the error, and the runs at both steps together tell
+    // what is left at none. With an error a h² + b h³, whose second term is no larger than the whole, that is b h³/20.
+    let extrapolated = |name: &str| {
+        let row = |((coarse, fine), exact)| {
+            let [coarse, fine, exact] = [coarse, fine, exact].map(|line| number(line, name));
+            ((16.0 * fine - coarse) / (15.0 * exact) - 1.0).abs()
+        };
+        coarse.iter().zip(&fine).zip(&exact).map(row).fold(0.0, f64::max)
+    };
     for (name, allowed) in [("length_final_m", 2e-2), ("length_mean_m", 1e-3)] {
+        let left = extrapolated(name);
         let (coarse, fine) = (error(&coarse, name), error(&fine, name));
         assert!(coarse < allowed && fine < coarse / 8.0, "{name}: {coarse:e} at 0.1 ms, {fine:e} at 0.025 ms");
+        assert!(left < coarse / 20.0, "{name}: {left:e} extrapolated, {coarse:e} at 0.1 ms");
     }
     // An extreme between two samples is not seen, and the gains of air between samples are net of what leaves.
     for (name, allowed) in [("pressure_max_pa", 1e-4), ("air_used_kg", 2e-3)] {
@@ -256,29 +266,35 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
         })
     };
     // Killed whenever another three parts are there, and at once.
-    let mut kills = 0;
     for wanted in [0, 3, 6, 9] {
-        let mut process = Command::new(env!("CARGO_BIN_EXE_mckibben"))
-            .current_dir(folder.path(""))
-            .args(["sweep", "muscle.toml", "-o", "killed"])
-            .stdout(Stdio::null())
-            .spawn()
-            .expect("the program runs");
-        while finished() < wanted && process.try_wait().expect("asked").is_none() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        // On Unix this is SIGKILL, which no program sees coming.
-        process.kill().expect("killed");
-        let status = process.wait().expect("ended");
-        kills += usize::from(!status.success());
-        // Killed at once, it may not have made its folder.
-        std::fs::create_dir_all(folder.path("killed")).expect("made");
-        for (name, content) in bytes(&folder.path("killed")) {
-            // What has its name is whole; what is hidden is under way.
-            assert!(name.starts_with('.') || whole[&name] == content, "{name}");
+        loop {
+            let mut process = Command::new(env!("CARGO_BIN_EXE_mckibben"))
+                .current_dir(folder.path(""))
+                .args(["sweep", "muscle.toml", "-o", "killed"])
+                .stdout(Stdio::null())
+                .spawn()
+                .expect("the program runs");
+            while finished() < wanted && process.try_wait().expect("asked").is_none() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            // On Unix this is SIGKILL, which no program sees coming.
+            process.kill().expect("killed");
+            let status = process.wait().expect("ended");
+            // Killed at once, it may not have made its folder.
+            std::fs::create_dir_all(folder.path("killed")).expect("made");
+            for (name, content) in bytes(&folder.path("killed")) {
+                // What has its name is whole; what is hidden is under way.
+                assert!(name.starts_with('.') || whole[&name] == content, "{name}");
+            }
+            if !status.success() {
+                break;
+            }
+            // It ended before this test was given a turn: what it did is taken away, and it is killed another time.
+            for part in wanted..15 {
+                let _ = std::fs::remove_file(folder.path(&format!("killed/part-{part:05}.parquet")));
+            }
         }
     }
-    assert!(kills > 0, "every process ended before it could be killed");
     let before = finished();
     let told = run(&folder, &["sweep", "muscle.toml", "-o", "killed"]);
     assert!(told.contains(&format!("{} runs of parts that were finished before", 8 * before)), "{told}");
@@ -778,8 +794,10 @@ fn a_sweep_of_a_joint_chooses_its_step() {
     for (line, index) in lines.iter().zip([0, 60, 120]) {
         for name in ["angle_rad", "antagonist_pressure_pa", "tension_n"] {
             let (found, expected) = (number(line, name), number(&samples[index], name));
-            // Steps between samples are cut at other instants.
-            assert!((found - expected).abs() < 1e-3 * expected.abs().max(0.1), "{name}: {found} for {expected}");
+            // Steps between samples are cut at other instants, but for rounding at the same: each step rounds once.
+            let largest = samples.iter().fold(0.0_f64, |largest, sample| largest.max(number(sample, name).abs()));
+            let rounding = 0.12 / step * f64::EPSILON * largest;
+            assert!((found - expected).abs() <= rounding, "{name}: {found} for {expected}, allowed {rounding:e}");
         }
     }
 }

@@ -3,7 +3,7 @@
 #[path = "../src/median.rs"]
 mod median;
 
-use mckibben_identify::least_squares::{Evaluation, Loss, Model, Search, Unknown, fit};
+use mckibben_identify::least_squares::{Ending, Evaluation, FitError, Loss, Model, Search, Unknown, fit};
 
 /// A curve through points: `y − f(x)` and the slopes of f.
 struct Curve<F> {
@@ -27,12 +27,7 @@ impl<F: Fn(f64, &[f64]) -> (f64, Vec<f64>)> Model for Curve<F> {
 }
 
 /// A certified value and standard deviation for each unknown, and the residual standard deviation.
-fn certified(
-    curve: &Curve<impl Fn(f64, &[f64]) -> (f64, Vec<f64>)>,
-    starts: &[&[f64]],
-    expected: &[[f64; 2]],
-    scatter: f64,
-) {
+fn certified(curve: &Curve<Plain>, starts: &[&[f64]], expected: &[[f64; 2]], scatter: f64) {
     for start in starts {
         let unknown = |(place, value): (usize, &f64)| Unknown::new(format!("b{}", place + 1), "1", *value);
         let unknowns: Vec<Unknown> = start.iter().enumerate().map(unknown).collect();
@@ -225,4 +220,59 @@ fn too_few_points_and_a_start_outside_the_bounds_have_their_messages() {
     let nowhere = Curve { points: more.points, curve: |_: f64, _: &[f64]| (f64::NAN, vec![0.0; 2]) };
     let nowhere = fit(&nowhere, &names, &Search::default()).expect_err("nowhere");
     assert!(nowhere.to_string().contains("no finite value at the start"), "{nowhere}");
+}
+
+/// Value and slopes at a place, by the unknowns.
+type Plain = fn(f64, &[f64]) -> (f64, Vec<f64>);
+
+/// A straight line through points that ask for a number beyond every bound.
+fn beyond(scale: f64) -> Curve<Plain> {
+    Curve {
+        points: (0..8).map(|x| [f64::from(x), scale]).collect(),
+        curve: |x, of: &[f64]| (of[0] + x * of[1], vec![1.0, x]),
+    }
+}
+
+#[test]
+fn a_fit_in_which_every_unknown_rests_on_a_bound_has_values_and_no_intervals() {
+    let unknowns = [Unknown::new("a", "", 0.5).between(0.0, 1.0), Unknown::new("b", "", 0.0).between(-1.0, 1e-9)];
+    for scale in [1e1, 1e4, 1e8] {
+        let found =
+            fit(&beyond(scale), &unknowns, &Search::default()).unwrap_or_else(|error| panic!("{scale}: {error}"));
+        assert!(found.estimates.iter().all(|of| of.on_bound && of.interval.is_none()), "{:?}", found.estimates);
+        assert!((found.estimates[0].value - 1.0).abs() < 1e-6, "{:?}", found.estimates);
+        assert!(found.condition.is_finite() && found.untold.is_empty());
+    }
+}
+
+#[test]
+fn what_ends_a_search_is_said_in_words() {
+    let unknowns = [Unknown::new("a", "", 0.5), Unknown::new("b", "", 0.25)];
+    let line = |slope: f64| Curve {
+        points: (0..8).map(|x| [f64::from(x), 1.0]).collect(),
+        curve: move |x, of: &[f64]| (of[0] + x * of[1], vec![slope, slope * x]),
+    };
+    // Derivatives that are none, that are too large for their squares, and that point the wrong way.
+    for slope in [f64::NAN, f64::INFINITY, 1e300, -1.0] {
+        let error = fit(&line(slope), &unknowns, &Search::default()).expect_err("there is no minimum");
+        assert!(matches!(error, FitError::NoMinimum { .. }), "{error}");
+    }
+    let few = Search { most_steps: 1, ..Search::default() };
+    let error = fit(&rosenbrock(), &[Unknown::new("x", "", -1.2), Unknown::new("y", "", 1.0)], &few);
+    assert_eq!(error, Err(FitError::NoMinimum { why: Ending::Steps { most: 1 } }));
+    let endings = [Ending::NotStationary, Ending::Steps { most: 7 }, Ending::Stalled, Ending::Numbers];
+    for words in endings.map(|why| FitError::NoMinimum { why }.to_string()) {
+        assert!(words.starts_with("the search found no minimum: ") && words.contains("; start nearer"), "{words}");
+        assert!(!words.contains(['{', '"']) && !words.contains("TRF"), "{words}");
+    }
+}
+
+/// Rosenbrock's valley as residuals, which takes many steps, and one more residual so that there is something to tell.
+fn rosenbrock() -> Curve<Plain> {
+    let curve = |which: f64, of: &[f64]| match which as u8 {
+        0 => (10.0 * (of[1] - of[0] * of[0]), vec![-20.0 * of[0], 10.0]),
+        1 => (1.0 - of[0], vec![-1.0, 0.0]),
+        _ => (0.1 * (of[0] - of[1]), vec![0.1, -0.1]),
+    };
+    Curve { points: vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], curve }
 }

@@ -270,3 +270,43 @@ fn bad_maps_are_refused() {
     let error = candidate.fit(&map, None, &Search::default()).expect_err("too few").to_string();
     assert!(error.contains("2 measurements cannot tell 6 unknowns"), "{error}");
 }
+
+#[test]
+fn no_cell_of_a_map_makes_a_law_panic() {
+    let base = muscle(0.3, 0.02);
+    let points = map_of(&in_bladder(&base), 0.0).points().to_vec();
+    // A small map is enough: every law still has more points than numbers.
+    let points: Vec<Point> = points.into_iter().step_by(2).collect();
+    let laws = |map: &ForceMap| candidates::all(&base, map).expect("places");
+    let cells = [1e3, 1e8, 1e155, 1e300, f64::MAX, 1e-3, 1e-300, 5e-324];
+    for (place, value) in cells.into_iter().enumerate() {
+        let row = (5 * place + 2) % points.len();
+        for column in 0..3 {
+            let mut bad = points.clone();
+            match column {
+                0 => bad[row].gauge_pressure = value,
+                1 => bad[row].length = value,
+                _ => (bad[row].tension, bad[row].slack) = (value, false),
+            }
+            let map = ForceMap::new(bad).expect("every number is finite and above zero");
+            for candidate in laws(&map) {
+                match candidate.fit(&map, None, &Search { most_steps: 40, ..Search::default() }) {
+                    Ok(found) => {
+                        let known = found.fit.estimates.iter().all(|of| {
+                            let [low, high] = of.interval.unwrap_or([of.value; 2]);
+                            of.value.is_finite() && low.is_finite() && high.is_finite()
+                        });
+                        assert!(known, "{} with {value} in column {column}: {:?}", candidate.name, found.fit.estimates);
+                    }
+                    Err(error) => {
+                        let words = error.to_string();
+                        assert!(
+                            !words.contains("TRF") && !words.contains('{') && !words.contains("Failure"),
+                            "{words}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

@@ -306,3 +306,101 @@ fn sections_of_a_valve_are_read_to_si() {
         assert!(error.contains(&format!("`[{section}]` belongs to a study of the kind")), "{error}");
     }
 }
+
+/// A force map of 5 lengths and 4 pressures without times, as text, with one cell in another's place.
+fn force_map(cell: Option<(usize, usize, &str)>) -> String {
+    let mut text = "P,L,F\n".to_owned();
+    for row in 0..20 {
+        let (pressure, length) = (1.0 + (row / 5) as f64, 300.0 - 10.0 * (row % 5) as f64);
+        let mut cells =
+            [pressure.to_string(), length.to_string(), (200.0 * pressure - 2.0 * (300.0 - length)).to_string()];
+        if let Some((_, column, value)) = cell.filter(|(of, ..)| *of == row) {
+            cells[column] = value.to_owned();
+        }
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+fn force_map_recording(folder: &Folder, table: &str, rule: &str) -> Result<Recording, StudyError> {
+    folder.write("map.csv", table);
+    let text = format!(
+        "[study]\nkind = \"force-map\"\nscenario = \"m.toml\"\n[columns.gauge_pressure]\nname = \"P\"\nunit = \"bar\"\n{rule}\n\
+         [columns.length]\nname = \"L\"\nunit = \"mm\"\n{rule}\n[columns.tension]\nname = \"F\"\nunit = \"N\"\n{rule}\n[[run]]\nfile = \"map.csv\"\n"
+    );
+    folder.study(&text)?.recordings().map(|mut all| all.remove(0))
+}
+
+#[test]
+fn a_cell_that_cannot_be_is_refused_with_its_place_and_left_out_on_request() {
+    let folder = Folder::new("cells");
+    let whole = force_map_recording(&folder, &force_map(None), "").unwrap_or_else(|error| panic!("{error}"));
+    assert!(!notes(&whole).contains("cannot be"), "{}", notes(&whole));
+    let heads = ["P", "L", "F"];
+    for (row, column, value) in [
+        (7, 2, "1e8"),
+        (7, 2, "-1e8"),
+        (0, 2, "1e300"),
+        (19, 1, "1e5"),
+        (3, 1, "1e-3"),
+        (3, 1, "0"),
+        (3, 1, "-290"),
+        (11, 0, "1e5"),
+        (12, 0, "-6e4"),
+    ] {
+        let error = force_map_recording(&folder, &force_map(Some((row, column, value))), "").expect_err(value);
+        // The head is the first line.
+        assert_eq!(error.line, Some(row + 2), "{error}");
+        assert!(error.to_string().contains(&format!("column `{}`", heads[column])), "{error}");
+        assert!(error.remedy.contains("drop_outliers"), "{error}");
+        let without = force_map_recording(&folder, &force_map(Some((row, column, value))), "drop_outliers = true");
+        let without = without.unwrap_or_else(|error| panic!("{error}"));
+        assert!(notes(&without).contains(&format!("(line {})", row + 2)), "{}", notes(&without));
+        for (of, kept) in without.sheets[0].columns.iter().zip(&whole.sheets[0].columns) {
+            let differ = (0..20).filter(|place| of.values[*place].to_bits() != kept.values[*place].to_bits());
+            let expected =
+                if of.quantity == kept.quantity && heads[column] == head(of.quantity) { vec![row] } else { vec![] };
+            assert_eq!(differ.collect::<Vec<_>>(), expected, "{:?} for {value}", of.quantity);
+        }
+    }
+    // What many cells say is no slip, and what is small may be: a muscle that is almost slack, a pressure of zero.
+    for (row, column, value) in
+        [(7, 2, "0.001"), (7, 2, "0"), (11, 0, "0"), (11, 0, "0.0001"), (11, 0, "40"), (3, 1, "900")]
+    {
+        let read = force_map_recording(&folder, &force_map(Some((row, column, value))), "");
+        assert!(read.is_ok(), "{value}: {}", read.unwrap_err());
+    }
+}
+
+fn head(of: Quantity) -> &'static str {
+    match of {
+        Quantity::GaugePressure => "P",
+        Quantity::Length => "L",
+        _ => "F",
+    }
+}
+
+#[test]
+fn over_time_a_lone_spike_and_a_jump_in_time_are_refused() {
+    let folder = Folder::new("spikes");
+    let spike = |rows: std::ops::Range<usize>, value: &'static str| {
+        table(60, move |row| match rows.contains(&row) {
+            true => format!("{},{},{value}", 0.01 * row as f64, 90.0 + (0.7 * row as f64).sin()),
+            false => even(row),
+        })
+    };
+    let error = folder.recording(&spike(30..31, "1e8"), "", "").expect_err("a spike");
+    assert_eq!(error.line, Some(32), "{error}");
+    // An impact is a few readings on end, and 300 times as large as the rest.
+    assert!(folder.recording(&spike(30..33, "6000"), "", "").is_ok());
+    assert!(folder.recording(&spike(30..31, "6000"), "", "").is_ok());
+    let late = table(60, |row| if row == 59 { "1e8,90,20".to_owned() } else { even(row) });
+    let error = folder.recording(&late, "", "").expect_err("a jump");
+    assert!(error.line == Some(61) && error.to_string().contains("the time jumps"), "{error}");
+    let early = table(60, |row| if row == 0 { "-1e8,90,20".to_owned() } else { even(row) });
+    let error = folder.recording(&early, "", "").expect_err("a jump");
+    assert!(error.line == Some(2) && error.to_string().contains("the time jumps"), "{error}");
+    // A pause is none.
+    let pause = table(60, |row| if row < 30 { even(row) } else { format!("{},90,20", 100.0 + 0.01 * row as f64) });
+    assert!(folder.recording(&pause, "", "").is_ok());
+}

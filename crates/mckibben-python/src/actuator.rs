@@ -1,12 +1,16 @@
 //! The modular actuator for a loop of one's own: the classes `Actuator`, `ActuatorState` and `Response`.
 
+use crate::arguments;
 use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
+use crate::signals::Watch;
 use crate::typed::{Numbers, Sequence};
 use mckibben::control::Drive;
-use mckibben::simulation::{ModularActuator, Snapshot, State};
+use mckibben::parameter;
+use mckibben::simulation::{MOST_PARTS, ModularActuator, Snapshot, State};
 use mckibben::valve::Request;
+use mckibben::{Error, GaugePressure};
 use mckibben_cli::failure::Failure;
 use numpy::PyArray1;
 use pyo3::inspect::PyStaticExpr;
@@ -19,7 +23,17 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) struct Model {
     pub(crate) actuator: ModularActuator,
     pub(crate) pulses: Pulses,
+    /// What the numbers of its states begin with: of which actuator they are.
+    pub(crate) mark: f64,
 }
+
+/// Sections of a scenario that an actuator in a loop of one's own has nothing of.
+const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", "sweep"];
+
+/// Rates of change of a length in m/s beyond which nothing is believed.
+const SWIFTEST: f64 = 1e6;
+/// Parts of a step that go on without a look at Ctrl-C.
+const UNHEARD: f64 = 2e4;
 
 impl Model {
     /// The scenario's actuator with its air line and its valve, whatever the load; pulses come at a frequency in Hz, else at
@@ -34,8 +48,115 @@ impl Model {
         let pulses = Pulses::of(command, pulse_frequency)?;
         let actuator = ModularActuator::new(&experiment.rig, experiment.start, pulses.frequency)
             .map_err(|error| Failure::of_core(&error, document))?;
-        Ok(Self { actuator, pulses })
+        let mut table: toml::Table = scenario.understood.to_toml().parse().unwrap_or_default();
+        table.retain(|section, _| ELSEWHERE.iter().all(|elsewhere| section != *elsewhere));
+        Ok(Self { actuator, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
     }
+
+    /// The state that numbers are of, which begin with the mark of its actuator.
+    pub(crate) fn state_of(&self, state: &ActuatorState) -> Result<Snapshot, Failure> {
+        if state.mark == self.mark {
+            return Ok(state.snapshot);
+        }
+        Err(Failure::input(
+            "`state` is of another actuator: its valve, its air or its law need not have such a state",
+            "give a state that this actuator, or one of the same scenario and pulse_frequency, has started or stepped to; \
+             only what the scenario says of its load, command and run may differ",
+        ))
+    }
+}
+
+/// A number that tells texts from each other, exact as a float.
+fn mark(text: &str) -> f64 {
+    // FNV-1a.
+    let hash = text
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    (hash >> 11) as f64
+}
+
+/// Refuses a duration that no step can have.
+pub(crate) fn check_dt(dt: f64) -> Result<(), Failure> {
+    let title = format!("dt = {dt:?} s is no time to go on by: nothing moves back in time, in no time or for ever");
+    if dt > 0.0 && dt.is_finite() {
+        Ok(())
+    } else {
+        Err(Failure::input(title, "give a time in s above zero, such as 1e-3"))
+    }
+}
+
+/// The longest part of a step in s, without end where none is given.
+pub(crate) fn longest_part(max_step: Option<f64>) -> Result<f64, Failure> {
+    let Some(longest) = max_step else { return Ok(f64::INFINITY) };
+    arguments::number(
+        "max_step",
+        longest,
+        "s",
+        "a time in s above zero, such as 1e-4, or None for whole steps",
+        longest > 0.0,
+    )?;
+    Ok(longest)
+}
+
+/// Refuses more parts than a step may have.
+pub(crate) fn check_parts(parts: f64, dt: f64) -> Result<(), Failure> {
+    if parts <= MOST_PARTS {
+        return Ok(());
+    }
+    Err(Failure::input(
+        format!(
+            "dt = {dt:?} s would be divided into {parts:.3e} parts by pulses and max_step, more than {MOST_PARTS:e}"
+        ),
+        "give a smaller dt, a lower pulse_frequency or a longer max_step",
+    ))
+}
+
+/// Refuses a velocity of the ends that is none.
+pub(crate) fn check_velocity(name: &str, velocity: f64) -> Result<(), Failure> {
+    let is_in = velocity.abs() <= SWIFTEST;
+    arguments::number(name, velocity, "m/s", "a velocity in m/s between -1e6 and 1e6", is_in)
+}
+
+/// Refuses a distance between the ends that is none; one that the actuator cannot be stretched to stops it.
+pub(crate) fn check_length(actuator: &ModularActuator, name: &str, length: f64) -> Result<(), Failure> {
+    arguments::number(name, length, "m", "a distance between the ends in m above zero", length > 0.0)?;
+    let (limit, end) = actuator.end_length();
+    if length < end {
+        return Ok(());
+    }
+    let limit = if limit == parameter::THREAD_LENGTH.key { "its thread" } else { limit };
+    let longer = format!("{name} = {length:?} m is longer than {limit} of {:.1} mm", 1e3 * end);
+    Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
+}
+
+/// Moves the ends in parts between which `watch` is called with the time, where there are many; nothing has changed where
+/// that fails.
+pub(crate) fn advance(
+    actuator: &mut ModularActuator,
+    (until, length): (f64, f64),
+    watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let spans = (actuator.parts_until(until) / UNHEARD).ceil();
+    if !(spans > 1.0 && spans <= MOST_PARTS) {
+        return actuator.move_to(until, length);
+    }
+    let (before, from, begin) = (actuator.snapshot(), actuator.time(), actuator.state().length);
+    let mut span = 0.0;
+    while span < spans {
+        span += 1.0;
+        let share = span / spans;
+        let to = if share < 1.0 {
+            (from + share * (until - from), begin + share * (length - begin))
+        } else {
+            (until, length)
+        };
+        let went = watch(actuator.time()).and_then(|()| actuator.move_to(to.0, to.1));
+        if went.is_err() {
+            actuator.restore(&before);
+            return went;
+        }
+    }
+    Ok(())
 }
 
 /// What is asked of a valve in a step.
@@ -49,13 +170,17 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
     const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("builtins", "float"), name!("builtins", "str"));
 
     fn extract(asked: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let Ok(word) = asked.cast::<PyString>() else { return asked.extract().map(Self::Duty) };
+        let Ok(word) = asked.cast::<PyString>() else {
+            let duty: f64 = asked.extract()?;
+            arguments::number("command", duty, "", "a duty cycle from 0 to 1", (0.0..=1.0).contains(&duty)).raised()?;
+            return Ok(Self::Duty(duty));
+        };
         match word.to_cow()?.as_ref() {
             "fill" => Ok(Self::Request(Request::Fill)),
             "hold" => Ok(Self::Request(Request::Hold)),
             "exhaust" => Ok(Self::Request(Request::Exhaust)),
             other => Err(exception(&Failure::input(
-                format!("command = \"{other}\" is nothing that a valve can be asked"),
+                format!("command = {other:?} is nothing that a valve can be asked"),
                 "give a duty cycle from 0 to 1, or \"fill\", \"hold\" or \"exhaust\"",
             ))),
         }
@@ -81,11 +206,26 @@ pub(crate) struct Actuator {
 /// Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
 ///
 /// It can be pickled; `ActuatorState(numbers)` is one as its pickle has it, in the same version of the package. An actuator of
-/// the same scenario goes on from there to the same bits.
+/// the same scenario goes on from there to the same bits; one of another refuses it.
 ///
 /// Raises `InputError` for numbers that are no state.
 #[pyclass(frozen, module = "mckibben")]
-pub(crate) struct ActuatorState(Snapshot);
+pub(crate) struct ActuatorState {
+    mark: f64,
+    snapshot: Snapshot,
+}
+
+impl ActuatorState {
+    /// The numbers that it is made of: the mark of its actuator before those of the core.
+    pub(crate) fn numbers_of(mark: f64, snapshot: &Snapshot) -> impl Iterator<Item = f64> {
+        [mark].into_iter().chain(snapshot.numbers())
+    }
+
+    pub(crate) fn of_numbers(numbers: &[f64]) -> Result<Self, Failure> {
+        let (mark, rest) = numbers.split_first().map_or((f64::NAN, [].as_slice()), |(mark, rest)| (*mark, rest));
+        Ok(Self { mark, snapshot: Snapshot::of_numbers(rest)? })
+    }
+}
 
 /// What an actuator answers to where its ends are, with its derivatives.
 #[pyclass(frozen, get_all, module = "mckibben")]
@@ -121,7 +261,7 @@ impl Actuator {
 
     /// The state at t = 0: that of the scenario, with the coils released.
     fn start(&self) -> ActuatorState {
-        ActuatorState(self.model.actuator.snapshot())
+        ActuatorState { mark: self.model.mark, snapshot: self.model.actuator.snapshot() }
     }
 
     /// Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
@@ -129,40 +269,82 @@ impl Actuator {
     /// `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; with `None` what was asked before goes on, and an
     /// actuator without a valve takes nothing else. `velocity` in m/s is that of the ends at the end of the step.
     ///
+    /// With `max_step` in s the step is divided into equal parts no longer than that, over which the length is interpolated
+    /// linearly: the air is then as exact as in steps of `max_step`.
+    ///
     /// Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
     ///
-    /// Raises `InputError` for what cannot be asked, and `StoppedError` where the step leaves the physics.
+    /// Raises `InputError` for what cannot be asked, for a state of another actuator, and for more than 10 000 000 parts and
+    /// edges of pulses; `StoppedError` where the step leaves the physics. Ctrl-C ends a step of many parts.
+    #[pyo3(signature = (state, length, velocity, command, dt, *, max_step = None))]
+    #[expect(clippy::too_many_arguments, reason = "they are those of a step, each by its name")]
     fn step(
         &self,
+        py: Python<'_>,
         state: &Bound<'_, ActuatorState>,
         length: f64,
         velocity: f64,
         command: Option<Asked>,
         dt: f64,
+        max_step: Option<f64>,
     ) -> PyResult<(ActuatorState, f64, Response)> {
+        let before = self.model.state_of(state.get()).raised()?;
+        check_dt(dt).raised()?;
+        check_velocity("velocity", velocity).raised()?;
+        check_length(&self.model.actuator, "length", length).raised()?;
+        let longest = longest_part(max_step).raised()?;
         // It is set to where the state is before anything is done with it, so whoever left it anywhere does no harm.
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        let ActuatorState(snapshot) = state.get();
-        actuator.restore(snapshot);
-        let went = match command {
+        actuator.restore(&before);
+        let asked = match command {
             None => Ok(()),
             Some(Asked::Duty(duty)) => actuator.drive(self.model.pulses.of_duty(duty)),
             Some(Asked::Request(request)) => actuator.drive(Drive::Steady(request)),
         };
-        let went = went.and_then(|()| actuator.move_to(snapshot.time() + dt, length));
-        went.map_err(|error| Failure::of_core(&error, &self.scenario.get().document)).raised()?;
-        let response = actuator.respond(velocity);
-        let answer = Response {
-            tension: response.tension,
-            per_length: response.per_length,
-            per_velocity: response.per_velocity,
-            per_pressure: response.per_pressure,
-            pressure_rate: response.pressure_rate,
-            mass_flow: response.mass_flow,
-            temperature: response.temperature,
-            volume: response.volume,
-        };
-        Ok((ActuatorState(actuator.snapshot()), response.tension, answer))
+        asked.and_then(|()| actuator.limit_step(longest)).raised()?;
+        let until = before.time() + dt;
+        if until <= before.time() {
+            let title =
+                format!("dt = {dt:?} s is lost in the rounding of the {} s that have been reached", before.time());
+            return Err(Failure::input(title, "give a longer dt")).raised();
+        }
+        let parts = actuator.parts_until(until);
+        check_parts(parts, dt).raised()?;
+        if parts <= UNHEARD {
+            actuator.move_to(until, length).raised()?;
+            return self.answer(&actuator, velocity);
+        }
+        // A handler of a signal may take a step of the same actuator: the desk must be free.
+        let (mut own, mut watch) = (actuator.clone(), Watch::new());
+        drop(actuator);
+        let went = py.detach(|| advance(&mut own, (until, length), &mut |time| watch.at(time)));
+        watch.outcome(went)?;
+        self.answer(&own, velocity)
+    }
+
+    /// What the actuator answers at `state` while its ends move apart at `velocity` in m/s: the tension with which a loop
+    /// begins, and what it would be at another velocity.
+    ///
+    /// Raises `InputError` for a state of another actuator.
+    #[pyo3(signature = (state, velocity = 0.0))]
+    fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: f64) -> PyResult<Response> {
+        let at = self.model.state_of(state.get()).raised()?;
+        check_velocity("velocity", velocity).raised()?;
+        let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
+        actuator.restore(&at);
+        self.answer(&actuator, velocity).map(|(_, _, response)| response)
+    }
+
+    /// The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
+    /// friction, does not pull; its shortest length where it pulls even there.
+    ///
+    /// Raises `InputError` for a pressure below vacuum, and where there is no such length.
+    fn rest_length(&self, gauge_pressure: f64) -> PyResult<f64> {
+        let is_in = gauge_pressure.is_finite();
+        arguments::number("gauge_pressure", gauge_pressure, "Pa", "a gauge pressure in Pa, such as 2e5", is_in)
+            .raised()?;
+        let length = self.model.actuator.rest_length(GaugePressure(gauge_pressure));
+        length.map_err(|error| Failure::from(error).of("gauge_pressure")).raised()
     }
 
     /// What it was made of.
@@ -180,56 +362,81 @@ impl Actuator {
     }
 }
 
+impl Actuator {
+    /// Where an actuator is, its tension, and its whole answer.
+    fn answer(&self, actuator: &ModularActuator, velocity: f64) -> PyResult<(ActuatorState, f64, Response)> {
+        let response = actuator.respond(velocity);
+        let answer = Response {
+            tension: response.tension,
+            per_length: response.per_length,
+            per_velocity: response.per_velocity,
+            per_pressure: response.per_pressure,
+            pressure_rate: response.pressure_rate,
+            mass_flow: response.mass_flow,
+            temperature: response.temperature,
+            volume: response.volume,
+        };
+        let numbers = answer.__getnewargs__();
+        let numbers = [numbers.0, numbers.1, numbers.2, numbers.3, numbers.4, numbers.5, numbers.6, numbers.7];
+        if !numbers.iter().all(|number| number.is_finite()) {
+            let title = format!("at velocity = {velocity:?} m/s the actuator answers with numbers that are not finite");
+            return Err(Failure::stopped(title)).raised();
+        }
+        let state = ActuatorState { mark: self.model.mark, snapshot: actuator.snapshot() };
+        Ok((state, answer.tension, answer))
+    }
+}
+
 #[pymethods]
 impl ActuatorState {
     #[new]
     fn new(numbers: Sequence) -> PyResult<Self> {
-        Snapshot::of_numbers(&numbers.0).map(Self).raised()
+        Self::of_numbers(&numbers.0).raised()
     }
 
     /// The time in s that has been reached.
     #[getter]
     fn time(&self) -> f64 {
-        self.0.time()
+        self.snapshot.time()
     }
 
     /// Distance between the ends in m.
     #[getter]
     fn length(&self) -> f64 {
-        self.0.state().length
+        self.snapshot.state().length
     }
 
     /// Absolute pressure of the air in Pa.
     #[getter]
     fn pressure(&self) -> f64 {
-        self.0.state().pressure.0
+        self.snapshot.state().pressure.0
     }
 
     /// Mass of the air in kg.
     #[getter]
     fn air_mass(&self) -> f64 {
-        self.0.state().air_mass
+        self.snapshot.state().air_mass
     }
 
     /// Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
     #[getter]
     fn valve(&self) -> &'static str {
-        self.0.ports().name()
+        self.snapshot.ports().name()
     }
 
     /// Whether both are the same to the bit.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        let bits = |state: &Self| state.0.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        let bits = |state: &Self| Self::numbers_of(state.mark, &state.snapshot).map(f64::to_bits).collect::<Vec<_>>();
         other.cast::<Self>().is_ok_and(|other| bits(other.get()) == bits(self))
     }
 
     fn __repr__(&self) -> String {
-        let State { length, pressure, .. } = self.0.state();
-        format!("<mckibben.ActuatorState at {:?} s, {length:?} m, {:?} Pa>", self.0.time(), pressure.0)
+        let State { length, pressure, .. } = self.snapshot.state();
+        format!("<mckibben.ActuatorState at {:?} s, {length:?} m, {:?} Pa>", self.snapshot.time(), pressure.0)
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Numbers<'py>,) {
-        (Numbers(PyArray1::from_vec(py, self.0.numbers()).into_any()),)
+        (Numbers(PyArray1::from_iter(py, Self::numbers_of(self.mark, &self.snapshot)).into_any()),)
     }
 }
 

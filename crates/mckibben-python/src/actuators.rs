@@ -1,21 +1,26 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
-use crate::actuator::Model;
+use crate::actuator::{
+    ActuatorState, Model, advance, check_dt, check_length, check_parts, check_velocity, longest_part,
+};
+use crate::arguments::{self, fitting};
 use crate::pool;
-use crate::raised::Raised;
+use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
-use crate::typed::{Given, Numbers};
-use mckibben::parameter;
+use crate::signals::{self, Heard};
+use crate::typed::{Count, Given, Numbers, Table};
 use mckibben::simulation::{ModularActuator, Snapshot};
-use mckibben::{Error, control::Drive};
 use mckibben_cli::failure::Failure;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
+use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// Rows below which they are stepped on the caller's own thread: to wake others takes longer than these.
 const ALONE: usize = 128;
 /// Rows up to which one thread takes them.
 const TOGETHER: usize = 32;
+/// Parts of one row, and of all together, that go on without a look at Ctrl-C and a copy to go back to.
+const UNHEARD: [f64; 2] = [2e4, 2e7];
 
 /// Many actuators of one scenario, each with its own air, valve and memory, stepped together in loops of your own.
 ///
@@ -24,69 +29,112 @@ const TOGETHER: usize = 32;
 /// `Actuator` by itself, to the bit.
 ///
 /// `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of the scenario's PWM unless given.
-#[pyclass(module = "mckibben")]
+///
+/// Raises `MemoryError` for a count that this machine has no memory for.
+#[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Actuators {
     scenario: Py<Scenario>,
     pulse_frequency: Option<f64>,
     model: Model,
-    rows: Vec<ModularActuator>,
+    count: usize,
+    rows: Mutex<Vec<ModularActuator>>,
+}
+
+/// Where the ends go in a step, and what is asked of the valves.
+#[derive(Clone, Copy)]
+struct Motion<'a> {
+    dt: f64,
+    longest: f64,
+    length: &'a [f64],
+    duty: Option<&'a [f64]>,
 }
 
 /// Rows that lie together, with what a step reads and writes of them.
 struct Span<'a> {
+    /// The number of the first among all.
+    first: usize,
     rows: &'a mut [ModularActuator],
-    length: &'a [f64],
+    /// `None` where they only answer where they are.
+    motion: Option<Motion<'a>>,
     velocity: &'a [f64],
-    duty: Option<&'a [f64]>,
     tension: &'a mut [f64],
     /// Derivatives of the tension by length and velocity, and the pressure.
     beside: [Option<&'a mut [f64]>; 3],
 }
 
+/// How all rows are stepped.
+struct By<'a> {
+    model: &'a Model,
+    /// What a step of many parts calls between them.
+    heard: Option<&'a Heard<'a>>,
+}
+
+impl Motion<'_> {
+    fn split(self, middle: usize) -> (Self, Self) {
+        let (length, length_right) = self.length.split_at(middle);
+        let (duty, duty_right) = self.duty.map(|duty| duty.split_at(middle)).unzip();
+        (Self { length, duty, ..self }, Self { length: length_right, duty: duty_right, ..self })
+    }
+
+    /// Takes the actuator of a row through the step.
+    fn take(&self, row: usize, actuator: &mut ModularActuator, by: &By<'_>) -> Result<(), Failure> {
+        check_length(actuator, "length", self.length[row])?;
+        if let Some(duty) = self.duty {
+            actuator.drive(by.model.pulses.of_duty(duty[row]))?;
+        }
+        actuator.limit_step(self.longest)?;
+        let (until, length) = (actuator.time() + self.dt, self.length[row]);
+        match by.heard {
+            None => actuator.move_to(until, length)?,
+            Some(heard) => {
+                heard(actuator.time())?;
+                advance(actuator, (until, length), &mut |time| heard(time))?;
+            }
+        }
+        Ok(())
+    }
+}
+
 impl<'a> Span<'a> {
-    /// Steps every row; the first that could not go on, by its number among these, and why.
-    fn step(self, drive: &(impl Fn(f64) -> Drive + Sync), dt: f64) -> Option<(usize, Error)> {
+    /// Steps every row; why the first that could not go on did not.
+    fn step(self, by: &By<'_>) -> Option<Failure> {
         let count = self.rows.len();
         if count <= TOGETHER {
-            return self.step_in_turn(drive, dt);
+            return self.step_in_turn(by);
         }
-        let middle = count / 2;
-        let (left, right) = self.split(middle);
-        let (left, right) = rayon::join(|| left.step(drive, dt), || right.step(drive, dt));
-        left.or(right.map(|(row, error)| (middle + row, error)))
+        let (left, right) = self.split(count / 2);
+        let (left, right) = rayon::join(|| left.step(by), || right.step(by));
+        left.or(right)
     }
 
     fn split(self, middle: usize) -> (Self, Self) {
         let (rows, rows_right) = self.rows.split_at_mut(middle);
-        let (length, length_right) = self.length.split_at(middle);
+        let (motion, motion_right) = self.motion.map(|motion| motion.split(middle)).unzip();
         let (velocity, velocity_right) = self.velocity.split_at(middle);
-        let duty = self.duty.map(|duty| duty.split_at(middle));
         let (tension, tension_right) = self.tension.split_at_mut(middle);
         let (mut beside, mut beside_right) = ([None, None, None], [None, None, None]);
         for (place, slice) in self.beside.into_iter().enumerate() {
             (beside[place], beside_right[place]) = slice.map(|slice| slice.split_at_mut(middle)).unzip();
         }
-        let (duty, duty_right) = duty.unzip();
         (
-            Self { rows, length, velocity, duty, tension, beside },
+            Self { first: self.first, rows, motion, velocity, tension, beside },
             Self {
+                first: self.first + middle,
                 rows: rows_right,
-                length: length_right,
+                motion: motion_right,
                 velocity: velocity_right,
-                duty: duty_right,
                 tension: tension_right,
                 beside: beside_right,
             },
         )
     }
 
-    fn step_in_turn(mut self, drive: &impl Fn(f64) -> Drive, dt: f64) -> Option<(usize, Error)> {
+    fn step_in_turn(mut self, by: &By<'_>) -> Option<Failure> {
         let mut fault = None;
         for (row, actuator) in self.rows.iter_mut().enumerate() {
-            let until = actuator.time() + dt;
-            let asked = self.duty.map_or(Ok(()), |duty| actuator.drive(drive(duty[row])));
-            if let Err(error) = asked.and_then(|()| actuator.move_to(until, self.length[row])) {
-                fault.get_or_insert((row, error));
+            let went = self.motion.as_ref().map_or(Ok(()), |motion| motion.take(row, actuator, by));
+            if let Err(failure) = went {
+                fault.get_or_insert_with(|| of_row(failure, self.first + row));
                 continue;
             }
             let response = actuator.respond(self.velocity[row]);
@@ -102,35 +150,100 @@ impl<'a> Span<'a> {
     }
 }
 
-/// What an array of another length is told.
-fn fitting(name: &str, slice: Option<&[f64]>, count: usize) -> Result<(), Failure> {
-    let remedy = format!("give an array of {count} numbers (float64) without gaps, one for each actuator");
-    match slice {
-        Some(slice) if slice.len() == count => Ok(()),
-        Some(slice) => Err(Failure::input(format!("{name} has {} entries for {count} actuators", slice.len()), remedy)),
-        None => Err(Failure::input(format!("{name} has gaps between its entries"), remedy)),
-    }
-}
-
-/// Refuses duty cycles that are none.
-fn check(duty: Option<&[f64]>) -> Result<(), Failure> {
-    let wrong = |(row, duty): (usize, &f64)| parameter::DUTY.check(*duty).err().map(|error| of_row(error.into(), row));
-    duty.into_iter().flatten().enumerate().find_map(wrong).map_or(Ok(()), Err)
-}
-
 /// What went wrong in a row.
 fn of_row(failure: Failure, row: usize) -> Failure {
     failure.of(&format!("actuator {row}"))
+}
+
+/// Arrays that the rows' answers are written to.
+struct Answers<'py>([Option<PyReadwriteArray1<'py, f64>>; 4]);
+
+/// Those arrays as they are given: the tension, its derivatives by length and velocity, and the pressure.
+type Asked<'py> = [Option<Given<'py>>; 4];
+
+impl<'py> Answers<'py> {
+    fn of(given: &Asked<'py>, count: usize) -> PyResult<Self> {
+        let mut arrays = [None, None, None, None];
+        let names = ["tension", "per_length", "per_velocity", "pressure"];
+        for ((array, given), name) in arrays.iter_mut().zip(given).zip(names) {
+            if let Some(given) = given {
+                let borrowed = given.write(name)?;
+                fitting(name, borrowed.as_slice().ok().map(<[f64]>::len), count).raised()?;
+                *array = Some(borrowed);
+            }
+        }
+        Ok(Self(arrays))
+    }
+
+    /// The tension, which is always there, and the others.
+    fn slices(&mut self) -> (&mut [f64], [Option<&mut [f64]>; 3]) {
+        let [tension, others @ ..] = self.0.each_mut();
+        // They have been found to have no gaps.
+        let tension = tension.as_mut().and_then(|array| array.as_slice_mut().ok()).unwrap_or_default();
+        (tension, others.map(|array| array.as_mut().and_then(|array| array.as_slice_mut().ok())))
+    }
+}
+
+/// Numbers that a step reads, one for each row.
+fn read<'py>(name: &str, given: &Given<'py>, count: usize) -> PyResult<PyReadonlyArray1<'py, f64>> {
+    let array = given.read(name)?;
+    fitting(name, array.as_slice().ok().map(<[f64]>::len), count).raised()?;
+    arguments::finite(name, array.as_slice()?).raised()?;
+    Ok(array)
+}
+
+/// Refuses velocities that are none.
+fn check_velocities(velocity: &[f64]) -> Result<(), Failure> {
+    velocity.iter().enumerate().try_for_each(|(row, velocity)| check_velocity(&format!("velocity[{row}]"), *velocity))
+}
+
+/// Refuses duty cycles that are none.
+fn check_duties(duty: &[f64]) -> Result<(), Failure> {
+    match duty.iter().position(|duty| !(0.0..=1.0).contains(duty)) {
+        None => Ok(()),
+        Some(row) => Err(Failure::input(
+            format!("actuator {row}: duty[{row}] = {:?} is no duty cycle", duty[row]),
+            "give duty cycles from 0 to 1",
+        )),
+    }
+}
+
+impl Actuators {
+    /// The rows, unless another thread works on them.
+    fn rows(&self) -> PyResult<MutexGuard<'_, Vec<ModularActuator>>> {
+        match self.rows.try_lock() {
+            Ok(rows) => Ok(rows),
+            Err(TryLockError::Poisoned(rows)) => Ok(rows.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(exception(&Failure::input(
+                "these Actuators are being stepped by another thread",
+                "give each thread Actuators of its own, or wait for the other",
+            ))),
+        }
+    }
+
+    /// The parts of the longest step of a row, with the edges of its pulses.
+    fn parts(&self, rows: &[ModularActuator], motion: &Motion<'_>) -> f64 {
+        let edges = |actuator: &ModularActuator| actuator.edges_until(actuator.time() + motion.dt);
+        let edges = match motion.duty {
+            Some(_) => 2.0 * motion.dt * self.model.pulses.frequency,
+            None => rows.iter().map(edges).fold(0.0, f64::max),
+        };
+        (motion.dt / motion.longest).ceil().max(1.0) + edges
+    }
 }
 
 #[pymethods]
 impl Actuators {
     #[new]
     #[pyo3(signature = (scenario, count, pulse_frequency = None))]
-    fn new(scenario: Py<Scenario>, count: usize, pulse_frequency: Option<f64>) -> PyResult<Self> {
+    fn new(py: Python<'_>, scenario: Py<Scenario>, count: Count, pulse_frequency: Option<f64>) -> PyResult<Self> {
+        let (count, each) = (count.0, size_of::<ModularActuator>());
+        arguments::room(py, count, "actuators", each)?;
         let model = Model::of(scenario.get(), pulse_frequency).raised()?;
-        let rows = vec![model.actuator.clone(); count];
-        Ok(Self { scenario, pulse_frequency, model, rows })
+        let mut rows = Vec::new();
+        rows.try_reserve_exact(count).map_err(|_| arguments::no_room(count, "actuators", each))?;
+        rows.resize(count, model.actuator.clone());
+        Ok(Self { scenario, pulse_frequency, model, count, rows: Mutex::new(rows) })
     }
 
     /// Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
@@ -138,99 +251,127 @@ impl Actuators {
     ///
     /// `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
     /// `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
+    /// `max_step` in s divides the step as that of an `Actuator`.
     ///
-    /// Raises `InputError` for arrays and duties that cannot be, before anything has changed, and `StoppedError` where an
+    /// Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `StoppedError` where an
     /// actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
-    /// gone on.
-    #[pyo3(signature = (dt, length, velocity, duty, tension, *, per_length = None, per_velocity = None, pressure = None))]
+    /// gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
+    #[pyo3(signature = (dt, length, velocity, duty, tension, *, per_length = None, per_velocity = None, pressure = None,
+        max_step = None))]
     #[expect(clippy::too_many_arguments, reason = "each is an array of its own")]
     fn step<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         dt: f64,
-        length: Given<PyReadonlyArray1<'py, f64>>,
-        velocity: Given<PyReadonlyArray1<'py, f64>>,
-        duty: Option<Given<PyReadonlyArray1<'py, f64>>>,
-        mut tension: Given<PyReadwriteArray1<'py, f64>>,
-        mut per_length: Option<Given<PyReadwriteArray1<'py, f64>>>,
-        mut per_velocity: Option<Given<PyReadwriteArray1<'py, f64>>>,
-        mut pressure: Option<Given<PyReadwriteArray1<'py, f64>>>,
+        length: Given<'py>,
+        velocity: Given<'py>,
+        duty: Option<Given<'py>>,
+        tension: Given<'py>,
+        per_length: Option<Given<'py>>,
+        per_velocity: Option<Given<'py>>,
+        pressure: Option<Given<'py>>,
+        max_step: Option<f64>,
     ) -> PyResult<()> {
-        let Self { model, rows, .. } = self;
-        let count = rows.len();
-        let read = |name: &str, array: &'_ Given<PyReadonlyArray1<'py, f64>>| {
-            fitting(name, array.0.as_slice().ok(), count).raised()
-        };
-        read("length", &length)?;
-        read("velocity", &velocity)?;
-        duty.as_ref().map_or(Ok(()), |duty| read("duty", duty))?;
-        let duty = duty.as_ref().and_then(|duty| duty.0.as_slice().ok());
-        check(duty).raised()?;
-        fitting("tension", tension.0.as_slice().ok(), count).raised()?;
-        let mut beside = [None, None, None];
-        let given = [("per_length", &mut per_length), ("per_velocity", &mut per_velocity), ("pressure", &mut pressure)];
-        for (place, (name, array)) in beside.iter_mut().zip(given) {
-            if let Some(array) = array {
-                fitting(name, array.0.as_slice().ok(), count).raised()?;
-                *place = array.0.as_slice_mut().ok();
-            }
+        let (model, count) = (&self.model, self.count);
+        check_dt(dt).raised()?;
+        let longest = longest_part(max_step).raised()?;
+        let length = read("length", &length, count)?;
+        let velocity = read("velocity", &velocity, count)?;
+        let duty = duty.map(|duty| read("duty", &duty, count)).transpose()?;
+        let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, pressure], count)?;
+        let (length, velocity) = (length.as_slice()?, velocity.as_slice()?);
+        let duty = duty.as_ref().map(|duty| duty.as_slice()).transpose()?;
+        if let Some(row) = length.iter().position(|length| *length <= 0.0) {
+            return check_length(&model.actuator, &format!("length[{row}]"), length[row]).raised();
         }
-        let (Ok(length), Ok(velocity), Ok(tension)) =
-            (length.0.as_slice(), velocity.0.as_slice(), tension.0.as_slice_mut())
-        else {
-            return Ok(());
+        check_velocities(velocity).raised()?;
+        check_duties(duty.unwrap_or_default()).raised()?;
+        let mut rows = self.rows()?;
+        let motion = Motion { dt, longest, length, duty };
+        let parts = self.parts(&rows, &motion);
+        check_parts(parts, dt).raised()?;
+        let is_long = parts > UNHEARD[0] || parts * count as f64 > UNHEARD[1];
+        let before: Vec<Snapshot> =
+            if is_long { rows.iter().map(ModularActuator::snapshot).collect() } else { Vec::new() };
+        let (tension, beside) = answers.slices();
+        let span = Span { first: 0, rows: &mut rows, motion: Some(motion), velocity, tension, beside };
+        let fault = match (is_long, count < ALONE) {
+            (true, _) => signals::heard(py, |heard| span.step(&By { model, heard: Some(heard) })),
+            (false, true) => Ok(py.detach(|| span.step_in_turn(&By { model, heard: None }))),
+            (false, false) => py.detach(|| pool::shared(|| span.step(&By { model, heard: None }))).raised(),
         };
-        let span = Span { rows, length, velocity, duty, tension, beside };
-        let drive = |duty: f64| model.pulses.of_duty(duty);
-        let stepped = py.detach(|| match count < ALONE {
-            true => Ok(span.step_in_turn(&drive, dt)),
-            false => pool::shared(|| span.step(&drive, dt)),
-        });
-        match stepped.raised()? {
-            None => Ok(()),
-            Some((row, error)) => Err(of_row(error.into(), row)).raised(),
+        match fault {
+            Ok(None) => Ok(()),
+            Ok(Some(failure)) => Err(exception(&failure)),
+            Err(error) => {
+                rows.iter_mut().zip(&before).for_each(|(actuator, state)| actuator.restore(state));
+                Err(error)
+            }
         }
     }
 
+    /// Writes what the actuators answer where they are while their ends move apart at `velocity` in m/s, as `step` does: the
+    /// tensions with which a loop begins.
+    #[pyo3(signature = (velocity, tension, *, per_length = None, per_velocity = None, pressure = None))]
+    fn respond<'py>(
+        &self,
+        py: Python<'py>,
+        velocity: Given<'py>,
+        tension: Given<'py>,
+        per_length: Option<Given<'py>>,
+        per_velocity: Option<Given<'py>>,
+        pressure: Option<Given<'py>>,
+    ) -> PyResult<()> {
+        let velocity = read("velocity", &velocity, self.count)?;
+        let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, pressure], self.count)?;
+        let velocity = velocity.as_slice()?;
+        check_velocities(velocity).raised()?;
+        let mut rows = self.rows()?;
+        let (tension, beside) = answers.slices();
+        let span = Span { first: 0, rows: &mut rows, motion: None, velocity, tension, beside };
+        let by = By { model: &self.model, heard: None };
+        py.detach(|| span.step_in_turn(&by)).map_or(Ok(()), |failure| Err(exception(&failure)))
+    }
+
     /// All of them go back to t = 0 and the scenario's state, with the coils released.
-    fn reset(&mut self) {
+    fn reset(&self) -> PyResult<()> {
         let start = self.model.actuator.snapshot();
-        self.rows.iter_mut().for_each(|actuator| actuator.restore(&start));
+        self.rows()?.iter_mut().for_each(|actuator| actuator.restore(&start));
+        Ok(())
     }
 
     /// How many there are.
     fn __len__(&self) -> usize {
-        self.rows.len()
+        self.count
     }
 
     fn __repr__(&self) -> String {
-        format!("<mckibben.Actuators, {} of {:?}>", self.rows.len(), self.scenario.get().title())
+        format!("<mckibben.Actuators, {} of {:?}>", self.count, self.scenario.get().title())
     }
 
     fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, usize, Option<f64>) {
-        (self.scenario.clone_ref(py), self.rows.len(), self.pulse_frequency)
+        (self.scenario.clone_ref(py), self.count, self.pulse_frequency)
     }
 
     /// Where each of them is, a row for each as an `ActuatorState` is pickled.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
-        let width = self.model.actuator.snapshot().numbers().len();
-        let numbers = self.rows.iter().flat_map(|actuator| actuator.snapshot().numbers()).collect();
-        Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.rows.len(), width])?.into_any()))
+        let numbers = |snapshot: Snapshot| ActuatorState::numbers_of(self.model.mark, &snapshot).collect::<Vec<_>>();
+        let width = numbers(self.model.actuator.snapshot()).len();
+        let numbers = self.rows()?.iter().flat_map(|actuator| numbers(actuator.snapshot())).collect();
+        Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.count, width])?.into_any()))
     }
 
-    fn __setstate__(&mut self, numbers: Given<PyReadonlyArray2<'_, f64>>) -> PyResult<()> {
-        let numbers = numbers.0.as_array();
-        let states: Vec<Snapshot> = numbers
-            .rows()
-            .into_iter()
-            .map(|row| Snapshot::of_numbers(&row.to_vec()))
-            .collect::<Result<_, _>>()
-            .raised()?;
-        if states.len() != self.rows.len() {
-            let title = format!("{} states are given for {} actuators", states.len(), self.rows.len());
+    fn __setstate__(&self, numbers: Table<'_>) -> PyResult<()> {
+        let numbers = numbers.read("state")?;
+        let state = |row: &[f64]| self.model.state_of(&ActuatorState::of_numbers(row)?);
+        let rows = numbers.as_array();
+        let states: Vec<Snapshot> =
+            rows.rows().into_iter().map(|row| state(&row.to_vec())).collect::<Result<_, _>>().raised()?;
+        if states.len() != self.count {
+            let title = format!("{} states are given for {} actuators", states.len(), self.count);
             return Err(Failure::input(title, "give one for each")).raised();
         }
-        self.rows.iter_mut().zip(&states).for_each(|(actuator, state)| actuator.restore(state));
+        self.rows()?.iter_mut().zip(&states).for_each(|(actuator, state)| actuator.restore(state));
         Ok(())
     }
 }

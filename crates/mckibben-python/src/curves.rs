@@ -25,9 +25,9 @@ pub(crate) fn curves<'py>(
     let document = &scenario.get().document;
     let (table, count) = py
         .detach(|| {
-            let pressures: Pressures = pressures
-                .parse()
-                .map_err(|why: String| Failure::input(format!("--pressures: {why}"), "see `curves`"))?;
+            let pressures: Pressures = pressures.parse().map_err(|why: String| {
+                Failure::input(format!("`pressures`: {why}"), "give text such as \"35, 45, 55 psi\"")
+            })?;
             Ok::<_, Failure>((data(document, &pressures)?, pressures.count()))
         })
         .raised()?;

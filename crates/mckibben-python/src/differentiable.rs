@@ -1,9 +1,10 @@
 //! A run as a function of numbers of its scenario, with exact derivatives: the class `Differentiable`.
 
-use crate::pool;
+use crate::arguments;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Function, Names, Numbers, Sequence};
+use crate::signals::heard;
+use crate::typed::{Function, Items, Names, Numbers, Sequence};
 use mckibben::parameter;
 use mckibben_cli::failure::Failure;
 use mckibben_identify::adjustable::Adjustable;
@@ -21,7 +22,8 @@ use pyo3::types::PyDict;
 ///
 /// Called with values of the numbers in SI, in the order of `by`, it gives an array of shape (len(at), len(of)).
 ///
-/// Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a controller.
+/// Ctrl-C ends a call. Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a
+/// controller.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Differentiable {
     scenario: Py<Scenario>,
@@ -55,9 +57,9 @@ impl Differentiable {
         }
         let of = of.iter().map(|name| observed(name, base.has_joint())).collect::<Result<_, _>>()?;
         let end = base.run.duration;
-        if let Some(time) = at.iter().find(|time| !(0.0..=end).contains(*time)) {
+        if let Some(place) = at.iter().position(|time| !(0.0..=end).contains(time)) {
             let remedy = format!("give times from 0 s to run.duration = {end} s");
-            return Err(Failure::input(format!("at = {time} s is no time of the run"), remedy));
+            return Err(Failure::input(format!("at[{place}] = {} s is no time of the run", at[place]), remedy));
         }
         let (mut places, mut start) = (Vec::new(), Vec::new());
         for path in by {
@@ -73,7 +75,7 @@ impl Differentiable {
 
     fn checked(&self, values: &[f64]) -> Result<(), Failure> {
         match values.len() == self.by.len() {
-            true => Ok(()),
+            true => arguments::finite_by("values", values, |at| format!("[{at}] ({})", self.by[at])),
             false => Err(Failure::input(
                 format!("{} values were given for {} numbers", values.len(), self.by.len()),
                 format!("give one for each of {}, in SI", self.by.join(", ")),
@@ -81,8 +83,12 @@ impl Differentiable {
         }
     }
 
+    /// An error of the core; a value that came as an argument stands in no line of the scenario.
     fn failed(&self, error: &mckibben::Error, py: Python<'_>) -> Failure {
-        Failure::of_core(error, &self.scenario.bind(py).get().document)
+        match self.by.is_empty() {
+            true => Failure::of_core(error, &self.scenario.bind(py).get().document),
+            false => error.clone().into(),
+        }
     }
 
     fn shaped<'py>(py: Python<'py>, numbers: Vec<f64>, shape: &[usize]) -> PyResult<Numbers<'py>> {
@@ -93,7 +99,8 @@ impl Differentiable {
 #[pymethods]
 impl Differentiable {
     #[new]
-    fn new(scenario: Py<Scenario>, by: Vec<String>, of: Vec<String>, at: Sequence) -> PyResult<Self> {
+    fn new(scenario: Py<Scenario>, by: Items<String>, of: Items<String>, at: Sequence) -> PyResult<Self> {
+        let (by, of) = (by.0, of.0);
         let (adjustable, asked, start) = Self::of(scenario.get(), &by, &of, at.0).raised()?;
         Ok(Self { scenario, by, of, adjustable, asked, start })
     }
@@ -140,7 +147,7 @@ impl Differentiable {
     /// The quantities at the times, of shape (len(at), len(of)).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
         self.checked(&values.0).raised()?;
-        let read = py.detach(|| self.asked.values(&self.adjustable, &values.0));
+        let read = heard(py, |watch| self.asked.values(&self.adjustable, &values.0, watch))?;
         let read = read.map_err(|error| self.failed(&error, py)).raised()?;
         Self::shaped(py, read, &[self.asked.times.len(), self.of.len()])
     }
@@ -148,7 +155,7 @@ impl Differentiable {
     /// The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
     fn with_slopes<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
-        let both = py.detach(|| pool::shared(|| self.asked.with_slopes(&self.adjustable, &values.0))).raised()?;
+        let both = heard(py, |watch| self.asked.with_slopes(&self.adjustable, &values.0, watch))?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
         let (times, quantities) = (self.asked.times.len(), self.of.len());
         let read = Self::shaped(py, read, &[times, quantities])?;

@@ -3,25 +3,31 @@
 use crate::pool;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
+use crate::typed::{Items, Listed};
 use mckibben_cli::commands::identify::{WARNED, identified};
 use mckibben_cli::failure::Failure;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
 ///
-/// With `output`, a folder, the report, the scenarios and the numbers are written there as well.
+/// With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
+/// fail, `warnings` say which and why.
 ///
-/// Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found.
+/// Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found; the report
+/// is written then too.
 #[pyfunction]
 #[pyo3(signature = (study, output = None))]
 pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) -> PyResult<Identification> {
     let found = py
         .detach(|| {
-            let found = pool::shared(|| identified(&study))??;
-            if let Some(folder) = &output {
-                found.write(folder)?;
+            let found = pool::shared(|| identified(&study, output.as_deref()))??;
+            let page = output.as_ref().map(|folder| found.write(folder)).transpose()?;
+            // What was found of other runs is worth having; the warnings say what failed.
+            if found.estimates.is_empty() {
+                found.verdict(page.as_deref())?;
             }
             Ok::<_, Failure>(found)
         })
@@ -69,18 +75,28 @@ pub(crate) struct Estimate {
 impl Identification {
     #[new]
     fn new(
-        estimates: Vec<Estimate>,
-        notes: Vec<String>,
-        warnings: Vec<String>,
-        scenarios: Vec<(String, String)>,
+        estimates: Items<Estimate>,
+        notes: Items<String>,
+        warnings: Items<String>,
+        scenarios: Items<(String, String)>,
     ) -> Self {
-        Self { estimates, notes, warnings, scenarios }
+        Self { estimates: estimates.0, notes: notes.0, warnings: warnings.0, scenarios: scenarios.0 }
     }
 
     /// The numbers with their intervals; of ring-downs those of the waveform, or of all turns where there is none.
     #[getter]
     fn estimates(&self) -> Vec<Estimate> {
         self.estimates.clone()
+    }
+
+    /// The names of the estimates: `dict(found)` has the estimates by their names.
+    fn keys(&self) -> Vec<&str> {
+        self.estimates.iter().map(|estimate| estimate.name.as_str()).collect()
+    }
+
+    /// The names of the estimates in their order.
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Listed<'py>> {
+        Ok(Listed(PyList::new(py, self.keys())?.try_iter()?.into_any()))
     }
 
     /// The number of this name, such as "actuator.friction.viscous".
@@ -105,7 +121,7 @@ impl Identification {
     /// The scenarios with the numbers that were found, by the names of their files.
     #[getter]
     fn scenarios(&self) -> PyResult<BTreeMap<String, Scenario>> {
-        let read = |(name, text): &(String, String)| Ok((name.clone(), Scenario::new(text, name, Vec::new())?));
+        let read = |(name, text): &(String, String)| Ok((name.clone(), Scenario::new(text, name, Items(Vec::new()))?));
         self.scenarios.iter().map(read).collect()
     }
 

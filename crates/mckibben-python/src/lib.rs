@@ -18,6 +18,8 @@
 //! | `columns` | columns of numbers and words as NumPy arrays |
 //! | `typed` | objects with the types that the stubs give them |
 //! | `values` | dictionaries of Python to TOML and back |
+//! | `arguments` | numbers, arrays and counts that are refused by their argument's name |
+//! | `signals` | Ctrl-C while the core works |
 //! | `raised` | failures as the exceptions of `mckibben.errors`, in the words of the command line |
 //!
 //! There is no physics here: everything is done by the core and by the library of the program, so that what Python gives
@@ -26,6 +28,7 @@
 
 mod actuator;
 mod actuators;
+mod arguments;
 mod columns;
 mod curves;
 mod differentiable;
@@ -37,6 +40,7 @@ mod pool;
 mod pulses;
 mod raised;
 mod scenario;
+mod signals;
 mod sweep;
 mod trajectory;
 mod typed;

@@ -2,7 +2,7 @@
 
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Complex, Matrix, Parts, Point};
+use crate::typed::{Complex, Items, Matrix, Parts, Point};
 use mckibben::linearize::Signal;
 use mckibben_cli::commands::linearize::{Found, LinearizeArguments};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -101,7 +101,7 @@ impl LinearModel {
     }
 }
 
-type Signals = Vec<(String, String)>;
+type Signals = Items<(String, String)>;
 
 #[pymethods]
 impl LinearModel {
@@ -109,11 +109,11 @@ impl LinearModel {
     fn restored(
         matrices: [Py<PyArray2<f64>>; 4],
         signals: [Signals; 3],
-        poles: Vec<(f64, f64)>,
-        point: Vec<(String, f64)>,
+        poles: Items<(f64, f64)>,
+        point: Items<(String, f64)>,
         json: String,
     ) -> Self {
-        Self { matrices, signals, poles, point, json }
+        Self { matrices, signals: signals.map(|of| of.0), poles: poles.0, point: point.0, json }
     }
 
     /// One row and one column for each state.

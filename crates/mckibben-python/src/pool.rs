@@ -24,7 +24,12 @@ static POOL: AtomicPtr<Pool> = AtomicPtr::new(ptr::null_mut());
 
 /// Does work that is shared among threads on those of this process.
 pub(crate) fn shared<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-    pool().map(|pool| pool.threads.install(work))
+    threads().map(|threads| threads.install(work))
+}
+
+/// The threads of this process.
+pub(crate) fn threads() -> Result<&'static ThreadPool, Failure> {
+    pool().map(|pool| &pool.threads)
 }
 
 fn pool() -> Result<&'static Pool, Failure> {

@@ -1,5 +1,6 @@
 //! How a valve is pulsed by a duty cycle.
 
+use crate::arguments;
 use mckibben::control::Drive;
 use mckibben::valve::{Command, Request};
 use mckibben_cli::failure::Failure;
@@ -20,6 +21,15 @@ impl Pulses {
             Some(Command::Pwm { frequency, pulse, rest, .. }) => (Some(*frequency), *pulse, *rest),
             _ => (None, Request::Fill, Request::Exhaust),
         };
+        if let Some(given) = frequency {
+            arguments::number(
+                "pulse_frequency",
+                given,
+                "Hz",
+                "a frequency in Hz above zero, such as 25.0",
+                given > 0.0,
+            )?;
+        }
         // Without a valve there are no pulses, and any frequency will do.
         let frequency = frequency.or(own).or(command.is_none().then_some(1.0)).ok_or_else(|| {
             Failure::input(

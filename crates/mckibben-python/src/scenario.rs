@@ -1,7 +1,7 @@
 //! The class `Scenario`.
 
 use crate::raised::Raised;
-use crate::typed::{Sections, Values};
+use crate::typed::{Items, Sections, Values};
 use crate::values;
 use mckibben_scenario::Document;
 use pyo3::prelude::*;
@@ -58,9 +58,9 @@ impl Scenario {
 #[pymethods]
 impl Scenario {
     #[new]
-    #[pyo3(signature = (text, name = "scenario.toml", values = Vec::new()))]
-    pub(crate) fn new(text: &str, name: &str, values: Vec<(String, String)>) -> PyResult<Self> {
-        Self::read(Document::parse(text, name).raised()?, values)
+    #[pyo3(signature = (text, name = "scenario.toml", values = Items(Vec::new())))]
+    pub(crate) fn new(text: &str, name: &str, values: Items<(String, String)>) -> PyResult<Self> {
+        Self::read(Document::parse(text, name).raised()?, values.0)
     }
 
     /// Reads a scenario file.
@@ -75,21 +75,23 @@ impl Scenario {
     /// `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
     ///
     /// Lists may be NumPy arrays, and numbers those of NumPy. Messages show the dictionary as TOML.
+    ///
+    /// Raises `InputError` for one that contains itself, or has more than 64 levels or 2 000 000 values.
     #[staticmethod]
     #[pyo3(signature = (values, name = "scenario.toml"))]
     fn from_dict(values: Values<'_>, name: &str) -> PyResult<Self> {
-        let text = values::table_of("", &values.0)?.to_string();
-        Self::new(&text, name, Vec::new())
+        let table: toml::Table = values::pairs_of(&values.0)?.into_iter().collect();
+        Self::new(&table.to_string(), name, Items(Vec::new()))
     }
 
     /// The same scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`.
     fn with_values(&self, values: Values<'_>) -> PyResult<Self> {
         let mut set = self.set.clone();
-        for (key, value) in values::pairs_of("", &values.0)? {
+        for (key, value) in values::pairs_of(&values.0)? {
             set.retain(|(known, _)| *known != key);
             set.push((key, value.to_string()));
         }
-        Self::new(&self.text, &self.name, set)
+        Self::new(&self.text, &self.name, Items(set))
     }
 
     /// The scenario as it was understood, as TOML: every value in SI, no preset, no default.

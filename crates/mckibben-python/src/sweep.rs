@@ -2,7 +2,7 @@
 
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::Names;
+use crate::typed::{Items, Names};
 use mckibben_cli::failure::Failure;
 use mckibben_cli::output;
 use mckibben_cli::sweep::destination::Place;
@@ -18,7 +18,9 @@ use std::path::PathBuf;
 
 /// The step that was chosen for all rows: its length in s, the accuracy that it is for, the rows that it is enough for, of
 /// those that were tried, and the rows that no step is enough for.
-type Chosen = (f64, f64, Vec<u64>, Vec<u64>);
+type Chosen = (f64, f64, Items<u64>, Items<u64>);
+/// The same as it is given out.
+type Given = (f64, f64, Vec<u64>, Vec<u64>);
 
 /// The runs of a scenario's section `[sweep]`, in parts that can be computed anywhere: what `mckibben sweep` does, to the last
 /// bit.
@@ -37,6 +39,17 @@ pub(crate) struct Sweep {
 /// Runs for each thread, a part at least, between which nobody asks whether Ctrl-C was pressed: so many that threads which wait
 /// for the last of them do not count.
 const UNHEEDING: u64 = 256;
+
+/// As many between which `progress` is called, or a hundredth of the sweep.
+const OBSERVED: u64 = 16;
+
+/// Threads at most.
+const MOST_JOBS: usize = 4096;
+
+/// A failure whose `--output` is the argument `folder`.
+fn of_folder(failure: Failure) -> Failure {
+    failure.in_words(|words| words.replace("--output", "`folder`"))
+}
 
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
@@ -71,7 +84,9 @@ impl Sweep {
                 })?;
                 let choice = match chosen {
                     None => Choice::of(prepared.sweep(), cores())?,
-                    Some((step, accuracy, reached, unreached)) => Some(Choice { step, accuracy, reached, unreached }),
+                    Some((step, accuracy, Items(reached), Items(unreached))) => {
+                        Some(Choice { step, accuracy, reached, unreached })
+                    }
                 };
                 Ok::<_, Failure>((prepared, choice))
             })
@@ -136,36 +151,56 @@ impl Sweep {
     /// Makes the sweep's folder, or takes up one that holds the same sweep: the numbers of the parts that are not finished in
     /// it, and how many runs failed in those that are.
     fn missing(&self, folder: PathBuf) -> PyResult<(Vec<u64>, u64)> {
-        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).raised()
+        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).map_err(of_folder).raised()
     }
 
     /// Puts the bytes of a part into the folder: it is there whole or not at all.
     fn put(&self, py: Python<'_>, folder: PathBuf, part: u64, bytes: &[u8]) -> PyResult<()> {
         py.detach(|| {
             let folder = self.prepared.folder(&folder)?;
-            output::write(&folder.part(part), bytes)?;
-            folder.clear_remains_of(part);
-            Ok::<_, Failure>(())
+            let written = output::write(&folder.part(part), bytes);
+            written.map_err(|failure| failure.staying(|| folder.stays(&self.prepared.plan())))
         })
         .raised()
     }
 
-    /// Computes what is missing in the folder on `jobs` threads, one for each core unless given.
+    /// Computes what is missing in the folder on `jobs` threads, one for each core unless given, and calls `progress` now and
+    /// then with the parts that are done and all there are.
     ///
-    /// Ctrl-C stops it once the parts under way are finished; what is in the folder then is kept.
-    #[pyo3(signature = (folder, jobs = None))]
-    fn run(&self, py: Python<'_>, folder: PathBuf, jobs: Option<NonZeroUsize>) -> PyResult<()> {
+    /// Ctrl-C, and an exception of `progress`, stop it once the parts under way are finished; what is in the folder then is
+    /// kept.
+    #[pyo3(signature = (folder, jobs = None, progress = None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        jobs: Option<NonZeroUsize>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
         let jobs = jobs.map_or_else(cores, NonZeroUsize::get);
+        if jobs > MOST_JOBS {
+            let remedy = format!("give {MOST_JOBS} at most; more than there are cores are of no use");
+            return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy)).raised();
+        }
         let mut tally = Tally::new(self.prepared.sweep(), false);
-        let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).raised()?;
-        let together = (UNHEEDING * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
+        let (missing, _) =
+            py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).map_err(of_folder).raised()?;
+        let mut done = self.parts() - missing.len() as u64;
+        let of_rows = |rows: u64| (rows * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
+        let together = match progress {
+            None => of_rows(UNHEEDING),
+            Some(_) => of_rows(OBSERVED).max(missing.len() as u64 / 100),
+        };
         for parts in missing.chunks(usize::try_from(together).unwrap_or(usize::MAX)) {
             py.check_signals()?;
             py.detach(|| {
                 let place = Place::Folder(self.prepared.folder(&folder)?);
                 self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut tally)
             })
+            .map_err(of_folder)
             .raised()?;
+            done += parts.len() as u64;
+            progress.as_ref().map_or(Ok(()), |progress| progress.call1((done, self.parts())).map(|_| ()))?;
         }
         py.check_signals()
     }
@@ -174,7 +209,7 @@ impl Sweep {
         format!("<mckibben.Sweep of {:?}, {} runs>", self.scenario.get().title(), self.rows())
     }
 
-    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, Option<Chosen>) {
+    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, Option<Given>) {
         let chosen = self.choice.clone().map(|of| (of.step, of.accuracy, of.reached, of.unreached));
         (self.scenario.clone_ref(py), chosen)
     }

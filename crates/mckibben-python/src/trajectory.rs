@@ -1,9 +1,13 @@
 //! `simulate`, and the classes `Trajectory` and `Event`.
 
+use crate::arguments;
 use crate::columns::{array, dictionary};
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{self, Columns, Figure, Names, Numbers, Pandas, Parts, Polars, Row, Sequence, Words};
+use crate::signals::Watch;
+use crate::typed::{
+    self, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row, Sequence, Words,
+};
 use mckibben_cli::failure::Failure;
 use mckibben_cli::finished::{Finished, Ready};
 use mckibben_cli::output;
@@ -12,10 +16,9 @@ use mckibben_cli::portrait::Over;
 use mckibben_cli::record::{Format, Provenance};
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
 
 /// Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
 ///
@@ -43,27 +46,13 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResu
 }
 
 fn run(py: Python<'_>, scenario: &Scenario) -> PyResult<Finished> {
-    let mut interrupted = None;
+    let mut watch = Watch::new();
     let finished = py.detach(|| {
-        let (mut heard, mut asked) = (0_u32, Instant::now());
-        Ready::of(&scenario.document)?.run(&scenario.document, &mut |_, _| (), &mut |time| {
-            heard = heard.wrapping_add(1);
-            if !heard.is_multiple_of(HEARD) || asked.elapsed() < PATIENCE {
-                return Ok(());
-            }
-            asked = Instant::now();
-            Python::attach(|py| py.check_signals()).map_err(|error| {
-                interrupted = Some(error);
-                mckibben::Error::Interrupted { time }
-            })
-        })
+        let ready = Ready::of(&scenario.document)?;
+        ready.run(&scenario.document, &mut |_, _| (), &mut |time| watch.at(time))
     });
-    interrupted.map_or_else(|| finished.raised(), Err)
+    watch.outcome(finished)
 }
-
-/// Between two looks at the clock a run goes on as often as this, and between two at Python's signals so long.
-const HEARD: u32 = 16;
-const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A column of a run.
 struct Column {
@@ -102,8 +91,8 @@ pub(crate) struct Event {
 #[pymethods]
 impl Event {
     #[new]
-    fn new(time: f64, columns: Vec<String>, words: Vec<String>) -> Self {
-        Self { time, columns: columns.into(), words }
+    fn new(time: f64, columns: Items<String>, words: Items<String>) -> Self {
+        Self { time, columns: columns.0.into(), words: words.0 }
     }
 
     /// When it happened, in s.
@@ -118,13 +107,23 @@ impl Event {
         self.words.first().map_or("", String::as_str)
     }
 
-    /// What holds from then on, by the names of the columns of `mckibben simulate --events-output`.
+    /// What holds from then on, by the names of the columns of `mckibben simulate --events-output`: words such as "slack",
+    /// whether something is so as a `bool`, numbers as `float`.
     #[getter]
-    fn after<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
+    fn after<'py>(&self, py: Python<'py>) -> PyResult<Facts<'py>> {
         let after = PyDict::new(py);
-        let pairs = self.columns.iter().zip(&self.words).skip(1);
-        pairs.into_iter().try_for_each(|(name, word)| after.set_item(name, word))?;
-        Ok(Names(after.into_any()))
+        for (name, word) in self.columns.iter().zip(&self.words).skip(1) {
+            // Words such as "inf" are none of ours, so what begins like a number is one.
+            let number =
+                || word.starts_with(|c: char| c.is_ascii_digit() || c == '-').then(|| word.parse::<f64>().ok());
+            match (word.as_str(), number().flatten()) {
+                ("true", _) => after.set_item(name, true),
+                ("false", _) => after.set_item(name, false),
+                (_, Some(number)) => after.set_item(name, number),
+                (word, None) => after.set_item(name, word),
+            }?;
+        }
+        Ok(Facts(after.into_any()))
     }
 
     /// Whether both are the same.
@@ -196,15 +195,15 @@ impl Trajectory {
     #[new]
     fn restored(
         scenario: Py<Scenario>,
-        columns: Vec<(String, String, Bound<'_, PyAny>)>,
-        events: Option<Vec<Bound<'_, Event>>>,
+        columns: Items<(String, String, Bound<'_, PyAny>)>,
+        events: Option<Items<Bound<'_, Event>>>,
     ) -> PyResult<Self> {
         let of_column = |(name, unit, values): (String, String, Bound<'_, PyAny>)| {
             values.call_method1("setflags", (false,))?;
             Ok(Column { name, unit, values: values.unbind() })
         };
-        let columns = columns.into_iter().map(of_column).collect::<PyResult<_>>()?;
-        let events = events.map(|events| events.iter().map(|event| event.get().clone()).collect());
+        let columns = columns.0.into_iter().map(of_column).collect::<PyResult<_>>()?;
+        let events = events.map(|events| events.0.iter().map(|event| event.get().clone()).collect());
         Ok(Self { scenario, columns, events, kept: Mutex::new(None) })
     }
 
@@ -229,14 +228,29 @@ impl Trajectory {
         Ok(Names(units.into_any()))
     }
 
+    /// The names of the columns, as of a data frame: `dict(run)` has the columns by their names.
+    fn keys(&self) -> Vec<&str> {
+        self.columns()
+    }
+
+    /// The names of the columns in their order.
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Listed<'py>> {
+        Ok(Listed(PyList::new(py, self.columns())?.try_iter()?.into_any()))
+    }
+
+    /// Whether there is a column of this name.
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
+        name.extract::<String>().is_ok_and(|name| self.find(&name).is_some())
+    }
+
     /// How many rows there are.
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.columns.first().map_or(Ok(0), |column| column.values.bind(py).len())
     }
 
     /// A column by its name, such as "length_m" or "hose_pressure_pa".
-    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<typed::Column<'py>> {
-        self.attribute(py, name).map(typed::Column).map_err(|error| PyKeyError::new_err(error.value(py).to_string()))
+    fn __getitem__<'py>(&self, py: Python<'py>, name: Name) -> PyResult<typed::Column<'py>> {
+        self.attribute(py, &name.0).map(typed::Column).map_err(|error| PyKeyError::new_err(error.value(py).to_string()))
     }
 
     /// Times in s.
@@ -336,6 +350,7 @@ impl Trajectory {
 
     /// Every column at each of `times` in s, as arrays by the names of the columns; as `at`.
     fn at_times<'py>(&self, py: Python<'py>, times: Sequence) -> PyResult<Columns<'py>> {
+        arguments::finite("times", &times.0).raised()?;
         Ok(Columns(self.between(py, &times.0)?.into_any()))
     }
 

@@ -1,15 +1,25 @@
 //! Python objects with the types that the stubs give them.
 
-use numpy::{AllowTypeChange, PyArrayLike1, PyReadonlyArray1, PyReadwriteArray1};
+use crate::raised::exception;
+use mckibben_cli::failure::Failure;
+use numpy::ndarray::Dimension;
+use numpy::{
+    AllowTypeChange, BorrowError, Element, Ix1, Ix2, PyArray, PyArrayLike1, PyArrayMethods, PyReadonlyArray,
+    PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyInt, PyMapping, PyString};
 use pyo3::{type_hint_identifier as name, type_hint_subscript as of, type_hint_union};
 use std::convert::Infallible;
+use std::marker::PhantomData;
 
 const ANY: PyStaticExpr = name!("typing", "Any");
 const STR: PyStaticExpr = name!("builtins", "str");
 const FLOAT: PyStaticExpr = name!("builtins", "float");
+const BOOL: PyStaticExpr = name!("builtins", "bool");
 const DICT: PyStaticExpr = name!("builtins", "dict");
 const ARRAY: PyStaticExpr = name!("numpy.typing", "NDArray");
 
@@ -50,8 +60,12 @@ typed! {
     Row = of!(DICT, STR, type_hint_union!(FLOAT, STR));
     /// Numbers by their names.
     Point = of!(DICT, STR, FLOAT);
+    /// What holds, by its names: a word, a number, or whether.
+    Facts = of!(DICT, STR, type_hint_union!(STR, FLOAT, BOOL));
     /// Words by their names.
     Names = of!(DICT, STR, STR);
+    /// Words one after the other.
+    Listed = of!(name!("collections.abc", "Iterator"), STR);
     /// The sections of a scenario.
     Sections = of!(DICT, STR, ANY);
     /// What an object is made of, for pickling.
@@ -66,39 +80,160 @@ typed! {
     Figure = name!("matplotlib.figure", "Figure");
 }
 
-/// An array that the caller owns, read or written in place.
-pub(crate) struct Given<A>(pub(crate) A);
-
-impl<'a, 'py, A: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Given<A> {
-    type Error = A::Error;
-    const INPUT_TYPE: PyStaticExpr = of!(ARRAY, name!("numpy", "float64"));
-
-    fn extract(array: Borrowed<'a, 'py, PyAny>) -> Result<Self, Self::Error> {
-        array.extract().map(Self)
-    }
+/// Entries of arrays that are read or written in place.
+pub(crate) trait Entry: Element {
+    /// NumPy's name of them.
+    const NAME: &'static str;
+    const HINT: PyStaticExpr;
 }
 
+impl Entry for f64 {
+    const NAME: &'static str = "float64";
+    const HINT: PyStaticExpr = of!(ARRAY, name!("numpy", "float64"));
+}
+
+impl Entry for i64 {
+    const NAME: &'static str = "int64";
+    const HINT: PyStaticExpr = of!(ARRAY, name!("numpy", "int64"));
+}
+
+impl Entry for bool {
+    const NAME: &'static str = "bool";
+    const HINT: PyStaticExpr = of!(ARRAY, name!("numpy", "bool_"));
+}
+
+/// An array that the caller owns, borrowed by [`Given::read`] and [`Given::write`], which know the name of its argument.
+pub(crate) struct Given<'py, T = f64, D = Ix1> {
+    array: Bound<'py, PyAny>,
+    of: PhantomData<(T, D)>,
+}
+
+/// A table that the caller owns.
+pub(crate) type Table<'py> = Given<'py, f64, Ix2>;
 /// Places in an array, as NumPy counts them.
-pub(crate) struct Rows<'py>(pub(crate) PyReadonlyArray1<'py, i64>);
+pub(crate) type Rows<'py> = Given<'py, i64, Ix1>;
+/// Flags that are written in place.
+pub(crate) type Flags<'py> = Given<'py, bool, Ix1>;
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Rows<'py> {
-    type Error = PyErr;
-    const INPUT_TYPE: PyStaticExpr = of!(ARRAY, name!("numpy", "int64"));
+impl<'a, 'py, T: Entry, D> FromPyObject<'a, 'py> for Given<'py, T, D> {
+    type Error = Infallible;
+    const INPUT_TYPE: PyStaticExpr = T::HINT;
 
-    fn extract(rows: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self(rows.extract()?))
+    fn extract(array: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self { array: array.to_owned(), of: PhantomData })
     }
 }
 
-/// Flags that are written in place.
-pub(crate) struct Flags<'py>(pub(crate) PyReadwriteArray1<'py, bool>);
+impl<'py, T: Entry, D: Dimension> Given<'py, T, D> {
+    /// The array, to be read.
+    pub(crate) fn read(&self, name: &str) -> PyResult<PyReadonlyArray<'py, T, D>> {
+        self.named(name)?.try_readonly().map_err(|error| Self::refused(name, &error))
+    }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Flags<'py> {
+    /// The array, to be written.
+    pub(crate) fn write(&self, name: &str) -> PyResult<PyReadwriteArray<'py, T, D>> {
+        self.named(name)?.try_readwrite().map_err(|error| Self::refused(name, &error))
+    }
+
+    fn named(&self, name: &str) -> PyResult<&Bound<'py, PyArray<T, D>>> {
+        self.array.cast().map_err(|_| {
+            let of = |count: usize| format!("{count} dimension{}", if count == 1 { "" } else { "s" });
+            let what = match self.array.cast::<PyUntypedArray>() {
+                Ok(array) => format!("an array of {} with {}", array.dtype(), of(array.ndim())),
+                Err(_) => format!("of type {}", kind(&self.array)),
+            };
+            let remedy = format!("give a NumPy array of {} with {}", T::NAME, of(D::NDIM.unwrap_or_default()));
+            PyTypeError::new_err(format!("`{name}` is {what}; {remedy}"))
+        })
+    }
+
+    fn refused(name: &str, error: &BorrowError) -> PyErr {
+        exception(&match error {
+            BorrowError::NotWriteable => Failure::input(
+                format!("`{name}` cannot be written to"),
+                "give an array of your own, such as one of numpy.zeros",
+            ),
+            _ => Failure::input(
+                format!("`{name}` shares memory with another argument, or another thread works on it"),
+                "give each argument, and each thread, an array of its own",
+            ),
+        })
+    }
+}
+
+/// The name of an object's type.
+pub(crate) fn kind(object: &Bound<'_, PyAny>) -> String {
+    object.get_type().name().map_or_else(|_| "object".to_owned(), |name| name.to_string())
+}
+
+/// Items of a sequence, however many it says it has.
+pub(crate) struct Items<T>(pub(crate) Vec<T>);
+
+/// Items of a sequence at most.
+const MOST_ITEMS: usize = 2_000_000;
+
+impl<'a, 'py, T: FromPyObjectOwned<'py>> FromPyObject<'a, 'py> for Items<T> {
     type Error = PyErr;
-    const INPUT_TYPE: PyStaticExpr = of!(ARRAY, name!("numpy", "bool_"));
+    const INPUT_TYPE: PyStaticExpr = of!(name!("collections.abc", "Sequence"), T::INPUT_TYPE);
 
-    fn extract(flags: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self(flags.extract()?))
+    fn extract(items: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if items.is_instance_of::<PyString>() || items.is_instance_of::<PyMapping>() {
+            return Err(PyTypeError::new_err(format!("a list is wanted and no {}", kind(&items))));
+        }
+        let mut all = Vec::new();
+        // What it says of its length may be wrong, and room for that many would be made.
+        for item in items.try_iter()? {
+            if all.len() == MOST_ITEMS {
+                let title = format!("a sequence has more than {MOST_ITEMS} items");
+                return Err(exception(&Failure::input(title, "give fewer")));
+            }
+            all.push(item?.extract::<T>().map_err(Into::into)?);
+        }
+        Ok(Self(all))
+    }
+}
+
+/// The name of a column.
+pub(crate) struct Name(pub(crate) String);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Name {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = STR;
+
+    fn extract(name: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        name.extract().map(Self).map_err(|_| {
+            let what = kind(&name);
+            PyTypeError::new_err(format!(
+                "columns have names and no places: give text such as \"length_m\" and no {what}"
+            ))
+        })
+    }
+}
+
+/// How many there are to be of something.
+pub(crate) struct Count(pub(crate) usize);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Count {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = name!("builtins", "int");
+
+    fn extract(count: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match count.extract() {
+            Ok(count) => Ok(Self(count)),
+            Err(error) if !count.is_instance_of::<PyInt>() => Err(error),
+            Err(_) => Err(exception(&Failure::input(
+                format!("count = {} is no number that there can be of anything", shortened(&count.to_string())),
+                "give a whole number from 0 on, such as 1000",
+            ))),
+        }
+    }
+}
+
+/// A number whose digits do not fill the screen.
+fn shortened(digits: &str) -> String {
+    match digits.len() {
+        ..=24 => digits.to_owned(),
+        length => format!("{}… ({length} digits)", &digits[..8]),
     }
 }
 

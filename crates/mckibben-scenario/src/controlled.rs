@@ -139,6 +139,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         }
     };
     let sampling = core_sampling(of)?;
+    sampling.check_counts(experiment.run.duration)?;
     let sensor = Sensor::new(regulated, of.resolution, None)?;
     let mut sensors = Sensors::perfect();
     match regulated {

@@ -147,5 +147,6 @@ fn controlled(
         }
     };
     let sampling = core_sampling(of)?;
+    sampling.check_counts(experiment.run.duration)?;
     Ok(ControlledJointExperiment { experiment, law, sampling, sensors, regulated, set_points })
 }

@@ -8,8 +8,8 @@ use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::{Document, Value};
 use crate::keys;
 use crate::quantity;
-use mckibben::Error;
-use mckibben::parameter::Parameter;
+use mckibben::parameter::{DURATION, MAX_COUNT, Parameter};
+use mckibben::{Count, Error};
 
 impl Document {
     /// The diagnostic of an error that the core returned for values of this document.
@@ -20,6 +20,15 @@ impl Document {
                 let label = format!("must be {} {}", parameter.range, parameter.unit);
                 self.shown(Class::OutOfRange, parameter.key, None, title, label.trim_end().to_owned())
                     .help(parameter.remedy)
+            }
+            Error::TooMany { parameter, value, count, counted, remedy } => {
+                let value = in_unit(parameter, *value);
+                let title = format!("`{}` = {value} makes {} {counted}", parameter.key, Count(*count));
+                let label = format!("a run may have {} {counted}", Count(MAX_COUNT));
+                let length = self.given(DURATION.key, parameter.key).filter(|_| self.entry(parameter.key).is_some());
+                self.shown(Class::OutOfRange, parameter.key, None, title, label)
+                    .related(length, "the run's duration")
+                    .help(*remedy)
             }
             Error::Inconsistent { parameter, value, requirement, remedy } => {
                 let other =

@@ -1,6 +1,6 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{BladderForm, CommandState, ExhaustTemperature, HoseKind, Method, ValveKind};
+use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
@@ -9,6 +9,7 @@ use crate::scenario::{
 };
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::line::{self, Line};
+use mckibben::parameter as p;
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{
     self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, JointStepError, PressureCourse, Rig, State,
@@ -165,6 +166,11 @@ impl Scenario {
         let output = opposite_output(self, &second).map_err(failed)?;
         let antagonist = second.driven_by(output).map_err(|error| (Part::Antagonist, error))?;
         let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
+        self.run.check_counts().map_err(failed)?;
+        for (part, driven) in [Part::Joint, Part::Antagonist].into_iter().zip(rig.driven()) {
+            let counts = driven.actuation.as_ref().map_or(Ok(()), |of| of.check_counts(self.run.duration));
+            counts.map_err(|error| (part, error))?;
+        }
         let start = rig.start(&self.start_of(joint)).map_err(failed)?;
         Ok(Some(JointExperiment { rig, start, run: self.run }))
     }
@@ -256,13 +262,31 @@ fn core_tendon(tendon: &Tendon) -> Result<load::Tendon, Error> {
     Ok(load::Tendon { arm, rest_length: tendon.rest_length })
 }
 
+impl Run {
+    /// That the run has no more samples and steps than [`MAX_COUNT`](mckibben::parameter::MAX_COUNT).
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self) -> Result<(), Error> {
+        let interval = self.sample_interval;
+        p::SAMPLE_INTERVAL.check_count(interval, self.duration / interval, "samples")?;
+        if let Some(step) = self.step.filter(|_| self.engine == Engine::FixedStep) {
+            p::STEP.check_count(step, self.duration / step, "steps")?;
+        }
+        Ok(())
+    }
+}
+
 impl Scenario {
     /// Builds what the scenario describes.
     ///
     /// # Errors
-    /// What the core finds contradictory, such as a length above the thread length.
+    /// What the core finds contradictory, such as a length above the thread length; [`Error::TooMany`] for more samples, steps
+    /// or pulses than a run may have.
     pub fn experiment(&self) -> Result<Experiment, Error> {
         let rig = self.rig()?;
+        self.run.check_counts()?;
+        rig.check_counts(self.run.duration)?;
         let start = rig.start(&self.initial())?;
         Ok(Experiment { rig, start, run: self.run })
     }

@@ -3,7 +3,7 @@
 //! Every parameter is validated when a value is constructed, so the laws themselves cannot fail. Each message names
 //! the parameter, its value, the range that is valid, the unit and a remedy. Nothing is repaired in silence.
 
-use crate::parameter::Parameter;
+use crate::parameter::{self, Parameter};
 use thiserror::Error;
 
 /// A rejected parameter or a simulation that cannot go on.
@@ -28,6 +28,21 @@ pub enum Error {
         value: f64,
         /// What it must satisfy, in words, with the other parameter's name and value.
         requirement: Requirement,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// A parameter asks for more samples, steps or pulses than a run may have.
+    #[error("{name} = {value} {unit} makes {} {counted}, more than {}; {remedy}", Count(*.count), Count(parameter::MAX_COUNT),
+        name = .parameter.key, unit = .parameter.unit)]
+    TooMany {
+        /// The parameter that is to be changed first.
+        parameter: &'static Parameter,
+        /// Its value in its SI unit.
+        value: f64,
+        /// How many it would be.
+        count: f64,
+        /// Of what, in the plural.
+        counted: &'static str,
         /// What to do about it.
         remedy: &'static str,
     },
@@ -73,6 +88,17 @@ pub enum Error {
         /// When, in s.
         time: f64,
     },
+}
+
+/// A number of things as it is written in a message: to four digits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Count(pub f64);
+
+impl core::fmt::Display for Count {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self(count) = *self;
+        if count.is_finite() { write!(f, "{count:.3e}") } else { write!(f, "over {:e}", 1e308) }
+    }
 }
 
 /// The other half of an [`Error::Inconsistent`]: a relation to a second quantity.

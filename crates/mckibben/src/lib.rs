@@ -84,7 +84,7 @@ mod root;
 pub use actuator::{Actuator, ActuatorState, Response};
 pub use braid::Braid;
 pub use dual::Dual;
-pub use error::{Error, Requirement};
+pub use error::{Count, Error, Requirement};
 pub use nested::Nested;
 pub use pressure::{AbsolutePressure, GaugePressure};
 pub use scalar::{Differentiable, Function, Mask, Over, Real, Scalar, Work};

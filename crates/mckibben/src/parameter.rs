@@ -100,6 +100,30 @@ impl Parameter {
     }
 }
 
+/// The most samples, steps, pulses, sampling instants or periods of a motion that one run may have.
+///
+/// At a microsecond each it is a quarter of an hour of computing and as samples about a hundred gigabytes of text: whoever
+/// asks for more has most likely mistaken a unit.
+pub const MAX_COUNT: f64 = 1e9;
+
+impl Parameter {
+    /// Returns `value` if what it asks for in a run is not more than [`MAX_COUNT`]: `count` of what is `counted`, in the plural.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise; it names the parameter, its value, the count and what to do.
+    pub fn check_count(&'static self, value: f64, count: f64, counted: &'static str) -> Result<f64, Error> {
+        // What is no number is refused too.
+        if count <= MAX_COUNT {
+            return Ok(value);
+        }
+        let remedy = match self.unit {
+            "Hz" => "give a lower frequency or a shorter run",
+            _ => "give a longer time or a shorter run",
+        };
+        Err(Error::TooMany { parameter: self, value, count, counted, remedy })
+    }
+}
+
 macro_rules! parameters {
     ($(#[$about:meta])* $table:ident: $($(#[$attribute:meta])* $name:ident = $key:literal, $symbol:literal, $unit:literal, $range:expr, $default:expr,
         $meaning:literal, $source:literal, $remedy:literal;)*) => {

@@ -20,6 +20,15 @@ const CASES: u32 = 100_000;
 /// Random rows that are stepped together.
 const TOGETHER: usize = 500;
 
+/// A machine without wide registers tests fewer kernels: which ones were tested is printed, past the capture of output.
+#[test]
+fn the_vector_widths_of_this_machine_are_printed() {
+    use std::io::Write;
+    let widths = Width::available();
+    assert_eq!(widths[0], Width::Baseline);
+    writeln!(std::io::stdout(), "\ntested: vector widths {widths:?}").expect("standard output");
+}
+
 /// A number between 0 and 1 that differs from row to row.
 fn spread(row: usize, stride: f64) -> f64 {
     (row as f64 * stride).fract()

@@ -7,12 +7,14 @@ use crate::common::random;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::load::{Limb, MomentArm, Stops, Tendon};
-use mckibben::simulation::{EventKind, InitialAngle, InitialLength, JointInitial, Turning, simulate_joint};
+use mckibben::simulation::{
+    EventKind, InitialAngle, InitialLength, JointInitial, JointTrajectory, Turning, simulate_joint,
+};
 use mckibben::valve::{Command, Request};
 use mckibben::{Dual, Error, GaugePressure, Real};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use random::{Case, cases, runner};
+use random::{Accounted, Case, cases, falling_power, runner};
 use std::f64::consts::PI;
 
 fn pulses(frequency: f64, duty: f64) -> Command {
@@ -312,7 +314,32 @@ fn pairs() -> impl Strategy<Value = (Pair, f64, f64)> {
     )
 }
 
-/// Every number is one, and possible; a run ends or says that a braid was pulled straight.
+/// Where the work of both gases went is accounted for, to the tolerance of each step.
+fn check_energy(run: &JointTrajectory, duration: f64, tolerance: f64) -> Result<(), TestCaseError> {
+    let (audit, counts, joint) = (run.audit(), run.counts(), run.rig().joint());
+    let [mut gas, mut length, mut pressure] = [[0.0_f64; 2]; 3];
+    let mut speed = 0.0_f64;
+    for sample in run.samples(duration / 53.0) {
+        speed = speed.max(sample.angular_velocity.abs());
+        for (i, actuator) in sample.actuators.iter().enumerate() {
+            gas[i] = gas[i].max(actuator.pressure.0 * actuator.volume);
+            length[i] = length[i].max(actuator.length);
+            pressure[i] = pressure[i].max(actuator.pressure.0);
+        }
+    }
+    let falling = |i: usize| falling_power(&run.rig().driven()[i].actuator, length[i], pressure[i]);
+    let accounted = Accounted {
+        states: 6,
+        steps: (counts.explicit_steps + counts.implicit_steps, tolerance),
+        energy: audit.turnover() + gas[0] + gas[1] + 2.0 * joint.weight() + 0.5 * joint.inertia() * speed * speed,
+        falling: (falling(0) + falling(1), duration),
+    };
+    let (residual, allowed) = (audit.residual(), accounted.allowed());
+    prop_assert!(residual.abs() <= allowed, "{residual:e} J, allowed {allowed:e} J: {audit:?} {accounted:?}");
+    Ok(())
+}
+
+/// Every number is one, and possible, and the energy closes; a run ends or says that a braid was pulled straight.
 #[test]
 fn random_joints_reach_their_end() {
     let finished = std::cell::Cell::new(0);
@@ -335,7 +362,7 @@ fn random_joints_reach_their_end() {
                 prop_assert!(actuator.length < paper.thread_length, "{sample:?}");
             }
         }
-        Ok(())
+        check_energy(&run, duration, tolerance)
     });
     result.unwrap_or_else(|error| panic!("{error}"));
     assert!(finished.get() > CASES / 2, "{} of {CASES} joints ran", finished.get());

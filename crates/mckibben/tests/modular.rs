@@ -8,7 +8,7 @@ use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{FixedStepper, Method, ModularActuator, Rig};
 use mckibben::valve::Request;
-use mckibben::{Dual, Error, Over};
+use mckibben::{Dual, Error, GaugePressure, Over};
 
 const FREQUENCY: f64 = 25.0;
 
@@ -173,4 +173,127 @@ fn what_cannot_be_done_is_refused_and_changes_nothing() {
     assert!(error.to_string().contains("command.frequency"), "{error}");
     let guided = Rig::new(sealed.actuator(), None, Load::Prescribed(Motion::Guided)).expect_err("nobody moves it");
     assert!(guided.to_string().contains("guided"), "{guided}");
+}
+
+/// A duty cycle that is commanded where a pulse begins is that pulse's, as one that was commanded during the pulse before.
+#[test]
+fn a_command_where_a_pulse_begins_comes_before_it() {
+    let paper = Paper::pwm(FREQUENCY, 0.5);
+    let (length, period) = (paper.start().length, 1.0 / FREQUENCY);
+    let after = |commands: [(f64, f64); 2]| {
+        let mut actuator = modular(&paper);
+        for count in 0..8 {
+            let now = f64::from(count) * 0.5 * period;
+            for (_, duty) in commands.iter().filter(|(time, _)| (time - now).abs() < 1e-9) {
+                actuator.drive(pulses(*duty)).expect("pulses");
+            }
+            actuator.move_to(f64::from(count + 1) * 0.5 * period, length).expect("a step");
+        }
+        actuator.state()
+    };
+    for count in 1..4 {
+        let begin = f64::from(count) * period;
+        let at_once = after([(0.0, 0.3), (begin, 0.7)]);
+        assert_eq!(at_once, after([(0.0, 0.3), (begin - 0.5 * period, 0.7)]));
+        assert_ne!(at_once, after([(0.0, 0.3), (begin + 0.5 * period, 0.7)]));
+    }
+}
+
+#[test]
+fn a_step_in_parts_is_as_many_steps_along_the_same_line() {
+    let paper = Paper::pwm(FREQUENCY, 0.5);
+    let (dt, parts) = (0.01, 8);
+    let (mut whole, mut divided) = (modular(&paper), modular(&paper));
+    // A part that is a rounding longer than the limit is as long.
+    divided.limit_step(dt / f64::from(parts) * (1.0 - 1e-15)).expect("a limit");
+    let lengths = [0.0895, 0.0881, 0.0884, 0.086, 0.0871, 0.0899];
+    for (actuator, of_step) in [(&mut whole, parts), (&mut divided, 1)] {
+        actuator.drive(pulses(0.37)).expect("pulses");
+        let mut begin = actuator.state().length;
+        for (step, length) in (0..).zip(lengths) {
+            for part in 1..=of_step {
+                let share = f64::from(part) / f64::from(of_step);
+                let until = (f64::from(step) + share) * dt;
+                actuator
+                    .move_to(until, if part < of_step { begin + share * (length - begin) } else { length })
+                    .expect("a step");
+            }
+            begin = length;
+        }
+    }
+    let (whole, divided) = (whole.state(), divided.state());
+    assert_close(divided.pressure.0, whole.pressure.0, 1e-12);
+    assert_close(divided.air_mass, whole.air_mass, 1e-12);
+}
+
+#[test]
+fn parts_of_a_step_take_its_error_away() {
+    let paper = Paper::pwm(FREQUENCY, 0.5);
+    let at_end = |steps: u32, longest: f64| {
+        let mut actuator = modular(&paper);
+        actuator.limit_step(longest).expect("a limit");
+        actuator.drive(pulses(0.5)).expect("pulses");
+        let begin = actuator.state().length;
+        for step in 1..=steps {
+            let share = f64::from(step) / f64::from(steps);
+            actuator.move_to(0.1 * share, begin - 0.008 * share).expect("a step");
+        }
+        actuator.state().pressure.0
+    };
+    let exact = at_end(20_000, f64::INFINITY);
+    let off = |steps, longest| (at_end(steps, longest) - exact).abs() / exact;
+    let (coarse, divided, fine) = (off(10, f64::INFINITY), off(10, 1e-4), off(1000, f64::INFINITY));
+    assert!(divided < 1e-2 * coarse && divided < 1.1 * fine + 1e-12, "{coarse:e} {divided:e} {fine:e}");
+}
+
+#[test]
+fn it_pulls_nothing_up_to_its_rest_length() {
+    let paper = Paper::sealed();
+    let rig = paper.rig();
+    let actuator = ModularActuator::new(&rig, paper.start(), FREQUENCY).expect("an actuator");
+    let (end, thread) = actuator.end_length();
+    assert_eq!(end, "actuator.thread_length");
+    // Of a braid that alone decides the force comes from the angle: none at thread/sqrt(3), at any pressure.
+    let neutral = thread / 3.0_f64.sqrt();
+    for gauge in [2e4, 2e5, 6e5] {
+        assert_close(actuator.rest_length(GaugePressure(gauge)).expect("a length"), neutral, 1e-9);
+    }
+    // Without pressure it pulls nothing until it is taut.
+    let taut = rig.actuator().limits().max_length();
+    assert_close(actuator.rest_length(GaugePressure(0.0)).expect("a length"), taut, 1e-12);
+    let below = actuator.rest_length(GaugePressure(-2e5)).expect_err("a vacuum");
+    assert!(below.to_string().contains("initial.gauge_pressure"), "{below}");
+    assert!(actuator.rest_length(GaugePressure(f64::NAN)).is_err());
+}
+
+#[test]
+fn what_would_never_end_is_refused() {
+    let paper = Paper::pwm(FREQUENCY, 0.5);
+    let rig = paper.rig();
+    let begun = |frequency: f64| ModularActuator::new(&rig, paper.start(), frequency).expect("an actuator");
+    let refused = |mut actuator: ModularActuator, until: f64| {
+        let before = actuator.sample();
+        let said = actuator.move_to(until, 0.09).expect_err("refused").to_string();
+        assert!(said.contains("ten million"), "{said}");
+        assert_eq!(actuator.sample(), before);
+    };
+    for (frequency, until) in [(FREQUENCY, f64::INFINITY), (FREQUENCY, 1e300), (1e300, 1e-3), (1e12, 1e-3)] {
+        let mut actuator = begun(frequency);
+        actuator.drive(pulses(0.5)).expect("pulses");
+        refused(actuator, until);
+    }
+    let mut actuator = begun(FREQUENCY);
+    actuator.limit_step(1e-300).expect("a limit");
+    refused(actuator, 1e-3);
+    let mut actuator = begun(FREQUENCY);
+    assert!(
+        actuator.limit_step(0.0).is_err()
+            && actuator.limit_step(f64::NAN).is_err()
+            && actuator.limit_step(-1.0).is_err()
+    );
+    // As many pulses as can be counted later on, and none that can: from there on `drive` has an end too.
+    let mut actuator = begun(1e300);
+    actuator.move_to(1.0, 0.09).expect("no pulses yet");
+    actuator.drive(pulses(0.5)).expect("pulses");
+    refused(actuator, 1.001);
 }

@@ -1,4 +1,4 @@
-//! Properties of any admissible rig: it comes to its end or says why not, and nothing in it is impossible.
+//! Properties of any admissible rig: it comes to its end or says why not, nothing in it is impossible, and its energy closes.
 //!
 //! The rigs are the same in every run. `MCKIBBEN_SEED` (a number) draws others and `MCKIBBEN_CASES` sets how many; `MCKIBBEN_CASES=20000 cargo test --release --test runs properties::` is a long run.
 
@@ -10,7 +10,7 @@ use mckibben::load::Load;
 use mckibben::simulation::{Trajectory, simulate};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use random::{Case, cases, runner};
+use random::{Accounted, Case, cases, falling_power, runner};
 use std::cell::RefCell;
 
 /// Rigs that are tried when `MCKIBBEN_CASES` is not set: ten to twenty seconds in the test profile.
@@ -55,6 +55,32 @@ fn check_samples(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Where the work of the gas went is accounted for, to the tolerance of each step.
+fn check_energy(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
+    let (audit, counts) = (run.audit(), run.counts());
+    let (mass, pull) = match case.paper.load {
+        Load::HangingMass { mass, gravity } => (mass, mass * gravity),
+        Load::ConstantForce { mass, force } => (mass, force.abs()),
+        _ => (0.0, 0.0),
+    };
+    let [mut gas, mut speed, mut length, mut pressure] = [0.0_f64; 4];
+    for sample in run.samples(case.duration / 97.0) {
+        gas = gas.max(sample.pressure.0 * sample.volume);
+        speed = speed.max(sample.velocity.abs());
+        length = length.max(sample.length);
+        pressure = pressure.max(sample.pressure.0);
+    }
+    let accounted = Accounted {
+        states: 4,
+        steps: (counts.explicit_steps + counts.implicit_steps, case.tolerance),
+        energy: audit.turnover() + gas + pull * length + 0.5 * mass * speed * speed,
+        falling: (falling_power(run.rig().actuator(), length, pressure), case.duration),
+    };
+    let (residual, allowed) = (audit.residual(), accounted.allowed());
+    prop_assert!(residual.abs() <= allowed, "{residual:e} J, allowed {allowed:e} J: {audit:?} {accounted:?}");
+    Ok(())
+}
+
 #[test]
 fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
     let worst: RefCell<Vec<(u64, String)>> = RefCell::new(Vec::new());
@@ -77,6 +103,7 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
             (Ok(run), Ok(again)) => {
                 tally.borrow_mut()[2] += 1;
                 check_samples(&case, &run)?;
+                check_energy(&case, &run)?;
                 // Bit for bit the same: states, events and cost.
                 prop_assert_eq!(run.counts(), again.counts());
                 prop_assert_eq!(run.events(), again.events());

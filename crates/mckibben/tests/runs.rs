@@ -21,6 +21,7 @@ mod force_map;
 mod friction;
 mod hysteresis;
 mod integrator;
+mod issue_critical_ratio_of_zero;
 mod issue_dense_output_overshoot;
 mod issue_false_descent;
 mod issue_loose_tolerance;
@@ -51,6 +52,7 @@ mod ramped_rig;
 mod regulated_rig;
 #[cfg(feature = "batch")]
 mod row_by_row;
+mod run;
 mod segments;
 mod series_tendon;
 mod simulation;

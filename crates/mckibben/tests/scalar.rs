@@ -87,7 +87,8 @@ fn choices_take_the_derivative_of_the_branch_that_was_chosen() {
     assert_eq!(chosen, x);
 }
 
-/// Eight numbers side by side, as a batch has them.
+/// Eight numbers side by side, as a batch has them, with the functions that the core takes for `f64`: those of the
+/// standard library or of `libm`.
 #[derive(Clone, Copy, Debug)]
 struct Lanes([f64; 8]);
 #[derive(Clone, Copy, Debug)]
@@ -145,22 +146,22 @@ impl Scalar for Lanes {
         Self([value; 8])
     }
     fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
+        Self(self.0.map(Scalar::sqrt))
     }
     fn ln(self) -> Self {
-        Self(self.0.map(f64::ln))
+        Self(self.0.map(Scalar::ln))
     }
     fn exp(self) -> Self {
-        Self(self.0.map(f64::exp))
+        Self(self.0.map(Scalar::exp))
     }
     fn exp_m1(self) -> Self {
-        Self(self.0.map(f64::exp_m1))
+        Self(self.0.map(Scalar::exp_m1))
     }
     fn sin(self) -> Self {
-        Self(self.0.map(f64::sin))
+        Self(self.0.map(Scalar::sin))
     }
     fn cos(self) -> Self {
-        Self(self.0.map(f64::cos))
+        Self(self.0.map(Scalar::cos))
     }
     fn lt(self, other: Self) -> Mask8 {
         Mask8(core::array::from_fn(|i| self.0[i] < other.0[i]))

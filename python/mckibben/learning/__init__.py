@@ -13,12 +13,14 @@ Needs Gymnasium: `pip install "mckibben[learning]"`. The three are registered wh
 | `mckibben/Leg-v0` | hip and knee of a leg of six muscles, by default on a belt | 6 |
 
 In each, a target is drawn for an episode and shown among the observations, and the reward of a step is minus the distance
-from it, as a share of the range that targets are drawn from. Everything that an option leaves out is the scenario's.
+from it, as a share of the range that targets are drawn from. By default an action holds as long as a pulse, or, where actions
+are no duty cycles, longer than the valve's delays: each changes the state. Everything that an option leaves out is the
+scenario's.
 """
 
 from mckibben.learning._single import Environment
 from mckibben._gymnasium import register
-from mckibben.learning._episodes import Options
+from mckibben.learning._options import Options
 from mckibben.learning._tasks import Seen, Task, hanging_mass, joint, leg
 from mckibben.learning._vector import VectorEnvironment
 

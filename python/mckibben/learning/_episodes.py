@@ -1,7 +1,6 @@
-"""Many plants in episodes of their own: what both forms of an environment are made of."""
+"""Episodes of many plants: the part that both forms of an environment share."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import gymnasium
@@ -10,52 +9,18 @@ from numpy.typing import NDArray
 
 from mckibben._mckibben import Plants
 from mckibben.errors import InputError
+from mckibben.learning._draws import Numbers, Places, Source, check, drawn
+from mckibben.learning._options import Options, periods
+from mckibben.learning._phase import Phase
 from mckibben.learning._tasks import Task
 
-Numbers = NDArray[np.float64]
 Observations = NDArray[np.float32]
-Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
-
-@dataclass(frozen=True)
-class Options:
-    """What an environment is told beside its task.
-
-    `asked` is what an action means to each valve: "duty" (a duty cycle, 0 to 1), "request" (a number for exhaust, hold or
-    fill, as far as the valve can), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure regulator (0 to
-    1 of `most_pressure`). An action holds for `control_period` in s, and an episode lasts `duration` in s, that of the
-    scenario unless given.
-
-    `noise` is the standard deviation in SI of what is seen of a column; what is seen is `sensor_delay` in s old, and an
-    action is done `action_delay` in s late. `randomize` are paths of numbers of the plant that are drawn anew for each
-    episode: uniformly between two ends in SI, or by a function of a generator and how many are wanted. Everything random is
-    drawn from the generator that `reset(seed=...)` seeds.
-    """
-
-    asked: str = "duty"
-    control_period: float = 1e-3
-    duration: float | None = None
-    pulse_frequency: float | None = None
-    most_pressure: float = 6e5
-    noise: Mapping[str, float] = field(default_factory=dict)
-    sensor_delay: float = 0.0
-    action_delay: float = 0.0
-    randomize: Mapping[str, Draw] = field(default_factory=dict)
-
-    def periods(self, name: str, time: float) -> int:
-        """How many control periods a time is."""
-        count = round(time / self.control_period)
-        if not (time >= 0.0 and abs(time - count * self.control_period) <= 1e-9 * max(time, self.control_period)):
-            period = self.control_period
-            raise InputError(f"{name} = {time} s is no multiple of control_period = {period} s; give one, or zero")
-        return count
 
 
 class Episodes:
-    """Plants that are told what to do, observed and rewarded."""
+    """Plants that are commanded, observed and rewarded, each in an episode."""
 
     def __init__(self, task: Task, count: int, options: Options) -> None:
-        if not options.control_period > 0.0:
-            raise InputError(f"control_period = {options.control_period} s is no period; give one above zero")
         self.task, self.count, self.options = task, count, options
         self.plants = Plants(
             task.scenario,
@@ -65,8 +30,9 @@ class Episodes:
             pulse_frequency=options.pulse_frequency,
             leg=None if task.leg is None else dict(task.leg),
         )
-        duration = self.plants.duration if options.duration is None else options.duration
-        self.periods = max(1, options.periods("duration", duration))
+        check(options.randomize, self.plants)
+        self.period = options.period(self.plants)
+        self.periods = options.steps(self.plants, self.period)
         columns = {name: place for place, name in enumerate(self.plants.columns)}
         known = ", ".join(columns)
         for name in (*options.noise, *task.targets, *(seen.column for seen in task.seen)):
@@ -79,15 +45,19 @@ class Episodes:
         self._aimed = [(columns[name], low, 1.0 / (high - low)) for name, (low, high) in task.targets.items()]
         self._requests = np.array(self.plants.requests) if options.asked == "request" else None
         width, valves = len(columns), self.plants.valves
+        self._phase = Phase.of(self.plants, self.period)
+        self._all = np.arange(count)
         self.shown = np.zeros((count, width))
         self.stopped = np.zeros(count, dtype=bool)
+        self.succeeded = np.zeros(count, dtype=bool)
         self.aims = np.zeros((count, len(self._aimed)))
         self.elapsed = np.zeros(count, dtype=np.int64)
-        self._asked = np.zeros((count, valves))
-        self._late = [np.zeros((count, valves)) for _ in range(options.periods("action_delay", options.action_delay))]
-        self._old = [
-            np.zeros((count, len(task.seen)), dtype=np.float32) for _ in range(options.periods("sensor_delay", options.sensor_delay))
-        ]
+        # Plants whose episode has not begun, or has ended.
+        self.over = np.ones(count, dtype=bool)
+        late = periods("action_delay", options.action_delay, self.period)
+        self._late = [np.zeros((count, valves)) for _ in range(late)]
+        old = periods("sensor_delay", options.sensor_delay, self.period)
+        self._old = [np.zeros((count, len(task.seen)), dtype=np.float32) for _ in range(old)]
         self._clock = 0
 
     def action_space(self) -> gymnasium.Space[Any]:
@@ -96,100 +66,187 @@ class Episodes:
         if self._requests is not None:
             choices = len(self._requests)
             return gymnasium.spaces.Discrete(choices) if valves == 1 else gymnasium.spaces.MultiDiscrete([choices] * valves)
-        low = -1.0 if self.options.asked == "position" else 0.0
-        return gymnasium.spaces.Box(low, 1.0, (valves,), np.float32)
+        return gymnasium.spaces.Box(self._lowest(), 1.0, (valves,), np.float32)
 
     def observation_space(self) -> gymnasium.Space[Any]:
-        """The observations of one plant."""
-        size = len(self.task.seen) + len(self.task.targets)
-        return gymnasium.spaces.Box(-np.inf, np.inf, (size,), np.float32)
+        """The observations of one plant; bounded where the plant is, and no noise comes on top."""
+        seen = [
+            (seen.least - seen.zero) / seen.unit if self.options.noise.get(seen.column, 0.0) == 0.0 else -np.inf
+            for seen in self.task.seen
+        ]
+        phase = 0 if self._phase is None else self._phase.size - 2
+        low = [*seen, *([] if self._phase is None else [-1.0, -1.0]), *[0.0] * (phase + len(self._aimed))]
+        high = [np.inf] * len(seen) + [1.0] * (len(low) - len(seen))
+        return gymnasium.spaces.Box(np.array(low, dtype=np.float32), np.array(high, dtype=np.float32))
 
-    def rest(self) -> float:
-        """What is asked of a valve by nobody: the least there is."""
-        return -1.0 if self.options.asked in ("request", "position") else 0.0
+    def _lowest(self) -> float:
+        """The lowest number of an action."""
+        return -1.0 if self.options.asked == "position" else 0.0
 
-    def begin(self, random: np.random.Generator) -> Observations:
-        """All begin an episode at t = 0."""
-        self.plants.start(self._drawn(random, self.count))
-        everyone = np.arange(self.count)
-        return self._enter(random, everyone)[everyone]
+    def _rest(self) -> float:
+        """The command of a valve before the first action."""
+        return -1.0 if self._requests is not None else self._lowest()
 
-    def begin_again(self, random: np.random.Generator, rows: NDArray[np.int64]) -> Observations:
-        """Some begin another episode; what all of them see then."""
-        self.plants.restart(rows, self._drawn(random, len(rows)))
-        return self._enter(random, rows)
+    def start(self, source: Source, targets: Any = None) -> Observations:
+        """Begins an episode of every plant, and their clock: the observations."""
+        aims = self._targets(targets, self._all)
+        self.plants.start(drawn(self.options.randomize, source, self._all))
+        return self._begin(source, self._all, aims)
 
-    def _drawn(self, random: np.random.Generator, count: int) -> Numbers:
-        """Numbers of plants, a row for each."""
-        randomize = self.options.randomize
-        drawn = np.empty((count, len(randomize)))
-        for place, draw in enumerate(randomize.values()):
-            drawn[:, place] = draw(random, count) if callable(draw) else random.uniform(*draw, size=count)
-        return drawn
+    def restart(self, source: Source, places: Places, targets: Any = None) -> Observations:
+        """Begins another episode of some plants while the others go on: their observations, a row for each of them."""
+        aims = self._targets(targets, places)
+        self.plants.restart(places, drawn(self.options.randomize, source, places))
+        return self._begin(source, places, aims)
 
-    def _enter(self, random: np.random.Generator, rows: NDArray[np.int64]) -> Observations:
-        # As shares of their ranges.
-        self.aims[rows] = random.random((len(rows), len(self._aimed)))
-        self.elapsed[rows] = 0
-        self.stopped[rows] = False
-        self.plants.show(rows, self.shown)
+    def _begin(self, source: Source, places: Places, aims: Mapping[int, Numbers]) -> Observations:
+        # As shares of their ranges; a target that is given takes the place of the one that is drawn.
+        self.aims[places] = source.draw(places, lambda random, count: random.random((count, len(self._aimed))))
+        for place, share in aims.items():
+            self.aims[places, place] = share
+        self.elapsed[places] = 0
+        self.stopped[places] = self.over[places] = False
+        self.plants.show(places, self.shown)
+        self._judge(places)
         for late in self._late:
-            late[rows] = self.rest()
+            late[places] = self._rest()
+        seen = self._sensed(places)
         for old in self._old:
-            self._sense(old, rows)
-        return self._observed(random, None)
+            old[places] = seen
+        if self._phase is not None:
+            self._phase.begin(places)
+        return self._observed(source, places, seen)
 
-    def _sense(self, into: Observations, rows: NDArray[np.int64] | slice = slice(None)) -> None:
-        """Writes what the task sees of some plants now."""
+    def _targets(self, targets: Any, places: Places) -> dict[int, Numbers]:
+        """Targets that are given in SI by their columns, as shares of their ranges, by their places among the targets."""
+        if targets is None:
+            return {}
+        if not isinstance(targets, Mapping):
+            raise InputError(f"targets = {targets!r}: give a dictionary of targets in SI by their columns")
+        names, shares = list(self.task.targets), {}
+        for name, given in targets.items():
+            if name not in names:
+                raise InputError(f"targets: `{name}` is not controlled here; name one of {', '.join(names)}")
+            low, high = self.task.targets[name]
+            try:
+                values = np.broadcast_to(np.asarray(given, dtype=np.float64), (self.count,))[places]
+            except (TypeError, ValueError):
+                raise InputError(f"targets: {name} = {given!r}; give a number, or one for each of {self.count} plants") from None
+            if not ((values >= low) & (values <= high)).all():
+                remedy = "make the environment with another range in `targets`"
+                raise InputError(f"targets: {name} = {given!r} is beyond the range of targets, {low} to {high}; {remedy}")
+            shares[names.index(name)] = (values - low) / (high - low)
+        return shares
+
+    def _sensed(self, places: Places | slice) -> Observations:
+        """What the task sees of some plants now, a row for each."""
+        shown = self.shown[places]
+        sensed = np.empty((len(shown), len(self._seen)), dtype=np.float32)
         for place, (column, zero, per_unit) in enumerate(self._seen):
-            into[rows, place] = (self.shown[rows, column] - zero) * per_unit
+            sensed[:, place] = (shown[:, column] - zero) * per_unit
+        return sensed
 
-    def _observed(self, random: np.random.Generator, old: Observations | None) -> Observations:
-        """What is seen now, or what was seen as long ago as the sensors take."""
-        seen = len(self._seen)
-        observed = np.empty((self.count, seen + len(self._aimed)), dtype=np.float32)
-        if old is None:
-            self._sense(observed[:, :seen])
-        else:
-            observed[:, :seen] = old
+    def _observed(self, source: Source, places: Places, seen: Observations) -> Observations:
+        """Observations of some plants, a row for each, from what the task sees of them."""
+        every = len(places) == self.count
+        parts: list[NDArray[Any]] = [seen]
         if self._noise is not None:
-            observed[:, :seen] += self._noise * random.standard_normal((self.count, seen), dtype=np.float32)
-        observed[:, seen:] = self.aims
-        return observed
+            normal = source.draw(places, lambda random, count: random.standard_normal((count, seen.shape[1]), dtype=np.float32))
+            parts = [seen + self._noise * normal]
+        if self._phase is not None:
+            parts.append(self._phase.observed(slice(None) if every else places))
+        parts.append(self.aims if every else self.aims[places])
+        return np.concatenate(parts, axis=1, dtype=np.float32, casting="same_kind")
 
-    def _rewards(self) -> Numbers:
-        """Minus the distance from the targets, as a share of their ranges."""
-        rewards = np.zeros(self.count)
+    def _distances(self, places: Places | slice) -> Iterator[Numbers]:
+        """How far the columns are from their targets, as shares of their ranges."""
         for place, (column, low, per_span) in enumerate(self._aimed):
-            rewards -= np.abs((self.shown[:, column] - low) * per_span - self.aims[:, place])
+            yield np.abs((self.shown[places, column] - low) * per_span - self.aims[places, place])
+
+    def _judge(self, places: Places | slice) -> Numbers:
+        """Rewards of some plants for where they are, and whether they have succeeded."""
+        succeeded = ~self.stopped[places]
+        rewards = np.zeros(len(succeeded))
+        for distance in self._distances(places):
+            succeeded &= distance <= self.options.success_tolerance
+            rewards -= np.minimum(distance, self.options.distance_limit)
+        self.succeeded[places] = succeeded
         return rewards
 
-    def step(self, random: np.random.Generator, actions: NDArray[Any]) -> tuple[Observations, Numbers]:
-        """Does the actions, one row for each, for a control period: what is seen then, and the rewards."""
-        asked = self._number(actions)
+    def step(
+        self, source: Source, actions: Any, again: NDArray[np.bool_] | None = None
+    ) -> tuple[Observations, Numbers, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Does the actions, one row for each plant, for a control period: observations, rewards, and which episodes are
+        terminated and truncated. Of those `again` only the observation is wanted that they begin with."""
+        commands = self._commands(actions)
         if self._late:
             place = self._clock % len(self._late)
             late = self._late[place]
-            asked, self._late[place] = late, asked
-        self.plants.step(self.options.control_period, asked, self.shown, self.stopped)
-        old = self._old[self._clock % len(self._old)] if self._old else None
-        observed = self._observed(random, old)
-        if old is not None:
-            self._sense(old)
+            commands, self._late[place] = late, commands
+        self.plants.step(self.period, commands, self.shown, self.stopped)
+        seen = self._sensed(slice(None))
+        if self._old:
+            place = self._clock % len(self._old)
+            seen, self._old[place] = self._old[place], seen
+        if self._phase is not None:
+            self._phase.step(commands)
         self._clock += 1
         self.elapsed += 1
-        return observed, self._rewards()
+        rewards = self._judge(slice(None))
+        terminated, truncated = self.stopped.copy(), self.elapsed >= self.periods
+        truncated &= ~terminated
+        if terminated.any():
+            rewards[terminated] -= self._penalties(self.elapsed[terminated])
+        self.over = terminated | truncated
+        if again is None or not again.any():
+            return self._observed(source, self._all, seen), rewards, terminated, truncated
+        observed = np.empty((self.count, seen.shape[1] + self._others()), dtype=np.float32)
+        going, beginning = np.flatnonzero(~again), np.flatnonzero(again)
+        if len(going):
+            observed[going] = self._observed(source, going, seen[going])
+        observed[beginning] = self.restart(source, beginning)
+        rewards[again] = 0.0
+        terminated[again] = truncated[again] = False
+        return observed, rewards, terminated, truncated
 
-    def _number(self, actions: NDArray[Any]) -> Numbers:
-        """Actions as the numbers that plants take. Those beyond the bounds count as the bound."""
-        shape = (self.count, self.plants.valves)
+    def _others(self) -> int:
+        """How many entries an observation has beyond what the task sees."""
+        return len(self._aimed) + (0 if self._phase is None else self._phase.size)
+
+    def _penalties(self, elapsed: NDArray[np.int64]) -> Numbers:
+        """What plants lose that diverge in the last of so many steps."""
+        if self.options.terminal_penalty is not None:
+            return np.full(len(elapsed), self.options.terminal_penalty)
+        # What this step and all that were to follow could have cost.
+        most = self.options.distance_limit * len(self._aimed)
+        return np.asarray(most * (self.periods - elapsed + 1), dtype=np.float64)
+
+    def _commands(self, actions: Any) -> Numbers:
+        """Actions as the numbers that plants take. A number beyond the bounds counts as the bound."""
+        shape = (self.count,) if self._requests is not None and self.plants.valves == 1 else (self.count, self.plants.valves)
+        given = np.asarray(actions)
+        if given.shape != shape:
+            raise InputError(f"actions have the shape {given.shape[1:] if self.count == 1 else given.shape}; "
+                             f"give {shape[1:] if self.count == 1 else shape}, as the action space has it")
         if self._requests is not None:
-            return self._requests[np.asarray(actions, dtype=np.int64).reshape(shape)]
-        low = -1.0 if self.options.asked == "position" else 0.0
-        numbers = np.clip(np.asarray(actions, dtype=np.float64).reshape(shape), low, 1.0)
-        return numbers * self.options.most_pressure if self.options.asked == "set-point" else numbers
+            choices = len(self._requests)
+            known = (given >= 0) & (given < choices) if given.dtype.kind in "biu" else np.zeros(shape, dtype=bool)
+            if not known.all():
+                raise InputError(f"actions: {first(given, ~known)} is no request; give whole numbers from 0 to {choices - 1}")
+            return self._requests[given.astype(np.int64)].reshape(self.count, -1)
+        finite = np.isfinite(given) if given.dtype.kind in "biuf" else np.zeros(shape, dtype=bool)
+        if not finite.all():
+            raise InputError(f"actions: {first(given, ~finite)} is no finite number; give {self._lowest():g} to 1")
+        commands = np.clip(given.astype(np.float64), self._lowest(), 1.0)
+        return commands * self.options.most_pressure if self.options.asked == "set-point" else commands
 
-    def finished(self) -> NDArray[np.bool_]:
-        """Which episodes have lasted their time."""
-        lasted: NDArray[np.bool_] = self.elapsed >= self.periods
-        return lasted
+    def info(self, places: Places | slice) -> dict[str, NDArray[Any]]:
+        """What some plants show without noise and delay, in SI by their columns, and how their episodes stand."""
+        shown = {name: self.shown[places, place].copy() for place, name in enumerate(self.plants.columns)}
+        return {**shown, "is_success": self.succeeded[places].copy(), "diverged": self.stopped[places].copy()}
+
+
+def first(given: NDArray[Any], wrong: NDArray[np.bool_]) -> str:
+    """The first wrong entry of an array, with its place."""
+    place = tuple(int(index) for index in np.argwhere(wrong)[0])
+    return f"{given[place]} at {list(place)}" if len(given) > 1 else str(given[place])

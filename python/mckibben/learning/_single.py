@@ -4,12 +4,15 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.error import ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
+from mckibben.learning._draws import Source
 from mckibben.learning._episodes import Episodes, Observations
+from mckibben.learning._made import made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
-from mckibben.learning._vector import told
 
 
 class Environment(gymnasium.Env[Observations, Any], EzPickle):
@@ -20,36 +23,66 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
     """
 
     metadata = {"render_modes": []}
+    _spec: EnvSpec | None = None
 
     def __init__(self, task: str | Task = "HangingMass", *, render_mode: None = None, **options: Any) -> None:
         EzPickle.__init__(self, task, render_mode=render_mode, **options)
-        self._episodes = Episodes(*told(task, 1, options))
+        self._episodes = Episodes(*made_of(task, 1, options))
         self.render_mode = render_mode
         self.action_space = self._episodes.action_space()
         self.observation_space = self._episodes.observation_space()
         # A step takes one control period.
-        self.metadata = {**self.metadata, "render_fps": round(1.0 / self._episodes.options.control_period)}
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / self._episodes.period)}
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The specification that it was made from, with the number of steps of its episodes."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = with_steps(spec, self._episodes.periods)
 
     @property
     def dt(self) -> float:
         """Time in s for which an action holds."""
-        return self._episodes.options.control_period
+        return self._episodes.period
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of what `shown` has of the plant."""
+        return self._episodes.plants.columns
+
+    @property
+    def shown(self) -> NDArray[np.float64]:
+        """What the plant shows without noise and delay, in SI, by `columns`."""
+        shown: NDArray[np.float64] = self._episodes.shown[0]
+        return shown
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Begins an episode at t = 0."""
-        super().reset(seed=seed, options=options)
-        return self._episodes.begin(self.np_random)[0], self._info()
+        """Begins an episode at t = 0. With the option `targets`, `{"length_m": 0.08}`, targets in SI are these instead of drawn.
+
+        Raises `InputError` for another option, and for a target beyond the range that targets are drawn from.
+        """
+        targets = reset_options(options, "targets")
+        super().reset(seed=seed)
+        return self._episodes.start(Source([self.np_random]), **targets)[0], self._info()
 
     def step(self, action: Any) -> tuple[Observations, float, bool, bool, dict[str, Any]]:
-        """Does an action for a control period."""
+        """Does an action for a control period.
+
+        Raises `gymnasium.error.ResetNeeded` before the first `reset` and after the end of an episode, and `InputError` for
+        an action of another shape, a number that is not finite and a request that is not there.
+        """
+        episodes = self._episodes
+        if episodes.over[0]:
+            has = "the episode has ended" if episodes.elapsed[0] else "no episode has begun"
+            raise ResetNeeded(f"{has}: call reset() before step()")
         actions: NDArray[Any] = np.asarray(action)[np.newaxis]
-        observed, rewards = self._episodes.step(self.np_random, actions)
-        stopped, finished = bool(self._episodes.stopped[0]), bool(self._episodes.finished()[0])
-        return observed[0], float(rewards[0]), stopped, finished, self._info()
+        observed, rewards, terminated, truncated = episodes.step(Source([self.np_random]), actions)
+        return observed[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._info()
 
     def _info(self) -> dict[str, Any]:
-        """What the plant shows without noise and delay, in SI, by its columns."""
-        shown = self._episodes.shown[0]
-        return {name: float(number) for name, number in zip(self._episodes.plants.columns, shown, strict=True)}
+        return {name: values[0].item() for name, values in self._episodes.info(slice(None)).items()}

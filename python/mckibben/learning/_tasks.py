@@ -70,11 +70,13 @@ length = "80 mm"
 
 @dataclass(frozen=True)
 class Seen:
-    """One entry of an observation: a column of the plant, from which `zero` is taken and which is divided by `unit`."""
+    """One entry of an observation: a column of the plant, from which `zero` is taken and which is divided by `unit`; `least`
+    is the least that the column can be, in SI."""
 
     column: str
     zero: float
     unit: float
+    least: float = -math.inf
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,7 @@ def among(own: dict[str, tuple[float, float]], given: Ranges | None) -> Ranges:
     for column, (low, high) in (given or {}).items():
         if column not in own:
             raise InputError(f"targets: `{column}` is not controlled here; name one of {', '.join(own)}")
-        if not low < high:
+        if not -math.inf < low < high < math.inf:
             raise InputError(f"targets: {column} from {low} to {high} is no range; give the lower end first, in SI")
     return {**own, **(given or {})}
 
@@ -161,4 +163,4 @@ def velocity(column: str, of: str, ranges: Ranges) -> Seen:
 
 def pressure(column: str) -> Seen:
     """A pressure above 101325 Pa, in units of 500 kPa."""
-    return Seen(column, 101325.0, 5e5)
+    return Seen(column, 101325.0, 5e5, 0.0)

@@ -1,20 +1,22 @@
 """Many plants as one environment of Gymnasium."""
 
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
-import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.error import ResetNeeded
 from gymnasium.utils import EzPickle
+from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from mckibben._mckibben import Scenario
 from mckibben.errors import InputError
-from mckibben.learning._episodes import Episodes, Observations, Options
-from mckibben.learning._tasks import TASKS, Task
+from mckibben.learning._draws import Places, Source
+from mckibben.learning._episodes import Episodes, Observations
+from mckibben.learning._made import made_of, reset_options, with_steps
+from mckibben.learning._tasks import Task
 
 
 class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
@@ -26,15 +28,18 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     - `targets`: ranges in SI from which targets are drawn, by the columns that are to reach them;
     - `leg`: numbers of the leg other than assumed, `{"leg.thigh.mass": 0.5}`;
     - `asked`, `pulse_frequency`, `most_pressure`: what an action is;
-    - `control_period`, `duration`: how long an action and an episode last, in s;
-    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard, see `mckibben.learning.Options`.
+    - `control_period`, `duration`, `max_episode_steps`: how long an action and an episode last;
+    - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and what counts as success;
+    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard.
 
-    An observation has what the task sees of the plant and then the targets, all of the order of one; a reward is minus the
-    distance from the targets as a share of their ranges, summed. An episode is truncated after its duration; it is
-    terminated only if its plant leaves the physics. What comes out of a pickle is made anew with the same options: reset it.
+    See `mckibben.learning.Options` for their meanings and defaults. An observation has what the task sees of the plant, the
+    phase of the pulses and the duty cycles under way where control is not in step with the pulses, and the targets, all of
+    the order of one. `info` has, for each plant, what it shows without noise and delay, `is_success` and `diverged`. What
+    comes out of a pickle is made anew with the same options: reset it.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -46,7 +51,9 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, task, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, **options)
-        self._episodes = Episodes(*told(task, num_envs, options))
+        if num_envs < 1:
+            raise InputError(f"num_envs = {num_envs} is no number of plants; give 1 or more")
+        self._episodes = Episodes(*made_of(task, num_envs, options))
         self.num_envs, self.render_mode = num_envs, render_mode
         self.autoreset_mode = mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
@@ -54,16 +61,29 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         self.single_observation_space = self._episodes.observation_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self._done = np.zeros(num_envs, dtype=bool)
+        # One generator for each plant, where `reset` has had a seed for each.
+        self._own: list[np.random.Generator] = []
+        self._last = np.zeros((0, 0), dtype=np.float32)
+        self._everyone = np.ones(num_envs, dtype=bool)
+        self._everyone.flags.writeable = False
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The specification that it was made from, with the number of steps of its episodes."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = with_steps(spec, self._episodes.periods)
 
     @property
     def dt(self) -> float:
         """Time in s for which an action holds."""
-        return self._episodes.options.control_period
+        return self._episodes.period
 
     @property
     def columns(self) -> list[str]:
-        """What `shown` has of each plant."""
+        """Names of what `shown` has of each plant."""
         return self._episodes.plants.columns
 
     @property
@@ -72,42 +92,89 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         return self._episodes.shown
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Begins an episode of every plant at t = 0, or, with the option `reset_mask`, of some while the others wait."""
-        if isinstance(seed, list):
-            raise InputError("seed: all plants draw from one generator; give one number")
-        super().reset(seed=seed)
-        mask = (options or {}).get("reset_mask")
+        """Begins an episode of every plant at t = 0.
+
+        With one seed, all plants draw from one generator. With a list, which has a seed or None for each plant, each draws
+        from its own, as the single form with that seed does: slower where there is noise, but then a plant's episodes do not
+        depend on the others.
+
+        Options: `reset_mask`, flags of the plants that begin while the others wait; `targets`, `{"length_m": 0.08}`, targets
+        in SI of these episodes instead of drawn ones, a number for all plants or one for each.
+
+        Raises `InputError` for another option, as many seeds or flags as there are no plants, and a target beyond the range
+        that targets are drawn from; `gymnasium.error.ResetNeeded` for a mask before all plants have begun once.
+        """
+        targets = reset_options(options, "reset_mask", "targets")
+        places = self._masked(targets.pop("reset_mask", None))
+        self._seed(seed, places)
+        if len(places) == self.num_envs:
+            self._last = self._episodes.start(self._source(), **targets)
+        else:
+            self._last[places] = self._episodes.restart(self._source(), places, **targets)
+        return self._last.copy(), self._info()
+
+    def _masked(self, mask: Any) -> Places:
+        """The plants that a mask means."""
         if mask is None:
-            self._done[:] = False
-            return self._episodes.begin(self.np_random), {}
-        self._done &= ~mask
-        return self._episodes.begin_again(self.np_random, np.flatnonzero(mask)), {}
+            return np.arange(self.num_envs)
+        mask = np.asarray(mask)
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise InputError(f"reset_mask: give an array of {self.num_envs} flags, one at least of which is True")
+        if not (mask.all() or len(self._last)):
+            raise ResetNeeded("no episode has begun: call reset() without a mask first")
+        places: Places = np.flatnonzero(mask)
+        return places
+
+    def _seed(self, seed: int | Sequence[int | None] | None, places: Places) -> None:
+        """Seeds the generator of all plants, or those of some."""
+        if seed is None or not isinstance(seed, (Sequence, np.ndarray)):
+            if seed is not None:
+                self._own = []
+            super().reset(seed=seed)
+            return
+        if len(seed) != self.num_envs:
+            raise InputError(f"seed: {len(seed)} seeds for {self.num_envs} plants; give one for each, or one number for all")
+        self._own = self._own or self.np_random.spawn(self.num_envs)
+        for place in places:
+            if seed[place] is not None:
+                self._own[place], _ = np_random(int(seed[place]))
+
+    def _source(self) -> Source:
+        return Source(self._own or [self.np_random])
 
     def step(
         self, actions: NDArray[Any]
     ) -> tuple[Observations, Any, Any, Any, dict[str, Any]]:
         """Does an action of each plant for a control period: observations, rewards, which episodes were terminated and which
-        truncated (an array each), and what there is to tell."""
+        truncated (an array each), and the columns of the plants.
+
+        Raises `gymnasium.error.ResetNeeded` before the first `reset`, and with autoreset disabled when an episode has ended;
+        `InputError` for actions of another shape, a number that is not finite and a request that is not there.
+        """
         episodes = self._episodes
-        observed, rewards = episodes.step(self.np_random, actions)
-        terminated, truncated = episodes.stopped.copy(), episodes.finished()
+        if not len(self._last):
+            raise ResetNeeded("no episode has begun: call reset() before step()")
+        if self.autoreset_mode is AutoresetMode.DISABLED and episodes.over.any():
+            ended = ", ".join(str(place) for place in np.flatnonzero(episodes.over)[:8])
+            raise ResetNeeded(f'the episodes of plants {ended} have ended: call reset(options={{"reset_mask": …}}) first')
+        observed, rewards, terminated, truncated = episodes.step(self._source(), actions, episodes.over)
         info: dict[str, Any] = {}
-        if self.autoreset_mode is AutoresetMode.NEXT_STEP:
-            again, self._done = self._done, terminated | truncated
-            if again.any():
-                rows = np.flatnonzero(again)
-                observed[rows] = episodes.begin_again(self.np_random, rows)[rows]
-                rewards[rows] = 0.0
-                terminated[rows] = truncated[rows] = self._done[rows] = False
-        elif self.autoreset_mode is AutoresetMode.SAME_STEP:
-            done = terminated | truncated
-            if done.any():
-                rows = np.flatnonzero(done)
-                info = {"final_obs": observed.copy(), "_final_obs": done, "final_info": {}, "_final_info": done}
-                observed[rows] = episodes.begin_again(self.np_random, rows)[rows]
-        return observed, rewards, terminated, truncated, info
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and episodes.over.any():
+            done = episodes.over.copy()
+            places = np.flatnonzero(done)
+            final = self._info()
+            final |= {f"_{name}": done for name in final if not name.startswith("_")}
+            info = {"final_obs": observed.copy(), "_final_obs": done, "final_info": final, "_final_info": done}
+            observed[places] = episodes.restart(self._source(), places)
+        self._last = observed.copy()
+        return observed, rewards, terminated, truncated, {**self._info(), **info}
+
+    def _info(self) -> dict[str, Any]:
+        """What there is to know of every plant, with Gymnasium's flags of who has it."""
+        info = self._episodes.info(slice(None))
+        return {**info, **{f"_{name}": self._everyone for name in info}}
 
 
 def mode(named: AutoresetMode | str) -> AutoresetMode:
@@ -116,27 +183,3 @@ def mode(named: AutoresetMode | str) -> AutoresetMode:
         if named in (known, known.value, known.name.lower().replace("_", "-")):
             return known
     raise InputError(f'autoreset_mode: there is no `{named}`; say "next-step", "same-step" or "disabled"')
-
-
-def told(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[Task, int, Options]:
-    """The task, the number of plants and the options, from what an environment is made with."""
-    rest = dict(options)
-    of_task = {name: rest.pop(name) for name in ("scenario", "targets") if rest.get(name) is not None}
-    numbers = rest.pop("leg", None)
-    if isinstance(of_task.get("scenario"), (str, Path)):
-        of_task["scenario"] = Scenario.load(of_task["scenario"])
-    if not isinstance(task, Task):
-        if task not in TASKS:
-            raise InputError(f"task: there is no `{task}`; name one of {', '.join(TASKS)}, or give a Task")
-        if numbers is not None:
-            if task != "Leg":
-                raise InputError("leg: this environment has none; leave it out")
-            of_task["numbers"] = numbers
-        task = TASKS[task](**of_task)
-    elif of_task or numbers is not None:
-        raise InputError("scenario, targets, leg: a Task has its own; give them to the task")
-    known = Options.__dataclass_fields__
-    for name in rest:
-        if name not in known:
-            raise InputError(f"`{name}` is no option of an environment; name one of {', '.join(known)}")
-    return task, count, Options(**rest)

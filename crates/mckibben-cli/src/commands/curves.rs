@@ -87,9 +87,10 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let pressures = arguments.pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
     let curves = Curves { actuator: experiment.rig.actuator(), pressures };
     let notes = notes(&scenario, &document);
+    let data = curves.data();
+    data.check()?;
     if let Some(path) = &arguments.output {
-        let csv = curves.data().to_csv().map_err(|error| Failure::output(path, error))?;
-        output::write(path, &csv)?;
+        output::write(path, &data.to_csv(path)?)?;
     }
     if let Some(path) = &arguments.plot {
         let figure = curves.figure(arguments.over, &notes);
@@ -124,7 +125,9 @@ pub fn data(document: &Document, pressures: &Pressures) -> Result<Data, Failure>
     let scenario = document.scenario()?;
     let experiment = built(document)?;
     let pressures = pressures.above_vacuum(scenario.air.atmospheric_pressure)?;
-    Ok(Curves { actuator: experiment.rig.actuator(), pressures }.data())
+    let data = Curves { actuator: experiment.rig.actuator(), pressures }.data();
+    data.check()?;
+    Ok(data)
 }
 
 /// What a scenario describes; its curves do not ask for what drives the valve.

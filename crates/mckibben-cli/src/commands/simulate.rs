@@ -1,24 +1,24 @@
 //! `mckibben simulate`: runs a scenario, tells what it came to, and writes what is asked for.
 //!
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
-//! them takes its name.
+//! them takes its name. A run of which no figure and no events are wanted is written as it is made and not kept.
 
 use crate::engine;
 use crate::failure::Failure;
-use crate::finished::{ActuatorRun, Finished, Ready};
+use crate::finished::{Figures, Finished, Ready};
 use crate::joint;
 use crate::observation::Observer;
 use crate::output::{self, Pending};
 use crate::portrait;
 use crate::progress::Progress;
-use crate::record::{self, Provenance};
+use crate::record::{self, Provenance, Target};
 use crate::settings::Setting;
 use crate::summary::Summary;
 use crate::terminal;
 use mckibben::simulation::Sample;
-use mckibben_scenario::{Document, Experiment, Scenario};
+use mckibben_scenario::{Assumed, Document, Experiment, Scenario};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What `mckibben simulate` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -28,6 +28,10 @@ Examples:
   mckibben simulate muscle.toml --output run.csv --plot run.svg
   mckibben simulate muscle.toml --set command.duty=0.3 --set 'load.mass=10 lb' -o run.parquet
   mckibben simulate muscle.toml --set run.engine=fixed-step --set 'run.step=0.5 ms'
+
+An event-located run whose samples alone are wanted is written as it is made, in memory that does not grow with it; under a
+controller what was decided is kept, some 50 bytes a sample. For a figure or events every step is kept, about a kilobyte each:
+past 256 MB a note says how much it will be. A run may have 1e9 samples, steps, pulses and samples of its controller.
 
 Exit codes:
   0  done
@@ -87,59 +91,74 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     files.probe()?;
 
-    let started = Instant::now();
-    let mut observer = None;
-    let mut see = |experiment: &Experiment, sample: &Sample| {
-        observer.get_or_insert_with(|| Observer::new(experiment)).see(sample);
-    };
-    let finished = ready.run(&document, &mut see, &mut |_| Ok(()))?;
-    let elapsed = started.elapsed();
+    let (name, set) = (arguments.file.display().to_string(), arguments.set.iter().map(Setting::to_string));
+    let (assumed, set): (_, Vec<String>) = (document.assumed(), set.collect());
+    let provenance = Provenance { document: &document, set: &set, scenario: &scenario };
+    let rows = engine::rows(ready.plan());
 
-    files.write(arguments, (&document, &scenario), &finished)?;
+    let started = Instant::now();
+    let (figures, elapsed, pending, table) = if ready.logs_events() && !files.keep(arguments) {
+        let begun = |(path, format)| Ok::<_, Failure>((path, format, Pending::create(path)?));
+        let mut output = files.output.map(begun).transpose()?;
+        let target = output.as_mut().map(|(path, format, file)| Target {
+            provenance: &provenance,
+            path,
+            format: *format,
+            out: file.writer(),
+        });
+        let figures = ready.stream(&document, target)?;
+        let pending = output.into_iter().map(|(.., file)| file).collect();
+        (figures, started.elapsed(), pending, None)
+    } else {
+        let mut observer = None;
+        let mut see = |experiment: &Experiment, sample: &Sample| {
+            observer.get_or_insert_with(|| Observer::new(experiment)).see(sample);
+        };
+        let finished = ready.run(&document, &mut see, &mut |_| Ok(()))?;
+        let elapsed = started.elapsed();
+        let pending = files.write(arguments, &provenance, &finished)?;
+        (finished.figures(observer)?, elapsed, pending, finished.table())
+    };
+
+    let mut text = String::new();
+    if !arguments.quiet {
+        text.push_str(&summary(&figures, &name, &scenario, elapsed, &assumed)?);
+    }
+    // The files take their names when nothing can fail any more.
+    pending.into_iter().try_for_each(Pending::commit)?;
     if arguments.quiet && !arguments.events {
         return Ok(());
     }
-    let mut text = String::new();
     if !arguments.quiet {
-        let name = arguments.file.display().to_string();
-        let assumed = document.assumed();
-        text.push_str(&match &finished {
-            Finished::Actuator(of) => {
-                let ActuatorRun { experiment, outcome, control } = of.as_ref();
-                let observation = observer.unwrap_or_else(|| Observer::new(experiment)).finish(outcome);
-                Summary {
-                    name: &name,
-                    scenario: &scenario,
-                    experiment,
-                    outcome,
-                    control: control.as_ref(),
-                    observation: &observation,
-                    elapsed,
-                    assumed: &assumed,
-                }
-                .render()
-            }
-            Finished::Joint(of) => {
-                let antagonist = scenario.of_antagonist();
-                joint::summary::Summary {
-                    name: &name,
-                    scenarios: [&scenario, antagonist.as_ref().unwrap_or(&scenario)],
-                    outcome: &of.outcome,
-                    control: of.control.as_ref(),
-                    elapsed,
-                    assumed: &assumed,
-                }
-                .render()
-            }
-        });
-        text.push_str(&files.told(engine::rows(finished.plan())));
+        text.push_str(&files.written(rows));
     }
     if arguments.events {
         let gap = if text.is_empty() { "" } else { "\n" };
         text.push_str(gap);
-        text.push_str(&finished.table().unwrap_or_else(|| "the fixed-step engine keeps no log of events\n".to_owned()));
+        text.push_str(&table.unwrap_or_else(|| "the fixed-step engine keeps no log of events\n".to_owned()));
     }
     terminal::print(&text)
+}
+
+fn summary(
+    figures: &Figures,
+    name: &str,
+    scenario: &Scenario,
+    elapsed: Duration,
+    assumed: &[Assumed],
+) -> Result<String, Failure> {
+    match figures {
+        Figures::Actuator(of) => {
+            let (experiment, observation, control) = (&of.experiment, &of.observation, of.control.as_ref());
+            Summary { name, scenario, experiment, control, observation, elapsed, assumed }.render()
+        }
+        Figures::Joint(of) => {
+            let antagonist = scenario.of_antagonist();
+            let scenarios = [scenario, antagonist.as_ref().unwrap_or(scenario)];
+            let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
+            joint::summary::Summary { name, scenarios, rig, observation, control, elapsed, assumed }.render()
+        }
+    }
 }
 
 /// The files that are asked for.
@@ -160,14 +179,8 @@ impl<'a> Files<'a> {
             let title = format!("`{}` does not say how to write the events", path.display());
             return Err(Failure::input(title, "end the name of --events-output with .csv"));
         }
-        let scenario = Some(arguments.file.as_path());
-        let same = |a: Option<&Path>, b: Option<&Path>| a.is_some() && a.map(output::settled) == b.map(output::settled);
-        if same(output, events) || same(output, scenario) || same(events, scenario) || same(plot, scenario) {
-            return Err(Failure::input(
-                "two of the files that are to be read and written are the same",
-                "give --output, --plot and --events-output names of their own",
-            ));
-        }
+        let help = "give --output, --plot and --events-output names of their own";
+        output::distinct([arguments.file.as_path()], output.into_iter().chain(plot).chain(events), help)?;
         let output = output.map(|path| record::Format::of(path).map(|format| (path, format))).transpose()?;
         let plot = plot.map(|path| portrait::Format::of(path).map(|format| (path, format))).transpose()?;
         Ok(Self { output, plot, events })
@@ -183,20 +196,23 @@ impl<'a> Files<'a> {
         self.paths().try_for_each(output::probe)
     }
 
-    /// Writes what is asked for, and lets all files take their names when the last is complete.
+    /// Whether something is asked for that takes more of a run than its samples in order.
+    fn keep(&self, arguments: &SimulateArguments) -> bool {
+        self.plot.is_some() || self.events.is_some() || arguments.events
+    }
+
+    /// Writes what is asked for of a run that was kept; the files have no names yet.
     fn write(
         &self,
         arguments: &SimulateArguments,
-        (document, scenario): (&Document, &Scenario),
+        provenance: &Provenance<'_>,
         finished: &Finished,
-    ) -> Result<(), Failure> {
+    ) -> Result<Vec<Pending>, Failure> {
         let _progress = Progress::begin("writing", None);
         let mut pending = Vec::new();
         if let Some((path, format)) = self.output {
-            let set: Vec<String> = arguments.set.iter().map(Setting::to_string).collect();
-            let provenance = Provenance { document, set: &set, scenario };
             let mut file = Pending::create(path)?;
-            finished.write(&provenance, (path, format), file.writer())?;
+            finished.write(provenance, (path, format), file.writer())?;
             pending.push(file);
         }
         if let Some(target) = self.plot {
@@ -211,11 +227,11 @@ impl<'a> Files<'a> {
             log.write(path, file.writer())?;
             pending.push(file);
         }
-        pending.into_iter().try_for_each(Pending::commit)
+        Ok(pending)
     }
 
     /// What was written, as the end of the summary.
-    fn told(&self, rows: u64) -> String {
+    fn written(&self, rows: u64) -> String {
         let mut text = String::new();
         for path in self.paths() {
             let is_output = self.output.is_some_and(|(output, _)| output == path);

@@ -48,15 +48,17 @@ for run.accuracy. One of them that no step is short enough for, as when it bounc
 the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs. Runs with \
 a controller take the event-located engine unless run.step is given.
 
-A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept. \
-Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the folder with the others. \
+A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept, once each was \
+held to the checksum in it. Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the \
+folder with the others, also when all begin at once. \
 A run that fails has its reason in the column `error` and no numbers; it does not stop the others.
 
 Exit codes:
   0  done; some runs may have failed, and the summary says so
   2  the input is wrong: arguments, a missing file, the scenario, a folder of another sweep; nothing was written
   3  every run failed; the files say why
-  4  a file could not be written; parts that were finished stay")]
+  4  a file could not be written; parts that were finished stay
+  130, 143  stopped by SIGINT (Ctrl-C), SIGTERM; parts that were finished stay")]
 pub struct SweepArguments {
     /// The scenario file, with a section `[sweep]`.
     #[arg(value_name = "FILE")]
@@ -117,6 +119,8 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
             let folder = prepared.folder(path)?;
             let finished = keep(&folder, &plan, &parts, sweep, &mut tally)?;
             parts.retain(|part| !finished.contains(part));
+            let of_program = folder.clone();
+            output::on_end(move || of_program.stays(&plan));
             Place::Folder(folder)
         }
     };
@@ -174,15 +178,8 @@ impl<'a> Target<'a> {
             let help = "draw when all shards are done: the same command without --shard keeps their parts";
             return Err(Failure::input("--plot draws the whole sweep, and --shard does a share of it", help));
         }
-        let same = |a: Option<&Path>, b: Option<&Path>| a.is_some() && a.map(output::settled) == b.map(output::settled);
-        let [output, plot] = [&arguments.output, &arguments.plot].map(Option::as_deref);
-        let scenario = Some(arguments.file.as_path());
-        if same(output, plot) || same(output, scenario) || same(plot, scenario) {
-            return Err(Failure::input(
-                "two of the files that are to be read and written are the same",
-                "give --output and --plot names of their own",
-            ));
-        }
+        let written = [&arguments.output, &arguments.plot].into_iter().flatten().map(PathBuf::as_path);
+        output::distinct([arguments.file.as_path()], written, "give --output and --plot names of their own")?;
         Ok(target)
     }
 }

@@ -1,12 +1,13 @@
 //! The run of a joint with a controller: the closed loop, and how far its goals were missed.
 
 use super::outcome::{Outcome, Stepped};
-use crate::closed_loop::{Goal, asked};
-use crate::engine;
+use crate::closed_loop::{Goal, Goals, asked};
+use crate::engine::{self, Way};
 use mckibben::Error;
-use mckibben::control::{Held, Quantity};
+use mckibben::control::{Held, Quantity, SetPoint};
 use mckibben::simulation::{
-    ControlledJoint, ControlledJointStepper, JointDecision, JointRig, simulate_joint_controlled_watched,
+    ControlledJoint, ControlledJointStepper, JointConsumer, JointDecision, JointRig, JointRunEnd,
+    simulate_joint_controlled_into, simulate_joint_controlled_watched,
 };
 use mckibben_scenario::{ControlledJointExperiment, Engine, JointExperiment};
 
@@ -64,42 +65,88 @@ pub fn close(
     }
 }
 
-fn closed(of: &ControlledJointExperiment, rig: &JointRig, decisions: &[JointDecision]) -> Closed {
-    let requests = rig.driven().each_ref().map(|driven| asked(driven.actuation.as_ref()));
-    Closed { goals: goals(of, rig, decisions), samples: decisions.len(), requests }
+/// Runs the closed loop by the event-located engine and hands each accepted step to `consumer`; of the run nothing is kept but
+/// what the controller did, which is added to `goals` and not to the result. A goal has what was decided before a step when the step is handed on.
+///
+/// # Errors
+/// What the core finds, and what the consumer fails by.
+pub(crate) fn stream(
+    of: &ControlledJointExperiment,
+    goals: &Goals,
+    consumer: &mut JointConsumer<'_>,
+) -> Result<(JointRunEnd, Closed), Error> {
+    let ControlledJointExperiment { experiment, law, sampling, sensors, .. } = of;
+    let JointExperiment { rig, start, run } = experiment;
+    let (mut samples, mut way) = (0, Way::begin(run));
+    let end = simulate_joint_controlled_into(
+        rig,
+        *start,
+        (run.duration, run.relative_tolerance),
+        law,
+        (*sampling, *sensors),
+        &mut |step| {
+            way.at(step.end());
+            consumer(step)
+        },
+        &mut |rig, decision| {
+            samples += 1;
+            add(&mut goals.borrow_mut(), of, rig, &decision);
+        },
+    )?;
+    let requests = requests(&end.rig);
+    Ok((end, Closed { goals: Vec::new(), samples, requests }))
 }
 
-/// What is regulated, then what else the file gives set points of.
-fn goals(of: &ControlledJointExperiment, rig: &JointRig, decisions: &[JointDecision]) -> Vec<Goal> {
-    let held = if of.regulated == Quantity::Pressure { Held::Pressures } else { Held::AirMasses };
-    let measured = |quantity: Quantity, whose: Option<usize>, decision: &JointDecision| {
-        let seen = &decision.seen;
-        match whose {
-            Some(actuator) => quantity.of(&seen.actuators[actuator]),
-            None if quantity == Quantity::Stiffness => {
-                let atmosphere = |i: usize| rig.driven()[i].actuator.air().atmosphere();
-                let pressure = [0, 1].map(|i| seen.actuators[i].pressure.absolute(atmosphere(i)));
-                Some(rig.stiffness(seen.angle, pressure, held))
-            }
-            None => quantity.of_joint(seen),
-        }
+fn closed(of: &ControlledJointExperiment, rig: &JointRig, decisions: &[JointDecision]) -> Closed {
+    let mut goals = begin_goals(of);
+    decisions.iter().for_each(|decision| add(&mut goals, of, rig, decision));
+    Closed { goals, samples: decisions.len(), requests: requests(rig) }
+}
+
+fn requests(rig: &JointRig) -> [usize; 2] {
+    rig.driven().each_ref().map(|driven| asked(driven.actuation.as_ref()))
+}
+
+/// What is regulated, of the joint or of each actuator, then what else the file gives set points of, before the first sample.
+pub(crate) fn begin_goals(of: &ControlledJointExperiment) -> Vec<Goal> {
+    let whose = |whose| Goal { whose, ..Goal::new(of.regulated, true, []) };
+    let mut goals = match of.regulated {
+        Quantity::Angle => vec![whose(None)],
+        _ => vec![whose(Some(0)), whose(Some(1))],
     };
-    let mut goals = Vec::new();
-    for index in 0..2 {
-        let whose = (of.regulated != Quantity::Angle).then_some(index);
-        let rows = decisions.iter().filter_map(|decision| {
-            let (quantity, target) = decision.aim[index]?;
-            Some((decision.seen.time, target, measured(quantity, whose, decision)?))
-        });
-        let goal = Goal { whose, ..Goal::new(of.regulated, true, rows) };
-        goals.extend(Some(goal).filter(|goal| !goal.time.is_empty()));
-    }
-    for (quantity, set_point) in of.set_points.iter().filter(|(quantity, _)| *quantity != of.regulated) {
-        let rows = decisions.iter().filter_map(|decision| {
-            let time = decision.seen.time;
-            Some((time, set_point.at(time), measured(*quantity, None, decision)?))
-        });
-        goals.push(Goal::new(*quantity, false, rows));
-    }
+    goals.extend(others(of).map(|(quantity, _)| Goal::new(*quantity, false, [])));
     goals
+}
+
+fn others(of: &ControlledJointExperiment) -> impl Iterator<Item = &(Quantity, SetPoint)> {
+    of.set_points.iter().filter(|(quantity, _)| *quantity != of.regulated)
+}
+
+/// Adds what was to be reached and what was measured at a sampling instant.
+fn add(goals: &mut [Goal], of: &ControlledJointExperiment, rig: &JointRig, decision: &JointDecision) {
+    let (seen, time) = (&decision.seen, decision.seen.time);
+    let held = if of.regulated == Quantity::Pressure { Held::Pressures } else { Held::AirMasses };
+    let measured = |quantity: Quantity, whose: Option<usize>| match whose {
+        Some(actuator) => quantity.of(&seen.actuators[actuator]),
+        None if quantity == Quantity::Stiffness => {
+            let atmosphere = |i: usize| rig.driven()[i].actuator.air().atmosphere();
+            let pressure = [0, 1].map(|i| seen.actuators[i].pressure.absolute(atmosphere(i)));
+            Some(rig.stiffness(seen.angle, pressure, held))
+        }
+        None => quantity.of_joint(seen),
+    };
+    let regulated = if of.regulated == Quantity::Angle { 1 } else { 2 };
+    let Some((regulated, rest)) = goals.split_at_mut_checked(regulated) else { return };
+    for (aim, goal) in decision.aim.iter().zip(regulated) {
+        if let Some((quantity, target)) = *aim
+            && let Some(measured) = measured(quantity, goal.whose)
+        {
+            goal.push((time, target, measured));
+        }
+    }
+    for ((quantity, set_point), goal) in others(of).zip(rest) {
+        if let Some(measured) = measured(*quantity, None) {
+            goal.push((time, set_point.at(time), measured));
+        }
+    }
 }

@@ -7,18 +7,8 @@
 use super::NAMES;
 use crate::events::{Log, OF_ACTUATOR, extent, words, zone};
 use crate::terminal::{FAINT, styled};
-use mckibben::simulation::{Contact, End, EventKind, JointEvent, JointMode, Turning};
-use std::collections::BTreeMap;
+use mckibben::simulation::{Contact, End, JointEvent, JointMode, Turning};
 use std::fmt::Write as _;
-
-/// How many events of each kind there are.
-pub fn counts(events: &[JointEvent]) -> BTreeMap<EventKind, u64> {
-    let mut counts = BTreeMap::new();
-    for event in events {
-        *counts.entry(event.kind.kind).or_insert(0) += 1;
-    }
-    counts
-}
 
 /// The log as a table for people.
 pub fn table(events: &[JointEvent]) -> String {

@@ -2,6 +2,7 @@
 
 pub mod control;
 pub mod events;
+pub mod observation;
 pub mod outcome;
 pub mod portrait;
 pub mod summary;

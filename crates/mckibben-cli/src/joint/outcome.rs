@@ -2,11 +2,11 @@
 //!
 //! The event-located engine keeps the trajectory; of the fixed-step engine the recorded samples are kept, and no events.
 
-use crate::engine;
-use crate::progress::Progress;
+use crate::engine::{self, Way};
 use mckibben::Error;
 use mckibben::simulation::{
-    JointEvent, JointRig, JointSample, JointStepError, JointStepper, JointTrajectory, simulate_joint_watched,
+    JointConsumer, JointEvent, JointRig, JointRunEnd, JointSample, JointStepError, JointStepper, JointTrajectory,
+    simulate_joint_into, simulate_joint_watched,
 };
 use mckibben_scenario::{Engine, JointExperiment};
 
@@ -39,10 +39,9 @@ pub struct Stepped {
 /// # Errors
 /// What the core finds.
 pub fn run(of: &JointExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<Outcome, Error> {
-    const PARTS: f64 = 1000.0;
-    let progress = Progress::begin("simulating", Some(PARTS as u64));
+    let mut way = way(of);
     let watch = |time: f64| {
-        progress.at((PARTS * time / of.run.duration) as u64);
+        way.kept(time);
         reached(time)
     };
     match of.run.engine {
@@ -52,6 +51,26 @@ pub fn run(of: &JointExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Erro
             step_through(of, (step, chosen), engine::regular(&of.run, step), watch)
         }
     }
+}
+
+/// How far a run is that keeps every step where the engine is the event-located one.
+pub(crate) fn way(of: &JointExperiment) -> Way {
+    match of.run.engine {
+        Engine::EventLocated => Way::begin(&of.run).keeping(of.rig.bytes_per_step()),
+        Engine::FixedStep => Way::begin(&of.run),
+    }
+}
+
+/// Runs a joint by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
+///
+/// # Errors
+/// What the core finds, and what the consumer fails by.
+pub(crate) fn stream(of: &JointExperiment, consumer: &mut JointConsumer<'_>) -> Result<JointRunEnd, Error> {
+    let (run, mut way) = (&of.run, Way::begin(&of.run));
+    simulate_joint_into(&of.rig, of.start, run.duration, run.relative_tolerance, &mut |step| {
+        way.at(step.end());
+        consumer(step)
+    })
 }
 
 /// Runs a joint by the event-located engine, calling `watch` with the time in s that has been reached.

@@ -48,8 +48,7 @@ pub use figure::{
 };
 pub use theme::Theme;
 
-use std::ffi::OsString;
-use std::io::Write as _;
+use crate::output;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -146,24 +145,8 @@ impl Figure {
             Some("png") => self.to_png(theme, PRINT_SCALE)?,
             _ => return Err(PlotError::Ending { path: path.to_path_buf() }),
         };
-        replace(path, &bytes).map_err(|source| PlotError::File { path: path.to_path_buf(), source })
+        output::replace(path, &bytes).map_err(|source| PlotError::File { path: path.to_path_buf(), source })
     }
-}
-
-/// Writes `bytes` beside `path` and renames them into place.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut name = OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(name);
-    let written = std::fs::File::create(&temporary)
-        .and_then(|mut file| file.write_all(bytes))
-        .and_then(|()| std::fs::rename(&temporary, path));
-    if written.is_err() {
-        // The first error is the one worth telling; that the remains could not be removed adds nothing to it.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
 }
 
 #[cfg(test)]

@@ -19,14 +19,15 @@ pub(super) fn write<S>(
     let failed = |error: csv::Error| Failure::output(path, error);
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(fields.iter().map(|field| &field.name)).map_err(failed)?;
-    let mut number = String::new();
+    let (mut number, mut row) = (String::new(), 0);
     rows(&mut |sample| {
+        row += 1;
         for field in fields {
             match &field.value {
                 Value::Number(value) => {
                     number.clear();
                     // Writing to a string cannot fail. The debug form is the shortest that reads back the same.
-                    let _ = write!(number, "{:?}", value(sample));
+                    let _ = write!(number, "{:?}", field.finite(value(sample), row)?);
                     writer.write_field(&number).map_err(failed)?;
                 }
                 Value::Word(value) => writer.write_field(value(sample)).map_err(failed)?,

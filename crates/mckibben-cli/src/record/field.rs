@@ -1,7 +1,8 @@
 //! The columns of a file as functions of a sample, for an actuator and for a joint.
 
 use super::{COLUMNS, VALVE};
-use crate::closed_loop::Goal;
+use crate::closed_loop::{Goal, Goals};
+use crate::failure::Failure;
 use mckibben::control::Quantity;
 use mckibben::simulation::{JointSample, Rig, Sample};
 
@@ -11,6 +12,19 @@ pub(crate) struct Field<S> {
     /// Its unit; empty for words.
     pub(crate) unit: &'static str,
     pub(crate) value: Value<S>,
+}
+
+impl<S> Field<S> {
+    /// A number of the column, in a row counted from 1.
+    ///
+    /// # Errors
+    /// [`Failure::not_finite`] for one that is not finite.
+    pub(super) fn finite(&self, value: f64, row: u64) -> Result<f64, Failure> {
+        match value.is_finite() {
+            true => Ok(value),
+            false => Err(Failure::not_finite(&format!("column {}, row {row}: {value}", self.name))),
+        }
+    }
 }
 
 /// What a column holds of a sample.
@@ -54,35 +68,39 @@ fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
 }
 
 /// The columns of one actuator under a controller: its goals follow.
-pub(crate) fn of_controlled(rig: &Rig, goals: &[Goal]) -> Vec<Field<Sample>> {
+pub(crate) fn of_controlled(rig: &Rig, goals: &Goals) -> Vec<Field<Sample>> {
     let mut fields = of_actuator(Some(rig));
     fields.extend(of_goals(goals, |sample: &Sample| sample.time));
     fields
 }
 
 /// The set points, and what was measured of those that are regulated, as of the last sampling instant.
-fn of_goals<S: 'static>(goals: &[Goal], time_of: fn(&S) -> f64) -> impl Iterator<Item = Field<S>> + '_ {
-    goals.iter().flat_map(move |goal| {
+fn of_goals<S: 'static>(goals: &Goals, time_of: fn(&S) -> f64) -> Vec<Field<S>> {
+    let mut fields = Vec::new();
+    for (index, goal) in goals.borrow().iter().enumerate() {
         let unit = goal.quantity.rows().set_point.unit;
         let ending = unit.to_lowercase().replace(['*', '/'], "_");
         let whose = if goal.whose == Some(1) { "antagonist_" } else { "" };
-        let column = |name: &str, values: &[f64]| {
-            let (time, values) = (goal.time.clone(), values.to_vec());
+        let column = |name: &str, values: fn(&Goal) -> &[f64]| {
+            let goals = goals.clone();
             number(&format!("{whose}{name}_{ending}"), unit, move |sample: &S| {
+                let goal = &goals.borrow()[index];
                 // A sampling instant and the sample's time that differ by rounding are one; the first is at 0.
-                let begun = time.partition_point(|time| *time <= time_of(sample) * (1.0 + ROUNDING));
-                values[begun.max(1) - 1]
+                let begun = goal.time.partition_point(|time| *time <= time_of(sample) * (1.0 + ROUNDING));
+                values(goal).get(begun.max(1) - 1).copied().unwrap_or(f64::NAN)
             })
         };
+        fields.push(column("set_point", |goal| &goal.target));
         // No column of the run has a stiffness.
-        let shown = goal.regulated || goal.quantity == Quantity::Stiffness;
-        let measured = shown.then(|| column("measured", &goal.measured));
-        [column("set_point", &goal.target)].into_iter().chain(measured)
-    })
+        if goal.regulated || goal.quantity == Quantity::Stiffness {
+            fields.push(column("measured", |goal| &goal.measured));
+        }
+    }
+    fields
 }
 
 /// The columns of a joint in their order, then its goals.
-pub(crate) fn of_joint(goals: &[Goal]) -> Vec<Field<JointSample>> {
+pub(crate) fn of_joint(goals: &Goals) -> Vec<Field<JointSample>> {
     let mut fields = member(0, "");
     fields.extend([
         number("angle_rad", "rad", |sample: &JointSample| sample.angle),

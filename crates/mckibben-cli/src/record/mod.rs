@@ -5,12 +5,9 @@ mod field;
 mod memory;
 mod parquet;
 
-use crate::closed_loop::Goal;
-use crate::engine::Outcome;
 use crate::failure::Failure;
-use crate::joint;
 pub(crate) use field::{Field, Value, of_controlled, of_joint};
-use mckibben::simulation::{JointSample, Sample};
+use mckibben::simulation::Sample;
 use mckibben_scenario::{Document, Scenario};
 pub(crate) use memory::filled;
 pub use memory::{Filled, Values};
@@ -91,49 +88,27 @@ pub struct Provenance<'a> {
     pub scenario: &'a Scenario,
 }
 
-/// Writes a run; under a controller with the set points and what was measured after the columns of the run.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when writing fails.
-pub fn write(
-    outcome: &Outcome,
-    goals: &[Goal],
-    interval: f64,
-    provenance: &Provenance<'_>,
-    (path, format): (&Path, Format),
-    out: &mut (dyn Write + Send),
-) -> Result<(), Failure> {
-    let rows: Rows<'_, Sample> = &mut |each| outcome.each_sample(interval, each);
-    write_fields(&of_controlled(outcome.rig(), goals), rows, provenance, (path, format), out)
-}
-
-/// Writes the run of a joint: the columns of the agonist, then the joint's, then the antagonist's, then what a
-/// controller was to reach.
-///
-/// # Errors
-/// [`Failure::output`], which names `path`, when writing fails.
-pub fn write_joint(
-    outcome: &joint::outcome::Outcome,
-    goals: &[Goal],
-    interval: f64,
-    provenance: &Provenance<'_>,
-    (path, format): (&Path, Format),
-    out: &mut (dyn Write + Send),
-) -> Result<(), Failure> {
-    let rows: Rows<'_, JointSample> = &mut |each| outcome.samples(interval).try_for_each(|sample| each(&sample));
-    write_fields(&of_joint(goals), rows, provenance, (path, format), out)
-}
-
 /// Hands every sample of a run to what it is given.
 pub(crate) type Rows<'r, S> = &'r mut dyn FnMut(&mut dyn FnMut(&S) -> Result<(), Failure>) -> Result<(), Failure>;
 
-fn write_fields<S>(
-    fields: &[Field<S>],
-    rows: Rows<'_, S>,
-    provenance: &Provenance<'_>,
-    (path, format): (&Path, Format),
-    out: &mut (dyn Write + Send),
-) -> Result<(), Failure> {
+/// Where the columns of a run are written, and what stands beside them.
+pub struct Target<'t> {
+    /// What the file says about itself.
+    pub provenance: &'t Provenance<'t>,
+    /// Its name, which stands in messages.
+    pub path: &'t Path,
+    /// How it is written.
+    pub format: Format,
+    /// Its bytes.
+    pub out: &'t mut (dyn Write + Send),
+}
+
+/// Writes the columns of a run whose samples come from `rows`, which may make the run on the way.
+///
+/// # Errors
+/// [`Failure::output`], which names the path, when writing fails; [`Failure::not_finite`]; and those of `rows`.
+pub(crate) fn write<S>(fields: &[Field<S>], rows: Rows<'_, S>, target: Target<'_>) -> Result<(), Failure> {
+    let Target { provenance, path, format, out } = target;
     match format {
         Format::Csv => csv::write(fields, rows, path, out),
         Format::Parquet => parquet::write(fields, rows, provenance, path, out),

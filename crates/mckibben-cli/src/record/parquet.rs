@@ -43,9 +43,10 @@ pub(super) fn write<S>(
         .build();
     let schema = schema(fields).map_err(failed)?;
     let mut writer = SerializedFileWriter::new(out, schema, Arc::new(properties)).map_err(failed)?;
-    let mut group = Group::of(fields);
+    let (mut group, mut row) = (Group::of(fields), 0);
     rows(&mut |sample| {
-        group.push(fields, sample);
+        row += 1;
+        group.push(fields, sample, row)?;
         if group.rows == GROUP { group.flush(&mut writer).map_err(failed) } else { Ok(()) }
     })?;
     group.flush(&mut writer).map_err(failed)?;
@@ -73,16 +74,17 @@ impl Group {
         Self { rows: 0, columns: columns.collect() }
     }
 
-    fn push<S>(&mut self, fields: &[Field<S>], sample: &S) {
+    fn push<S>(&mut self, fields: &[Field<S>], sample: &S, row: u64) -> Result<(), Failure> {
         self.rows += 1;
         for (field, column) in fields.iter().zip(&mut self.columns) {
             match (&field.value, column) {
-                (Value::Number(value), Waiting::Numbers(numbers)) => numbers.push(value(sample)),
+                (Value::Number(value), Waiting::Numbers(numbers)) => numbers.push(field.finite(value(sample), row)?),
                 (Value::Word(value), Waiting::Words(words)) => words.push(ByteArray::from(value(sample))),
                 // The columns were made from the fields.
                 _ => {}
             }
         }
+        Ok(())
     }
 
     fn flush<W: Write + Send>(&mut self, writer: &mut SerializedFileWriter<W>) -> Result<(), ParquetError> {

@@ -80,6 +80,8 @@ pub struct Data {
     pub columns: Vec<&'static str>,
     /// The rows.
     pub rows: Vec<Vec<f64>>,
+    /// The columns in which not every row has a value: where there is none stands NaN, and an empty cell in a file.
+    pub lacking: Vec<&'static str>,
 }
 
 /// A small table of words.
@@ -205,7 +207,7 @@ impl Plate {
         output::write(&at("svg"), svg.as_bytes())?;
         let png = self.figure.to_png(Theme::Light, PRINT_SCALE).map_err(|error| Failure::output(&at("png"), error))?;
         output::write(&at("png"), &png)?;
-        let csv = self.data.to_csv().map_err(|error| Failure::output(&at("csv"), error))?;
+        let csv = self.data.to_csv(&at("csv"))?;
         output::write(&at("csv"), &csv)
     }
 }
@@ -213,7 +215,29 @@ impl Plate {
 impl Data {
     /// No rows yet.
     pub fn new(columns: &[&'static str]) -> Self {
-        Self { columns: columns.to_vec(), rows: Vec::new() }
+        Self { columns: columns.to_vec(), ..Self::default() }
+    }
+
+    /// The same where not every row has a value in some of the columns.
+    #[must_use]
+    pub fn lacking(self, columns: &[&'static str]) -> Self {
+        Self { lacking: columns.to_vec(), ..self }
+    }
+
+    /// That every value is finite.
+    ///
+    /// # Errors
+    /// [`Failure::not_finite`] with the column and the row.
+    pub fn check(&self) -> Result<(), Failure> {
+        for (row, values) in self.rows.iter().enumerate() {
+            for (column, value) in self.columns.iter().zip(values) {
+                let none = value.is_nan() && self.lacking.contains(column);
+                if !value.is_finite() && !none {
+                    return Err(Failure::not_finite(&format!("column {column}, row {}: {value}", row + 1)));
+                }
+            }
+        }
+        Ok(())
     }
 }
 

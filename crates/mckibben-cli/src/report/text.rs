@@ -1,8 +1,10 @@
 //! Findings for a terminal and as CSV, and data as CSV.
 
 use super::{Data, Report, Table};
+use crate::failure::Failure;
 use crate::terminal::wrap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// From one column to the next.
 const GAP: &str = "  ";
@@ -19,6 +21,18 @@ impl Report {
             })
         });
         Table { caption: String::new(), head, rows: rows.collect() }.to_text()
+    }
+
+    /// That every number that was found is finite.
+    ///
+    /// # Errors
+    /// [`Failure::not_finite`] with what was found.
+    pub fn check(&self) -> Result<(), Failure> {
+        let mut findings = self.sections.iter().flat_map(|section| &section.findings);
+        match findings.find(|finding| !finding.value.is_finite()) {
+            Some(finding) => Err(Failure::not_finite(&format!("{}: {}", plain(&finding.quantity), finding.value))),
+            None => Ok(()),
+        }
     }
 
     /// The findings as CSV, with the reasons in full.
@@ -42,17 +56,20 @@ impl Report {
 }
 
 impl Data {
-    /// The columns as CSV, each number in the fewest digits that read back as itself; what is not finite stays empty.
+    /// The columns as CSV, each number in the fewest digits that read back as itself, and an empty cell where there is none.
     ///
     /// # Errors
-    /// When the CSV cannot be made.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+    /// As [`Data::check`]; [`Failure::output`], which names `path`, when the CSV cannot be made.
+    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        self.check()?;
+        let failed = |error: csv::Error| Failure::output(path, error);
         let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(&self.columns)?;
+        out.write_record(&self.columns).map_err(failed)?;
         for row in &self.rows {
-            out.write_record(row.iter().map(|v| if v.is_finite() { v.to_string() } else { String::new() }))?;
+            let cells = row.iter().map(|value| if value.is_finite() { value.to_string() } else { String::new() });
+            out.write_record(cells).map_err(failed)?;
         }
-        out.into_inner().map_err(|error| error.into_error().into())
+        out.into_inner().map_err(|error| Failure::output(path, error.into_error()))
     }
 }
 
@@ -188,5 +205,20 @@ mod tests {
         let report = Report { sections: vec![section], ..Report::default() };
         let csv = String::from_utf8(report.numbers_csv().unwrap()).unwrap();
         assert!(csv.ends_with("Fig. 1,\"a, \"\"b\"\"\",0.1,in,x_eq,agrees,yes\n"), "{csv}");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_no_cell_but_where_a_value_may_lack() {
+        let path = Path::new("data.csv");
+        let mut data = Data::new(&["time_s", "fitted_m"]).lacking(&["fitted_m"]);
+        data.rows = vec![vec![0.0, 1.5], vec![1.0, f64::NAN]];
+        assert_eq!(data.to_csv(path).unwrap(), b"time_s,fitted_m\n0,1.5\n1,\n");
+        for bad in [vec![f64::NAN, 1.0], vec![2.0, f64::INFINITY]] {
+            data.rows.truncate(2);
+            data.rows.push(bad);
+            let failure = data.to_csv(path).expect_err("no number");
+            assert!(failure.to_string().contains("row 3"), "{failure}");
+            assert_eq!(failure.code(), 3);
+        }
     }
 }

@@ -73,12 +73,11 @@ impl<'a> Destination<'a> {
         for (row, outcome) in unit.rows.clone().zip(outcomes) {
             self.failed += table::write(self.sweep, row, outcome, sheet.as_mut())?;
         }
-        if let Place::Folder(folder) = &self.place
+        if matches!(self.place, Place::Folder(_))
             && unit.rows.end == rows.end
             && let Some(part) = self.part.take()
         {
             part.finish(&about(&self.notes, unit.part, rows, self.failed))?;
-            folder.clear_remains_of(unit.part);
             self.failed = 0;
         }
         Ok(())
@@ -91,7 +90,19 @@ impl<'a> Destination<'a> {
     pub fn finish(self) -> Result<(), Failure> {
         match self.place {
             Place::File(sheet) => sheet.finish(&about(&self.notes, 0, 0..self.plan.rows, self.failed)),
-            Place::Nowhere | Place::Folder(_) => Ok(()),
+            Place::Folder(folder) => {
+                folder.clear_remains();
+                Ok(())
+            }
+            Place::Nowhere => Ok(()),
+        }
+    }
+
+    /// What failed while writing here, with what stays.
+    pub fn failed(&self, failure: Failure) -> Failure {
+        match &self.place {
+            Place::Folder(folder) => failure.staying(|| folder.stays(&self.plan)),
+            Place::File(_) | Place::Nowhere => failure,
         }
     }
 }

@@ -15,7 +15,7 @@
 //! | [`reduce`] | a run as a few numbers |
 //! | [`schedule`] | units on threads, results in order, a bounded number of them |
 //! | [`table`] | columns, and a run as lines of them |
-//! | [`sheet`] | a table as CSV or Parquet |
+//! | [`sheet`] | a table as CSV or Parquet, the latter with a checksum of the whole file |
 //! | [`destination`] | where the lines go |
 //! | [`folder`] | the parts of a sweep, finished or to be done |
 //! | [`read`] | the reductions of a finished part |

@@ -88,7 +88,7 @@ impl Prepared {
         let mut done = 0;
         let units = self.plan.units(parts, self.unit(total, jobs));
         let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
-        schedule::in_order(jobs, units, work, |unit, outcomes| {
+        let written = schedule::in_order(jobs, units, work, |unit, outcomes| {
             destination.write(&unit, &outcomes)?;
             for (row, outcome) in unit.rows.clone().zip(&outcomes) {
                 tally.see(row, outcome);
@@ -96,8 +96,11 @@ impl Prepared {
             done += outcomes.len() as u64;
             progress.at(done);
             Ok(())
-        })?;
-        destination.finish()
+        });
+        match written {
+            Ok(()) => destination.finish(),
+            Err(failure) => Err(destination.failed(failure)),
+        }
     }
 
     /// The bytes of a part's Parquet file, computed on one thread.

@@ -11,6 +11,7 @@ use crate::closed_loop::{self, Goal};
 use crate::engine;
 use crate::joint;
 use crate::observation::AirUse;
+use crate::record::COLUMNS;
 use mckibben::Error;
 use mckibben::batch::{Batch, ControlledRow, Row, Width};
 use mckibben::simulation::{JointRig, JointSample, Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
@@ -211,6 +212,9 @@ impl<'a> Recorder<'a> {
     }
 
     fn see(&mut self, sample: &Sample) {
+        if let Some(fault) = not_finite(sample) {
+            *self = Self::Stopped(fault);
+        }
         match self {
             Self::Reducing(_, reducer) => reducer.see(Seen::Actuator(sample)),
             Self::Keeping(samples) => samples.push(*sample),
@@ -219,6 +223,9 @@ impl<'a> Recorder<'a> {
     }
 
     fn see_joint(&mut self, sample: &JointSample, rig: &JointRig) {
+        if let Some(fault) = sample.actuators.iter().find_map(not_finite) {
+            *self = Self::Stopped(fault);
+        }
         match self {
             Self::Reducing(_, reducer) => reducer.see(Seen::Joint(sample, rig)),
             Self::KeepingJoint(samples) => samples.push(*sample),
@@ -248,6 +255,13 @@ impl<'a> Recorder<'a> {
             Self::Stopped(reason) => Outcome::Failed(reason),
         }
     }
+}
+
+/// What of a sample is not finite, in words.
+fn not_finite(sample: &Sample) -> Option<String> {
+    let numbers = COLUMNS.iter().map(|column| (column.name, (column.value)(sample)));
+    let (name, value) = numbers.into_iter().find(|(_, value)| !value.is_finite())?;
+    Some(format!("{name} = {value} at t = {} s is not a finite number", sample.time))
 }
 
 /// Runs rows by the fixed-step engine, side by side.

@@ -12,6 +12,7 @@
 
 use super::rows::{Outcome, Samples};
 use super::sheet::Sheet;
+use crate::closed_loop::Goals;
 use crate::failure::Failure;
 use crate::record::{COLUMNS, VALVE, Value, of_joint};
 use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
@@ -86,7 +87,8 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
         }
         Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
             let kind = |value: &Value<_>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
-            columns.extend(of_joint(&[]).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)));
+            columns
+                .extend(of_joint(&Goals::default()).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)));
         }
         Record::Samples(_) | Record::Trajectories => {
             columns.extend(COLUMNS.iter().map(|c| column(c.name, c.unit, Kind::Number, true)));
@@ -133,7 +135,7 @@ fn lines(
             each(&line)
         }),
         Outcome::Sampled(Samples::Joint(samples)) => {
-            let fields = of_joint(&[]);
+            let fields = of_joint(&Goals::default());
             samples.iter().try_for_each(|sample| {
                 line.truncate(head);
                 line.extend(fields.iter().map(|field| match &field.value {
@@ -147,7 +149,7 @@ fn lines(
         Outcome::Failed(reason) => {
             let results = match sweep.record() {
                 Record::Reductions(reductions) => reductions.len(),
-                Record::Samples(_) | Record::Trajectories if sweep.has_joint() => of_joint(&[]).len(),
+                Record::Samples(_) | Record::Trajectories if sweep.has_joint() => of_joint(&Goals::default()).len(),
                 Record::Samples(_) | Record::Trajectories => COLUMNS.len() + 1,
             };
             line.extend(std::iter::repeat_n(Cell::Nothing, results));

@@ -184,8 +184,30 @@ pub enum FitError {
     #[error("the search found no minimum: {why}; start nearer to it, give bounds, or fix what the data cannot tell")]
     NoMinimum {
         /// What ended it.
-        why: String,
+        why: Ending,
     },
+}
+
+/// What ended a search that found no minimum.
+#[derive(Clone, Copy, Debug, Eq, Error, PartialEq)]
+pub enum Ending {
+    /// It came to rest where it is not level.
+    #[error(
+        "it came to rest where the sum of squares is not level, as at an edge of the model or where its derivatives are rounded"
+    )]
+    NotStationary,
+    /// It took all its steps.
+    #[error("it was not there after {most} steps")]
+    Steps {
+        /// How many it may take.
+        most: u64,
+    },
+    /// No step led further down.
+    #[error("no step made the sum of squares smaller, which is not level there")]
+    Stalled,
+    /// The numbers at hand do not give a step.
+    #[error("the residuals or their derivatives are too large, too small or not finite for a step")]
+    Numbers,
 }
 
 /// Finds the values that fit best from one start.

@@ -1,9 +1,9 @@
 //! The minimum, by the crate `basin`: its problem is ours with every unknown divided by its size.
 
-use super::{Evaluation, FitError, Loss, Model, Search, Unknown};
+use super::{Ending, Evaluation, FitError, Loss, Model, Search, Unknown};
 use basin::{
     BoxBounds, CauchyLoss, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, HuberLoss,
-    Jacobian, Residual, RobustLeastSquares, TrustRegionReflective,
+    Jacobian, Residual, RobustLeastSquares, Termination, TrustRegionReflective,
 };
 use std::convert::Infallible;
 
@@ -33,7 +33,7 @@ pub(super) fn descended(
     model: &impl Model,
     unknowns: &[Unknown],
     search: &Search,
-) -> Result<(Vec<f64>, String), FitError> {
+) -> Result<(Vec<f64>, Ending), FitError> {
     let scaled = || Scaled::new(model, unknowns);
     let problem = scaled();
     let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
@@ -47,8 +47,8 @@ pub(super) fn descended(
     macro_rules! run {
         ($problem:expr) => {
             match Executor::from_start($problem, method, start).max_iter(search.most_steps).run() {
-                Ok(result) => (result.param().clone(), format!("{:?}", result.report.termination)),
-                Err(error) => return Err(FitError::NoMinimum { why: format!("{error:?}") }),
+                Ok(result) => (result.param().clone(), ending(&result.report.termination, search)),
+                Err(_) => return Err(FitError::NoMinimum { why: Ending::Numbers }),
             }
         };
     }
@@ -58,6 +58,16 @@ pub(super) fn descended(
         Loss::Cauchy(scale) => run!(RobustLeastSquares::new(scaled(), CauchyLoss).with_scale(scale)),
     };
     Ok((problem.values(&end), why))
+}
+
+/// What ended a search, in the words of this crate.
+fn ending(by: &Termination, search: &Search) -> Ending {
+    match by {
+        Termination::Limit(_) => Ending::Steps { most: search.most_steps },
+        Termination::Stalled(_) => Ending::Stalled,
+        Termination::Failed(_) => Ending::Numbers,
+        _ => Ending::NotStationary,
+    }
 }
 
 /// A model with its priors, in unknowns divided by their sizes.
@@ -109,6 +119,9 @@ impl<'a, M: Model> Scaled<'a, M> {
             let size = norm(column().map(|(slope, weight)| slope * weight.sqrt()));
             let [on_least, on_largest] = self.unknowns[unknown].rests(values[unknown]);
             let outwards = (on_least && along > 0.0) || (on_largest && along < 0.0);
+            if !(along.is_finite() && size.is_finite() && length.is_finite()) {
+                return false;
+            }
             // A perfect fit has no direction left to be at right angles to, only the rounding of the model.
             outwards || along.abs() <= STATIONARY * size * length || along.abs() <= STEP_RESOLVED * size * size
         })

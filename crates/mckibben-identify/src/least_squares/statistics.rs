@@ -18,6 +18,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Share of an unknown in a direction from which on it is named.
 const NAMED: f64 = 0.1;
+/// Steps after which a decomposition is given up, far more than one takes.
+const MOST_SWEEPS: usize = 100_000;
 
 /// One unknown after the fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,7 +113,7 @@ impl Fit {
         let estimate = |unknown: usize| {
             let value = values[unknown];
             let deviation = free.iter().position(|place| *place == unknown).and_then(|place| told.deviation(place));
-            let deviation = deviation.map(|of_size| of_size * spread * sizes[unknown]);
+            let deviation = deviation.map(|of_size| of_size * spread * sizes[unknown]).filter(|of| of.is_finite());
             Estimate {
                 name: unknowns[unknown].name.clone(),
                 unit: unknowns[unknown].unit,
@@ -157,7 +159,12 @@ struct Told {
 impl Told {
     fn new(slopes: DMatrix<f64>, least: f64) -> Self {
         let columns = slopes.ncols();
-        match slopes.try_svd(false, true, f64::EPSILON, 0) {
+        // Where every unknown rests on a bound there is nothing to decompose.
+        let decomposed = match slopes.is_empty() || !slopes.iter().all(|slope| slope.is_finite()) {
+            true => None,
+            false => slopes.try_svd(false, true, f64::EPSILON, MOST_SWEEPS),
+        };
+        match decomposed {
             Some(svd) => Self {
                 directions: svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns)),
                 values: svd.singular_values,
@@ -177,7 +184,7 @@ impl Told {
 
     /// Covariance of two unknowns, in their sizes, by the directions that are told.
     fn covariance(&self, i: usize, j: usize) -> f64 {
-        let part = |k: usize| self.directions[(k, i)] * self.directions[(k, j)] / (self.values[k] * self.values[k]);
+        let part = |k: usize| (self.directions[(k, i)] / self.values[k]) * (self.directions[(k, j)] / self.values[k]);
         (0..self.values.len()).filter(|k| self.is_told(*k)).map(part).sum()
     }
 

@@ -12,6 +12,9 @@
 //! | readings at or beyond `saturates` | left out |
 //! | the same extreme value many times on end, nothing said about it | refused: say `saturates`, or that it does not with a larger one |
 //! | a reading 8 robust deviations from the median of the 8 beside it | told; left out with `drop_outliers` |
+//! | few readings a hundred times as large as all others; of lengths and temperatures ten times as large or as small; one reading over time a thousand times | refused; left out with `drop_outliers` |
+//! | a length or a temperature that is not above zero | refused; left out with `drop_outliers` |
+//! | a step in time a thousand times as long as all others together | refused |
 //! | uneven steps, gaps | told: nothing is resampled, every reading is compared at its own time |
 //! | a gauge pressure below the atmosphere, of a muscle that is not evacuated | told as a likely offset |
 
@@ -25,6 +28,15 @@ use std::fmt;
 const FAR: f64 = 8.0;
 /// Readings of whose median it is judged.
 const WINDOW: usize = 9;
+/// How many times as large as all others a reading is that cannot be: in a table without times, over time, and for quantities
+/// that never come near zero.
+const APART: [f64; 3] = [1e2, 1e3, 1e1];
+/// At most one in so many readings is taken to be one that cannot be: what many say is no slip.
+const SLIPS: usize = 20;
+/// Fewer other readings than this do not say what can be.
+const OTHERS: usize = 4;
+/// How many times as long as all other steps together a step in time is that cannot be.
+const JUMP: f64 = 1e3;
 /// Equal largest readings on end from which on a sensor may be taken to be at its end.
 pub const STUCK: usize = 8;
 
@@ -92,6 +104,7 @@ pub(super) fn sheet(
     work.missing(&columns)?;
     if let Some(time) = columns.iter().position(|column| column.quantity == Quantity::Time) {
         work.in_order(&mut columns, time)?;
+        work.jump(&columns[time].values)?;
         work.rate(&columns[time].values);
         for (place, entry) in entries.iter().enumerate() {
             let times = columns[time].values.clone();
@@ -101,8 +114,10 @@ pub(super) fn sheet(
             }
         }
     }
+    let timed = columns.iter().any(|column| column.quantity == Quantity::Time);
     for (column, entry) in columns.iter_mut().zip(entries) {
         work.ends(column, &entry.rules)?;
+        work.impossible(column, entry, timed)?;
         work.slack(column, &entry.rules);
         work.vacuum(column);
     }
@@ -114,7 +129,24 @@ pub(super) fn sheet(
         deviation: None,
     };
     columns.extend(held.iter().map(constant));
-    Ok(Sheet { columns, rows })
+    Ok(Sheet { columns, rows, lines: work.lines })
+}
+
+/// The first few of ordered sizes, with their ratio to the first of the others, where they stand so far apart; over time they stand
+/// alone in their rows too.
+fn apart(sizes: &[(usize, f64)], factor: f64, timed: bool) -> Vec<(usize, f64)> {
+    let most = (sizes.len() / SLIPS).max(1).min(sizes.len().saturating_sub(OTHERS));
+    let ratio = |few: usize| (sizes[few - 1].1 / sizes[few].1).max(sizes[few].1 / sizes[few - 1].1);
+    // Beside zeros alone no size says anything.
+    let stands = |few: &usize| sizes[*few].1 > 0.0 && sizes[few - 1].1 > 0.0 && ratio(*few) >= factor;
+    let Some(few) = (1..=most).rev().find(stands) else { return Vec::new() };
+    let rows: Vec<usize> = sizes[..few].iter().map(|(row, _)| *row).collect();
+    let alone = |row: &usize| !rows.iter().any(|other| other.abs_diff(*row) == 1);
+    if timed && !rows.iter().all(alone) {
+        return Vec::new();
+    }
+    let other = sizes[few].1;
+    sizes[..few].iter().map(|(row, size)| (*row, size / other)).collect()
 }
 
 struct Work<'a> {
@@ -218,6 +250,70 @@ impl Work<'_> {
             format!("{doubles} rows have the time of the row before; their readings were averaged"),
         );
         self.retain(columns, &keep);
+        Ok(())
+    }
+
+    /// Refuses a step in time that no recording makes.
+    fn jump(&self, times: &[f64]) -> Result<(), StudyError> {
+        let step = |place: usize| times[place] - times[place - 1];
+        let Some(longest) = (1..times.len()).max_by(|a, b| step(*a).total_cmp(&step(*b))) else { return Ok(()) };
+        let others = times[times.len() - 1] - times[0] - step(longest);
+        if times.len() < OTHERS || step(longest) <= JUMP * others {
+            return Ok(());
+        }
+        // The time that stands alone is the first or behind the step.
+        let at = if longest == 1 { 0 } else { longest };
+        let what = format!("the time jumps from {:?} s to {:?} s", times[longest - 1], times[longest]);
+        Err(self.refuse(Some(self.lines[at]), what, "mend that time, or make it two runs"))
+    }
+
+    /// Readings that cannot be, whatever was measured.
+    fn impossible(&mut self, column: &mut Column, entry: &ColumnEntry, timed: bool) -> Result<(), StudyError> {
+        let never_zero = match column.quantity {
+            Quantity::Time | Quantity::Command => return Ok(()),
+            Quantity::Length | Quantity::AntagonistLength | Quantity::Temperature => true,
+            _ => false,
+        };
+        let (words, unit) = (column.quantity.words(), column.quantity.unit());
+        let mut found: Vec<(usize, String)> = Vec::new();
+        if never_zero {
+            let why = |place: usize| (place, format!("where a {words} is above zero"));
+            found.extend((0..column.values.len()).filter(|place| column.values[*place] <= 0.0).map(why));
+        }
+        let factor = match (never_zero, timed) {
+            (true, _) => APART[2],
+            (false, true) => APART[1],
+            (false, false) => APART[0],
+        };
+        let mut sizes: Vec<(usize, f64)> = column.values.iter().map(|value| value.abs()).enumerate().collect();
+        sizes.retain(|(place, size)| size.is_finite() && !found.iter().any(|(of, _)| of == place));
+        sizes.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        let largest = apart(&sizes, factor, timed);
+        found.extend(largest.iter().map(|(place, times)| (*place, format!("{times:.3e} times the largest other"))));
+        if never_zero {
+            sizes.reverse();
+            let smallest = apart(&sizes, factor, timed);
+            found.extend(
+                smallest.iter().map(|(place, times)| (*place, format!("{times:.3e} times the smallest other"))),
+            );
+        }
+        let Some((place, why)) = found.first() else { return Ok(()) };
+        if !entry.rules.drop_outliers {
+            let what =
+                format!("the {words} in the column `{}` is {:?} {unit}, {why}", entry.name, column.values[*place]);
+            let remedy =
+                "mend the cell or empty it, or say drop_outliers = true for this column to leave such cells out";
+            return Err(self.refuse(Some(self.lines[*place]), what, remedy));
+        }
+        let lines: Vec<String> = found.iter().take(5).map(|(place, _)| self.lines[*place].to_string()).collect();
+        let text = format!(
+            "{} readings of the {words} cannot be and were left out (line {}{})",
+            found.len(),
+            lines.join(", "),
+            if found.len() > lines.len() { ", …" } else { "" }
+        );
+        self.note(Severity::Warned, text);
+        found.iter().for_each(|(place, _)| column.values[*place] = f64::NAN);
         Ok(())
     }
 

@@ -216,8 +216,10 @@ impl StudyError {
 pub struct Sheet {
     /// The columns in SI; NaN where there is no reading.
     pub columns: Vec<Column>,
-    /// Readings in a row.
+    /// How many rows there are.
     pub rows: usize,
+    /// The line of each row in its file, or its number in a file without lines.
+    pub lines: Vec<usize>,
 }
 
 /// One column.

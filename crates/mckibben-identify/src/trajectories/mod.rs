@@ -34,7 +34,7 @@ pub use held_out::HeldOutRun;
 pub use rest::{Drift, Unexplained};
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use sensitivities::Asked;
-pub use simulated::Simulated;
+pub use simulated::{Simulated, Watch};
 
 use crate::adjustable::Adjustable;
 use crate::least_squares::{Evaluation, Model};
@@ -162,7 +162,7 @@ impl Recorded {
     /// The run as it is simulated with values of all unknowns, up to its last reading.
     fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Simulated, TrajectoryError> {
         let duration = self.duration(f64::INFINITY).max(1e-9);
-        let run = |built: Plant| built.simulate(duration, tolerance);
+        let run = |built: Plant| built.simulate(duration, tolerance, &|_| Ok(()));
         self.built(values).and_then(run).map_err(|error| self.failed(error))
     }
 
@@ -229,7 +229,7 @@ impl Runs<'_> {
     /// Runs a plant and visits each reading with its residual, over any scalar.
     fn course<R: Real>(&self, run: &Recorded, plant: &Plant<R>, visit: impl FnMut(R)) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
-        self.compare(run, &plant.simulate(R::constant(duration), self.tolerance)?, visit);
+        self.compare(run, &plant.simulate(R::constant(duration), self.tolerance, &|_| Ok(()))?, visit);
         Ok(())
     }
 

@@ -7,7 +7,7 @@
 //! A derivative holds between events; where an event is on the point of coming or going there is none, and it is that of
 //! the side on which the run lies.
 
-use super::simulated::Plant;
+use super::simulated::{Plant, Watch};
 use super::{Observed, Simulated};
 use crate::adjustable::Adjustable;
 use mckibben::{Error, Real};
@@ -25,26 +25,32 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// The quantities at each time in turn, with the numbers of a scenario at `values`, in the order of its places.
+    /// The quantities at each time in turn, with the numbers of a scenario at `values`, in the order of its places. `watch` is
+    /// called now and then with the time that has been reached.
     ///
     /// # Errors
-    /// When the scenario cannot be so, or its run cannot go on.
-    pub fn values(&self, of: &Adjustable, values: &[f64]) -> Result<Vec<f64>, Error> {
-        Ok(self.read(&self.run(&Plant::of(&of.at(values)?)?)?).collect())
+    /// When the scenario cannot be so, or its run cannot go on, and those of `watch`.
+    pub fn values(&self, of: &Adjustable, values: &[f64], watch: &Watch<'_>) -> Result<Vec<f64>, Error> {
+        Ok(self.read(&self.run(&Plant::of(&of.at(values)?)?, watch)?).collect())
     }
 
     /// The same with the derivatives of each by the numbers, `[time][quantity][number]` in one row.
     ///
     /// # Errors
     /// As [`Asked::values`].
-    pub fn with_slopes(&self, of: &Adjustable, values: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    pub fn with_slopes(
+        &self,
+        of: &Adjustable,
+        values: &[f64],
+        watch: &Watch<'_>,
+    ) -> Result<(Vec<f64>, Vec<f64>), Error> {
         let width = of.places().len();
         if width == 0 {
-            return Ok((self.values(of, values)?, Vec::new()));
+            return Ok((self.values(of, values, watch)?, Vec::new()));
         }
         let plant = Plant::of(&of.at(values)?)?;
         let passes: Vec<usize> = of.passes().collect();
-        let pass = |first: &usize| Ok(self.read(&self.run(&plant.seeded(of, *first))?).collect::<Vec<_>>());
+        let pass = |first: &usize| Ok(self.read(&self.run(&plant.seeded(of, *first), watch)?).collect::<Vec<_>>());
         let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, Error>>()?;
         let read: Vec<f64> = duals[0].iter().map(|dual| dual.value).collect();
         let mut slopes = vec![0.0; read.len() * width];
@@ -56,9 +62,9 @@ impl Asked {
         Ok((read, slopes))
     }
 
-    fn run<R: Real>(&self, plant: &Plant<R>) -> Result<Simulated<R>, Error> {
+    fn run<R: Real>(&self, plant: &Plant<R>, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
         let last = self.times.iter().copied().fold(1e-9, f64::max);
-        plant.simulate(R::constant(last), self.tolerance)
+        plant.simulate(R::constant(last), self.tolerance, watch)
     }
 
     fn read<'r, R: Real>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {

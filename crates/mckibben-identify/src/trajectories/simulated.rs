@@ -4,10 +4,15 @@ use super::Observed;
 use crate::adjustable::{Adjustable, Seeded};
 use mckibben::parameter::Parameter;
 use mckibben::simulation::{
-    Initial, JointInitial, JointRig, JointTrajectory, Rig, Sample, State, Trajectory, simulate, simulate_joint,
+    Initial, JointInitial, JointRig, JointTrajectory, Rig, Sample, State, Trajectory, simulate_joint_watched,
+    simulate_watched,
 };
 use mckibben::{Actuator, Error, Real};
 use mckibben_scenario::Scenario;
+
+/// What is called now and then with the time in s that a run has reached; its error, such as [`Error::Interrupted`], ends the
+/// run.
+pub type Watch<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
 
 /// What a scenario describes, and its start.
 pub(super) enum Plant<R: Real = f64> {
@@ -49,15 +54,15 @@ impl Plant {
 }
 
 impl<R: Real> Plant<R> {
-    /// Runs it for so many seconds.
-    pub(super) fn simulate(&self, duration: R, tolerance: f64) -> Result<Simulated<R>, Error> {
+    /// Runs it for so many seconds; an error of `watch` ends it.
+    pub(super) fn simulate(&self, duration: R, tolerance: f64, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
         match self {
             Self::Rig(of) => {
-                let run = simulate(&of.0, of.0.begin(&of.1)?, duration, tolerance)?;
+                let run = simulate_watched(&of.0, of.0.begin(&of.1)?, duration, tolerance, watch)?;
                 Ok(Simulated::Rig(Box::new(run)))
             }
             Self::Joint(of) => {
-                let run = simulate_joint(&of.0, of.0.begin(&of.1)?, duration, tolerance)?;
+                let run = simulate_joint_watched(&of.0, of.0.begin(&of.1)?, duration, tolerance, watch)?;
                 Ok(Simulated::Joint(Box::new(run)))
             }
         }

@@ -6,6 +6,7 @@ use mckibben::Error;
 use mckibben::control::Drive;
 use mckibben_cli::failure::Failure;
 use rayon::prelude::*;
+use std::fmt::Debug;
 
 /// Rows that a thread takes together at least.
 const TOGETHER: usize = 4;
@@ -13,7 +14,7 @@ const TOGETHER: usize = 4;
 /// How plants of a kind are made, driven, stepped and shown, `VALVES` valves each.
 pub(super) trait Kind<const VALVES: usize>: Send + Sync {
     /// One of them.
-    type Plant: Send + Sync;
+    type Plant: Debug + Send + Sync;
 
     fn columns(&self) -> Vec<String>;
 
@@ -25,9 +26,6 @@ pub(super) trait Kind<const VALVES: usize>: Send + Sync {
     fn advance_to(plant: &mut Self::Plant, until: f64) -> Result<(), Error>;
 
     fn show(plant: &Self::Plant, into: &mut [f64]);
-
-    /// An error of the core, in the scenario's words.
-    fn failed(&self, error: &Error) -> Failure;
 }
 
 /// Plants of a kind, each with a clock of its own.
@@ -82,6 +80,10 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
         VALVES
     }
 
+    fn bytes(&self) -> usize {
+        size_of::<Member<K::Plant>>()
+    }
+
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| {
             self.kind.begin(values).map(Member::new).map_err(|failure| (row, failure))
@@ -100,7 +102,7 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
     fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)> {
         let wrong = |(row, asked): (usize, &[f64])| Some((row, self.drives(asked).err()?));
         let wrong = asked.chunks(VALVES).enumerate().find_map(wrong);
-        wrong.map_or(Ok(()), |(row, error)| Err((row, self.kind.failed(&error))))
+        wrong.map_or(Ok(()), |(row, error)| Err((row, error.into())))
     }
 
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
@@ -118,6 +120,15 @@ impl<K: Kind<VALVES>, const VALVES: usize> Fleet for Alone<K, VALVES> {
             }
         });
         self.plants = plants;
+    }
+
+    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure> {
+        let [one, other] = values.map(|values| self.kind.begin(values).map(|plant| format!("{plant:?}")));
+        Ok(one? != other?)
+    }
+
+    fn time(&self, row: usize) -> f64 {
+        self.plants[row].pace.now()
     }
 
     fn show(&self, row: usize, into: &mut [f64]) {

@@ -19,6 +19,9 @@ pub(super) enum Asked {
     SetPoint,
 }
 
+/// Names of the kinds.
+const NAMES: [&str; 4] = ["duty", "request", "position", "set-point"];
+
 impl Asked {
     /// By its name; `pulses` says how a duty cycle is pulsed, if it is asked for.
     pub(super) fn named(name: &str, pulses: impl FnOnce() -> Result<Pulses, Failure>) -> Result<Self, Failure> {
@@ -31,6 +34,37 @@ impl Asked {
                 format!("asked = \"{other}\" is nothing that a valve can be asked"),
                 "say \"duty\", \"request\", \"position\" or \"set-point\"",
             )),
+        }
+    }
+
+    /// Refuses a kind of action, by its name, that a valve does not take, whatever the number.
+    pub(super) fn check(name: &str, valve: Option<&Solenoid>) -> Result<(), Failure> {
+        let Some(valve) = valve else {
+            return Err(Failure::input(
+                "the plant has no valve that could be asked",
+                "give the scenario [supply] and [valve]",
+            ));
+        };
+        let (valve, takes): (_, &[&str]) = match (valve.spool(), valve.regulator()) {
+            (Some(_), _) => ("proportional spool", &["position"]),
+            (None, Some(_)) => ("pressure regulator", &["set-point"]),
+            (None, None) => ("valve with seats", &["duty", "request"]),
+        };
+        if takes.contains(&name) || !NAMES.contains(&name) {
+            return Ok(());
+        }
+        let takes = takes.iter().map(|name| format!("asked=\"{name}\"")).collect::<Vec<_>>().join(" or ");
+        Err(Failure::input(
+            format!("asked=\"{name}\" is nothing that the scenario's valve takes, which is a {valve}"),
+            format!("give {takes}, or a scenario with another valve.kind"),
+        ))
+    }
+
+    /// A number that a valve which takes this kind of action can be asked; `requests` are the requests that it can.
+    pub(super) fn least(&self, requests: &[f64]) -> f64 {
+        match self {
+            Self::Request => requests.first().copied().unwrap_or_default(),
+            Self::Duty(_) | Self::Position | Self::SetPoint => 0.0,
         }
     }
 

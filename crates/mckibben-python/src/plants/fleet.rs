@@ -42,6 +42,9 @@ pub(super) trait Fleet: Send + Sync {
     /// How many valves each has.
     fn valves(&self) -> usize;
 
+    /// Bytes that each takes at least.
+    fn bytes(&self) -> usize;
+
     /// All begin at t = 0, as many as there are rows of values.
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)>;
 
@@ -54,6 +57,12 @@ pub(super) trait Fleet: Send + Sync {
     /// Asks this of the valves, which has been checked, goes on, and writes what each shows, and which have left the physics and
     /// stopped: of those nothing is written.
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]);
+
+    /// Whether plants with these two sets of values differ in anything but the commands of their valves.
+    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure>;
+
+    /// The time in s of one plant, which its pulses follow.
+    fn time(&self, row: usize) -> f64;
 
     /// Writes what one shows; nothing where it has stopped.
     fn show(&self, row: usize, into: &mut [f64]);

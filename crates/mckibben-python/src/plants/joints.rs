@@ -56,8 +56,4 @@ impl Kind<2> for Joints {
         let [of, other] = pressure.map(|pressure| pressure.0);
         into.copy_from_slice(&[angle, angular_velocity, of, air_mass[0], other, air_mass[1]]);
     }
-
-    fn failed(&self, error: &Error) -> Failure {
-        self.numbers.failed(error)
-    }
 }

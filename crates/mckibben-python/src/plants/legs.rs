@@ -103,7 +103,7 @@ impl Kind<STRANDS> for Legs {
         };
         let temperature = made[0].1.temperature;
         LegStepper::new(posed.leg, posed.state, core::array::from_fn(strand), temperature, self.pulse_frequency)
-            .map_err(|error| self.failed(&error))
+            .map_err(|error| self.strands[0].failed(&error))
     }
 
     fn drive(leg: &mut LegStepper, drives: [Drive; STRANDS]) -> Result<(), Error> {
@@ -120,9 +120,5 @@ impl Kind<STRANDS> for Legs {
         let pressures = leg.actuators().each_ref().map(|actuator| actuator.state().pressure.0);
         let shown = state.angles.into_iter().chain(state.rates).chain(pressures).chain(foot);
         into.iter_mut().zip(shown).for_each(|(into, number)| *into = number);
-    }
-
-    fn failed(&self, error: &Error) -> Failure {
-        self.strands[0].failed(error)
     }
 }

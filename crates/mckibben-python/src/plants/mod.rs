@@ -18,20 +18,21 @@ mod legs;
 mod numbers;
 mod rigs;
 
+use crate::arguments;
 use crate::pool;
 use crate::pulses::Pulses;
-use crate::raised::Raised;
+use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
-use crate::typed::{Flags, Given, Numbers as Array, Rows};
+use crate::typed::{Count, Flags, Items, Numbers as Array, Rows, Sequence, Table};
 use alone::Alone;
 use asked::Asked;
 use fleet::{Fleet, Span};
 use joints::Joints;
 use legs::Legs;
-use mckibben::simulation::Method;
+use mckibben::simulation::{Actuation, MOST_PARTS, Method};
 use mckibben_cli::failure::Failure;
 use numbers::Numbers;
-use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use rigs::Rigs;
@@ -67,6 +68,10 @@ pub(crate) struct Plants {
     longest: f64,
     duration: f64,
     requests: Vec<f64>,
+    /// Frequency of the pulses in Hz, where duty cycles are asked for.
+    pulses: Option<f64>,
+    /// Longest time in s from a command to its effect at a valve.
+    valve_delay: f64,
     count: usize,
     /// How many columns are shown of each.
     width: usize,
@@ -75,6 +80,8 @@ pub(crate) struct Plants {
 
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
+/// Steps and edges of pulses of all plants together that go on without a look at Ctrl-C.
+const UNHEARD: f64 = 1e6;
 
 impl Plants {
     fn of(
@@ -89,9 +96,22 @@ impl Plants {
         let base = understood.open_loop();
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
         let actuation = base.driven().map_err(failed)?.actuation;
+        let valve = actuation.as_ref().map(|actuation| &actuation.solenoid);
+        Asked::check(asked_by, valve)?;
         let pulses = || Pulses::of(actuation.as_ref().map(|actuation| &actuation.command), pulse_frequency);
         let asked = Asked::named(asked_by, pulses)?;
-        let requests = actuation.as_ref().map_or(Vec::new(), |actuation| Asked::requests_of(&actuation.solenoid));
+        let requests = valve.map_or(Vec::new(), Asked::requests_of);
+        let second = base.of_antagonist().map(|other| other.driven()).transpose().map_err(failed)?;
+        let valves = [actuation.as_ref(), second.as_ref().and_then(|second| second.actuation.as_ref())];
+        let of_valve = |actuation: &Actuation| {
+            let Actuation { solenoid, .. } = actuation;
+            let dead_time = solenoid.regulator().map(|regulator| regulator.dead_time());
+            solenoid.delays().into_iter().chain(dead_time).fold(0.0, f64::max)
+        };
+        // What cannot be built is refused below.
+        let hose = base.rig().ok().and_then(|rig| rig.line().hose.map(|hose| hose.transport_delay()));
+        let valve_delay = valves.into_iter().flatten().map(of_valve).fold(0.0, f64::max) + hose.unwrap_or_default();
+        let pulses = matches!(asked, Asked::Duty(_)).then(|| asked.pulse_frequency());
         let mut given = vec![f64::NAN; by.len()];
         let mut fill = |numbers: &mut dyn Iterator<Item = (usize, f64)>| {
             numbers.for_each(|(which, value)| given[which] = value);
@@ -116,19 +136,42 @@ impl Plants {
             fill(&mut numbers.given());
             (Box::new(Rigs::new(numbers, method, asked, valve)), experiment.step().map_err(failed)?.0)
         };
+        fleet.check(&vec![asked.least(&requests); fleet.valves()]).map_err(|(_, failure)| failure)?;
         let (scenario, by, duration) = (scenario.clone_ref(py), by.to_vec(), base.run.duration);
         let (asked, width) = (asked_by.to_owned(), fleet.columns().len());
-        Ok(Self { scenario, by, asked, pulse_frequency, leg, given, longest, duration, requests, count, width, fleet })
+        Ok(Self {
+            scenario,
+            by,
+            asked,
+            pulse_frequency,
+            leg,
+            given,
+            longest,
+            duration,
+            requests,
+            pulses,
+            valve_delay,
+            count,
+            width,
+            fleet,
+        })
     }
 
     fn step_of_leg(step: Option<f64>) -> Result<f64, Failure> {
         step.ok_or_else(|| Failure::input("a leg does not choose its step by itself", "give run.step, as \"0.1 ms\""))
     }
 
-    /// The plants with the values of each; a failure where they are as many as there should not be.
+    fn begin(&mut self, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {
+        let (values, count) = (values.map(|values| values.read("values")).transpose()?, self.count);
+        let (fleet, values) = self.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, count).raised()?;
+        py.detach(|| together(count, || fleet.begin(&values).map_err(of_plant))).raised()
+    }
+
+    /// The plants with the values of each; a failure where they are as many as there should not be, or not finite.
     fn valued<'a>(&'a mut self, values: Option<&'a [f64]>, count: usize) -> Result<Valued<'a>, Failure> {
         let Self { fleet, by, given, .. } = self;
         let width = by.len();
+        arguments::finite_table("values", values.unwrap_or_default(), width)?;
         let values = match values {
             None => vec![given.as_slice(); count],
             Some(values) if values.len() == count * width && width > 0 => values.chunks(width).collect(),
@@ -146,6 +189,14 @@ impl Plants {
 
 /// Plants, and the values of each.
 type Valued<'a> = (&'a mut dyn Fleet, Vec<&'a [f64]>);
+
+/// The plants, unless another thread works on them.
+fn mine<'py>(this: &Bound<'py, Plants>) -> PyResult<PyRefMut<'py, Plants>> {
+    this.try_borrow_mut().map_err(|_| {
+        let remedy = "give each thread Plants of its own, or wait for the other";
+        exception(&Failure::input("these Plants are being stepped by another thread", remedy))
+    })
+}
 
 /// What plants are made of, for pickling: by place and by name.
 type Made<'py> = ((Py<Scenario>, usize), BTreeMap<&'static str, Bound<'py, PyAny>>);
@@ -175,19 +226,23 @@ fn shaped(name: &str, slice: Option<usize>, (rows, columns): (usize, usize)) -> 
 #[pymethods]
 impl Plants {
     #[new]
-    #[pyo3(signature = (scenario, count, *, by = Vec::new(), asked = "duty", pulse_frequency = None, leg = None))]
+    #[pyo3(signature = (scenario, count, *, by = Items(Vec::new()), asked = "duty", pulse_frequency = None, leg = None))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
-        count: usize,
-        by: Vec<String>,
+        count: Count,
+        by: Items<String>,
         asked: &str,
         pulse_frequency: Option<f64>,
         leg: Option<BTreeMap<String, f64>>,
     ) -> PyResult<Self> {
         let leg: Option<Vec<(String, f64)>> = leg.map(|leg| leg.into_iter().collect());
-        let mut plants = Self::of(py, &scenario, &by, (asked, pulse_frequency), leg, count).raised()?;
-        plants.start(py, None)?;
+        for (path, value) in leg.iter().flatten() {
+            arguments::number(&format!("leg[{path:?}]"), *value, "", "a finite number in SI", true).raised()?;
+        }
+        let mut plants = Self::of(py, &scenario, &by.0, (asked, pulse_frequency), leg, count.0).raised()?;
+        arguments::room(py, count.0, "plants", plants.fleet.bytes())?;
+        plants.begin(py, None)?;
         Ok(plants)
     }
 
@@ -196,30 +251,26 @@ impl Plants {
     ///
     /// Raises `InputError` for values that cannot be. Then nothing has changed.
     #[pyo3(signature = (values = None))]
-    fn start(&mut self, py: Python<'_>, values: Option<Given<PyReadonlyArray2<'_, f64>>>) -> PyResult<()> {
-        let (values, count) = (values.as_ref().map(|values| values.0.as_slice()).transpose()?, self.count);
-        let (fleet, values) = self.valued(values, count).raised()?;
-        py.detach(|| together(count, || fleet.begin(&values).map_err(of_plant))).raised()
+    fn start(this: &Bound<'_, Self>, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {
+        mine(this)?.begin(py, values)
     }
 
     /// The plants of these numbers begin anew with these values, of shape (len(rows), len(by)), and nothing asked of their
     /// valves; those of the scenario unless given. The others go on.
     #[pyo3(signature = (rows, values = None))]
-    fn restart(
-        &mut self,
-        py: Python<'_>,
-        rows: Rows<'_>,
-        values: Option<Given<PyReadonlyArray2<'_, f64>>>,
-    ) -> PyResult<()> {
-        let rows = rows.0.as_slice()?;
-        let number = |row: &i64| usize::try_from(*row).ok().filter(|row| *row < self.count);
-        let unknown = || {
-            let remedy = format!("count the plants from 0 to {}", self.count.saturating_sub(1));
-            Failure::input("a plant is meant that there is not", remedy)
+    fn restart(this: &Bound<'_, Self>, py: Python<'_>, rows: Rows<'_>, values: Option<Table<'_>>) -> PyResult<()> {
+        let mut plants = mine(this)?;
+        let (rows, count) = (rows.read("rows")?, plants.count);
+        let number = |row: &i64| usize::try_from(*row).ok().filter(|row| *row < count);
+        let unknown = |row: &i64| {
+            let remedy = format!("count the plants from 0 to {}", count.saturating_sub(1));
+            Failure::input(format!("rows: number {row} of a plant is meant that there is not"), remedy)
         };
-        let rows = rows.iter().map(|row| number(row).ok_or_else(unknown)).collect::<Result<Vec<_>, _>>().raised()?;
-        let (values, count) = (values.as_ref().map(|values| values.0.as_slice()).transpose()?, self.count);
-        let (fleet, values) = self.valued(values, rows.len()).raised()?;
+        let rows = rows.as_slice()?.iter().map(|row| number(row).ok_or_else(|| unknown(row)));
+        let rows = rows.collect::<Result<Vec<_>, _>>().raised()?;
+        let values = values.map(|values| values.read("values")).transpose()?;
+        let (fleet, values) =
+            plants.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, rows.len()).raised()?;
         let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values).collect();
         py.detach(|| together(count, || fleet.restart(&rows).map_err(of_plant))).raised()
     }
@@ -228,49 +279,98 @@ impl Plants {
     /// `shown`, of shape (count, len(columns)), and into `stopped` which of them have left the physics: their entries stay
     /// as they are, and only `restart` brings them back.
     ///
-    /// Raises `InputError` for what cannot be asked, before anything has changed.
+    /// Raises `InputError` for what cannot be asked, and for more than 10 000 000 steps or edges of pulses, before anything
+    /// has changed. Ctrl-C ends a step of many parts between two of them.
     fn step(
-        &mut self,
+        this: &Bound<'_, Self>,
         py: Python<'_>,
         dt: f64,
-        asked: Given<PyReadonlyArray2<'_, f64>>,
-        mut shown: Given<PyReadwriteArray2<'_, f64>>,
-        mut stopped: Flags<'_>,
+        asked: Table<'_>,
+        shown: Table<'_>,
+        stopped: Flags<'_>,
     ) -> PyResult<()> {
-        let asked = asked.0.as_slice().ok();
-        shaped("asked", asked.map(<[f64]>::len), (self.count, self.fleet.valves())).raised()?;
+        let mut plants = mine(this)?;
+        let Self { fleet, count, width, longest, pulses, .. } = &mut *plants;
+        let (valves, count, width) = (fleet.valves(), *count, *width);
+        let (asked, mut shown, mut stopped) = (asked.read("asked")?, shown.write("shown")?, stopped.write("stopped")?);
+        let asked = asked.as_slice().ok();
+        shaped("asked", asked.map(<[f64]>::len), (count, valves)).raised()?;
         let asked = asked.unwrap_or_default();
-        let steps = (dt / self.longest - ROUNDING).ceil();
-        if !(dt > 0.0 && steps < 1e9) {
-            let remedy = "give a time in s above zero, such as 1e-3";
-            return Err(Failure::input(format!("dt = {dt} is no time to go on by"), remedy)).raised();
+        arguments::finite_table("asked", asked, valves).raised()?;
+        crate::actuator::check_dt(dt).raised()?;
+        let steps = (dt / *longest - ROUNDING).ceil().max(1.0);
+        let parts = steps + 2.0 * dt * pulses.unwrap_or(0.0);
+        if parts > MOST_PARTS {
+            let title = format!("dt = {dt:?} s takes {parts:.3e} steps and edges of pulses, more than {MOST_PARTS:e}");
+            return Err(Failure::input(title, "give a shorter dt, a longer run.step or a lower pulse_frequency"))
+                .raised();
         }
-        let span = Span { duration: dt, steps: (steps as u64).max(1) };
-        self.fleet.check(asked).map_err(of_plant).raised()?;
-        let (shown, stopped) = (shown.0.as_slice_mut()?, stopped.0.as_slice_mut()?);
-        let fleet = &mut self.fleet;
-        shaped("shown", Some(shown.len()), (self.count, self.width)).raised()?;
-        shaped("stopped", Some(stopped.len()), (self.count, 1)).raised()?;
-        py.detach(|| {
-            together(self.count, || {
-                fleet.step(span, asked, shown, stopped);
-                Ok(())
+        fleet.check(asked).map_err(of_plant).raised()?;
+        let (shown, stopped) = (shown.as_slice_mut()?, stopped.as_slice_mut()?);
+        shaped("shown", Some(shown.len()), (count, width)).raised()?;
+        shaped("stopped", Some(stopped.len()), (count, 1)).raised()?;
+        // Between spans Ctrl-C is heard; what is asked again meanwhile changes nothing.
+        let spans = (parts * count as f64 / UNHEARD).ceil().max(1.0);
+        let span = Span { duration: dt / spans, steps: (steps / spans).ceil() as u64 };
+        for number in 0..spans as u64 {
+            if number > 0 {
+                py.check_signals()?;
+            }
+            py.detach(|| {
+                together(count, || {
+                    fleet.step(span, asked, shown, stopped);
+                    Ok(())
+                })
             })
-        })
-        .raised()
+            .raised()?;
+        }
+        Ok(())
     }
 
     /// Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
-    fn show(&self, rows: Rows<'_>, mut shown: Given<PyReadwriteArray2<'_, f64>>) -> PyResult<()> {
-        let width = self.width;
-        let shown = shown.0.as_slice_mut()?;
+    fn show(&self, rows: Rows<'_>, shown: Table<'_>) -> PyResult<()> {
+        let (width, rows, mut shown) = (self.width, rows.read("rows")?, shown.write("shown")?);
+        let shown = shown.as_slice_mut()?;
         shaped("shown", Some(shown.len()), (self.count, width)).raised()?;
-        for row in rows.0.as_slice()?.iter().filter_map(|row| usize::try_from(*row).ok()) {
+        for row in rows.as_slice()?.iter().filter_map(|row| usize::try_from(*row).ok()) {
             if let Some(into) = shown.get_mut(row * width..(row + 1) * width) {
                 self.fleet.show(row, into);
             }
         }
         Ok(())
+    }
+
+    /// Whether plants with these two sets of values of the numbers `by`, in SI, would differ. Commands of valves do not count.
+    ///
+    /// Raises `InputError` for values that cannot be.
+    fn differ(&self, one: Sequence, other: Sequence) -> PyResult<bool> {
+        let values = [one.0.as_slice(), other.0.as_slice()];
+        if values.iter().any(|values| values.len() != self.by.len()) {
+            let remedy = format!("give a value for each of {}, in SI", self.by.join(", "));
+            return Err(Failure::input("values are missing, or there are too many", remedy)).raised();
+        }
+        self.fleet.differ(values).raised()
+    }
+
+    /// The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. It begins with the
+    /// plant's episode; that of actuators with their loads, which share one clock, with `start`.
+    #[getter]
+    fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
+        let time: Vec<f64> = (0..self.count).map(|row| self.fleet.time(row)).collect();
+        Array(PyArray1::from_vec(py, time).into_any())
+    }
+
+    /// How often pulses come, in Hz, where `asked` is "duty".
+    #[getter]
+    fn pulses(&self) -> Option<f64> {
+        self.pulses
+    }
+
+    /// The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
+    /// dead time of a pressure regulator, and what a hose adds.
+    #[getter]
+    fn valve_delay(&self) -> f64 {
+        self.valve_delay
     }
 
     /// What is shown of each, by the names of the columns of a run.

@@ -21,7 +21,9 @@ impl Numbers {
         let mut base = understood.open_loop();
         let place = |(_, path): &(usize, &str)| {
             let place = document.find(path, by.iter().map(|(_, other)| *other), &mut base);
-            place.map_err(|error| Failure::input(error.to_string(), "mend `by`"))
+            place.map_err(|error| {
+                Failure::input(error.to_string(), "name another in `by`, or in `randomize` of an environment")
+            })
         };
         let places = by.iter().map(place).collect::<Result<_, _>>()?;
         let given = document.says_of_each(parameter::MIN_LENGTH.key);
@@ -56,11 +58,17 @@ impl Numbers {
             return make(self.base()).map_err(|error| self.failed(&error));
         }
         let own: Vec<f64> = self.which.iter().map(|which| values[*which]).collect();
-        self.adjustable.at(&own).and_then(|scenario| make(&scenario)).map_err(|error| self.failed(&error))
+        // The values are the caller's: no line of the scenario is at fault.
+        let refused =
+            |error: Error| Failure::input(error.to_string(), "give another value, or draw from another range");
+        self.adjustable.at(&own).and_then(|scenario| make(&scenario)).map_err(refused)
     }
 
-    /// An error of the core, in the scenario's words.
+    /// An error of the core: shown in the scenario, unless its values came from elsewhere.
     pub(super) fn failed(&self, error: &Error) -> Failure {
-        Failure::of_core(error, &self.scenario.get().document)
+        match self.are_given() {
+            true => Failure::of_core(error, &self.scenario.get().document),
+            false => error.clone().into(),
+        }
     }
 }

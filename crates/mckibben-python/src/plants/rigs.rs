@@ -62,6 +62,11 @@ impl Fleet for Rigs {
         1
     }
 
+    fn bytes(&self) -> usize {
+        // A row, and what the batch keeps of it.
+        2 * size_of::<Row>()
+    }
+
     fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| self.row(values).map_err(|failure| (row, failure));
         let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
@@ -90,7 +95,7 @@ impl Fleet for Rigs {
         let can = |demand| self.valve.as_ref().map_or(Ok(()), |valve| valve.check_demand(&demand));
         let wrong = |(row, number): (usize, &f64)| Some((row, self.asked.demand(*number).and_then(can).err()?));
         let wrong = asked.iter().enumerate().find_map(wrong);
-        wrong.map_or(Ok(()), |(row, error)| Err((row, self.numbers.failed(&error))))
+        wrong.map_or(Ok(()), |(row, error)| Err((row, error.into())))
     }
 
     fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
@@ -99,6 +104,22 @@ impl Fleet for Rigs {
         // What is asked has been checked, and there are as many places as rows.
         let (shown, _) = shown.as_chunks_mut();
         let _ = self.batch.go(self.pace.now(), span.steps, demand, (shown, stopped));
+    }
+
+    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure> {
+        let [one, other] = values.map(|values| {
+            self.numbers.with(values, |scenario| {
+                let mut scenario = scenario.clone();
+                scenario.command.clone_from(&self.numbers.base().command);
+                let experiment = scenario.experiment()?;
+                Ok(format!("{:?} {:?}", experiment.rig, experiment.start))
+            })
+        });
+        Ok(one? != other?)
+    }
+
+    fn time(&self, _: usize) -> f64 {
+        self.pace.now()
     }
 
     fn show(&self, row: usize, into: &mut [f64]) {

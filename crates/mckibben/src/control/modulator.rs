@@ -116,6 +116,7 @@ fn begin<R: Real>(period: u64, frequency: R) -> R {
 /// The first period that does not begin before `time` in s.
 fn first_period<R: Real>(time: R, frequency: R) -> u64 {
     let period = (time * frequency).value() as u64;
-    // The product may lie a rounding to either side of a whole number.
-    (period.saturating_sub(1)..).find(|period| is_due(time, begin(*period, frequency))).unwrap_or(period)
+    // The product may lie a rounding to either side of a whole number. Beyond the periods that can be counted none begins.
+    let near = period.saturating_sub(1)..=period.saturating_add(2);
+    near.into_iter().find(|period| is_due(time, begin(*period, frequency))).unwrap_or(period)
 }

@@ -17,7 +17,7 @@
 use crate::convert::{Anew, Convert};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
 
 /// Largest delay in sampling instants.
 pub const MAX_DELAY: usize = 16;
@@ -59,6 +59,20 @@ impl<S: Scalar> Sampling<S> {
             delay: self.delay,
             pulse_frequency: convert.parameter(&parameter::PULSE_FREQUENCY, self.pulse_frequency),
         }
+    }
+
+    /// That a run of `duration` s has no more than [`MAX_COUNT`](crate::parameter::MAX_COUNT) samples and pulses.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error>
+    where
+        S: Real,
+    {
+        let (rate, pulses) = (self.rate.value(), self.pulse_frequency.value());
+        parameter::CONTROL_RATE.check_count(rate, rate * duration, "samples of the controller")?;
+        parameter::PULSE_FREQUENCY.check_count(pulses, pulses * duration, "pulses")?;
+        Ok(())
     }
 
     /// Samples a second.

@@ -94,22 +94,21 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
     }
 
     /// Goes through `duration` s: `extend` to each sampling instant, `sample` there, and on to the end.
-    pub(super) fn run<T, D>(
+    pub(super) fn run<T>(
         mut self,
         mut grown: T,
         duration: R,
         mut extend: impl FnMut(&mut T, R) -> Result<(), Error>,
-        mut sample: impl FnMut(&mut T, &mut Self) -> Result<D, Error>,
-    ) -> Result<(T, Vec<D>), Error> {
-        let mut decisions = Vec::new();
+        mut sample: impl FnMut(&mut T, &mut Self) -> Result<(), Error>,
+    ) -> Result<T, Error> {
         loop {
             let instant = self.next();
             if !is_due(instant, duration) {
                 extend(&mut grown, duration)?;
-                return Ok((grown, decisions));
+                return Ok(grown);
             }
             extend(&mut grown, instant.smaller(duration))?;
-            decisions.push(sample(&mut grown, &mut self)?);
+            sample(&mut grown, &mut self)?;
         }
     }
 }

@@ -15,8 +15,15 @@
 //!
 //! The load and the taut braid are taken from the states, the rest by quadrature over the dense output: that the sum
 //! closes is a test of the simulation, to its tolerance, in every run.
+//!
+//! Each point of the quadrature rounds length and pressure, and so the energies that belong to them, `P V` of the air and
+//! `F x` of the ends, by ε of themselves: `ε Σ (P V + |F| x)` over the points is the most that rounding leaves of any term.
+//! A turnover below that is itself rounding, and nothing can be judged against it.
 
+use super::circuit::{CircuitAudit, Exergy};
 use super::mode::{Extent, Mode};
+use super::rig::Rig;
+use super::run::{AcceptedStep, RunEnd};
 use super::sample::Sample;
 use super::trajectory::Trajectory;
 use crate::actuator::Actuator;
@@ -60,6 +67,8 @@ pub struct EnergyAudit {
     pub air_out: f64,
     /// Air that the actuator and its hose gained, in kg.
     pub air_gain: f64,
+    /// The most that rounding may leave of a term, in J: `ε Σ (P V + |F| x)` over the points of the quadrature.
+    pub rounding: f64,
 }
 
 impl EnergyAudit {
@@ -113,6 +122,7 @@ impl EnergyAudit {
             air_in: self.air_in + other.air_in,
             air_out: self.air_out + other.air_out,
             air_gain: self.air_gain + other.air_gain,
+            rounding: self.rounding + other.rounding,
         }
     }
 
@@ -133,6 +143,8 @@ impl EnergyAudit {
         self.air_in += weight * flow.inward.value();
         self.air_out += weight * flow.outward.value();
         let work_on_ends = -weight * (sample.tension * velocity).value();
+        let energies = sample.pressure.0 * sample.volume + sample.tension * sample.length;
+        self.rounding += f64::EPSILON * energies.value();
         if slack {
             return work_on_ends;
         }
@@ -172,19 +184,50 @@ impl EnergyAudit {
     }
 }
 
-impl<R: Real> Trajectory<R> {
-    /// The energy and air balance of the whole trajectory.
-    pub fn audit(&self) -> EnergyAudit {
-        let rig = self.rig();
-        let actuator = rig.actuator();
-        let mut audit = EnergyAudit::default();
-        let mut work_on_ends = 0.0;
-        self.visit(|weight, sample, phase, flow, widths| {
-            work_on_ends += audit.add(actuator, weight.value(), sample, &phase.mode, (flow, widths));
+/// The accounts of a run that are added up as it is made: of its energy, and of the exergy of the supply's air.
+#[derive(Clone, Debug)]
+pub struct Ledger<R: Real = f64> {
+    work: EnergyAudit,
+    work_on_ends: f64,
+    circuit: Option<(Exergy, CircuitAudit)>,
+    start: Option<Sample<R>>,
+}
+
+impl<R: Real> Ledger<R> {
+    /// Nothing yet of a run of `rig`. There is no account of the exergy of an actuator without a valve, which draws nothing,
+    /// and of a pressure regulator with a hose or a leak.
+    pub fn new(rig: &Rig<R>) -> Self {
+        let known = rig.regulator().is_none() || rig.line().is_none();
+        let valve = rig.actuator().valve().filter(|_| known);
+        let circuit = valve.map(|valve| (Exergy::new(rig.actuator(), valve), CircuitAudit::default()));
+        Self { work: EnergyAudit::default(), work_on_ends: 0.0, circuit, start: None }
+    }
+
+    /// Adds an accepted step.
+    pub fn step(&mut self, step: &AcceptedStep<'_, R>) {
+        let (rig, Self { work, work_on_ends, circuit, start }) = (step.rig(), self);
+        if start.is_none() && step.holds_start() {
+            *start = Some(step.at(R::zero()));
+        }
+        let (actuator, regulated) = (rig.actuator(), rig.regulator().is_some());
+        let valve = actuator.valve();
+        step.visit(|weight, sample, phase, flow, widths| {
+            let weight = weight.value();
+            *work_on_ends += work.add(actuator, weight, sample, &phase.mode, (flow, widths));
+            if let (Some((exergy, audit)), Some(valve)) = (circuit.as_mut(), valve) {
+                let flows = (phase.through(sample.time), regulated.then_some(flow));
+                audit.add(exergy, (actuator, valve), weight, sample, flows);
+            }
         });
-        let (start, end) = (self.at(R::zero()), self.at(self.duration()));
-        audit.add_gains(actuator, &start, &end);
-        audit.air_gain += self.hose_gain().value();
+    }
+
+    /// The energy and air balance of a run that has come to its end, and the account of the exergy if there is one.
+    pub fn finish(self, end: &RunEnd<R>) -> (EnergyAudit, Option<CircuitAudit>) {
+        let Self { work: mut audit, work_on_ends, circuit, start } = self;
+        let (rig, end) = (&end.rig, &end.sample);
+        let start = start.unwrap_or(*end);
+        audit.add_gains(rig.actuator(), &start, end);
+        audit.air_gain += (end.hose_air_mass - start.hose_air_mass).value();
         audit.load = rig.load().inertia().map_or(work_on_ends, |inertia| {
             let kinetic = |velocity: R| (R::constant(0.5) * inertia.mass * velocity * velocity).value();
             let fallen = (inertia.pull * (end.load_distance - start.load_distance)).value();
@@ -195,6 +238,25 @@ impl<R: Real> Trajectory<R> {
             audit.tendon_storage = stored(end.tension) - stored(start.tension);
             audit.load = rig.load().inertia().map_or(0.0, |_| audit.load);
         }
-        audit
+        let circuit = circuit.map(|(exergy, circuit)| CircuitAudit {
+            stored: exergy.contents(end) - exergy.contents(&start),
+            work: audit,
+            ..circuit
+        });
+        (audit, circuit)
+    }
+}
+
+impl<R: Real> Trajectory<R> {
+    /// The energy and air balance of the whole trajectory.
+    pub fn audit(&self) -> EnergyAudit {
+        self.accounts().0
+    }
+
+    /// The balance of energy and air, and the account of the exergy if there is one, as [`Ledger`] adds them up.
+    pub fn accounts(&self) -> (EnergyAudit, Option<CircuitAudit>) {
+        let mut ledger = Ledger::new(self.rig());
+        self.each_step(|step| ledger.step(step));
+        ledger.finish(&self.end())
     }
 }

@@ -12,6 +12,9 @@
 //!
 //! Whatever goes through time at fixed steps is a [`Stepper`].
 //!
+//! [`simulate_into`] keeps nothing: it hands each accepted step to a consumer, of which a [`Trajectory`] is one, and so do
+//! [`simulate_controlled_into`], [`simulate_joint_into`] and [`simulate_joint_controlled_into`].
+//!
 //! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop,
 //! and a [`Manifold`] feeds several that are unlike from one supply.
 
@@ -49,6 +52,8 @@ mod pressure_course;
 mod regulated;
 pub(crate) mod rig;
 mod rosenbrock;
+#[cfg(feature = "alloc")]
+mod run;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
 mod segments;
@@ -77,21 +82,24 @@ pub use circuit::CircuitAudit;
 #[cfg(feature = "alloc")]
 pub use closed_loop::Decision;
 #[cfg(feature = "alloc")]
-pub use controlled::{Controlled, ControlledStepper, simulate_controlled, simulate_controlled_watched};
+pub use controlled::{
+    Controlled, ControlledStepper, simulate_controlled, simulate_controlled_into, simulate_controlled_watched,
+};
 #[cfg(feature = "alloc")]
-pub use energy::EnergyAudit;
+pub use energy::{EnergyAudit, Ledger};
 pub use fixed_step::FixedStepper;
 pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
+#[cfg(feature = "alloc")]
+pub use joint::{
+    AcceptedJointStep, ControlledJoint, ControlledJointStepper, JointAudit, JointCircuitAudit, JointConsumer,
+    JointCourse, JointDecision, JointEvent, JointLedger, JointRunEnd, JointSample, JointStepError, JointStepper,
+    JointTrajectory, joint_step_for_accuracy, simulate_joint, simulate_joint_controlled,
+    simulate_joint_controlled_into, simulate_joint_controlled_watched, simulate_joint_into, simulate_joint_watched,
+};
 pub use joint::{
     Contact, Driven, End, InitialAngle, JointEventKind, JointGuard, JointInitial, JointMode, JointPhase, JointRig,
     JointState, JointSystem, Turning,
-};
-#[cfg(feature = "alloc")]
-pub use joint::{
-    ControlledJoint, ControlledJointStepper, JointAudit, JointCircuitAudit, JointCourse, JointDecision, JointEvent,
-    JointSample, JointStepError, JointStepper, JointTrajectory, joint_step_for_accuracy, simulate_joint,
-    simulate_joint_controlled, simulate_joint_controlled_watched, simulate_joint_watched,
 };
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
@@ -100,9 +108,11 @@ pub use leg::{LegSample, LegStepper};
 pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
-pub use modular::ModularActuator;
+pub use modular::{MOST_PARTS, ModularActuator};
 pub use pressure_course::PressureCourse;
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
+#[cfg(feature = "alloc")]
+pub use run::{AcceptedStep, Consumer, Readable, Reading, RunEnd, simulate_into};
 pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]
 pub use segments::simulate_in_segments;
@@ -112,6 +122,8 @@ pub use series_tendon::TendonActuator;
 pub use snapshot::Snapshot;
 #[cfg(feature = "alloc")]
 pub use stepper::Stepper;
+#[cfg(feature = "alloc")]
+pub use stored::STEPS_WATCHED;
 #[cfg(feature = "alloc")]
 pub use told::ToldStepper;
 #[cfg(feature = "alloc")]

@@ -3,18 +3,29 @@
 //! ```text
 //! drive     what is asked of the valve from now on: a request, or pulses of a duty cycle
 //! move_to   the ends go in a straight line to where they are at the end of the step; air, seats and memory follow,
-//!           with every motion of a seat and every edge of a pulse at its instant within the step
+//!           with every motion of a seat and every edge of a pulse at its instant within the step; an edge where the
+//!           step ends belongs to the next, so that a command that is given there comes before it
 //! respond   the tension and its derivatives there
 //!
 //! feed      the pressure that comes to the valve from now on
 //! drawn     the air that the last step took from the supply
+//!
+//! limit_step    the longest part of a step that the air is integrated over in one go
+//! rest_length   the length at which it pulls nothing
 //!
 //! snapshot  where it is now
 //! restore   back to there, as for a step that is only tried
 //! ```
 //!
 //! A robot's simulator knows how long each actuator is and wants to know how hard it pulls; everything else is kept here.
-//! A step allocates nothing and costs the same whatever its length; the air is stable at any.
+//! A step allocates nothing and costs the same whatever its length, but for pulses within it; the air is stable at any.
+//!
+//! The air's error grows with the square of the step. [`ModularActuator::limit_step`] divides each step into equal parts, along
+//! which the length is interpolated linearly and the velocity is constant, so that a host with long steps has the air of a
+//! host with short ones that moves the ends in the same straight lines.
+//!
+//! A host asks for the force where the ends are, takes its own step with it, and moves the ends to where they are then. A host
+//! that moves first, to where the ends were, has forces that lag its lengths by a step, which makes a stiff end unstable.
 //!
 //! ```
 //! use mckibben::control::Drive;
@@ -63,6 +74,7 @@ use crate::actuator::{ActuatorState, Response};
 use crate::air::Chamber;
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
+use crate::force::Statics;
 use crate::load::Line;
 use crate::numbered::Row;
 use crate::parameter;
@@ -77,8 +89,17 @@ pub struct ModularActuator<R: Real<Time = R> = f64> {
     walk: Walk<R>,
     modulator: Modulator<R>,
     pulse_frequency: R,
+    /// In s; infinite where steps are not divided.
+    longest_part: R,
     exchange: Exchange<R>,
 }
+
+/// Parts of a step, and edges of pulses within it, at most: more would take minutes, and nobody means them.
+pub const MOST_PARTS: f64 = 1e7;
+/// Pulses from t = 0 on that can be counted.
+const MOST_PULSES: f64 = 9e15;
+/// A part that is this much longer than the longest is as long.
+const ROUNDING: f64 = 1e-9;
 
 /// Air in kg that a step took from the supply and gave to the surroundings.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +137,62 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         let mut walk = Walk::new(&rig, stepped(&rig, start));
         walk.course.held.line = Line::resting(start.length);
         walk.pass(&rig, &rig.seats());
-        Ok(Self { rig, walk, modulator: Modulator::idle(), pulse_frequency, exchange: Exchange::none() })
+        let (modulator, exchange, longest_part) = (Modulator::idle(), Exchange::none(), R::constant(f64::INFINITY));
+        Ok(Self { rig, walk, modulator, pulse_frequency, longest_part, exchange })
+    }
+
+    /// Divides every step from now on into equal parts no longer than `longest` in s; infinity leaves steps whole.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless `longest` is above zero. Then nothing has changed.
+    pub fn limit_step(&mut self, longest: R) -> Result<(), Error> {
+        if longest.value() != f64::INFINITY {
+            parameter::STEP.check(longest.value())?;
+        }
+        self.longest_part = longest;
+        Ok(())
+    }
+
+    /// Parts that a move to `until` in s takes, counted before they are taken: those of [`ModularActuator::limit_step`], and
+    /// the edges of the pulses. More than [`MOST_PARTS`] are refused.
+    pub fn parts_until(&self, until: R) -> f64 {
+        self.parts_of(until - self.time()) + self.edges_until(until)
+    }
+
+    /// Edges of pulses up to `until` in s, give or take one period.
+    pub fn edges_until(&self, until: R) -> f64 {
+        match self.modulator.drive() {
+            Some(Drive::Pulses { .. }) => 2.0 * ((until - self.time()) * self.pulse_frequency).value(),
+            _ => 0.0,
+        }
+    }
+
+    /// Parts of a span in s without edges.
+    fn parts_of(&self, span: R) -> f64 {
+        ((span / self.longest_part).value() - ROUNDING).ceil().max(1.0)
+    }
+
+    /// What the distance between the ends must be less than in m, and the name of that limit: the length of a thread, where
+    /// no wall and no fitting comes before it.
+    pub fn end_length(&self) -> (&'static str, R) {
+        let law = &self.rig.actuator().law().law;
+        (law.end_name(), law.end_length())
+    }
+
+    /// The longest distance in m between the ends at which the actuator, at rest at a gauge pressure and without friction,
+    /// does not pull; its shortest length where it pulls even there.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that air cannot have; [`Error::Unsupported`] where the
+    /// braid pushes up to the length at which its law ends.
+    pub fn rest_length(&self, gauge: GaugePressure<R>) -> Result<R, Error> {
+        let air = self.rig.actuator().air();
+        parameter::INITIAL_GAUGE_PRESSURE.check(gauge.0.value())?;
+        let pressure = gauge.absolute(air.atmosphere());
+        if pressure.0.le(R::zero()) {
+            return Err(below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, GaugePressure(gauge.0.value()), air));
+        }
+        self.rig.length_under(R::zero(), pressure)
     }
 
     /// The time in s that has been reached.
@@ -195,7 +271,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         Ok(())
     }
 
-    /// What is asked of the valve from now on. Pulses begin with the next period.
+    /// What is asked of the valve from now on. Pulses begin with the next period, which may be now.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a duty
@@ -225,14 +301,21 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// The ends go in a straight line to a distance of `length` m at `until` s, later than the time that has been reached.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a time that is not later; [`Error::Stopped`] when that leaves the physics. The actuator is
-    /// then where it was last.
+    /// [`Error::Unsupported`] for a time that is not later, and for more than [`MOST_PARTS`] parts and edges of pulses;
+    /// [`Error::Stopped`] when that leaves the physics. The actuator is then where it was last.
     pub fn move_to(&mut self, until: R, length: R) -> Result<(), Error> {
         let (from, before) = (self.time(), self.going());
         if !from.lt(until) {
             return Err(Error::Unsupported {
                 what: "the ends of an actuator cannot be moved back in time or in no time",
-                remedy: "give move_to a time later than the last",
+                remedy: "give a time later than the last",
+            });
+        }
+        let pulses = if self.modulator.drive().is_some() { (until * self.pulse_frequency).value() } else { 0.0 };
+        if !(self.parts_until(until) <= MOST_PARTS && pulses <= MOST_PULSES && until.value().is_finite()) {
+            return Err(Error::Unsupported {
+                what: "a step has more than ten million parts and edges of pulses",
+                remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
             });
         }
         self.exchange = Exchange::none();
@@ -241,7 +324,8 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         course.held.line = Line { time: from, length: course.state[0], slope };
         course.state[1] = slope;
         course.enter(&self.rig);
-        while let Some(edge) = self.modulator.next(self.pulse_frequency).filter(|edge| is_due(*edge, until)) {
+        // An edge where the step ends waits: a command that is given there comes before it.
+        while let Some(edge) = self.modulator.next(self.pulse_frequency).filter(|edge| !is_due(until, *edge)) {
             // The air does not feel an edge, only the seats that move up to it.
             while let Some(instant) = self.rig.seats().next(&self.walk.progress, edge.smaller(until)) {
                 self.go_to(instant.smaller(until), &before)?;
@@ -256,16 +340,33 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         self.go_to(until, &before)
     }
 
-    /// Goes on to `until`, before which no seat moves, and keeps account of the air; where that leaves the physics, back to
-    /// where everything was `before`.
+    /// Goes on to `until`, before which no seat moves, in as many parts as that takes.
     fn go_to(&mut self, until: R, before: &Place<R>) -> Result<(), Error> {
+        let from = self.time();
+        let parts = self.parts_of(until - from);
+        let mut part = 1.0;
+        while part < parts {
+            self.part_to(from + (until - from) * R::constant(part / parts), before)?;
+            part += 1.0;
+        }
+        self.part_to(until, before)
+    }
+
+    /// Goes on to `until` in one part and keeps account of the air; where that leaves the physics, back to where everything
+    /// was `before`.
+    fn part_to(&mut self, until: R, before: &Place<R>) -> Result<(), Error> {
         let began = self.walk.course;
         let went = self.walk.advance_to(&self.rig, &self.rig.seats(), Method::Stable, until, None);
         match went {
-            Ok(()) => self.account(&began),
-            Err(_) => self.back_to(*before),
+            Ok(()) => {
+                self.account(&began);
+                Ok(())
+            }
+            Err(error) => {
+                self.back_to(*before);
+                Err(of_modular(error))
+            }
         }
-        went
     }
 
     /// All that a step changes.
@@ -331,6 +432,24 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         if let (Some(request), Some(actuation)) = (request, self.rig.actuation()) {
             self.walk.progress.ask(time, &actuation.solenoid, request);
         }
+    }
+}
+
+/// The error of a step in the words of a host, which knows neither the keys of a scenario's run nor its engines.
+fn of_modular(error: Error) -> Error {
+    match error {
+        Error::Stopped { time, quantity, value, unit, .. } => Error::Stopped {
+            time,
+            reason: "a step of the modular actuator left the physics",
+            quantity,
+            value,
+            unit,
+            remedy: match quantity {
+                "length" => "keep the ends closer together than a thread is long",
+                _ => "take a shorter step, or divide it into shorter parts",
+            },
+        },
+        other => other,
     }
 }
 

@@ -151,6 +151,35 @@ fn check_set_points(command: &Command, valve: &Valve) -> Result<(), Error> {
     }
 }
 
+impl<S: Real> Actuation<S> {
+    /// That the command has no more than [`MAX_COUNT`](parameter::MAX_COUNT) pulses in a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        if let Command::Pwm { frequency, .. } = &self.command {
+            let frequency = frequency.value();
+            parameter::PWM_FREQUENCY.check_count(frequency, frequency * duration, "pulses")?;
+        }
+        Ok(())
+    }
+}
+
+impl<S: Real> Rig<S> {
+    /// That the command and the motion of the ends have no more than [`MAX_COUNT`](parameter::MAX_COUNT) pulses and periods in
+    /// a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        if let Some(Motion::Sinusoid { frequency, .. }) = self.load.motion() {
+            let frequency = frequency.value();
+            parameter::MOTION_FREQUENCY.check_count(frequency, frequency * duration, "periods of the motion")?;
+        }
+        self.actuation.as_ref().map_or(Ok(()), |actuation| actuation.check_counts(duration))
+    }
+}
+
 impl<S: Scalar> Actuation<S> {
     /// The same over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
@@ -462,9 +491,14 @@ impl<S: Real> Rig<S> {
                 remedy: "give initial.length a length",
             });
         };
+        self.length_under(inertia.pull, pressure)
+    }
+
+    /// The distance in m at which a pull in N balances the static force at a pressure; as [`Rig::equilibrium`].
+    pub(super) fn length_under(&self, pull: S, pressure: AbsolutePressure<S>) -> Result<S, Error> {
         let limits = self.actuator.limits();
         let surplus =
-            |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - inertia.pull;
+            |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - pull;
         let at = |length: f64| surplus(S::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
         let thread = self.actuator.law().law.end_length().value();
@@ -476,7 +510,7 @@ impl<S: Real> Rig<S> {
             });
         }
         if at(bracket.0) > 0.0 {
-            return if inertia.pull.value() >= 0.0 {
+            return if pull.value() >= 0.0 {
                 Ok(limits.min_length())
             } else {
                 Err(Error::Unsupported {

@@ -124,12 +124,13 @@ pub struct SampleTimes {
 
 impl SampleTimes {
     /// The times of a run of `duration` s sampled every `interval` s, both above zero. An end that differs from a whole
-    /// number of intervals by rounding is one of them.
+    /// number of intervals by rounding is one of them. Whoever takes the interval from outside checks the count first, by
+    /// [`Parameter::check_count`](crate::parameter::Parameter::check_count).
     pub fn new(duration: f64, interval: f64) -> Self {
         let whole = (duration / interval * (1.0 + SIMULTANEOUS)) as u64;
         let rest = duration - whole as f64 * interval;
         let ends_whole = rest.max(-rest) <= 4.0 * SIMULTANEOUS * duration;
-        Self { duration, interval, last: whole + u64::from(!ends_whole) }
+        Self { duration, interval, last: whole.saturating_add(u64::from(!ends_whole)) }
     }
 
     /// Index of the last sample, which is at the end.
@@ -140,6 +141,11 @@ impl SampleTimes {
     /// Time in s of the sample of index `index`, from 0.
     pub fn time(&self, index: u64) -> f64 {
         if index >= self.last { self.duration } else { index as f64 * self.interval }
+    }
+
+    /// The times in s of all samples, in order.
+    pub fn times(self) -> impl Iterator<Item = f64> {
+        (0..=self.last).map(move |index| self.time(index))
     }
 
     /// The ends in s of the steps that divide every interval into the least number of equal parts not longer than `step`

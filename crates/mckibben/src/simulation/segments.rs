@@ -8,7 +8,8 @@
 //! Checked by `tests/segments.rs`: joints that change nothing, and derivatives by the state at a joint.
 
 use super::rig::{Rig, State};
-use super::trajectory::Trajectory;
+use super::run::Simulation;
+use super::trajectory::{Kept, Trajectory};
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
@@ -28,6 +29,7 @@ pub fn simulate_in_segments<R: Real>(
     mut anew: impl FnMut(usize, State<R>) -> State<R>,
 ) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
+    rig.check_counts(duration.value())?;
     let remembers = rig.actuator().friction().hysteresis().is_some() || rig.tendon().is_some();
     if rig.has_plumbing() || remembers {
         return Err(Error::Unsupported {
@@ -35,15 +37,16 @@ pub fn simulate_in_segments<R: Real>(
             remedy: "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole",
         });
     }
-    let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
+    let mut simulation = Simulation::begin(rig.clone(), start, relative_tolerance)?;
+    let mut kept = Kept::of(&simulation);
     for (place, joint) in joints.iter().enumerate() {
-        trajectory.extend(R::constant(*joint), &mut |_| Ok(()))?;
-        let state = anew(place, trajectory.state_reached());
+        simulation.extend(R::constant(*joint), &mut |step| kept.take(step, &mut |_| Ok(())))?;
+        let state = anew(place, simulation.state_reached());
         check(*joint, &state)?;
-        trajectory.resume(state);
+        simulation.resume(state);
     }
-    trajectory.extend(duration, &mut |_| Ok(()))?;
-    Ok(trajectory)
+    simulation.extend(duration, &mut |step| kept.take(step, &mut |_| Ok(())))?;
+    kept.finish(simulation, &mut |_| Ok(()))
 }
 
 /// That an actuator can be in a state at a joint.

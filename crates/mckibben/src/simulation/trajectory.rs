@@ -5,13 +5,12 @@ use super::integrator::{Counts, Piece};
 use super::mode::{EventKind, Mode};
 use super::plumbing::MOST;
 use super::rig::{Rig, State};
+use super::run::{AcceptedStep, Consumer, FrontOfSize, OfSize, RunEnd, Simulation, event, four, sample};
 use super::sample::{Sample, SampleTimes};
-use super::stored::Stored;
-use super::zones::Places;
+use super::stored::{Stored, keep_watch};
 use crate::air::Flow;
 use crate::error::Error;
 use crate::parameter;
-use crate::pressure::GaugePressure;
 use crate::scalar::Real;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -29,7 +28,7 @@ pub struct Event<R = f64> {
     pub after: Mode,
 }
 
-/// A simulated stretch of time.
+/// A run that is kept: a consumer of its accepted steps among others.
 #[derive(Clone, Debug)]
 pub struct Trajectory<R: Real = f64> {
     rig: Rig<R>,
@@ -85,80 +84,77 @@ pub fn simulate_watched<R: Real>(
     mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    let mut trajectory = Trajectory::begin(rig.clone(), start, relative_tolerance)?;
-    trajectory.extend(duration, &mut watch)?;
-    Ok(trajectory)
+    rig.check_counts(duration.value())?;
+    let mut simulation = Simulation::begin(rig.clone(), start, relative_tolerance)?;
+    let mut kept = Kept::of(&simulation);
+    simulation.extend(duration, &mut |step| kept.take(step, &mut watch))?;
+    kept.finish(simulation, &mut watch)
 }
 
-/// Writes what ended a piece into a log.
-fn log<R: Real, const N: usize>(events: &mut Vec<Event<R>>, piece: &Piece<R, Phase<R>, EventKind, N>) {
-    if let Some((kind, after)) = piece.event {
-        events.push(Event { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
-    }
+/// The steps of a run, kept as they come.
+#[derive(Debug)]
+pub(super) struct Kept<R: Real> {
+    pieces: Pieces<R>,
+    events: Vec<Event<R>>,
 }
 
-/// In the making: in parts, between which the rig's command may be continued.
-impl<R: Real> Trajectory<R> {
-    /// Nothing yet, at t = 0 in a state.
-    pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
-        parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-        rig.check_located(&start)?;
-        let system = RigSystem::new(&rig, relative_tolerance);
-        let beside = rig.actuator().friction().lugre().is_some() || rig.tendon().is_some();
-        let run = match rig.has_plumbing() || beside {
-            false => Run::Rig(begin(&system, start)),
-            true => Run::Line(Box::new(begin(&system, start))),
+#[derive(Debug)]
+enum Pieces<R: Real> {
+    Rig(Vec<Piece<R, Phase<R>, EventKind, 4>>),
+    Line(Vec<Piece<R, Phase<R>, EventKind, MOST>>),
+}
+
+impl<R: Real> Kept<R> {
+    /// Nothing yet of a run.
+    pub(super) fn of(simulation: &Simulation<R>) -> Self {
+        let pieces = match simulation.front() {
+            FrontOfSize::Rig(_) => Pieces::Rig(Vec::new()),
+            FrontOfSize::Line(_) => Pieces::Line(Vec::new()),
         };
-        Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
+        Self { pieces, events: Vec::new() }
     }
 
-    /// Goes on to `until` s.
-    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<(), Error> {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        let events = &mut self.events;
-        with_run!(&mut self.run, stored => {
-            stored.extend(&system, until, self.relative_tolerance, &mut |piece| log(events, piece), watch)
-        })
-    }
-
-    /// The four states at the time that has been reached.
-    pub(super) fn state_reached(&self) -> State<R> {
-        with_run!(&self.run, stored => State::from_array(four(stored.reached().1)))
-    }
-
-    /// Goes on from other states; valve, command and a pressure that is given go on as they were. For a rig without an air line
-    /// or a memory.
-    pub(super) fn resume(&mut self, mut state: State<R>) {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        with_run!(&mut self.run, stored => {
-            let (time, _, phase) = *stored.reached();
-            if let Some([gauge, _]) = system.given(time, &phase) {
-                state.pressure = GaugePressure(gauge).absolute(self.rig.actuator().air().atmosphere());
+    /// Keeps a step; `watch` is called with the time in s now and then.
+    pub(super) fn take(
+        &mut self,
+        step: &AcceptedStep<'_, R>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let kept = match (&mut self.pieces, &step.of) {
+            (Pieces::Rig(pieces), OfSize::Rig(view)) => {
+                self.events.extend(event(view.piece));
+                pieces.push(*view.piece);
+                pieces.len()
             }
-            let state = system.start(state);
-            stored.resume(state, system.resume(time, &state, &phase));
-        });
+            (Pieces::Line(pieces), OfSize::Line(view)) => {
+                self.events.extend(event(view.piece));
+                pieces.push(*view.piece);
+                pieces.len()
+            }
+            // The size of a run does not change.
+            _ => return Ok(()),
+        };
+        keep_watch(kept, step.end().value(), watch)
     }
 
-    /// The sample at the time that has been reached.
-    pub(super) fn reached(&self) -> Sample<R> {
-        let system = RigSystem::new(&self.rig, self.relative_tolerance);
-        with_run!(&self.run, stored => {
-            let (time, state, phase) = stored.reached();
-            sample(&system, *time, state, phase)
-        })
+    /// The trajectory of a run that has come to its end.
+    pub(super) fn finish(
+        mut self,
+        mut simulation: Simulation<R>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<Trajectory<R>, Error> {
+        simulation.hand_on(&mut |step| self.take(step, watch))?;
+        let Self { pieces, events } = self;
+        let (rig, relative_tolerance, front) = simulation.into_parts();
+        let run = match (pieces, front) {
+            (Pieces::Line(pieces), FrontOfSize::Line(front)) => Run::Line(Box::new(Stored::of(pieces, &front))),
+            (Pieces::Rig(pieces), FrontOfSize::Rig(front)) => Run::Rig(Stored::of(pieces, &front)),
+            // The size of a run does not change.
+            (_, FrontOfSize::Line(front)) => Run::Line(Box::new(Stored::of(Vec::new(), &front))),
+            (_, FrontOfSize::Rig(front)) => Run::Rig(Stored::of(Vec::new(), &front)),
+        };
+        Ok(Trajectory { rig, relative_tolerance, run, events })
     }
-
-    /// The rig, to be told more.
-    pub(super) fn rig_mut(&mut self) -> &mut Rig<R> {
-        &mut self.rig
-    }
-}
-
-/// The run of a system with `N` states at its start.
-fn begin<R: Real, const N: usize>(system: &RigSystem<'_, R>, start: State<R>) -> Of<R, N> {
-    let state = system.start(start);
-    Stored::begin(state, system.begin(&state))
 }
 
 impl<R: Real> Trajectory<R> {
@@ -249,59 +245,52 @@ impl<R: Real> Trajectory<R> {
         with_run!(&self.run, stored => four(stored.ranges()))
     }
 
+    /// Hands each step to `consumer` in order of time, as [`simulate_into`](super::simulate_into) did on the way.
+    ///
+    /// # Errors
+    /// Those of the consumer.
+    pub fn replay(&self, consumer: &mut Consumer<'_, R>) -> Result<RunEnd<R>, Error> {
+        let system = self.system();
+        match &self.run {
+            Run::Rig(stored) => stored
+                .views()
+                .try_for_each(|view| consumer(&AcceptedStep { system: &system, of: OfSize::Rig(view) }))?,
+            Run::Line(stored) => stored
+                .views()
+                .try_for_each(|view| consumer(&AcceptedStep { system: &system, of: OfSize::Line(view) }))?,
+        }
+        Ok(self.end())
+    }
+
+    /// What holds at the end.
+    pub(super) fn end(&self) -> RunEnd<R> {
+        let system = self.system();
+        let sample = with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.reached();
+            sample(&system, *time, state, phase)
+        });
+        RunEnd { rig: self.rig.clone(), sample, counts: self.counts() }
+    }
+
+    /// Calls `each` with every step.
+    pub(super) fn each_step(&self, mut each: impl FnMut(&AcceptedStep<'_, R>)) {
+        // Nothing fails that returns no error.
+        let _ = self.replay(&mut |step| {
+            each(step);
+            Ok(())
+        });
+    }
+
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
-        self.visit(|weight, sample, phase, _, _| visit(weight, sample, &phase.mode));
+        self.each_step(|step| step.quadrature(&mut visit));
     }
 
-    /// Calls `visit` with the weight in s and the flows through the valve's passages to the supply and to the surroundings,
+    /// Calls `visit` with the weight in s and the flows through the valve's flow paths to the supply and to the atmosphere,
     /// into hose or actuator, at the Gauss points of each step. What flows out to a pressure regulator it lets go to the
-    /// surroundings.
+    /// atmosphere.
     pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
-        let system = self.system();
-        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
-            visit(weight, system.valve_flows(time, state, phase));
-        }));
-    }
-
-    /// As [`Trajectory::quadrature`], with the phase, the flow between the rig, its hose included, and the supply or the
-    /// surroundings, and the widths of the hysteresis.
-    pub(super) fn visit(&self, mut visit: impl FnMut(R, &Sample<R>, &Phase<R>, &Flow<R>, [R; 2])) {
-        let system = self.system();
-        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
-            let flow = system.exchange(time, state, phase);
-            visit(weight, &sample(&system, time, state, phase), phase, &flow, system.widths(time, state, phase));
-        }));
-    }
-
-    /// Air in kg that the hose gained.
-    pub(super) fn hose_gain(&self) -> R {
-        let system = self.system();
-        with_run!(&self.run, stored => {
-            let content = |time: R| {
-                let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
-                system.hose_content(&state)
-            };
-            content(self.duration()) - content(R::zero())
-        })
-    }
-}
-
-/// The first four of the states.
-fn four<T: Copy, const N: usize>(states: [T; N]) -> [T; 4] {
-    [states[0], states[1], states[2], states[3]]
-}
-
-fn sample<R: Real, const N: usize>(system: &RigSystem<'_, R>, time: R, state: &[R; N], phase: &Phase<R>) -> Sample<R> {
-    let (mode, Places { valve, supply, .. }) = (&phase.mode, system.places());
-    let (tension, flow) = (system.tension(state, phase), system.inflow(time, state, phase));
-    let mut own = four(*state);
-    own[1] = system.velocity(time, state, phase);
-    let sample = system.member().sample(time, &own, tension, mode, flow);
-    let sample = sample.with_line([state[valve], system.hose_content(state)], supply.map(|place| state[place]));
-    match system.far_end(state) {
-        Some([load_distance, load_velocity]) => Sample { load_distance, load_velocity, ..sample },
-        None => sample,
+        self.each_step(|step| step.valve_flows(&mut visit));
     }
 }

@@ -302,11 +302,12 @@ impl<S: Real> FlowLaw<S> {
     /// Absolute pressures in Pa in the actuator between which a zone holds, for a port at pressure `beyond`; `None`
     /// where a zone has no end.
     pub fn bounds(&self, zone: FlowZone, beyond: S) -> (Option<S>, Option<S>) {
-        // A critical ratio of zero never chokes.
-        let choked = (self.critical_ratio().value() > 0.0).then_some(self.critical_ratio() * beyond);
-        let (choked_in, laminar_in) = (choked, Some(self.laminar_ratio * beyond));
+        let (choked_in, laminar_in) = (Some(self.critical_ratio() * beyond), Some(self.laminar_ratio * beyond));
+        // With a critical ratio of zero inflow chokes up to a vacuum in the actuator, which is never, and outflow at no
+        // pressure, so that subsonic outflow has no end.
+        let chokes = (beyond / self.critical_ratio()).value().is_finite();
         let (choked_out, laminar_out) =
-            (choked.map(|_| beyond / self.critical_ratio()), Some(beyond / self.laminar_ratio));
+            (chokes.then(|| beyond / self.critical_ratio()), Some(beyond / self.laminar_ratio));
         match zone {
             FlowZone::ChokedIn => (None, choked_in),
             FlowZone::SubsonicIn => (choked_in, laminar_in),

@@ -2,8 +2,9 @@
 #![allow(dead_code)]
 
 use crate::common::{ATMOSPHERE, GRAVITY, Paper};
+use mckibben::Actuator;
 use mckibben::air::Process;
-use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip};
+use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip, Memory};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::InitialLength;
 use mckibben::valve::{Command, ExhaustTemperature, FlowStandard, Request, ValveKind};
@@ -164,6 +165,51 @@ fn load(paper: Paper) -> impl Strategy<Value = Paper> {
 pub(crate) fn cases() -> impl Strategy<Value = Case> {
     (geometry().prop_flat_map(valve).prop_flat_map(load), 0.02..0.2_f64, decades(1e-9, 1e-4))
         .prop_map(|(paper, duration, tolerance)| Case { paper, duration, tolerance })
+}
+
+/// What an audit may leave over in J, by what is known of a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accounted {
+    /// How many states the integrator has.
+    pub(crate) states: usize,
+    /// How many steps it took, and its relative tolerance.
+    pub(crate) steps: (u64, f64),
+    /// The energy in J of which the tolerance is a part: what changed hands, the gas's P V, what the load's force does over
+    /// the length, and its kinetic energy.
+    pub(crate) energy: f64,
+    /// The most power in W that friction takes which falls with velocity, over what it takes at speed; and how long in s.
+    pub(crate) falling: (f64, f64),
+}
+
+impl Accounted {
+    /// A step errs in each state by up to the tolerance, as a part of that state; the errors of all steps add up at most.
+    ///
+    /// Friction that falls with velocity does so within millimetres a second, which are passed within a step: the quadrature
+    /// of the audit and the error that the integrator estimates may then miss what it takes, whatever the tolerance.
+    pub(crate) fn allowed(&self) -> f64 {
+        let (steps, tolerance) = self.steps;
+        let rounding = 1e-15 * steps.max(1) as f64 * self.energy;
+        self.states as f64 * steps.max(1) as f64 * tolerance * self.energy + self.falling.0 * self.falling.1 + rounding
+    }
+}
+
+/// The most power in W that the part of an actuator's friction takes which falls with velocity, at a length and a pressure.
+pub(crate) fn falling_power(actuator: &Actuator, length: f64, pressure: f64) -> f64 {
+    let friction = actuator.friction();
+    let kinetic: f64 = actuator.coulomb_bound(length, pressure);
+    let secant: f64 = actuator.secant_stiffness(length, pressure);
+    let force = |velocity: f64| {
+        // After a metre no law remembers where it began.
+        let bristles = friction.lugre().zip(friction.hysteresis()).map_or(0.0, |(_, law)| {
+            let mut memory = Memory::relaxed(0.0);
+            law.moved(&mut memory, 1.0, velocity);
+            secant * law.width(&memory, 1.0, velocity)
+        });
+        friction.coulomb().sliding(1.0, velocity, kinetic) + bristles
+    };
+    let fast = force(1e3);
+    let powers = (0..120).map(|k| 10.0_f64.powf(-4.0 + 0.04 * f64::from(k))).map(|v| v * (force(v) - fast));
+    powers.fold(0.0, f64::max)
 }
 
 /// A runner of `cases` cases that are the same in every run, unless `MCKIBBEN_CASES` and `MCKIBBEN_SEED` say otherwise.

@@ -1,6 +1,6 @@
 //! A force map to every law of static force: tables, figures and words.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, WARNED};
 use super::{Material, column, gauge_pressures, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series, Style};
@@ -11,9 +11,21 @@ use mckibben_identify::statics::candidates;
 use mckibben_identify::statics::effectiveness::{Ratio, ratios};
 use mckibben_identify::statics::held_out::{Grouping, HeldOut};
 use mckibben_identify::statics::units::suspect;
-use mckibben_identify::statics::{Candidate, Errors, ForceMap, Point, StaticFit, force};
+use mckibben_identify::statics::{Candidate, Errors, ForceMap, Point, StaticError, StaticFit, force};
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_scenario::Scenario;
+
+/// The figures.
+pub(super) const STEMS: [&str; 5] = [LAWS, HELD_OUT, FIT, RESIDUALS, EFFECTIVENESS];
+const LAWS: &str = "laws";
+const HELD_OUT: &str = "held-out";
+const FIT: &str = "fit";
+const RESIDUALS: &str = "residuals";
+const EFFECTIVENESS: &str = "effectiveness";
+/// A reading is astray that is so many robust deviations off the best law, and so much of the largest tension.
+const ASTRAY: [f64; 2] = [5.0, 0.05];
+/// Readings astray that are named.
+const NAMED: usize = 3;
 
 /// One candidate with all that is known of it.
 struct Judged {
@@ -38,22 +50,37 @@ impl Judged {
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let base = material.document.scenario()?;
-    let mut points = Vec::new();
+    let (mut points, mut lines) = (Vec::new(), Vec::new());
     for (run, recording) in material.recordings.iter().enumerate() {
-        points.extend(points_of(recording, run, base.air.atmospheric_pressure)?);
+        let (of_run, their_lines) = points_of(recording, run, base.air.atmospheric_pressure)?;
+        points.extend(of_run);
+        lines.extend(their_lines);
     }
-    let map =
-        ForceMap::new(points).map_err(|error| Failure::input(error.to_string(), "mend the data or the columns"))?;
+    let place = |point: usize| match (points.get(point), lines.get(point)) {
+        (Some(Point { run, .. }), Some(line)) => format!("line {line} of the run `{}`", material.recordings[*run].name),
+        _ => format!("point {}", point + 1),
+    };
+    let map = ForceMap::new(points.clone()).map_err(|error| match error {
+        StaticError::BadPoint { point, what } => {
+            Failure::input(format!("{} has {what}", place(point - 1)), "mend it, or leave it out")
+        }
+        other => Failure::input(other.to_string(), "mend the data or the columns"),
+    })?;
     let mut warnings = material.notes();
     units(material, &map, &base, &mut warnings)?;
-    lengths(&map, &base)?;
+    possible(&map, &base, &place)?;
     let deviation = deviation(&material.recordings);
-    let judged = judged(material, &map, &base, deviation)?;
+    let (judged, unfitted) = judged(material, &map, &base, deviation)?;
+    warnings.extend(unfitted);
     let by = criterion(&judged);
     let Some(best) = best(&judged, by) else {
-        return Err(Failure::stopped("no law could be fitted: give more points, at more lengths and pressures"));
+        let why = warnings.iter().filter(|warning| warning.contains("was not fitted")).take(NAMED).cloned();
+        let why: String = why.map(|why| format!("; {why}")).collect();
+        let title = format!("no law could be fitted: give more points, at more lengths and pressures{why}");
+        return Err(Failure::stopped(title));
     };
     warnings.extend(values::warnings(&best.fit.fit));
+    warnings.extend(astray_readings(&map, best, &place));
     let text = format!("# By `mckibben identify`: {}.\n\n{}", best.candidate.name, best.fit.scenario.to_toml());
     let told = values::table(format!("{}: fitted numbers", best.candidate.name), &best.fit.fit);
     let table = comparison(&judged);
@@ -67,11 +94,14 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         estimates: best.fit.fit.estimates.clone(),
         warnings,
         scenarios: vec![("scenario.toml".to_owned(), text)],
+        ..Outcome::default()
     })
 }
 
-/// The rows of a recording that have a pressure, a length and a tension.
-fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<Vec<Point>, Failure> {
+/// The rows of a recording that have a pressure, a length and a tension, and their lines.
+fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<(Vec<Point>, Vec<usize>), Failure> {
+    let sheet = recording.sheets.iter().find(|sheet| sheet.column(Quantity::Tension).is_some());
+    let lines = sheet.map(|sheet| sheet.lines.as_slice()).unwrap_or_default();
     let (length, tension) = (column(recording, Quantity::Length)?, column(recording, Quantity::Tension)?);
     let pressures = gauge_pressures(recording, atmosphere)?;
     let rows = pressures.iter().zip(&length.values).zip(tension.values.iter().zip(&tension.slack));
@@ -84,7 +114,7 @@ fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<Vec<P
     });
     let complete =
         |point: &Point| [point.gauge_pressure, point.length, point.tension].iter().all(|number| number.is_finite());
-    Ok(points.filter(complete).collect())
+    Ok(points.zip(lines.iter().copied()).filter(|(point, _)| complete(point)).unzip())
 }
 
 /// The deviation of a tension in N, where every run knows the same.
@@ -117,43 +147,89 @@ fn units(material: &Material, map: &ForceMap, base: &Scenario, warnings: &mut Ve
     }
 }
 
-/// Refuses lengths at which the muscle of the scenario cannot be.
-fn lengths(map: &ForceMap, base: &Scenario) -> Result<(), Failure> {
-    let longest = map.held().fold(0.0_f64, |longest, point| longest.max(point.length));
+/// Refuses lengths at which the muscle of the scenario cannot be, and pressures below vacuum.
+fn possible(map: &ForceMap, base: &Scenario, place: &impl Fn(usize) -> String) -> Result<(), Failure> {
     let limit = base.actuator.max_length;
-    if longest > 1.05 * limit {
+    let points = || map.points().iter().enumerate();
+    let longest = points().filter(|(_, point)| !point.slack).max_by(|(_, a), (_, b)| a.length.total_cmp(&b.length));
+    if let Some((index, point)) = longest.filter(|(_, point)| point.length > 1.05 * limit) {
         let title = format!(
-            "a tension was measured at {longest:.6} m, but the muscle of the scenario is at its longest at {limit:.6} m"
+            "{}: a tension was measured at {:.6} m, but the muscle of the scenario is at its longest at {limit:.6} m",
+            place(index),
+            point.length
         );
         return Err(Failure::input(
             title,
-            "mend the unit of the length in [columns], or actuator.max_length in the scenario",
+            "mend the length or its unit in [columns], or actuator.max_length in the scenario",
         ));
     }
-    Ok(())
+    let atmosphere = base.air.atmospheric_pressure;
+    match points().find(|(_, point)| point.gauge_pressure + atmosphere <= 0.0) {
+        Some((index, point)) => Err(Failure::input(
+            format!(
+                "{}: the gauge pressure of {} Pa lies below vacuum, with the scenario's atmosphere of {atmosphere} Pa",
+                place(index),
+                point.gauge_pressure
+            ),
+            "mend the pressure or its unit in [columns], or air.atmospheric_pressure in the scenario",
+        )),
+        None => Ok(()),
+    }
 }
 
-/// Fits every candidate, and each of them without each group.
+/// Fits every candidate, and each of them without each group; and why others were not fitted.
 fn judged(
     material: &Material,
     map: &ForceMap,
     base: &Scenario,
     deviation: Option<f64>,
-) -> Result<Vec<Judged>, Failure> {
+) -> Result<(Vec<Judged>, Vec<String>), Failure> {
     let search = material.search();
     let all = candidates::all(base, map).map_err(|error| Failure::stopped(error.to_string()))?;
     let progress = Progress::begin("fitting", Some(all.len() as u64));
-    let mut judged = Vec::new();
+    let (mut judged, mut unfitted) = (Vec::new(), Vec::new());
     for (candidate, done) in all.into_iter().zip(1..) {
-        // A law with more numbers than there are points is no candidate.
-        if let Ok(fit) = candidate.fit(map, deviation, &search) {
-            let held_out = |by| candidate.held_out(map, by, &fit.fit.values(), deviation, &search);
-            let held_out = Grouping::ALL.into_iter().filter_map(held_out).collect();
-            judged.push(Judged { candidate, fit, held_out });
+        match candidate.fit(map, deviation, &search) {
+            Ok(fit) => {
+                let held_out = |by| candidate.held_out(map, by, &fit.fit.values(), deviation, &search);
+                let held_out = Grouping::ALL.into_iter().filter_map(held_out).collect();
+                judged.push(Judged { candidate, fit, held_out });
+            }
+            Err(error) => unfitted.push(format!("`{}` was not fitted: {error}", candidate.name)),
         }
         progress.at(done);
     }
-    Ok(judged)
+    Ok((judged, unfitted))
+}
+
+/// Readings that are far off the best law, where most are not: likely slips.
+fn astray_readings(map: &ForceMap, best: &Judged, place: &impl Fn(usize) -> String) -> Vec<String> {
+    let Ok(driven) = best.fit.scenario.driven() else { return Vec::new() };
+    let off = |point: &Point| force(&driven.actuator, point) - point.tension;
+    let scatter = median_size(map.held().map(off)) / 0.6745;
+    let is_far = |off: f64| scatter > 0.0 && off.abs() > ASTRAY[0] * scatter && off.abs() > ASTRAY[1] * map.largest();
+    let readings = map.points().iter().enumerate().filter(|(_, point)| !point.slack);
+    let mut far: Vec<(usize, f64)> =
+        readings.map(|(index, point)| (index, off(point))).filter(|(_, off)| is_far(*off)).collect();
+    far.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
+    let words = |(index, off): &(usize, f64)| {
+        format!(
+            "{WARNED}{}: the tension of {:.5} N is {:.5} N off `{}`, about which the others scatter by {scatter:.3} N; look at it, and empty \
+             the cell if it is a slip.",
+            place(*index),
+            map.points()[*index].tension,
+            off.abs(),
+            best.candidate.name
+        )
+    };
+    far.iter().take(NAMED).map(words).collect()
+}
+
+/// The median of sizes; zero of none.
+fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut sizes: Vec<f64> = numbers.map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// By what the laws are compared: lengths where three or more were measured, else pressures, else runs.
@@ -367,7 +443,8 @@ fn compared(judged: &[Judged]) -> Plate {
         "in_sample_rms_percent",
         "held_out_lengths_rms_percent",
         "held_out_pressures_rms_percent",
-    ]);
+    ])
+    .lacking(&["held_out_lengths_rms_percent", "held_out_pressures_rms_percent"]);
     data.rows = (0..judged.len())
         .map(|place| vec![place as f64, columns[0].1[place], columns[1].1[place], columns[2].1[place]])
         .collect();
@@ -380,13 +457,13 @@ fn compared(judged: &[Judged]) -> Plate {
     let caption = format!(
         "Root mean square errors in percent of the largest tension; in brackets how many numbers were fitted. {BEYOND}"
     );
-    Plate { stem: "laws", caption, figure, data }
+    Plate { stem: LAWS, caption, figure, data }
 }
 
 /// Errors at each length that was left out.
 fn astray(pair: &[&Judged]) -> Option<Plate> {
     let mut panel = Panel::new(Axis::new("error there", "%").starting_at(0.0)).legend(Legend::Above);
-    let mut data = Data::new(&["law", "left_out_m", "rms_percent"]);
+    let mut data = Data::new(&["law", "left_out_m", "rms_percent"]).lacking(&["rms_percent"]);
     for (law, of) in pair.iter().enumerate() {
         let held = of.held_out(Grouping::Lengths)?;
         let middle = |fold: &[f64; 2]| 0.5 * (fold[0] + fold[1]);
@@ -407,7 +484,7 @@ fn astray(pair: &[&Judged]) -> Option<Plate> {
         "Each length in turn was left out of the fit: the root mean square error at that length. The ends are beyond what was fitted, \
          the middle is between. {BEYOND}"
     );
-    Some(Plate { stem: "held-out", caption, figure, data })
+    Some(Plate { stem: HELD_OUT, caption, figure, data })
 }
 
 /// Tensions over pressure, length by length where there are few, with the law's curves.
@@ -433,7 +510,7 @@ fn fitted(map: &ForceMap, best: &Judged) -> Option<Plate> {
     }
     let x = Axis::new("gauge pressure", "Pa").starting_at(0.0);
     let figure = Figure { width_mm: 150.0, panel_height_mm: 80.0, x, panels: vec![panel], ..Figure::default() };
-    Some(Plate { stem: "fit", caption: "Measured tensions, and the law at each length.".to_owned(), figure, data })
+    Some(Plate { stem: FIT, caption: "Measured tensions, and the law at each length.".to_owned(), figure, data })
 }
 
 /// Tension in N of a law that cannot push.
@@ -471,7 +548,7 @@ fn residuals(map: &ForceMap, pair: &[&Judged]) -> Plate {
         ..Figure::default()
     };
     Plate {
-        stem: "residuals",
+        stem: RESIDUALS,
         caption: "What the law says less what was measured. A pattern is what the law cannot do.".to_owned(),
         figure,
         data,
@@ -514,7 +591,7 @@ fn effectiveness(of: &[Ratio]) -> Section {
         ..Figure::default()
     };
     let plate =
-        Plate { stem: "effectiveness", caption: "Effectiveness at each nominal pressure.".to_owned(), figure, data };
+        Plate { stem: EFFECTIVENESS, caption: "Effectiveness at each nominal pressure.".to_owned(), figure, data };
     let paragraphs = vec![
         "Its size goes with 1/n² of the turns that the scenario gives; how it goes with pressure does not.".to_owned(),
     ];

@@ -1,6 +1,6 @@
 //! Loops of tension over length to friction and hysteresis: tables, figures and words.
 
-use super::outcome::{self, Outcome};
+use super::outcome::{self, Outcome, Stems};
 use super::{Material, column, gauge_pressures, sought, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -10,6 +10,9 @@ use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
 use mckibben_identify::study::{Quantity, Recording};
+
+/// The figures of the loops.
+pub(super) const STEMS: Stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5", "loop-6"];
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let scenario = material.document.scenario()?;
@@ -52,6 +55,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         estimates: found.found.fit.estimates,
         warnings,
         scenarios,
+        ..Outcome::default()
     })
 }
 
@@ -81,8 +85,7 @@ fn sections(
     scenarios: &[(String, String)],
 ) -> Result<Vec<Section>, Failure> {
     let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
-    let stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5", "loop-6"];
-    let plates = task.loops.iter().zip(stems).map(|(of, stem)| {
+    let plates = task.loops.iter().zip(STEMS).map(|(of, stem)| {
         let pairs = tensions(of, &driven.actuator);
         let lengths: Vec<f64> = pairs.iter().map(|(sample, _)| sample.length).collect();
         let measured: Vec<f64> = pairs.iter().map(|(sample, _)| sample.tension).collect();

@@ -22,7 +22,7 @@ mod trajectories;
 mod values;
 mod valve;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Reason};
 use crate::terminal;
 use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError};
@@ -89,8 +89,8 @@ Of a valve:
 Exit codes:
   0  done
   2  the input is wrong: arguments, the study, its data or scenario; nothing was written
-  3  no fit was found; nothing was written
-  4  a file could not be written")]
+  3  no fit was found, or not of every run; the report has what there is, and says what failed
+  4  a file could not be written; files that were finished before stay")]
 pub struct IdentifyArguments {
     /// The study file: what was measured, and what is to be found.
     #[arg(value_name = "STUDY")]
@@ -111,25 +111,28 @@ struct Material {
 /// Fits what the study asks for and writes what was found.
 ///
 /// # Errors
-/// The input is wrong, no fit was found, or a file could not be written.
+/// The input is wrong, something failed, or a file could not be written.
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
-    let outcome = identified(&arguments.study)?;
+    let outcome = identified(&arguments.study, Some(&arguments.output))?;
     let page = outcome.write(&arguments.output)?;
     let wrote = terminal::styled(terminal::GOOD, "wrote");
-    terminal::print(&format!("{}\n{wrote} {}\n", outcome.told(), page.display()))
+    terminal::print(&format!("{}\n{wrote} {}\n", outcome.told(), page.display()))?;
+    outcome.verdict(Some(&page))
 }
 
-/// Fits what a study file asks for.
+/// Fits what a study file asks for. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so; `folder` is
+/// where it is to be written, if it is.
 ///
 /// # Errors
-/// The input is wrong, or no fit was found.
-pub fn identified(study: &Path) -> Result<Outcome, Failure> {
+/// The input is wrong; also where the folder is one in which a file that is read would be written over.
+pub fn identified(study: &Path, folder: Option<&Path>) -> Result<Outcome, Failure> {
     let study = Study::load(study).map_err(mistake)?;
+    folder.map_or(Ok(()), |folder| outcome::check_folder(&study, folder))?;
     let document = Document::load(&study.scenario)?;
     document.scenario()?;
     let recordings = study.recordings().map_err(mistake)?;
     let material = Material { study, document, recordings };
-    match material.study.kind {
+    let found = match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
         Kind::Trajectories => trajectories::outcome(&material),
         Kind::Hysteresis => loops::outcome(&material),
@@ -138,6 +141,10 @@ pub fn identified(study: &Path) -> Result<Outcome, Failure> {
         Kind::SteadyFlow => valve::steady_flow(&material),
         Kind::Tank => valve::tank(&material),
         Kind::PulseTrain => valve::pulse_train(&material),
+    };
+    match found {
+        Err(failure) if failure.reason() == Reason::Stopped => Ok(Outcome::nothing(&material, failure)),
+        found => found,
     }
 }
 

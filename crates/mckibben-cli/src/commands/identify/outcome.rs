@@ -1,13 +1,55 @@
 //! What a study comes to: words for the terminal, a page, a scenario file, and the numbers.
 
+use super::{Material, force_map, loops, rings, trajectories, valve};
 use crate::failure::Failure;
 use crate::output;
-use crate::plot::{Axis, Legend, Panel, Series};
-use crate::report::{Report, Section, Table};
+use crate::plot::{Axis, Figure, Legend, Panel, Series};
+use crate::report::{Data, Plate, Report, Section, Table};
 use crate::terminal;
 use mckibben_identify::least_squares::Estimate;
+use mckibben_identify::study::{Kind, Quantity, Recording, Sheet, Study};
 use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
+
+/// What the figures of six runs are called; a page shows no more.
+pub(super) type Stems = [&'static str; 6];
+
+/// The measurements of a study in which nothing was found.
+const MEASURED: Stems = ["measured-1", "measured-2", "measured-3", "measured-4", "measured-5", "measured-6"];
+const PAGE: &str = "index.html";
+const SCENARIO: &str = "scenario.toml";
+const TABLES: [&str; 2] = ["comparison.csv", "values.csv"];
+
+/// The name of a run's scenario, where runs have their own.
+pub(super) fn scenario_of(run: &str) -> String {
+    format!("scenario-{run}.toml")
+}
+
+/// The names of all files that a study may write.
+fn names(study: &Study) -> impl Iterator<Item = String> {
+    let stems: Vec<&str> = match study.kind {
+        Kind::ForceMap => force_map::STEMS.to_vec(),
+        Kind::Trajectories => trajectories::STEMS.to_vec(),
+        Kind::Hysteresis => loops::STEMS.to_vec(),
+        Kind::RingDown => rings::STEMS.to_vec(),
+        Kind::FlowCurve | Kind::SteadyFlow | Kind::Tank | Kind::PulseTrain => valve::STEMS.concat(),
+    };
+    let of_plate = |stem: &str| ["svg", "png", "csv"].map(|ending| format!("{stem}.{ending}"));
+    let plates: Vec<String> = stems.into_iter().chain(MEASURED).flat_map(of_plate).collect();
+    let runs: Vec<String> = study.runs.iter().map(|run| scenario_of(&run.name)).collect();
+    plates.into_iter().chain(runs).chain([PAGE, SCENARIO].into_iter().chain(TABLES).map(str::to_owned))
+}
+
+/// Refuses a folder in which a study would write over what it reads.
+pub(super) fn check_folder(study: &Study, folder: &Path) -> Result<(), Failure> {
+    let data = study.runs.iter().flat_map(|run| &run.files);
+    let read: Vec<&Path> = [&study.path, &study.scenario].into_iter().chain(data).map(PathBuf::as_path).collect();
+    for path in names(study).map(|name| folder.join(name)) {
+        let help = "give --output another folder: files of this name are written there";
+        output::distinct(read.iter().copied(), [path.as_path()], help)?;
+    }
+    Ok(())
+}
 
 /// How a sentence begins that is a warning, among those that are good to know.
 pub const WARNED: &str = "! ";
@@ -21,8 +63,8 @@ pub(super) fn file(scenario: &Scenario) -> String {
 pub(super) fn files<'a>(named: impl Iterator<Item = (&'a str, &'a Scenario)>) -> Vec<(String, String)> {
     let texts: Vec<(&str, String)> = named.map(|(run, scenario)| (run, file(scenario))).collect();
     match texts.windows(2).all(|pair| pair[0].1 == pair[1].1) {
-        true => texts.into_iter().take(1).map(|(_, text)| ("scenario.toml".to_owned(), text)).collect(),
-        false => texts.into_iter().map(|(run, text)| (format!("scenario-{run}.toml"), text)).collect(),
+        true => texts.into_iter().take(1).map(|(_, text)| (SCENARIO.to_owned(), text)).collect(),
+        false => texts.into_iter().map(|(run, text)| (scenario_of(run), text)).collect(),
     }
 }
 
@@ -62,9 +104,66 @@ pub struct Outcome {
     pub warnings: Vec<String>,
     /// The scenarios with the values found, each with the name of its file.
     pub scenarios: Vec<(String, String)>,
+    /// What failed, where that is not everything; the warnings say it too.
+    pub(super) failed: Vec<Failure>,
+}
+
+/// What runs came to, each by itself, where one or more came to something.
+pub(super) fn of_each<'a, T>(
+    runs: impl Iterator<Item = &'a Recording>,
+    warnings: &mut Vec<String>,
+    mut found: impl FnMut(&'a Recording, &mut Vec<String>) -> Result<T, Failure>,
+) -> Result<(Vec<T>, Vec<Failure>), Failure> {
+    let (mut all, mut failed) = (Vec::new(), Vec::new());
+    for run in runs {
+        match found(run, warnings) {
+            Ok(found) => all.push(found),
+            Err(failure) => failed.push(failure),
+        }
+    }
+    if all.is_empty() && !failed.is_empty() {
+        return Err(failed.swap_remove(0));
+    }
+    warnings.extend(failed.iter().map(|failure| format!("{WARNED}failed: {}", failure.sentence())));
+    Ok((all, failed))
 }
 
 impl Outcome {
+    /// What was measured, and why nothing was found in it.
+    pub(super) fn nothing(material: &Material, failure: Failure) -> Self {
+        let plates = material.recordings.iter().zip(MEASURED).filter_map(|(run, stem)| measured(run, stem));
+        let section = Section {
+            id: "measured",
+            label: "Measured",
+            title: "The measurements as they were read",
+            plates: plates.collect(),
+            ..Section::default()
+        };
+        let warnings = material.notes().into_iter().chain([format!("{WARNED}failed: {}", failure.sentence())]);
+        Self {
+            title: format!("{}: nothing was found", material.document.source().name()),
+            introduction: vec![format!("Nothing was found: {}", failure.sentence())],
+            sections: vec![section],
+            warnings: warnings.collect(),
+            failed: vec![failure],
+            ..Self::default()
+        }
+    }
+
+    /// That all was found.
+    ///
+    /// # Errors
+    /// [`Failure::stopped`], which says what was not; `page` shows the rest.
+    pub fn verdict(&self, page: Option<&Path>) -> Result<(), Failure> {
+        let Some(first) = self.failed.first() else { return Ok(()) };
+        let others = match self.failed.len() {
+            1 => String::new(),
+            many => format!(" (and {} more)", many - 1),
+        };
+        let shows = page.map(|page| format!("; {} shows what there is", page.display())).unwrap_or_default();
+        Err(Failure::stopped(format!("{}{others}{shows}", first.sentence())))
+    }
+
     /// For the terminal.
     pub(super) fn told(&self) -> String {
         let wide = terminal::width();
@@ -104,7 +203,7 @@ impl Outcome {
         for (name, text) in &self.scenarios {
             output::write(&folder.join(name), text.as_bytes())?;
         }
-        for (table, name) in [(&self.table, "comparison.csv"), (&self.values, "values.csv")] {
+        for (table, name) in [&self.table, &self.values].into_iter().zip(TABLES) {
             if !table.head.is_empty() {
                 let path = folder.join(name);
                 let csv = table.to_csv().map_err(|error| Failure::output(&path, error))?;
@@ -118,7 +217,7 @@ impl Outcome {
             colophon: format!("Made by mckibben {} with `mckibben identify`.", env!("CARGO_PKG_VERSION")),
             ..Report::default()
         };
-        let path = folder.join("index.html");
+        let path = folder.join(PAGE);
         let page = report.to_html().map_err(|error| Failure::output(&path, error))?;
         output::write(&path, page.as_bytes())?;
         Ok(path)
@@ -132,4 +231,31 @@ impl Outcome {
         };
         Section { id: "data", label: "Data", title: "What was measured", paragraphs, ..Section::default() }
     }
+}
+
+/// The readings of a run over time, or over their number where they have no times.
+fn measured(run: &Recording, stem: &'static str) -> Option<Plate> {
+    let mut data = Data::new(&["quantity", "at", "value"]);
+    let mut panels = Vec::new();
+    let timed = run.column(Quantity::Time).is_some();
+    let over = |sheet: &Sheet| match sheet.column(Quantity::Time) {
+        Some(time) => time.values.clone(),
+        None => (1..=sheet.rows).map(|reading| reading as f64).collect(),
+    };
+    for sheet in &run.sheets {
+        let at = over(sheet);
+        for column in sheet.columns.iter().filter(|column| column.quantity != Quantity::Time) {
+            let kind = Quantity::ALL.iter().position(|of| *of == column.quantity).unwrap_or_default();
+            let pairs = || at.iter().zip(&column.values).filter(|(at, value)| at.is_finite() && value.is_finite());
+            data.rows.extend(pairs().map(|(at, value)| vec![kind as f64, *at, *value]));
+            let (x, y) = pairs().map(|(at, value)| (*at, *value)).unzip();
+            let axis = Axis::new(column.quantity.words(), column.quantity.unit());
+            panels.push(Panel::new(axis).legend(Legend::Hidden).series(Series::dots("", x, y)));
+        }
+    }
+    let x = if timed { Axis::new("time", "s") } else { Axis::new("reading", "") };
+    let caption = format!("`{}` as it was read.", run.name);
+    let figure = Figure { width_mm: 150.0, x, panels, ..Figure::default() };
+    // A table of nothing but times has nothing to show.
+    (!data.rows.is_empty()).then_some(Plate { stem, caption, figure, data })
 }

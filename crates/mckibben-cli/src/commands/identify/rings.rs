@@ -1,7 +1,7 @@
 //! Ring-downs to friction: every estimator beside the others.
 
 use super::Material;
-use super::outcome::{self, Outcome, WARNED};
+use super::outcome::{self, Outcome, Stems, WARNED};
 use super::values::give_or_take;
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
@@ -13,31 +13,36 @@ use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, com
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_scenario::Scenario;
 
+/// The figures of the runs.
+pub(super) const STEMS: Stems =
+    ["ring-down-1", "ring-down-2", "ring-down-3", "ring-down-4", "ring-down-5", "ring-down-6"];
+
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let mut warnings = material.notes();
     let (mut rows, mut plates, mut scenarios) = (Vec::new(), Vec::new(), Vec::new());
     let mut estimates = Vec::new();
     let alone = material.recordings.len() == 1;
-    let stems = ["ring-down-1", "ring-down-2", "ring-down-3", "ring-down-4", "ring-down-5", "ring-down-6"];
-    for (place, recording) in material.recordings.iter().enumerate() {
-        let document = material.document_of(recording)?;
-        let scenario = document.scenario()?;
+    let (runs, failed) = outcome::of_each(material.recordings.iter(), &mut warnings, |recording, _| {
+        let scenario = material.document_of(recording)?.scenario()?;
         let record = record(recording)?;
         let found = compared(&scenario, &record).map_err(|why| {
             Failure::input(format!("the run `{}`: {why}", recording.name), "see `mckibben identify --help`")
         })?;
+        Ok((recording, scenario, record, found))
+    })?;
+    for (place, (recording, scenario, record, found)) in runs.iter().enumerate() {
         rows.extend(found.rows.iter().map(|row| cells(&recording.name, row)));
         let refused = found
             .refused
             .iter()
             .map(|(estimator, error)| format!("{WARNED}`{}`, {}: {error}", recording.name, name(*estimator)));
         warnings.extend(refused);
-        if let Some(stem) = stems.get(place) {
-            plates.push(plate(&recording.name, &record, &found, stem));
+        if let Some(stem) = STEMS.get(place) {
+            plates.push(plate(&recording.name, record, found, stem));
         }
-        if let Some((best, friction)) = best(&found) {
-            let file = if alone { "scenario.toml".to_owned() } else { format!("scenario-{}.toml", recording.name) };
-            scenarios.push((file, scenario_of(&scenario, best, &friction)));
+        if let Some((best, friction)) = best(found) {
+            let file = if alone { "scenario.toml".to_owned() } else { outcome::scenario_of(&recording.name) };
+            scenarios.push((file, scenario_of(scenario, best, &friction)));
             let behind = if alone { String::new() } else { format!(" [{}]", recording.name) };
             estimates
                 .extend(friction.map(|estimate| Estimate { name: format!("{}{behind}", estimate.name), ..estimate }));
@@ -71,6 +76,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         estimates,
         warnings,
         scenarios,
+        failed,
     })
 }
 
@@ -141,7 +147,7 @@ fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> 
             .series(Series::dots("measured", times.clone(), lengths.clone()).colour(Colour::Category(1)))
             .marks(Marks::at("turns", Symbol::Circle, at, turns)),
     ];
-    let mut data = Data::new(&["time_s", "length_m", "off_m"]);
+    let mut data = Data::new(&["time_s", "length_m", "off_m"]).lacking(&["off_m"]);
     if let Some(waveform) = &found.waveform {
         let off: Vec<f64> = waveform
             .fit

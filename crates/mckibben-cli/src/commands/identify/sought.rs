@@ -89,6 +89,10 @@ fn unknown(entry: &SoughtEntry, place: &Place, scenario: &mut Scenario) -> Resul
         }
     };
     let (least, largest) = (read(&entry.from)?.unwrap_or(row.range.low), read(&entry.to)?.unwrap_or(row.range.high));
+    if least.partial_cmp(&largest).is_none_or(|order| order.is_gt()) {
+        let title = format!("`{}` in [fit] lies from {least} {unit} to {largest} {unit}", entry.path, unit = row.unit);
+        return Err(Failure::input(title, "give `from` below `to`, both within the range of the key"));
+    }
     let start = read(&entry.start)?.unwrap_or_else(|| first.clamp(least, largest));
     let prior = match &entry.prior {
         Some([mean, deviation]) => read(&Some(mean.clone()))?.zip(read(&Some(deviation.clone()))?),

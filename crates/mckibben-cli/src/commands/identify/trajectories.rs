@@ -1,6 +1,6 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
-use super::outcome::{self, Outcome, WARNED};
+use super::outcome::{self, Outcome, Stems, WARNED};
 use super::sought::{self, OfRun};
 use super::{Material, pressure_over_time, values};
 use crate::failure::Failure;
@@ -15,6 +15,9 @@ use mckibben_identify::trajectories::{
     Course, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TrajectoryError, Unexplained,
 };
 use mckibben_scenario::{PressureCourse, Scenario};
+
+/// The figures of the runs; the table speaks of all.
+pub(super) const STEMS: Stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let mut warnings = material.notes();
@@ -54,6 +57,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         estimates: found.found.fit.estimates,
         warnings,
         scenarios,
+        ..Outcome::default()
     })
 }
 
@@ -207,9 +211,7 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
 
 fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(String, String)]) -> Vec<Section> {
     let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]).collect();
-    // A page of the first few runs is enough to see how they fit; the table speaks of all.
-    let stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
-    let plates = task.runs.iter().zip(&found.simulated).zip(stems);
+    let plates = task.runs.iter().zip(&found.simulated).zip(STEMS);
     vec![
         outcome::numbers(tables, scenarios),
         Section {

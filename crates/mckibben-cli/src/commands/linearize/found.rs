@@ -23,7 +23,7 @@ impl Found {
     pub fn of(name: &str, document: &Document, arguments: &LinearizeArguments) -> Result<Self, Failure> {
         if let Some(experiment) = document.joint_experiment()? {
             let model = JointModel::new(name, &experiment, arguments, document.assumed())?;
-            return Ok(Self(Kind::Joint(Box::new(model))));
+            return Self(Kind::Joint(Box::new(model))).checked();
         }
         if arguments.angle.is_some() {
             return Err(Failure::input(
@@ -33,7 +33,21 @@ impl Found {
         }
         let linear = given::linearization(arguments, &document.experiment()?)?;
         let model = Model::new(name, linear, arguments, document.assumed())?;
-        Ok(Self(Kind::Actuator(Box::new(model))))
+        Self(Kind::Actuator(Box::new(model))).checked()
+    }
+
+    /// The model, if every number of its matrices and of its point is finite.
+    fn checked(self) -> Result<Self, Failure> {
+        let StateSpace { a, b, c, d, .. } = self.system();
+        let entries = [("A", a), ("B", b), ("C", c), ("D", d)]
+            .into_iter()
+            .flat_map(|(name, rows)| rows.iter().flatten().map(move |value| (name, *value)));
+        let poles = self.poles().iter().flat_map(|pole| [pole.real, pole.imaginary].map(|part| ("a pole", part)));
+        let fault = entries.chain(self.point()).chain(poles).find(|(_, value)| !value.is_finite());
+        match fault {
+            Some((name, value)) => Err(Failure::not_finite(&format!("{name} of the linear model: {value}"))),
+            None => Ok(self),
+        }
     }
 
     /// The matrices, of all states or of those that are needed, as was asked.

@@ -147,7 +147,9 @@ impl LinearizeArguments {
         let read = command.try_get_matches_from(words).and_then(|found| Self::from_arg_matches(&found));
         read.map_err(|error| {
             let told = error.render().to_string();
-            let title = told.strip_prefix("error: ").unwrap_or(&told).lines().next().unwrap_or_default().to_owned();
+            // What is wrong may take several lines, as where options are missing; an empty one ends it.
+            let lines = told.strip_prefix("error: ").unwrap_or(&told).lines().map(str::trim);
+            let title = lines.take_while(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
             Failure::input(title, "see `mckibben linearize --help`")
         })
     }

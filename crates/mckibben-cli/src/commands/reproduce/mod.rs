@@ -68,6 +68,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<(), Failure> {
         }
         progress.at(done);
     }
+    report.check()?;
     let numbers = report.numbers_csv();
     let numbers_path = folder.join("numbers.csv");
     output::write(&numbers_path, &numbers.map_err(|error| Failure::output(&numbers_path, error))?)?;

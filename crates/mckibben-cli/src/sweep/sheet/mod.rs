@@ -2,6 +2,9 @@
 
 mod csv;
 mod parquet;
+mod sealed;
+
+pub use sealed::{CHECKSUM, Seal, seal};
 
 use super::table::{Cell, Column};
 use crate::failure::Failure;

@@ -1,7 +1,9 @@
 //! A table as Parquet, compressed with Zstandard.
 //!
-//! Lines are gathered into row groups of a fixed number, so the bytes depend on the lines alone and not on how they came.
+//! Its footer holds a checksum of the whole file. Lines are gathered into row groups of a fixed number, so the bytes depend on
+//! the lines alone and not on how they came.
 
+use super::sealed::{CHECKSUM, Sealed, UNKNOWN};
 use super::{Sheet, Sink};
 use crate::failure::Failure;
 use crate::sweep::table::{Cell, Column, Kind};
@@ -20,7 +22,7 @@ const GROUP: usize = 1 << 16;
 
 pub(super) struct ParquetSheet<W: Sink> {
     path: PathBuf,
-    writer: SerializedFileWriter<W>,
+    writer: SerializedFileWriter<Sealed<W>>,
     buffers: Vec<Buffer>,
     lines: usize,
 }
@@ -55,7 +57,7 @@ impl<W: Sink> ParquetSheet<W> {
             .set_created_by(format!("mckibben {}", env!("CARGO_PKG_VERSION")))
             .build();
         let schema = schema(columns).map_err(failed)?;
-        let writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).map_err(failed)?;
+        let writer = SerializedFileWriter::new(Sealed::new(file), schema, Arc::new(properties)).map_err(failed)?;
         let buffers = columns.iter().map(Buffer::new).collect();
         Ok(Self { path, writer, buffers, lines: 0 })
     }
@@ -84,7 +86,10 @@ impl<W: Sink> Sheet for ParquetSheet<W> {
         for (key, value) in notes {
             writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }
-        writer.into_inner().map_err(|error| Failure::output(&path, error))?.commit()
+        writer.append_key_value_metadata(KeyValue::new(CHECKSUM.to_owned(), UNKNOWN.to_owned()));
+        writer.flush().map_err(|error| Failure::output(&path, error))?;
+        writer.inner_mut().begin_end();
+        writer.into_inner().map_err(|error| Failure::output(&path, error))?.commit(&path)
     }
 }
 
@@ -120,7 +125,10 @@ impl Buffer {
     }
 }
 
-fn write_group<W: Sink>(writer: &mut SerializedFileWriter<W>, buffers: &mut [Buffer]) -> Result<(), ParquetError> {
+fn write_group<W: Sink>(
+    writer: &mut SerializedFileWriter<Sealed<W>>,
+    buffers: &mut [Buffer],
+) -> Result<(), ParquetError> {
     let mut group = writer.next_row_group()?;
     for buffer in buffers {
         if let Some(mut column) = group.next_column()? {

@@ -12,7 +12,7 @@
 
 use super::Driven;
 use super::energy::JointAudit;
-use super::trajectory::JointTrajectory;
+use super::run::AcceptedJointStep;
 use crate::scalar::Real;
 use crate::simulation::circuit::{CircuitAudit, Exergy};
 use crate::simulation::energy::EnergyAudit;
@@ -57,6 +57,11 @@ impl JointCircuitAudit {
         air + self.work.turnover()
     }
 
+    /// The most that rounding may leave of a term, in J.
+    pub fn rounding(&self) -> f64 {
+        self.drawing().map(|of| of.rounding).sum::<f64>() + self.work.rounding()
+    }
+
     /// Net work on the joint over the exergy drawn; none where nothing was drawn. Of a cycle it is the efficiency; of a run
     /// that ends in another state than it began, what is stored belongs to the balance too.
     pub fn efficiency(&self) -> Option<f64> {
@@ -69,39 +74,20 @@ impl JointCircuitAudit {
     }
 }
 
-impl<R: Real> JointTrajectory<R> {
-    /// The exergy of the whole circuit; none where neither actuator has a valve.
-    pub fn circuit(&self) -> Option<JointCircuitAudit> {
-        let work = self.audit();
-        let begin = |i: usize| {
-            let actuator = &self.rig().driven()[i].actuator;
-            let valve = actuator.valve()?;
-            let audit = CircuitAudit { work: work.actuators[i], ..CircuitAudit::default() };
-            Some((actuator, valve, Exergy::new(actuator, valve), audit))
-        };
-        let regulates =
-            |driven: &Driven<R>| driven.actuation.as_ref().is_some_and(|it| it.solenoid.regulator().is_some());
-        let regulated = self.rig().driven().each_ref().map(regulates);
-        let mut accounts = [begin(0), begin(1)];
-        if accounts.iter().all(Option::is_none) {
-            return None;
-        }
-        self.visit(|weight, sample, phase, of_actuators| {
-            for (i, account) in accounts.iter_mut().enumerate() {
-                if let Some((actuator, valve, exergy, audit)) = account {
-                    let shares = phase.openings[i].at(sample.time);
-                    let through = Through { mode: &phase.mode.actuators[i], shares, feed: None };
-                    let flows = (through, regulated[i].then_some(&of_actuators[i].0));
-                    audit.add(exergy, (actuator, valve), weight.value(), &sample.actuators[i], flows);
-                }
-            }
-        });
-        let (start, end) = (self.at(R::zero()), self.at(self.duration()));
+/// Adds the air of an accepted step to the accounts of those that draw.
+pub(super) fn add_air<R: Real>(accounts: &mut [Option<(Exergy, CircuitAudit)>; 2], step: &AcceptedJointStep<'_, R>) {
+    let driven = step.rig().driven();
+    let regulates = |driven: &Driven<R>| driven.actuation.as_ref().is_some_and(|it| it.solenoid.regulator().is_some());
+    let regulated = driven.each_ref().map(regulates);
+    step.visit(|weight, sample, phase, of_actuators| {
         for (i, account) in accounts.iter_mut().enumerate() {
-            if let Some((_, _, exergy, audit)) = account {
-                audit.stored = exergy.contents(&end.actuators[i]) - exergy.contents(&start.actuators[i]);
+            let actuator = &driven[i].actuator;
+            if let (Some((exergy, audit)), Some(valve)) = (account, actuator.valve()) {
+                let shares = phase.openings[i].at(sample.time);
+                let through = Through { mode: &phase.mode.actuators[i], shares, feed: None };
+                let flows = (through, regulated[i].then_some(&of_actuators[i].0));
+                audit.add(exergy, (actuator, valve), weight.value(), &sample.actuators[i], flows);
             }
         }
-        Some(JointCircuitAudit { actuators: accounts.map(|account| account.map(|(.., audit)| audit)), work })
-    }
+    });
 }

@@ -2,8 +2,9 @@
 //!
 //! Checked by `tests/joint_control.rs`.
 
+use super::run::{JointConsumer, JointRunEnd, JointSimulation};
 use super::stepper::{JointCourse, JointStepper};
-use super::trajectory::{JointSample, JointTrajectory};
+use super::trajectory::{JointSample, JointTrajectory, Kept};
 use super::{JointRig, JointState};
 use crate::control::{Drive, JointController, JointMeasurement, JointSensors, Quantity, Sampling};
 use crate::error::Error;
@@ -69,22 +70,70 @@ pub fn simulate_joint_controlled_watched<R: Real, C: JointController<R>>(
     start: JointState<R>,
     (duration, relative_tolerance): (R, f64),
     controller: &C,
-    (sampling, sensors): (Sampling<R>, JointSensors<R>),
+    set_up: (Sampling<R>, JointSensors<R>),
     mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<ControlledJoint<R>, Error> {
+    let (mut kept, mut decisions) = (None, Vec::new());
+    let simulation = run(
+        rig,
+        start,
+        (duration, relative_tolerance),
+        controller,
+        set_up,
+        &mut |simulation, until| {
+            let kept = kept.get_or_insert_with(|| Kept::of(simulation));
+            simulation.extend(until, &mut |step| kept.take(step, &mut watch))
+        },
+        &mut |_, decision| decisions.push(decision),
+    )?;
+    let kept = kept.unwrap_or_else(|| Kept::of(&simulation));
+    Ok(ControlledJoint { trajectory: kept.finish(simulation, &mut watch)?, decisions })
+}
+
+/// Simulates a joint under control as [`simulate_joint_controlled`] does and hands each accepted step to `consumer` and each
+/// decision, with the joint, to `decided`; nothing is kept but the requests to the valves, which are the joint's commands. A
+/// decision comes before the steps that follow its sampling instant.
+///
+/// # Errors
+/// As [`simulate_joint_controlled`], and those of the consumer.
+pub fn simulate_joint_controlled_into<R: Real, C: JointController<R>>(
+    rig: &JointRig<R>,
+    start: JointState<R>,
+    span: (R, f64),
+    controller: &C,
+    set_up: (Sampling<R>, JointSensors<R>),
+    consumer: &mut JointConsumer<'_, R>,
+    decided: &mut dyn FnMut(&JointRig<R>, JointDecision<R>),
+) -> Result<JointRunEnd<R>, Error> {
+    let mut extend = |simulation: &mut JointSimulation<R>, until| simulation.extend(until, consumer);
+    let simulation = run(rig, start, span, controller, set_up, &mut extend, decided)?;
+    simulation.finish(consumer)
+}
+
+/// Takes a run on to a time in s.
+type Extend<'e, R> = dyn FnMut(&mut JointSimulation<R>, R) -> Result<(), Error> + 'e;
+
+/// Takes a run under control to its end by `extend`; the last step is not handed on yet.
+fn run<R: Real, C: JointController<R>>(
+    rig: &JointRig<R>,
+    start: JointState<R>,
+    (duration, relative_tolerance): (R, f64),
+    controller: &C,
+    (sampling, sensors): (Sampling<R>, JointSensors<R>),
+    extend: &mut Extend<'_, R>,
+    decided: &mut dyn FnMut(&JointRig<R>, JointDecision<R>),
+) -> Result<JointSimulation<R>, Error> {
     parameter::DURATION.check(duration.value())?;
+    rig.check_counts(duration.value())?;
+    sampling.check_counts(duration.value())?;
     let mut rig = rig.clone();
     let clockwork: TwoValves<R, C> = Clockwork::begin(controller.begin(), sampling, rig.valves())?;
-    let (trajectory, decisions) = clockwork.run(
-        JointTrajectory::begin(rig, start, relative_tolerance)?,
-        duration,
-        |trajectory, until| trajectory.extend(until, &mut watch),
-        |trajectory, clockwork| {
-            let truth = trajectory.reached();
-            decide(clockwork, (controller, &sensors), &truth, trajectory.rig_mut())
-        },
-    )?;
-    Ok(ControlledJoint { trajectory, decisions })
+    clockwork.run(JointSimulation::begin(rig, start, relative_tolerance)?, duration, extend, |simulation, clockwork| {
+        let truth = simulation.reached();
+        let decision = decide(clockwork, (controller, &sensors), &truth, simulation.rig_mut())?;
+        decided(simulation.rig_mut(), decision);
+        Ok(())
+    })
 }
 
 /// Takes the sample that is due, and continues the commands of the rig up to the next.

@@ -9,10 +9,14 @@
 //!
 //! and each actuator's gas work goes into that and its own losses as in [`EnergyAudit`].
 
+use super::JointRig;
+use super::circuit::{JointCircuitAudit, add_air};
 use super::mode::Contact;
-use super::trajectory::JointTrajectory;
+use super::run::{AcceptedJointStep, JointRunEnd};
+use super::trajectory::{JointSample, JointTrajectory};
 use crate::load::SIGN;
 use crate::scalar::Real;
+use crate::simulation::circuit::{CircuitAudit, Exergy};
 use crate::simulation::energy::EnergyAudit;
 
 /// Where the work of both gases went, in J.
@@ -26,6 +30,8 @@ pub struct JointAudit {
     pub damping: f64,
     /// Dissipated by the stops, their rebound included.
     pub stops: f64,
+    /// The most that rounding may leave of a term of the limb, in J: ε times its energy, over the points of the quadrature.
+    pub limb_rounding: f64,
 }
 
 impl JointAudit {
@@ -46,28 +52,33 @@ impl JointAudit {
         actuators + self.gain.abs() + self.damping.abs() + self.stops.abs()
     }
 
+    /// The most that rounding may leave of a term, in J.
+    pub fn rounding(&self) -> f64 {
+        self.actuators.iter().map(|of| of.rounding).sum::<f64>() + self.limb_rounding
+    }
+
     /// What does not close in the air of both, in kg.
     pub fn air_residual(&self) -> f64 {
         self.actuators.iter().map(EnergyAudit::air_residual).sum()
     }
 }
 
-impl<R: Real> JointTrajectory<R> {
-    /// The energy and air balance of the whole trajectory.
-    pub fn audit(&self) -> JointAudit {
-        let joint = self.rig().joint();
-        let mut audit = JointAudit::default();
-        self.visit(|weight, sample, phase, of_actuators| {
+impl JointAudit {
+    /// Adds an accepted step.
+    fn step<R: Real>(&mut self, step: &AcceptedJointStep<'_, R>) {
+        let (rig, joint) = (step.rig(), step.rig().joint());
+        step.visit(|weight, sample, phase, of_actuators| {
             let (weight, mode) = (weight.value(), &phase.mode);
             for i in 0..2 {
-                let actuator = &self.rig().driven()[i].actuator;
-                let of = &mut audit.actuators[i];
+                let actuator = &rig.driven()[i].actuator;
+                let of = &mut self.actuators[i];
                 let (sample, mode) = (&sample.actuators[i], &phase.mode.actuators[i]);
                 let (flow, widths) = &of_actuators[i];
                 of.load += of.add(actuator, weight, sample, mode, (flow, *widths));
             }
             let speed = sample.angular_velocity;
-            audit.damping += weight * (joint.damping() * speed * speed).value();
+            self.limb_rounding += f64::EPSILON * joint.energy(sample.angle, speed).value().abs();
+            self.damping += weight * (joint.damping() * speed * speed).value();
             let (Contact::Pressed(end) | Contact::Rebound(end)) = mode.contact else { return };
             let outwards = R::constant(SIGN[end.index()]);
             let Some(stop) = joint.stops().ends[end.index()] else { return };
@@ -76,15 +87,83 @@ impl<R: Real> JointTrajectory<R> {
                 _ => R::zero(),
             };
             let stored = joint.stops().stiffness * (outwards * (sample.angle - stop)).larger(R::zero());
-            audit.stops += weight * ((pressed - stored) * outwards * speed).value();
+            self.stops += weight * ((pressed - stored) * outwards * speed).value();
         });
-        let (start, end) = (self.at(R::zero()), self.at(self.duration()));
+    }
+
+    /// Adds what was gained between the start and the end.
+    fn finish<R: Real>(&mut self, start: &JointSample<R>, end: &JointRunEnd<R>) {
+        let (rig, end) = (&end.rig, &end.sample);
         for i in 0..2 {
-            let actuator = &self.rig().driven()[i].actuator;
-            audit.actuators[i].add_gains(actuator, &start.actuators[i], &end.actuators[i]);
+            let actuator = &rig.driven()[i].actuator;
+            self.actuators[i].add_gains(actuator, &start.actuators[i], &end.actuators[i]);
         }
-        let energy = |angle, velocity| joint.energy(angle, velocity).value();
-        audit.gain = energy(end.angle, end.angular_velocity) - energy(start.angle, start.angular_velocity);
-        audit
+        let energy = |angle, velocity| rig.joint().energy(angle, velocity).value();
+        self.gain = energy(end.angle, end.angular_velocity) - energy(start.angle, start.angular_velocity);
+    }
+}
+
+/// The accounts of a joint's run that are added up as it is made: of its energy, and of the exergy of both supplies' air.
+#[derive(Clone, Debug)]
+pub struct JointLedger<R: Real = f64> {
+    work: JointAudit,
+    circuits: [Option<(Exergy, CircuitAudit)>; 2],
+    start: Option<JointSample<R>>,
+}
+
+impl<R: Real> JointLedger<R> {
+    /// Nothing yet of a run of `rig`. There is no account of the exergy where neither actuator has a valve.
+    pub fn new(rig: &JointRig<R>) -> Self {
+        let circuits = rig.driven().each_ref().map(|driven| {
+            let valve = driven.actuator.valve()?;
+            Some((Exergy::new(&driven.actuator, valve), CircuitAudit::default()))
+        });
+        Self { work: JointAudit::default(), circuits, start: None }
+    }
+
+    /// Adds an accepted step.
+    pub fn step(&mut self, step: &AcceptedJointStep<'_, R>) {
+        if self.start.is_none() && step.holds_start() {
+            self.start = Some(step.at(R::zero()));
+        }
+        self.work.step(step);
+        add_air(&mut self.circuits, step);
+    }
+
+    /// The balance of energy and air of a run that has come to its end, and the account of the exergy if there is one.
+    pub fn finish(self, end: &JointRunEnd<R>) -> (JointAudit, Option<JointCircuitAudit>) {
+        let Self { mut work, circuits, start } = self;
+        let start = start.unwrap_or(end.sample);
+        work.finish(&start, end);
+        if circuits.iter().all(Option::is_none) {
+            return (work, None);
+        }
+        let [first, second] = circuits;
+        let finished = |i: usize, circuit: Option<(Exergy, CircuitAudit)>| {
+            let (exergy, audit) = circuit?;
+            let stored = exergy.contents(&end.sample.actuators[i]) - exergy.contents(&start.actuators[i]);
+            Some(CircuitAudit { stored, work: work.actuators[i], ..audit })
+        };
+        let actuators = [finished(0, first), finished(1, second)];
+        (work, Some(JointCircuitAudit { actuators, work }))
+    }
+}
+
+impl<R: Real> JointTrajectory<R> {
+    /// The energy and air balance of the whole trajectory.
+    pub fn audit(&self) -> JointAudit {
+        self.accounts().0
+    }
+
+    /// The exergy of the whole circuit; none where neither actuator has a valve.
+    pub fn circuit(&self) -> Option<JointCircuitAudit> {
+        self.accounts().1
+    }
+
+    /// The balance of energy and air, and the account of the exergy if there is one, as [`JointLedger`] adds them up.
+    pub fn accounts(&self) -> (JointAudit, Option<JointCircuitAudit>) {
+        let mut ledger = JointLedger::new(self.rig());
+        self.each_step(|step| ledger.step(step));
+        ledger.finish(&self.end())
     }
 }

@@ -30,6 +30,8 @@ mod energy;
 mod kernel;
 mod mode;
 #[cfg(feature = "alloc")]
+mod run;
+#[cfg(feature = "alloc")]
 mod stepper;
 mod system;
 #[cfg(feature = "alloc")]
@@ -42,12 +44,14 @@ pub use accuracy::{JointStepError, joint_step_for_accuracy};
 pub use circuit::JointCircuitAudit;
 #[cfg(feature = "alloc")]
 pub use controlled::{
-    ControlledJoint, ControlledJointStepper, JointDecision, simulate_joint_controlled,
+    ControlledJoint, ControlledJointStepper, JointDecision, simulate_joint_controlled, simulate_joint_controlled_into,
     simulate_joint_controlled_watched,
 };
 #[cfg(feature = "alloc")]
-pub use energy::JointAudit;
+pub use energy::{JointAudit, JointLedger};
 pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
+#[cfg(feature = "alloc")]
+pub use run::{AcceptedJointStep, JointConsumer, JointRunEnd, simulate_joint_into};
 #[cfg(feature = "alloc")]
 pub use stepper::{JointCourse, JointStepper};
 pub use system::{JointPhase, JointSystem};
@@ -151,6 +155,17 @@ impl<S: Scalar> JointInitial<S> {
             },
             angular_velocity: function(None, &parameter::INITIAL_ANGULAR_VELOCITY, self.angular_velocity),
         }
+    }
+}
+
+impl<S: Real> JointRig<S> {
+    /// That neither command has more than [`MAX_COUNT`](parameter::MAX_COUNT) pulses in a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        let mut actuations = self.driven.iter().filter_map(|driven| driven.actuation.as_ref());
+        actuations.try_for_each(|actuation| actuation.check_counts(duration))
     }
 }
 

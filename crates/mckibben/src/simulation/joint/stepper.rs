@@ -150,7 +150,7 @@ impl<R: Real<Time = R>> JointStepper<R> {
         course
     }
 
-    /// What is asked of both valves from now on. Pulses begin with the next period.
+    /// What is asked of both valves from now on. Pulses begin with the next period, which may be now.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when an actuator has no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a duty
@@ -196,7 +196,8 @@ impl<R: Real<Time = R>> JointStepper<R> {
         loop {
             let seats = [0, 1].map(|i| self.rig.timetable(i).next(&course.progress[i], until));
             let edges = course.modulators.each_ref().map(|modulator| modulator.next(self.pulse_frequency));
-            let edges = edges.map(|edge| edge.filter(|edge| is_due(*edge, until)));
+            // An edge where the step ends waits: a command that is given there comes before it.
+            let edges = edges.map(|edge| edge.filter(|edge| !is_due(until, *edge)));
             let instants = seats.into_iter().chain(edges).flatten();
             let instant = instants.min_by(|a, b| a.value().total_cmp(&b.value()));
             self.glide(course, instant.map_or(until, |instant| until.smaller(instant)));

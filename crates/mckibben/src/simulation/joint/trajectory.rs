@@ -2,15 +2,15 @@
 
 use super::beside::{MOST, PLAIN};
 use super::mode::{JointEventKind, JointMode};
+use super::run::{AcceptedJointStep, FrontOfSize, JointConsumer, JointRunEnd, JointSimulation, OfSize, event};
 use super::system::{JointPhase, JointSystem};
 use super::{JointRig, JointState};
-use crate::air::Flow;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::integrator::{Counts, Piece};
 use crate::simulation::sample::{Sample, SampleTimes};
-use crate::simulation::stored::Stored;
+use crate::simulation::stored::{Stored, keep_watch};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -51,7 +51,7 @@ impl<R: Real> JointSample<R> {
     }
 }
 
-/// A simulated stretch of time.
+/// A joint's run that is kept: a consumer of its accepted steps among others.
 #[derive(Clone, Debug)]
 pub struct JointTrajectory<R: Real = f64> {
     rig: JointRig<R>,
@@ -78,19 +78,6 @@ macro_rules! with_run {
             Run::Beside($stored) => $do,
         }
     };
-}
-
-/// The run of a system with `N` states at its start.
-fn begin<R: Real, const N: usize>(system: &JointSystem<'_, R>, start: JointState<R>) -> Of<R, N> {
-    let state = system.start(start);
-    Stored::begin(state, system.begin(&state))
-}
-
-/// Writes what ended a piece into a log.
-fn log<R: Real, const N: usize>(events: &mut Vec<JointEvent<R>>, piece: &Piece<R, JointPhase<R>, JointEventKind, N>) {
-    if let Some((kind, after)) = piece.event {
-        events.push(JointEvent { time: piece.end, kind, before: piece.mode.mode, after: after.mode });
-    }
 }
 
 /// Simulates a joint from a state at t = 0 for `duration` s, every event located, with `relative_tolerance` for each step.
@@ -120,45 +107,76 @@ pub fn simulate_joint_watched<R: Real>(
     mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<JointTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    let mut trajectory = JointTrajectory::begin(rig.clone(), start, relative_tolerance)?;
-    trajectory.extend(duration, &mut watch)?;
-    Ok(trajectory)
+    rig.check_counts(duration.value())?;
+    let mut simulation = JointSimulation::begin(rig.clone(), start, relative_tolerance)?;
+    let mut kept = Kept::of(&simulation);
+    simulation.extend(duration, &mut |step| kept.take(step, &mut watch))?;
+    kept.finish(simulation, &mut watch)
 }
 
-/// In the making: in parts, between which the commands of the valves may be continued.
-impl<R: Real> JointTrajectory<R> {
-    /// Nothing yet, at t = 0 in a state.
-    pub(super) fn begin(rig: JointRig<R>, start: JointState<R>, relative_tolerance: f64) -> Result<Self, Error> {
-        parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
-        let system = JointSystem::new(&rig, relative_tolerance);
-        let run = match system.beside.states {
-            PLAIN => Run::Plain(Box::new(begin(&system, start))),
-            _ => Run::Beside(Box::new(begin(&system, start))),
+/// The steps of a run, kept as they come.
+#[derive(Debug)]
+pub(super) struct Kept<R: Real> {
+    pieces: Pieces<R>,
+    events: Vec<JointEvent<R>>,
+}
+
+#[derive(Debug)]
+enum Pieces<R: Real> {
+    Plain(Vec<Piece<R, JointPhase<R>, JointEventKind, PLAIN>>),
+    Beside(Vec<Piece<R, JointPhase<R>, JointEventKind, MOST>>),
+}
+
+impl<R: Real> Kept<R> {
+    /// Nothing yet of a run.
+    pub(super) fn of(simulation: &JointSimulation<R>) -> Self {
+        let pieces = match simulation.front() {
+            FrontOfSize::Plain(_) => Pieces::Plain(Vec::new()),
+            FrontOfSize::Beside(_) => Pieces::Beside(Vec::new()),
         };
-        Ok(Self { rig, relative_tolerance, run, events: Vec::new() })
+        Self { pieces, events: Vec::new() }
     }
 
-    /// Goes on to `until` s.
-    pub(super) fn extend(&mut self, until: R, watch: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<(), Error> {
-        let system = JointSystem::new(&self.rig, self.relative_tolerance);
-        let events = &mut self.events;
-        with_run!(&mut self.run, stored => {
-            stored.extend(&system, until, self.relative_tolerance, &mut |piece| log(events, piece), watch)
-        })
+    /// Keeps a step; `watch` is called with the time in s now and then.
+    pub(super) fn take(
+        &mut self,
+        step: &AcceptedJointStep<'_, R>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let kept = match (&mut self.pieces, &step.of) {
+            (Pieces::Plain(pieces), OfSize::Plain(view)) => {
+                self.events.extend(event(view.piece));
+                pieces.push(*view.piece);
+                pieces.len()
+            }
+            (Pieces::Beside(pieces), OfSize::Beside(view)) => {
+                self.events.extend(event(view.piece));
+                pieces.push(*view.piece);
+                pieces.len()
+            }
+            // The size of a run does not change.
+            _ => return Ok(()),
+        };
+        keep_watch(kept, step.end().value(), watch)
     }
 
-    /// The sample at the time that has been reached.
-    pub(super) fn reached(&self) -> JointSample<R> {
-        let system = JointSystem::new(&self.rig, self.relative_tolerance);
-        with_run!(&self.run, stored => {
-            let (time, state, phase) = stored.reached();
-            system.sample(*time, state, phase)
-        })
-    }
-
-    /// The rig, to be told more.
-    pub(super) fn rig_mut(&mut self) -> &mut JointRig<R> {
-        &mut self.rig
+    /// The trajectory of a run that has come to its end.
+    pub(super) fn finish(
+        mut self,
+        mut simulation: JointSimulation<R>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<JointTrajectory<R>, Error> {
+        simulation.hand_on(&mut |step| self.take(step, watch))?;
+        let Self { pieces, events } = self;
+        let (rig, relative_tolerance, front) = simulation.into_parts();
+        let run = match (pieces, front) {
+            (Pieces::Plain(pieces), FrontOfSize::Plain(front)) => Run::Plain(Box::new(Stored::of(pieces, &front))),
+            (Pieces::Beside(pieces), FrontOfSize::Beside(front)) => Run::Beside(Box::new(Stored::of(pieces, &front))),
+            // The size of a run does not change.
+            (_, FrontOfSize::Plain(front)) => Run::Plain(Box::new(Stored::of(Vec::new(), &front))),
+            (_, FrontOfSize::Beside(front)) => Run::Beside(Box::new(Stored::of(Vec::new(), &front))),
+        };
+        Ok(JointTrajectory { rig, relative_tolerance, run, events })
     }
 }
 
@@ -208,18 +226,45 @@ impl<R: Real> JointTrajectory<R> {
         })
     }
 
+    /// Hands each step to `consumer` in order of time, as [`simulate_joint_into`](super::simulate_joint_into) did on the way.
+    ///
+    /// # Errors
+    /// Those of the consumer.
+    pub fn replay(&self, consumer: &mut JointConsumer<'_, R>) -> Result<JointRunEnd<R>, Error> {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        match &self.run {
+            Run::Plain(stored) => stored
+                .views()
+                .try_for_each(|view| consumer(&AcceptedJointStep { system: &system, of: OfSize::Plain(view) }))?,
+            Run::Beside(stored) => stored
+                .views()
+                .try_for_each(|view| consumer(&AcceptedJointStep { system: &system, of: OfSize::Beside(view) }))?,
+        }
+        Ok(self.end())
+    }
+
+    /// What holds at the end.
+    pub(super) fn end(&self) -> JointRunEnd<R> {
+        let system = JointSystem::new(&self.rig, self.relative_tolerance);
+        let sample = with_run!(&self.run, stored => {
+            let (time, state, phase) = stored.reached();
+            system.sample(*time, state, phase)
+        });
+        JointRunEnd { rig: self.rig.clone(), sample, counts: self.counts() }
+    }
+
+    /// Calls `each` with every step.
+    pub(super) fn each_step(&self, mut each: impl FnMut(&AcceptedJointStep<'_, R>)) {
+        // Nothing fails that returns no error.
+        let _ = self.replay(&mut |step| {
+            each(step);
+            Ok(())
+        });
+    }
+
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of each step: `Σ weight · f` is the
     /// integral of f over the trajectory, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointMode)) {
-        self.visit(|weight, sample, phase, _| visit(weight, sample, &phase.mode));
-    }
-
-    /// The same with the phase, and of each actuator the flow and the widths of its hysteresis.
-    pub(super) fn visit(&self, mut visit: impl FnMut(R, &JointSample<R>, &JointPhase<R>, [(Flow<R>, [R; 2]); 2])) {
-        let system = JointSystem::new(&self.rig, self.relative_tolerance);
-        with_run!(&self.run, stored => stored.quadrature(&system, |weight, time, state, phase| {
-            let of = [0, 1].map(|i| (system.flow(i, time, state, phase), system.widths(i, state, phase)));
-            visit(weight, &system.sample(time, state, phase), phase, of);
-        }));
+        self.each_step(|step| step.quadrature(&mut visit));
     }
 }

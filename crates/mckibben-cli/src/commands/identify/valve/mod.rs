@@ -14,7 +14,7 @@ pub(super) use pulses::pulse_train;
 pub(super) use steady::{flow_curve, steady_flow};
 pub(super) use tank::tank;
 
-use super::outcome::WARNED;
+use super::outcome::{Stems, WARNED};
 use super::{Material, column};
 use crate::failure::Failure;
 use mckibben::Actuator;
@@ -25,8 +25,8 @@ use mckibben_identify::study::{Direction, Quantity, Recording};
 use mckibben_identify::valve::ValveError;
 use mckibben_scenario::{Passage, Place, Scenario, Valve};
 
-/// What the files of six runs are called; a page shows no more.
-type Stems = [&'static str; 6];
+/// What the figures of all studies of a valve are called.
+pub(super) const STEMS: [&[&str]; 4] = [&pulses::STEMS, &[pulses::DUTY], &tank::PRESSURES, &steady::STEMS];
 
 fn valve_of(scenario: &Scenario) -> Result<&Valve, Failure> {
     scenario.valve.as_ref().ok_or_else(|| {

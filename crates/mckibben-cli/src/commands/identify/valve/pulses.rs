@@ -13,6 +13,10 @@ use mckibben_identify::study::{PulsesEntry, Quantity, Recording};
 use mckibben_identify::valve::{Delays, DutyPoint, Onset, PulseTrain, delay_difference};
 use mckibben_scenario::{Command, CommandState, Scenario, ValveKind};
 
+/// The figures of the runs, and that of all of them.
+pub(super) const STEMS: Stems = ["pulses-1", "pulses-2", "pulses-3", "pulses-4", "pulses-5", "pulses-6"];
+pub(super) const DUTY: &str = "duty";
+
 /// Periods that a figure shows: enough to see the onsets.
 const SHOWN: f64 = 4.0;
 
@@ -30,11 +34,9 @@ struct Run<'a> {
 pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Failure> {
     let scenario = material.document.scenario()?;
     let mut warnings = material.notes();
-    let runs: Vec<Run<'_>> = material
-        .recordings
-        .iter()
-        .map(|recording| run(material, recording, &mut warnings))
-        .collect::<Result<_, _>>()?;
+    let (runs, failed) = outcome::of_each(material.recordings.iter(), &mut warnings, |recording, warnings| {
+        run(material, recording, warnings)
+    })?;
     let records: Vec<Delays> = runs.iter().map(|run| run.found.clone()).collect();
     let Some(delays) = Delays::over_all(&records) else { return Err(Failure::stopped("nothing was found")) };
     let rows: [&Parameter; 2] = [&parameter::OPENING_DELAY, &parameter::CLOSING_DELAY];
@@ -50,14 +52,13 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
     )];
     // With one frequency and duty alone the duties repeat what the onsets say.
     if points.len() > 1 {
-        let difference = delay_difference(&points).map_err(|error| failed("all", &error))?;
+        let difference = delay_difference(&points).map_err(|error| super::failed("all", &error))?;
         introduction.push(format!(
             "The paper’s way, by what the effective duty lacks over the frequency: the opening takes {} longer than the closing.",
             told(&difference, 1e3, "ms")
         ));
     }
-    let stems: Stems = ["pulses-1", "pulses-2", "pulses-3", "pulses-4", "pulses-5", "pulses-6"];
-    let mut plates: Vec<Plate> = runs.iter().zip(stems).map(|(run, stem)| onset_plate(run, stem)).collect();
+    let mut plates: Vec<Plate> = runs.iter().zip(STEMS).map(|(run, stem)| onset_plate(run, stem)).collect();
     plates.extend(duty_plate(&points, &delays));
     let estimates = numbers;
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &estimates);
@@ -76,6 +77,7 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         estimates: estimates.to_vec(),
         warnings,
         scenarios,
+        failed,
     })
 }
 
@@ -301,7 +303,7 @@ fn duty_plate(points: &[DutyPoint], delays: &[Estimate; 2]) -> Option<Plate> {
         .series(Series::line("commanded, less the delays", by_delays.0, by_delays.1))
         .series(Series::points("effective, by the onsets", x, effective).colour(Colour::Category(1)));
     Some(Plate {
-        stem: "duty",
+        stem: DUTY,
         caption: "Commanded and effective duty: d − (t_open − t_close) f by the delays, and the share of a period in which the valve was \
                   open by the onsets."
             .to_owned(),

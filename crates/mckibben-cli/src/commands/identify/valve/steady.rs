@@ -17,6 +17,11 @@ use mckibben_identify::study::{Direction, Quantity, Recording};
 use mckibben_identify::valve::{Efficiency, FlowCurve, Scatter, SteadyPoint, ValveError, efficiency, flow_coefficient};
 use mckibben_scenario::Passage;
 
+/// The figures.
+pub(super) const CURVE: &str = "flow-curve";
+const RATIOS: &str = "ratios";
+pub(super) const STEMS: [&str; 2] = [CURVE, RATIOS];
+
 /// Where the upstream pressure differs by more than this part, two flows do not come out equal to the last digit.
 const APART: f64 = 0.05;
 
@@ -81,7 +86,7 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
                  is C, at any upstream pressure; from b on the law is a quarter of an ellipse."
                     .to_owned(),
             ],
-            plates: vec![curve_plate(&points.points, &found, &air, "flow-curve")?],
+            plates: vec![curve_plate(&points.points, &found, &air, CURVE)?],
             ..Section::default()
         },
     ];
@@ -173,6 +178,7 @@ fn outcome(
         estimates,
         warnings,
         scenarios,
+        ..Outcome::default()
     }
 }
 
@@ -361,7 +367,7 @@ fn ratio_plate(points: &[SteadyPoint], found: &Efficiency) -> Plate {
     }
     let x = Axis::new("downstream over upstream pressure", "").starting_at(0.0).ending_at(1.0);
     Plate {
-        stem: "ratios",
+        stem: RATIOS,
         caption: "Measured over calculated flow, point by point, and the factor that fits best with its interval."
             .to_owned(),
         figure: Figure { width_mm: 130.0, x, panels: vec![panel], ..Figure::default() },

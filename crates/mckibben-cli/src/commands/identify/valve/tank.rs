@@ -2,7 +2,7 @@
 
 use super::super::outcome::{self, Outcome, WARNED};
 use super::super::{Material, pressure_over_time, values};
-use super::steady::curve_plate;
+use super::steady::{CURVE, curve_plate};
 use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, passage_of};
 use super::{put, says_its_end, told, valve_of, with_conductance};
 use crate::failure::Failure;
@@ -23,7 +23,7 @@ const LARGEST_RATIO: f64 = 0.9;
 const MISFIT: f64 = 1.5;
 
 /// The files of the runs' pressures; a page shows no more.
-const PRESSURES: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
+pub(super) const PRESSURES: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
 
 /// A run, and the tank that it is of.
 struct Experiment<'a> {
@@ -54,11 +54,9 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         return Err(Failure::input("the study does not say what tank it is", "add `[tank]`"));
     };
     let mut warnings = material.notes();
-    let runs: Vec<Experiment<'_>> = material
-        .recordings
-        .iter()
-        .map(|recording| experiment(material, recording, entry, &mut warnings))
-        .collect::<Result<_, _>>()?;
+    let (runs, failed) = outcome::of_each(material.recordings.iter(), &mut warnings, |recording, warnings| {
+        experiment(material, recording, entry, warnings)
+    })?;
     let found = match entry.windows {
         Some(windows) => by_windows(&runs, windows, &mut warnings)?,
         None => by_trajectory(&runs, &mut warnings)?,
@@ -80,6 +78,7 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         estimates: found.numbers,
         warnings,
         scenarios,
+        failed,
     })
 }
 
@@ -243,7 +242,7 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
         points.len()
     );
     let mut plates: Vec<Plate> = runs.iter().zip(PRESSURES).map(|(of, stem)| pressure_plate(of, None, stem)).collect();
-    plates.push(curve_plate(&points, &found, &air, "flow-curve")?);
+    plates.push(curve_plate(&points, &found, &air, CURVE)?);
     let left = Table {
         caption: "The windows of each run that count.".to_owned(),
         head: ["run", "windows"].map(String::from).to_vec(),
@@ -398,7 +397,7 @@ fn pressure_plate(of: &Experiment<'_>, off: Option<Vec<f64>>, stem: &'static str
     let mut top =
         Panel::new(Axis::new("absolute pressure", "Pa")).legend(Legend::Above).height_mm(55.0).series(measured);
     let mut panels = Vec::new();
-    let mut data = Data::new(&["time_s", "measured_pa", "fitted_pa"]);
+    let mut data = Data::new(&["time_s", "measured_pa", "fitted_pa"]).lacking(&["fitted_pa"]);
     let mut caption = format!("`{}`: the pressure in the tank", of.run);
     let of_fit = off.clone().unwrap_or_else(|| vec![f64::NAN; of.times.len()]);
     let fitted: Vec<f64> = of.pressures.iter().zip(&of_fit).map(|(pressure, off)| pressure + off).collect();

@@ -1,0 +1,54 @@
+//! SIGINT, SIGTERM and SIGHUP: what is under way is removed, what is finished stays, and the exit code says which it was.
+//!
+//! | signal | exit code |
+//! |---|---|
+//! | SIGHUP | 129 |
+//! | SIGINT (Ctrl-C) | 130 |
+//! | SIGTERM | 143 |
+//!
+//! Only the program listens, never this library in another host. A signal that the process was started with as ignored, as by
+//! `nohup`, stays ignored. A second signal ends the process at once. Checked by `tests/output.rs`.
+
+/// Listens from now on.
+#[cfg(unix)]
+pub fn listen() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let heard = [(SIGHUP, "SIGHUP"), (SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
+    let heard: Vec<(i32, &'static str)> = heard.into_iter().filter(|(signal, _)| !is_ignored(*signal)).collect();
+    let Ok(mut signals) = signal_hook::iterator::Signals::new(heard.iter().map(|(signal, _)| signal)) else { return };
+    std::thread::spawn(move || {
+        let mut ending = false;
+        for signal in signals.forever() {
+            if ending {
+                std::process::exit(128 + signal);
+            }
+            ending = true;
+            let name = heard.iter().find(|(of, _)| *of == signal).map_or("a signal", |(_, name)| *name);
+            // Not on this thread: a file system that does not answer must not keep a second signal from being heard.
+            std::thread::spawn(move || end(signal, name));
+        }
+    });
+}
+
+/// Listens from now on, where there are signals.
+#[cfg(not(unix))]
+pub fn listen() {}
+
+#[cfg(unix)]
+fn end(signal: i32, name: &str) -> ! {
+    let words = match crate::output::stays(crate::temporary::abandon_all()) {
+        None => "nothing was left behind".to_owned(),
+        Some(stays) => format!("what was under way was removed; {stays}"),
+    };
+    crate::terminal::print_error(&format!("stopped by {name}: {words}\n"));
+    std::process::exit(128 + signal)
+}
+
+/// Whether the process ignored a signal before it listened, where that can be known.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask & (1 << (signal - 1)) != 0
+}

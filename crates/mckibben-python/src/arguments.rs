@@ -1,0 +1,91 @@
+//! Arguments that no calculation can begin with: numbers that are none, arrays that do not fit, counts that no memory holds.
+//!
+//! Each is refused before anything is allocated or has changed, by the argument's name and the element's index.
+
+use mckibben_cli::failure::Failure;
+use pyo3::exceptions::PyMemoryError;
+use pyo3::prelude::*;
+
+/// Refuses numbers that are not finite; `index` says how an element is named, as `[3]` or `[3, 0]`.
+pub(crate) fn finite_by(name: &str, numbers: &[f64], index: impl Fn(usize) -> String) -> Result<(), Failure> {
+    match numbers.iter().position(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(at) => Err(Failure::input(
+            format!("{name}{} = {:?} is no finite number", index(at), numbers[at]),
+            format!("give finite numbers in `{name}`"),
+        )),
+    }
+}
+
+/// Refuses numbers of an array of one dimension that are not finite.
+pub(crate) fn finite(name: &str, numbers: &[f64]) -> Result<(), Failure> {
+    finite_by(name, numbers, |at| format!("[{at}]"))
+}
+
+/// Refuses numbers of a table of so many columns that are not finite.
+pub(crate) fn finite_table(name: &str, numbers: &[f64], width: usize) -> Result<(), Failure> {
+    finite_by(name, numbers, |at| format!("[{}, {}]", at / width.max(1), at % width.max(1)))
+}
+
+/// Refuses a number that is not finite, or not in a range that is said in words.
+pub(crate) fn number(name: &str, value: f64, unit: &str, range: &str, is_in: bool) -> Result<(), Failure> {
+    match value.is_finite() && is_in {
+        true => Ok(()),
+        false => Err(Failure::input(
+            format!("{name} = {value:?} {unit} is out of range").replace("  ", " "),
+            format!("give {range}"),
+        )),
+    }
+}
+
+/// Refuses an array without the right number of entries, or with gaps between them.
+pub(crate) fn fitting(name: &str, slice: Option<usize>, count: usize) -> Result<(), Failure> {
+    let remedy = format!("give an array of {count} numbers (float64) without gaps, one for each actuator");
+    match slice {
+        Some(length) if length == count => Ok(()),
+        Some(length) => Err(Failure::input(format!("{name} has {length} entries for {count} actuators"), remedy)),
+        None => Err(Failure::input(format!("{name} has gaps between its entries"), remedy)),
+    }
+}
+
+/// Refuses more of something than this machine's memory holds.
+pub(crate) fn room(py: Python<'_>, count: usize, what: &str, each: usize) -> PyResult<()> {
+    let (needed, memory) = (count as f64 * each as f64, memory(py));
+    if needed <= memory {
+        return Ok(());
+    }
+    let most = memory / each as f64;
+    Err(PyMemoryError::new_err(format!(
+        "{count} {what} need {} ({each} bytes each), and there are {} of memory; give a count of {most:.0} at most",
+        bytes(needed),
+        bytes(memory)
+    )))
+}
+
+/// Says that there was no room for something after all.
+pub(crate) fn no_room(count: usize, what: &str, each: usize) -> PyErr {
+    let needed = bytes(count as f64 * each as f64);
+    PyMemoryError::new_err(format!("{count} {what} need {needed}, which cannot be had; give a smaller count"))
+}
+
+/// Bytes of memory that this process may use: the machine's, or what its container has; without end where neither is known.
+fn memory(py: Python<'_>) -> f64 {
+    let machine = || -> PyResult<f64> {
+        let os = py.import("os")?;
+        let known = |name: &str| os.call_method1("sysconf", (name,))?.extract::<f64>();
+        Ok(known("SC_PHYS_PAGES")? * known("SC_PAGE_SIZE")?)
+    };
+    let container = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+    let of_container =
+        container.iter().filter_map(|path| std::fs::read_to_string(path).ok()?.trim().parse::<f64>().ok());
+    of_container.chain(machine().ok()).filter(|bytes| *bytes > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// An amount of memory for people.
+fn bytes(amount: f64) -> String {
+    let (unit, size) = [("EB", 1e18), ("PB", 1e15), ("TB", 1e12), ("GB", 1e9)]
+        .into_iter()
+        .find(|(_, size)| amount >= *size)
+        .unwrap_or(("MB", 1e6));
+    format!("{:.1} {unit}", amount / size)
+}

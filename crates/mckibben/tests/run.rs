@@ -1,0 +1,223 @@
+//! A run whose steps are handed on as they are made: bit by bit what a kept trajectory gives.
+
+use crate::common::joint::Pair;
+use crate::common::{PSI, Paper, ROOM, assert_within};
+use mckibben::Error;
+use mckibben::control::{
+    JointSensors, JointTracker, Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker,
+};
+use mckibben::friction::{Hysteresis, LuGre};
+use mckibben::line::{Hose, HoseKind, Line};
+use mckibben::load::{Load, Motion};
+use mckibben::simulation::{
+    AcceptedJointStep, AcceptedStep, JointLedger, Ledger, Reading, Rig, SampleTimes, simulate, simulate_controlled,
+    simulate_controlled_into, simulate_into, simulate_joint, simulate_joint_controlled, simulate_joint_controlled_into,
+    simulate_joint_into,
+};
+use mckibben::valve::{Command, Request, ValveKind};
+
+const END: f64 = 0.5;
+/// Does not divide the run.
+const INTERVAL: f64 = 0.7e-3;
+
+fn times() -> Reading<impl Iterator<Item = f64>> {
+    Reading::new(SampleTimes::new(END, INTERVAL).times(), END)
+}
+
+/// What is read is compared by its text: every bit of a number shows in it, and so does the sign of a zero.
+fn text(what: &impl std::fmt::Debug) -> String {
+    format!("{what:?}")
+}
+
+fn rigs() -> Vec<Rig> {
+    let hosed = Hose::new(HoseKind::Lumped, [1.0, 4e-3], [1.82e-5, ROOM, 1.0], &Paper::sealed().air());
+    let line = Line { hose: Some(hosed.expect("a hose")), ..Line::NONE };
+    let lugre = Hysteresis::LuGre(LuGre::new(1e-4, 1e-4).expect("a law"));
+    let paper = Paper::pwm(25.0, 0.5);
+    vec![
+        paper.rig(),
+        paper.rig().with_line(line).expect("a line"),
+        paper.clone().friction(3.5, 0.0).with(|rig| rig.hysteresis = Some(lugre)).rig(),
+        paper.gauge(20.0 * PSI).rig(),
+    ]
+}
+
+#[test]
+fn samples_events_and_accounts_are_those_of_the_trajectory() {
+    let start = Paper::pwm(25.0, 0.5).start();
+    for rig in rigs() {
+        let kept = simulate(&rig, start, END, 1e-8).expect("a run");
+        let (mut reading, mut samples, mut events) = (times(), Vec::new(), Vec::new());
+        let mut ledger = Ledger::new(&rig);
+        let end = simulate_into(&rig, start, END, 1e-8, &mut |step: &AcceptedStep<'_>| {
+            ledger.step(step);
+            events.extend(step.event());
+            reading.step(step, |sample| {
+                samples.push(*sample);
+                Ok(())
+            })
+        })
+        .expect("a run");
+        reading
+            .finish(&end.sample, |sample| {
+                samples.push(*sample);
+                Ok::<_, Error>(())
+            })
+            .expect("samples");
+        let expected: Vec<_> = kept.samples(INTERVAL).collect();
+        assert_eq!(samples.len(), expected.len());
+        assert!(samples.len() > 700 && events.len() > 20, "{} {}", samples.len(), events.len());
+        assert_eq!(text(&samples), text(&expected));
+        assert_eq!(events, kept.events());
+        assert_eq!(end.counts, kept.counts());
+        assert_eq!(text(&ledger.finish(&end)), text(&(kept.audit(), kept.circuit())));
+        assert_eq!(text(&end.sample), text(&kept.at(END)));
+    }
+}
+
+#[test]
+fn a_joint_is_read_as_its_trajectory_is() {
+    let pair = Pair::of(Paper::pwm(25.0, 0.5)).with(|pair| pair.damping = 0.01);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let kept = simulate_joint(&rig, start, END, 1e-8).expect("a run");
+    let (mut reading, mut samples, mut events) = (times(), Vec::new(), Vec::new());
+    let mut ledger = JointLedger::new(&rig);
+    let end = simulate_joint_into(&rig, start, END, 1e-8, &mut |step: &AcceptedJointStep<'_>| {
+        ledger.step(step);
+        events.extend(step.event());
+        reading.step(step, |sample| {
+            samples.push(*sample);
+            Ok(())
+        })
+    })
+    .expect("a run");
+    samples.extend(std::iter::repeat_n(end.sample, kept.samples(INTERVAL).count() - samples.len()));
+    assert_eq!(text(&samples), text(&kept.samples(INTERVAL).collect::<Vec<_>>()));
+    assert_eq!((events.as_slice(), end.counts), (kept.events(), kept.counts()));
+    assert_eq!(text(&ledger.finish(&end)), text(&(kept.audit(), kept.circuit())));
+}
+
+fn regulator(quantity: Quantity, band: f64) -> Regulator {
+    Regulator::Pid(Pid::new(quantity, band, Output::FillHoldExhaust).expect("a controller"))
+}
+
+/// A decision comes before the samples that follow it, and the samples are those of the trajectory.
+#[test]
+fn a_controlled_run_is_read_as_its_trajectory_is() {
+    let paper = Paper::pwm(50.0, 0.5).gauge(20.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    let (rig, start) = (paper.rig(), paper.start());
+    let target = SetPoint::constant(Quantity::Pressure, 40.0 * PSI).expect("a set point");
+    let law = Tracker::new(Quantity::Pressure, target, regulator(Quantity::Pressure, 60.0 * PSI)).expect("a tracker");
+    let with = (Sampling::new(50.0, 1).expect("a rate"), Sensors::perfect());
+    let kept = simulate_controlled(&rig, start, END, 1e-8, &law, with).expect("a run");
+    let decided = std::cell::RefCell::new(Vec::new());
+    let (mut reading, mut samples) = (times(), Vec::new());
+    let end = simulate_controlled_into(
+        &rig,
+        start,
+        (END, 1e-8),
+        &law,
+        with,
+        &mut |step| {
+            reading.step(step, |sample| {
+                let before = |time: f64| (time * 50.0 * (1.0 + 1e-14)) as usize + 1;
+                assert!(decided.borrow().len() >= before(sample.time), "no decision yet for {} s", sample.time);
+                samples.push(*sample);
+                Ok(())
+            })
+        },
+        &mut |decision| decided.borrow_mut().push(decision),
+    )
+    .expect("a run");
+    samples.extend(std::iter::repeat_n(end.sample, kept.trajectory.samples(INTERVAL).count() - samples.len()));
+    assert_eq!(text(&samples), text(&kept.trajectory.samples(INTERVAL).collect::<Vec<_>>()));
+    assert_eq!(text(&decided.into_inner()), text(&kept.decisions));
+    assert_eq!(end.rig, *kept.trajectory.rig());
+}
+
+#[test]
+fn a_controlled_joint_is_read_as_its_trajectory_is() {
+    let paper = Paper::pwm(50.0, 0.5).gauge(30.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    let pair = Pair::of(paper).with(|pair| pair.damping = 0.03);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let angle = SetPoint::constant(Quantity::Angle, 0.1).expect("a set point");
+    let law = JointTracker { angle, regulator: regulator(Quantity::Angle, 0.5) };
+    let with = (Sampling::new(40.0, 0).expect("a rate"), JointSensors::perfect());
+    let kept = simulate_joint_controlled(&rig, start, END, 1e-8, &law, with).expect("a run");
+    let (mut decisions, mut reading, mut samples) = (Vec::new(), times(), Vec::new());
+    let end = simulate_joint_controlled_into(
+        &rig,
+        start,
+        (END, 1e-8),
+        &law,
+        with,
+        &mut |step| {
+            reading.step(step, |sample| {
+                samples.push(*sample);
+                Ok(())
+            })
+        },
+        &mut |_, decision| decisions.push(decision),
+    )
+    .expect("a run");
+    samples.extend(std::iter::repeat_n(end.sample, kept.trajectory.samples(INTERVAL).count() - samples.len()));
+    assert_eq!(text(&samples), text(&kept.trajectory.samples(INTERVAL).collect::<Vec<_>>()));
+    assert_eq!(text(&decisions), text(&kept.decisions));
+}
+
+/// What a consumer fails by ends the run, at once.
+#[test]
+fn a_consumer_ends_the_run() {
+    let paper = Paper::pwm(25.0, 0.5);
+    let mut steps = 0;
+    let run = simulate_into(&paper.rig(), paper.start(), END, 1e-8, &mut |step| {
+        steps += 1;
+        if step.end() > 0.1 { Err(Error::Interrupted { time: step.end() }) } else { Ok(()) }
+    });
+    let Err(Error::Interrupted { time }) = run else { panic!("{run:?}") };
+    assert!((0.1..0.2).contains(&time) && steps > 10, "{time} {steps}");
+}
+
+/// More pulses, samples of a controller or periods of a motion than anybody can mean.
+#[test]
+fn counts_without_measure_are_refused_with_the_count() {
+    let refused = |error: Error, key: &str, expected: f64| {
+        let Error::TooMany { parameter, count, .. } = &error else { panic!("{error}") };
+        assert_eq!(parameter.key, key);
+        assert_within(*count, expected, 1e-12 * expected);
+        let said = error.to_string();
+        assert!(said.contains(key) && said.contains(&format!("{expected:.3e}")), "{said}");
+    };
+    let paper = Paper::pwm(1e15, 0.5);
+    let (rig, start) = (paper.rig(), paper.start());
+    refused(simulate(&rig, start, 2.0, 1e-8).unwrap_err(), "command.frequency", 2e15);
+    // Just as many as a run may have are none too many.
+    assert_eq!(Paper::pwm(1e9, 0.5).rig().check_counts(1.0), Ok(()));
+
+    let pair = Pair::of(paper);
+    refused(pair.try_run(1.0, 1e-8).unwrap_err(), "command.frequency", 1e15);
+
+    let target = SetPoint::constant(Quantity::Pressure, 40.0 * PSI).expect("a set point");
+    let law = Tracker::new(Quantity::Pressure, target, regulator(Quantity::Pressure, 60.0 * PSI)).expect("a tracker");
+    let paper = Paper::driven(Command::Constant(Request::Exhaust)).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    for (sampling, key) in [
+        (Sampling::new(1e12, 0).expect("a rate"), "controller.rate"),
+        (
+            Sampling::new(100.0, 0).and_then(|of| of.with_pulse_frequency(1e12)).expect("a rate"),
+            "controller.pulse_frequency",
+        ),
+    ] {
+        let run = simulate_controlled(&paper.rig(), paper.start(), 3.0, 1e-8, &law, (sampling, Sensors::perfect()));
+        refused(run.unwrap_err(), key, 3e12);
+    }
+
+    let motion = Motion::sinusoid(0.09, 1e-3, 1e11, 0.0, 0.1).expect("a motion");
+    let paper = Paper::sealed().with(|rig| {
+        rig.load = Load::Prescribed(motion);
+        rig.length = mckibben::simulation::InitialLength::Equilibrium;
+    });
+    let start = Paper::sealed().start();
+    refused(simulate(&paper.rig(), start, 1.0, 1e-8).unwrap_err(), "load.frequency", 1e11);
+}

@@ -1,0 +1,123 @@
+"""Options of an environment, checked when it is made."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from mckibben._mckibben import Plants
+from mckibben.errors import InputError
+
+Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
+
+# The shortest control period in s unless given, where actions are no duty cycles.
+REQUEST_PERIOD = 5e-3
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of an environment in addition to its task.
+
+    `asked` is what an action means to each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
+    fill among those that the valve can do), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure
+    regulator (0 to 1 of `most_pressure` in Pa gauge). A number beyond these bounds counts as the bound; one that is not
+    finite, and a request that is not there, is an `InputError`.
+
+    `control_period` is how long an action holds, in s. Unless given, every action acts at once: a duty cycle holds for one
+    period of its pulses, 1 / `pulse_frequency`; anything else for the shortest multiple of 5 ms that is longer than the delays
+    of the scenario's valves. A duty cycle is taken up when a pulse begins and holds for that pulse. Where the control period
+    is no whole number of pulses, the observation therefore has the phase of the pulse and the duty cycle under way.
+
+    An episode lasts `duration` in s, which is a whole number of control periods, or `max_episode_steps` of them; unless given,
+    as many as come nearest to the scenario's run.duration.
+
+    The reward of a step is minus the sum of the distances from the targets, each as a share of the range that it is drawn
+    from and counted as `distance_limit` at most. An episode ends early only if its plant diverges: the state is no longer
+    physical. Then `terminal_penalty` is subtracted too. Unless given, it is what the step and all that were to follow could
+    have cost at most, so that ending early never pays. `info["is_success"]` says whether all targets are within
+    `success_tolerance` of their ranges after a step, `info["diverged"]` whether the plant has diverged.
+
+    `noise` are standard deviations of the observation in SI, by columns. Observations are `sensor_delay` in s old, and actions
+    are done `action_delay` in s late, whole numbers of control periods; the phase and the duty cycle under way are the
+    controller's own, and have neither noise nor delay. `randomize` are paths of parameters of the plant that are drawn for
+    each episode: uniformly between two ends in SI, or by a function of a generator and how many values are wanted. All random
+    numbers come from the generator, or generators, that `reset(seed=...)` seeds.
+    """
+
+    asked: str = "duty"
+    control_period: float | None = None
+    duration: float | None = None
+    max_episode_steps: int | None = None
+    pulse_frequency: float | None = None
+    most_pressure: float = 6e5
+    distance_limit: float = 2.0
+    terminal_penalty: float | None = None
+    success_tolerance: float = 0.05
+    noise: Mapping[str, float] = field(default_factory=dict)
+    sensor_delay: float = 0.0
+    action_delay: float = 0.0
+    randomize: Mapping[str, Draw] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("control_period", "duration", "pulse_frequency", "most_pressure", "distance_limit"):
+            self._check(name, above_zero=True)
+        for name in ("terminal_penalty", "success_tolerance", "sensor_delay", "action_delay"):
+            self._check(name, above_zero=False)
+        steps = self.max_episode_steps
+        if steps is not None and not (isinstance(steps, Integral) and steps >= 1):
+            raise InputError(f"max_episode_steps = {steps!r} is no number of steps; give a whole number of 1 or more")
+        for name in ("noise", "randomize"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise InputError(f'{name} is no dictionary; give one by names, as {{"load.mass": (1.5, 3.0)}}')
+        for column, deviation in self.noise.items():
+            if not (is_number(deviation) and deviation >= 0.0):
+                raise InputError(f"noise: `{column}` = {deviation!r} is no standard deviation; give zero or more, in SI")
+
+    def _check(self, name: str, *, above_zero: bool) -> None:
+        """Refuses an option that is no finite number of zero or more."""
+        number = getattr(self, name)
+        if number is None and self.__dataclass_fields__[name].default is None:
+            return
+        if not (is_number(number) and (number > 0.0 or number == 0.0 and not above_zero)):
+            range_ = "above zero" if above_zero else "of zero or more"
+            raise InputError(f"{name} = {number!r} is out of range; give a finite number {range_}")
+
+    def period(self, plants: Plants) -> float:
+        """How long an action of these plants holds, in s."""
+        if self.control_period is not None:
+            return self.control_period
+        if plants.pulses is not None:
+            return 1.0 / plants.pulses
+        return REQUEST_PERIOD * (math.floor(plants.valve_delay / REQUEST_PERIOD * (1.0 + 1e-9)) + 1)
+
+    def steps(self, plants: Plants, period: float) -> int:
+        """How many steps an episode of these plants has."""
+        steps = self.max_episode_steps
+        if self.duration is not None:
+            given = max(1, periods("duration", self.duration, period))
+            if steps not in (None, given):
+                raise InputError(f"duration = {self.duration} s is {given} steps, but max_episode_steps = {steps}; give one of them")
+            return given
+        if steps is not None:
+            return int(steps)
+        return max(1, round(plants.duration / period))
+
+
+def periods(name: str, time: float, period: float) -> int:
+    """How many control periods a time is, both in s."""
+    count = round(time / period)
+    if abs(time - count * period) > 1e-9 * max(time, period):
+        near = max(1, count) * period
+        raise InputError(
+            f"{name} = {time:g} s is no multiple of control_period = {period:g} s; give a whole number of them, such as "
+            f"{near:g} s, or another control_period"
+        )
+    return count
+
+
+def is_number(value: Any) -> bool:
+    """Whether this is a finite number."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,0 +1,444 @@
+"""What no calculation can begin with is refused by the argument's name; nothing ends the interpreter or never comes back."""
+
+from __future__ import annotations
+
+import collections.abc
+import concurrent.futures
+import itertools
+import math
+import pathlib
+import re
+import typing
+
+import numpy
+import pytest
+
+import mckibben
+
+STEP = 1e-3
+NOT_FINITE = [math.nan, math.inf, -math.inf]
+
+
+@pytest.fixture(scope="module")
+def scenario(examples) -> mckibben.Scenario:
+    return mckibben.Scenario.load(examples / "paper/fig-12.toml")
+
+
+def arrays(count: int) -> dict[str, numpy.ndarray]:
+    """What `Actuators.step` takes."""
+    return {"length": numpy.full(count, 0.09), "velocity": numpy.zeros(count), "duty": numpy.full(count, 0.5),
+            "tension": numpy.full(count, -1.0)}
+
+
+def nested(depth: int) -> typing.Any:
+    value: typing.Any = "5 lb"
+    for _ in range(depth):
+        value = {"a": value}
+    return value
+
+
+# --- values within each other, and what lies about its length -------------------------------------------------------
+
+
+def test_a_dictionary_that_contains_itself_is_refused_by_its_keys(swing):
+    load: dict[str, typing.Any] = {"kind": "hanging-mass"}
+    load["again"] = [{"deeper": load}]
+    whole: dict[str, typing.Any] = {"load": {"kind": "isometric"}}
+    whole["load"]["of"] = whole
+    items: list[typing.Any] = [1.0]
+    items.append(items)
+    with pytest.raises(mckibben.InputError, match=r"`load.again\[0\].deeper` is `load` again: it contains itself"):
+        mckibben.Scenario.from_dict({"load": load})
+    with pytest.raises(mckibben.InputError, match="`load.of` is the whole dictionary again"):
+        mckibben.Scenario.from_dict(whole)
+    with pytest.raises(mckibben.InputError, match=r"`load.mass\[1\]` is `load.mass` again"):
+        swing.with_values({"load.mass": items})
+    # One value in two places is no circle.
+    shared = {"temperature": "20 degC"}
+    with pytest.raises(mckibben.InputError, match="not a key|unknown|no section"):
+        mckibben.Scenario.from_dict({"a": shared, "b": shared})
+
+
+@pytest.mark.parametrize("depth", [65, 10_000, 200_000])
+def test_values_nested_deeper_than_any_scenario_are_refused(depth, swing):
+    with pytest.raises(mckibben.InputError, match=r"`load(\.a)+` lies deeper than 64 levels"):
+        mckibben.Scenario.from_dict({"load": nested(depth)})
+    with pytest.raises(mckibben.InputError, match="lies deeper than 64 levels"):
+        swing.with_values({"load.mass": nested(depth)})
+
+
+@pytest.mark.parametrize("text", ["a = " + 20_000 * "[", "a" + 20_000 * ".a" + " = 1", "a = " + 20_000 * "{a=", 20_000 * "[a." ])
+def test_text_nested_deeper_than_any_scenario_is_refused(text):
+    with pytest.raises(mckibben.InputError):
+        mckibben.Scenario(text)
+
+
+def test_a_path_of_very_many_keys_is_refused(swing):
+    with pytest.raises(mckibben.InputError):
+        swing.with_values({".".join(20_000 * ["a"]): 1.0})
+
+
+class Liar(collections.abc.Sequence):
+    """Says that it has more items than there is memory for."""
+
+    def __init__(self, *items: typing.Any) -> None:
+        self.items = items
+
+    def __len__(self) -> int:
+        return 2**62
+
+    def __getitem__(self, place: typing.Any) -> typing.Any:
+        return self.items[place]
+
+
+class LyingList(list):  # type: ignore[type-arg]
+    def __len__(self) -> int:
+        return 2**62
+
+
+@pytest.mark.parametrize("lying", [Liar, lambda *items: LyingList(items)])
+def test_a_sequence_that_lies_about_its_length_counts_by_its_items(lying, swing):
+    made, honest = (
+        swing.with_values({"actuator.preset": "colbrunn-2001", "actuator.effectiveness.pressure_unit": "psi",
+                           "actuator.effectiveness.polynomial": coefficients}) for coefficients in (lying(0.5, 0.001), [0.5, 0.001])
+    )
+    assert made == honest != swing
+    plants = mckibben.Plants(swing, 2, by=lying("load.mass"), asked="request")
+    assert plants.by == ["load.mass"]
+    of = mckibben.Differentiable(swing, lying("load.mass"), lying("length"), [0.1])
+    assert of.by == ["load.mass"] and of.of == ["length"]
+    assert mckibben.Scenario(swing.text, "swing", lying(("load.mass", '"6 lb"'))) == swing.with_values({"load.mass": "6 lb"})
+    assert mckibben.Event(1.0, lying("event"), lying("stick")).kind == "stick"
+
+
+def test_a_sequence_without_end_is_refused(swing):
+    with pytest.raises(mckibben.InputError, match="more than 2000000 values up to `load.mass"):
+        swing.with_values({"load.mass": itertools.repeat(1.0)})
+    with pytest.raises(mckibben.InputError, match="more than 2000000 items"):
+        mckibben.Differentiable(swing, itertools.repeat("load.mass"), ["length"], [0.1])  # type: ignore[arg-type]
+
+
+# --- counts ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", [10**9, 10**12, 2**61, 2**63, 2**64 - 1])
+def test_more_than_memory_holds_is_refused_before_anything_is_made(count, scenario):
+    for made in [lambda: mckibben.Actuators(scenario, count), lambda: mckibben.Plants(scenario, count)]:
+        with pytest.raises(MemoryError, match=rf"^{count} (actuators|plants) need .* [TPE]B .*of memory.*count of \d+ at most"):
+            made()
+
+
+@pytest.mark.parametrize("count", [-1, 2**64, -(10**30), 10**4000])
+def test_what_is_no_count_is_refused(count, scenario):
+    for made in [lambda: mckibben.Actuators(scenario, count), lambda: mckibben.Plants(scenario, count)]:
+        with pytest.raises(mckibben.InputError, match="count = "):
+            made()
+
+
+def test_more_threads_than_can_be_started_are_refused(swing, tmp_path):
+    swept = swing.with_values({"sweep.vary": {"load.mass": ["5 lb", "6 lb"]}, "run.duration": "1 ms"})
+    with pytest.raises(mckibben.InputError, match="1000000000 jobs"):
+        mckibben.sweep(swept, tmp_path, jobs=10**9)
+
+
+# --- numbers --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("wrong", NOT_FINITE)
+def test_a_number_that_is_none_is_refused_by_its_argument(wrong, scenario):
+    actuator = mckibben.Actuator(scenario)
+    state = actuator.start()
+    right = {"length": 0.09, "velocity": 0.0, "command": 0.5, "dt": STEP, "max_step": None}
+    for name in right:
+        with pytest.raises(mckibben.InputError, match=rf"{name} = -?(NaN|inf)"):
+            actuator.step(state, **right | {name: wrong})
+    with pytest.raises(mckibben.InputError, match="velocity = "):
+        actuator.respond(state, wrong)
+    with pytest.raises(mckibben.InputError, match="gauge_pressure = "):
+        actuator.rest_length(wrong)
+    for kind in [mckibben.Actuator, lambda *given: mckibben.Actuators(given[0], 2, given[1])]:
+        with pytest.raises(mckibben.InputError, match="pulse_frequency = "):
+            kind(scenario, wrong)
+    with pytest.raises(mckibben.InputError, match="pulse_frequency = "):
+        mckibben.Plants(scenario, 2, pulse_frequency=wrong)
+    with pytest.raises(mckibben.InputError, match="duty"):
+        mckibben.linearize(scenario, duty=wrong)
+    leg = scenario.with_values({"run.step": "1 ms"})
+    with pytest.raises(mckibben.InputError, match=r'leg\["leg.thigh.mass"\] = '):
+        mckibben.Plants(leg, 2, leg={"leg.thigh.mass": wrong})
+
+
+@pytest.mark.parametrize("velocity", [1e300, -1e300, 2e6])
+def test_a_velocity_beyond_all_physics_gives_no_answer(velocity, scenario):
+    actuator = mckibben.Actuator(scenario)
+    with pytest.raises(mckibben.InputError, match="(?s)velocity = .* between -1e6 and 1e6"):
+        actuator.step(actuator.start(), 0.09, velocity, 0.5, STEP)
+    assert all(math.isfinite(number) for number in actuator.respond(actuator.start(), math.copysign(1e6, velocity)).__getnewargs__())
+
+
+@pytest.mark.parametrize("wrong", NOT_FINITE)
+@pytest.mark.parametrize("count", [4, 300])
+@pytest.mark.parametrize("name", ["length", "velocity", "duty"])
+def test_an_element_that_is_no_number_is_refused_by_its_place(name, count, wrong, scenario):
+    many, given = mckibben.Actuators(scenario, count), arrays(count)
+    given[name][2] = wrong
+    with pytest.raises(mckibben.InputError, match=rf"{name}\[2\] = -?(NaN|inf)"):
+        many.step(STEP, **given)
+    assert (given["tension"] == -1.0).all()
+    before = many.__getstate__()
+    with pytest.raises(mckibben.InputError):
+        many.step(wrong, **arrays(count))
+    with pytest.raises(mckibben.InputError, match="max_step"):
+        many.step(STEP, **arrays(count), max_step=wrong)
+    numpy.testing.assert_array_equal(many.__getstate__(), before)
+
+
+@pytest.mark.parametrize("wrong", NOT_FINITE)
+def test_plants_refuse_numbers_that_are_none_by_their_place(wrong, scenario):
+    plants = mckibben.Plants(scenario, 3, by=["load.mass", "initial.temperature"])
+    shown, stopped, asked = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool), numpy.full((3, 1), 0.5)
+    asked[2, 0] = wrong
+    with pytest.raises(mckibben.InputError, match=r"asked\[2, 0\] = -?(NaN|inf)"):
+        plants.step(STEP, asked, shown, stopped)
+    asked[2, 0] = 0.5
+    with pytest.raises(mckibben.InputError, match="dt = "):
+        plants.step(wrong, asked, shown, stopped)
+    values = numpy.tile(plants.given, (3, 1))
+    values[1, 1] = wrong
+    with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
+        plants.start(values)
+    with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
+        plants.restart(numpy.array([0, 2]), values[:2])
+    plants.step(STEP, asked, shown, stopped)
+    assert numpy.isfinite(shown).all() and not stopped.any()
+
+
+@pytest.mark.parametrize("wrong", NOT_FINITE)
+def test_functions_of_numbers_refuse_those_that_are_none(wrong, swing):
+    of = mckibben.Differentiable(swing, ["load.mass", "initial.temperature"], ["length"], [0.1])
+    for call in [of, of.with_slopes]:
+        with pytest.raises(mckibben.InputError, match=r"values\[1\] \(initial.temperature\) = "):
+            call([2.0, wrong])
+    with pytest.raises(mckibben.InputError, match=r"at\[1\] = "):
+        mckibben.Differentiable(swing, ["load.mass"], ["length"], [0.1, wrong])
+    with pytest.raises(mckibben.InputError, match=r"times\[1\] = "):
+        mckibben.simulate(swing).at_times([0.0, wrong])
+
+
+# --- steps that would never end -------------------------------------------------------------------------------------
+
+
+def test_a_step_without_end_is_refused_with_what_it_would_take(scenario):
+    fast = mckibben.Actuator(scenario, 1e300)
+    with pytest.raises(mckibben.InputError, match=r"dt = 0.001 s would be divided into 2\.000e297 parts.*more than 1e7"):
+        fast.step(fast.start(), 0.09, 0.0, 0.5, STEP)
+    state, _, _ = fast.step(fast.start(), 0.09, 0.0, None, 1.0)
+    with pytest.raises(mckibben.InputError, match="parts"):
+        fast.step(state, 0.09, 0.0, 0.5, STEP)
+    with pytest.raises(mckibben.InputError, match="parts"):
+        mckibben.Actuators(scenario, 2, 1e300).step(STEP, **arrays(2))
+    slow = mckibben.Actuator(scenario)
+    with pytest.raises(mckibben.InputError, match="parts"):
+        slow.step(slow.start(), 0.09, 0.0, 0.5, 1e300)
+    with pytest.raises(mckibben.InputError, match="parts"):
+        slow.step(slow.start(), 0.09, 0.0, None, STEP, max_step=1e-300)
+    with pytest.raises(mckibben.InputError, match="parts"):
+        mckibben.Actuators(scenario, 2).step(STEP, **arrays(2), max_step=1e-300)
+    for frequency, dt in [(1e300, STEP), (25.0, 1e300)]:
+        plants = mckibben.Plants(scenario, 2, pulse_frequency=frequency)
+        shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+        with pytest.raises(mckibben.InputError, match="steps and edges of pulses"):
+            plants.step(dt, numpy.full((2, 1), 0.5), shown, stopped)
+    state, _, _ = slow.step(slow.start(), 0.09, 0.0, None, 1.0)
+    with pytest.raises(mckibben.InputError, match="lost in the rounding of the 1"):
+        slow.step(state, 0.09, 0.0, None, 1e-20)
+
+
+# --- states of other actuators, arrays in use -----------------------------------------------------------------------
+
+
+def test_a_state_of_another_actuator_is_refused(scenario, examples):
+    actuator = mckibben.Actuator(scenario)
+    others = [scenario.with_values({"actuator.turns": 2.2}), scenario.with_values({"valve.opening_delay": "3 ms"}),
+              *(mckibben.Scenario.load(examples / f"{name}.toml") for name in ["line/hanging-mass", "friction/maxwell-slip"])]
+    for other in others:
+        state = mckibben.Actuator(other, 25.0).start()
+        for use in [lambda: actuator.step(state, 0.09, 0.0, None, STEP), lambda: actuator.respond(state)]:
+            with pytest.raises(mckibben.InputError, match="`state` is of another actuator"):
+                use()
+        many = mckibben.Actuators(other, 2, 25.0)
+        with pytest.raises(mckibben.InputError, match="of another actuator"):
+            mckibben.Actuators(scenario, 2).__setstate__(many.__getstate__())
+    with pytest.raises(mckibben.InputError, match="of another actuator"):
+        actuator.step(mckibben.Actuator(scenario, 50.0).start(), 0.09, 0.0, None, STEP)
+    # What does not belong to the actuator may differ.
+    same = scenario.with_values({"load.mass": "9 lb", "run.duration": "1 s", "initial.gauge_pressure": "20 psi"})
+    state = mckibben.Actuator(same).start()
+    assert actuator.step(state, 0.09, 0.0, 0.5, STEP)[0] == mckibben.Actuator(same).step(state, 0.09, 0.0, 0.5, STEP)[0]
+
+
+def test_arrays_that_share_memory_are_refused_by_name(scenario):
+    many, given = mckibben.Actuators(scenario, 4), arrays(4)
+    for name, aliased in [("tension", "length"), ("tension", "velocity"), ("tension", "duty")]:
+        with pytest.raises(mckibben.InputError, match=f"`{name}` shares memory with another argument"):
+            many.step(STEP, **given | {name: given[aliased]})
+    with pytest.raises(mckibben.InputError, match="`pressure` shares memory"):
+        many.step(STEP, **given, pressure=given["tension"])
+    given["tension"].setflags(write=False)
+    with pytest.raises(mckibben.InputError, match="`tension` cannot be written to"):
+        many.step(STEP, **given)
+    plants = mckibben.Plants(scenario, 4, asked="duty")
+    shown, stopped = numpy.zeros((4, len(plants.columns))), numpy.zeros(4, dtype=bool)
+    with pytest.raises(mckibben.InputError, match="`shown` shares memory"):
+        plants.step(STEP, shown[:, :1], shown, stopped)
+
+
+def test_arrays_of_another_kind_are_refused_by_name(scenario):
+    many, given = mckibben.Actuators(scenario, 4), arrays(4)
+    for wrong, words in [(numpy.zeros(4, dtype="f4"), "an array of float32 with 1 dim"), ([0.0] * 4, "of type list"),
+                         (numpy.zeros((2, 2)), "an array of float64 with 2 dim"), (None, "of type NoneType")]:
+        with pytest.raises(TypeError, match=f"`velocity` is {words}.*give a NumPy array of float64 with 1 dim"):
+            many.step(STEP, **given | {"velocity": wrong})
+
+
+def test_what_another_thread_is_stepping_is_refused(scenario):
+    """A step of very many parts in one thread, while another asks for what it holds for as long as that takes."""
+    many = mckibben.Actuators(scenario, 2)
+    fine = scenario.with_values({"run.engine": "fixed-step", "run.step": "5 us"})
+    plants = mckibben.Plants(fine, 2)
+    shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+    for step, other, name in [
+        (lambda: many.step(1.0, **arrays(2), max_step=5e-6), many.reset, "Actuators"),
+        (lambda: plants.step(1.0, numpy.full((2, 1), 0.5), shown, stopped), plants.start, "Plants"),
+    ]:
+        refused = []
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            run = pool.submit(step)
+            while not run.done():
+                try:
+                    other()
+                except mckibben.InputError as error:
+                    refused.append(str(error))
+            run.result()
+        assert refused and all(f"these {name} are being stepped by another thread" in words for words in refused)
+        other()
+
+
+# --- words ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_length_out_of_reach_is_said_in_lengths(scenario):
+    actuator, many = mckibben.Actuator(scenario), mckibben.Actuators(scenario, 3)
+    words = r"length(\[1\])? = 0\.2 m is longer than its thread of 109\.8 mm"
+    with pytest.raises(mckibben.StoppedError, match=words) as raised:
+        actuator.step(actuator.start(), 0.2, 0.0, 0.5, STEP)
+    given = arrays(3)
+    given["length"][1] = 0.2
+    with pytest.raises(mckibben.StoppedError, match=f"actuator 1: {words}") as of_many:
+        many.step(STEP, **given)
+    for error in [raised, of_many]:
+        assert "run.step" not in str(error.value) and "move_to" not in str(error.value)
+    for length in [0.0, -0.1]:
+        with pytest.raises(mckibben.InputError, match="(?s)length = .* above zero"):
+            actuator.step(actuator.start(), length, 0.0, 0.5, STEP)
+
+
+def refusals(scenario: mckibben.Scenario, examples: pathlib.Path) -> list[typing.Callable[[], object]]:
+    """Mistakes in arguments, of each function that says something of them in the program's words."""
+    joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml")
+    force = scenario.with_values({"load": {"kind": "constant-force", "mass": "1 kg", "force": "10 N"}})
+    held = scenario.with_values({"load": {"kind": "isometric"}, "initial.length": "85 mm"})
+    linearize, actuator = mckibben.linearize, mckibben.Actuator(scenario)
+    plants = mckibben.Plants(scenario, 2, by=["load.mass"])
+    shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+    of = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.1])
+    return [
+        lambda: linearize(scenario, pressure="60 mm"),
+        lambda: linearize(scenario, pressure="1 bar", duty=0.5),
+        lambda: linearize(scenario, duty=0.5, pwm=True),
+        lambda: linearize(scenario, angle="3 deg"),
+        lambda: linearize(scenario, angle="3 deg", stiffness="1 N*m/rad"),
+        lambda: linearize(held, amplitude="1 mm"),
+        lambda: linearize(scenario, pressure="1 bar", length="85 mm", load="2 kg"),
+        lambda: linearize(force, load="2 kg"),
+        lambda: linearize(held, load="2 kg"),
+        lambda: linearize(joint, pressure="2 bar"),
+        lambda: linearize(joint, amplitude="1 mm"),
+        lambda: mckibben.curves(scenario, "-3 bar"),
+        lambda: mckibben.curves(scenario, "3 mm"),
+        lambda: mckibben.identify("nothing.toml"),
+        lambda: mckibben.Sweep(scenario),
+        lambda: mckibben.simulate(scenario.with_values({"run.engine": "fixed-step", "run.duration": "1 ms"})).at(0.0),
+        lambda: mckibben.simulate(scenario.with_values({"run.duration": "1 ms"})).to_csv("nowhere/at/all.csv"),
+        lambda: mckibben.simulate(scenario.with_values({"run.duration": "1 ms"})).to_svg("mass"),
+        lambda: actuator.step(actuator.start(), 0.09, 0.0, 1.5, STEP),
+        lambda: actuator.step(actuator.start(), 0.09, 0.0, "hold", STEP),
+        lambda: actuator.step(actuator.start(), 0.09, 0.0, 0.5, 0.0),
+        lambda: actuator.step(actuator.start(), 0.2, 0.0, 0.5, STEP),
+        lambda: actuator.rest_length(-3e5),
+        lambda: plants.start(numpy.array([[1.0], [-1.0]])),
+        lambda: plants.step(STEP, numpy.array([[0.5], [1.5]]), shown, stopped),
+        lambda: of([-1.0, 0.5]),
+        lambda: of.with_slopes([1.0, 1.5]),
+    ]
+
+
+def test_errors_speak_of_what_the_caller_can_do_in_python(scenario, examples, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = []
+    for number, call in enumerate(refusals(scenario, examples)):
+        with pytest.raises(mckibben.Error) as raised:
+            call()
+            pytest.fail(f"call {number} was not refused")
+        said.append(str(raised.value))
+    for words in said:
+        assert not re.search(r"(^|[\s'`\"(])--[a-z]|move_to|<[A-Z]+>|mckibben \w+ --help", words), words
+        # Nothing of these came from a line of the scenario.
+        assert " --> " not in words and "^^^" not in words, words
+    for words, named in [(said[0], "`pressure`"), (said[3], "`stiffness`"), (said[-4], "plant 1"), (said[-3], "plant 1"),
+                         (said[-2], "load.mass = -1")]:
+        assert named in words, words
+
+
+def test_flags_that_a_caller_wrote_stay_as_they_are(tmp_path):
+    """What stands in quotation marks of the caller's own, such as the name of a file, is not taken for an option."""
+    for name in ["my--output.toml", "a --set b.toml"]:
+        with pytest.raises(mckibben.InputError, match="cannot be read") as raised:
+            mckibben.Scenario.load(tmp_path / name)
+        assert str(tmp_path / name) in str(raised.value)
+
+
+def test_a_folder_of_another_sweep_is_named_by_the_argument(swing, tmp_path):
+    swept = swing.with_values({"sweep.vary": {"load.mass": ["5 lb", "6 lb"]}, "run.duration": "1 ms"})
+    (tmp_path / "something.txt").write_text("mine")
+    with pytest.raises(mckibben.InputError, match="`folder`") as raised:
+        mckibben.sweep(swept, tmp_path)
+    assert "--" not in str(raised.value).replace(str(tmp_path), "")
+
+
+# --- collections ----------------------------------------------------------------------------------------------------
+
+
+def test_a_run_is_a_collection_of_its_columns(swing, examples):
+    run = mckibben.simulate(swing)
+    assert list(run) == run.keys() == run.columns
+    assert {name: id(column) for name, column in dict(run).items()} == {name: id(run[name]) for name in run.columns}
+    assert "length_m" in run and "hose_pressure_pa" not in run and 3 not in run
+    assert len(run) == len(run.t)
+    with pytest.raises(TypeError, match="columns have names.*length_m"):
+        run[0]  # type: ignore[index]
+    found = mckibben.identify(examples / "identify/tank.toml")
+    assert list(found) == found.keys() == [estimate.name for estimate in found.estimates]
+    assert dict(found) == {estimate.name: estimate for estimate in found.estimates}
+
+
+def test_what_holds_after_an_event_has_types(swing, examples):
+    run = mckibben.simulate(swing)
+    clamped = [event.after["tension_clamped"] for event in run.events]
+    assert clamped and all(type(value) is bool for value in clamped)
+    thrown = swing.with_values({"initial.velocity": "-3 m/s", "run.duration": "0.3 s"})
+    assert {event.after["tension_clamped"] for event in mckibben.simulate(thrown).events} == {False, True}
+    words = {name: value for name, value in run.events[0].after.items() if name != "tension_clamped"}
+    assert words and all(type(value) is str for value in words.values())
+    event = mckibben.Event(1.0, ["event", "a", "b", "c", "d"], ["stick", "-2.5e-3", "infinite", "true", ""])
+    assert event.after == {"a": -2.5e-3, "b": "infinite", "c": True, "d": ""}
