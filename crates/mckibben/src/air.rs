@@ -275,8 +275,7 @@ impl<S: Scalar> Air<S> {
             Process::EnergyBalance { heat_transfer, wall_temperature } => {
                 let gamma = T::of(self.heat_capacity_ratio);
                 let temperature = self.temperature(chamber);
-                let enthalpy =
-                    gamma * T::of(self.gas_constant) * (warmth - temperature * flow.outward);
+                let enthalpy = gamma * T::of(self.gas_constant) * (warmth - temperature * flow.outward);
                 let heat = (gamma - T::one()) * T::of(heat_transfer) * (T::of(wall_temperature) - temperature);
                 (enthalpy - gamma * pressure * volume_rate + heat) * mass * per_content
             }

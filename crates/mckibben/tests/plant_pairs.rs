@@ -50,4 +50,3 @@ pub(crate) fn pairs() -> impl Strategy<Value = (Pair, f64, f64)> {
         },
     )
 }
-

@@ -56,11 +56,6 @@ impl<R: Real> Arc<R> {
         self.points.iter().all(|point| point.value().is_finite())
     }
 
-    /// θ of a time in s.
-    pub(crate) fn theta(&self, time: R) -> R {
-        (time - self.start) / self.step
-    }
-
     /// Control points of the linear form `sign · (y[index] − bound)`, values only.
     pub(crate) fn linear(&self, index: usize, bound: f64, sign: f64) -> Bernstein {
         let states = self.points.len() / POINTS;

@@ -1,7 +1,7 @@
 //! The first guard that fires within a step, on its dense output.
 
-use super::arc::{Arc, POINTS};
 use super::Hybrid;
+use super::arc::{Arc, POINTS};
 use crate::dual::Dual;
 use crate::root;
 use crate::scalar::Real;
@@ -41,7 +41,7 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
     room: Room<'_, R, S>,
 ) -> Result<Option<Crossing<S::Guard, R>>, NoValue> {
     let Room { state, work, seeded, along } = room;
-    let mut first: Option<(S::Guard, GuardForm, f64)> = None;
+    let mut first: Option<(S::Guard, f64)> = None;
     for &(guard, form) in guards {
         let theta = match form {
             GuardForm::Above { index, bound } => linear_crossing(&arc.linear(index, bound, 1.0)),
@@ -55,31 +55,25 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
                     arc.at(theta, state);
                     system.guard(guard, arc.start + theta * arc.step, state, mode, work).value()
                 };
-                match descent_between(0.0, 1.0, MAX_HALVINGS, &mut value_at)? {
-                    Some((low, high)) => Some(root::bracketed(low, high, 1e-15, value_at).clamp(0.0, 1.0)),
-                    None => None,
-                }
+                let descent = descent_between(0.0, 1.0, MAX_HALVINGS, &mut value_at)?;
+                descent.map(|(low, high)| root::bracketed(low, high, 1e-15, value_at).clamp(0.0, 1.0))
             }
         };
         let Some(theta) = theta else { continue };
-        if first.is_none_or(|(_, _, earlier)| theta < earlier) {
-            first = Some((guard, form, theta));
+        if first.is_none_or(|(_, earlier)| theta < earlier) {
+            first = Some((guard, theta));
         }
     }
-    let Some((guard, form, theta)) = first else { return Ok(None) };
+    let Some((guard, theta)) = first else { return Ok(None) };
     // The place of the crossing with its derivatives, by the implicit function theorem; its value stays as it was found.
     let place = R::constant(theta);
+    if !R::HAS_DERIVATIVES {
+        return Ok(Some(Crossing { guard, theta: place }));
+    }
     let theta = Dual::<R, 1>::variable(place, 0);
-    let there = match form {
-        GuardForm::Above { .. } | GuardForm::Below { .. } if !R::HAS_DERIVATIVES => return Ok(Some(Crossing { guard, theta: place })),
-        GuardForm::Function if !R::HAS_DERIVATIVES => return Ok(Some(Crossing { guard, theta: place })),
-        _ => {
-            arc.at(theta, seeded);
-            let time = Dual { value: arc.start, slope: [R::zero()] }
-                + theta * Dual { value: arc.step, slope: [R::zero()] };
-            system.guard(guard, time, seeded, mode, along)
-        }
-    };
+    let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
+    arc.at(theta, seeded);
+    let there = system.guard(guard, constant(arc.start) + theta * constant(arc.step), seeded, mode, along);
     let slope = there.slope[0];
     if slope.value() == 0.0 {
         return Ok(Some(Crossing { guard, theta: place }));

@@ -287,11 +287,7 @@ impl<R: Real> Attempt<R> {
         for (index, stage) in (1..STAGES).zip(&TABLEAU) {
             self.combine(start, step, stage, false);
             let row = index * self.stride;
-            rates(
-                time + step * R::constant(stage.node),
-                &self.stage[..states],
-                &mut self.stages[row..row + states],
-            );
+            rates(time + step * R::constant(stage.node), &self.stage[..states], &mut self.stages[row..row + states]);
         }
         self.combine(start, step, &TABLEAU[STAGES - 1], true);
         let (mut fifth, mut third) = (0.0, 0.0);
@@ -333,11 +329,7 @@ impl<R: Real> Attempt<R> {
         for (index, stage) in (STAGES + 1..ALL_STAGES).zip(&TABLEAU[STAGES..]) {
             self.combine(start, step, stage, false);
             let row = index * self.stride;
-            rates(
-                time + step * R::constant(stage.node),
-                &self.stage[..states],
-                &mut self.stages[row..row + states],
-            );
+            rates(time + step * R::constant(stage.node), &self.stage[..states], &mut self.stages[row..row + states]);
         }
         (arc.start, arc.step) = (time, step);
         let seventh = step * R::constant(1.0 / 7.0);
@@ -352,9 +344,8 @@ impl<R: Real> Attempt<R> {
         for point in 0..4 {
             let weights = self.weights[point];
             for lane in (0..self.stride).step_by(LANES) {
-                let dense: [f64; 12] = core::array::from_fn(|i| {
-                    if i == 0 { weights[4] + weights[2] } else { weights[4 + i] }
-                });
+                let dense: [f64; 12] =
+                    core::array::from_fn(|i| if i == 0 { weights[4] + weights[2] } else { weights[4 + i] });
                 let mut sum = self.weighted(lane, LATE, &dense);
                 let row = &self.stages[last + lane..last + lane + LANES];
                 for n in 0..LANES {

@@ -10,8 +10,8 @@
 //!
 //! Source: G. Steinebach, "Construction of Rosenbrock–Wanner method Rodas5P", BIT 63, 27 (2023); published coefficients.
 
-use super::arc::{Arc, POINTS};
 use super::Hybrid;
+use super::arc::{Arc, POINTS};
 use crate::dual::Dual;
 use crate::scalar::{Real, Scalar};
 use alloc::vec;
@@ -116,8 +116,8 @@ impl<R: Real> Attempt<R> {
         time: R,
         state: &[R],
         mode: &S::Mode,
-        (seeded, along): (&mut Vec<Dual<R, 1>>, &mut S::Work<Dual<R, 1>>),
-        rates: &mut Vec<Dual<R, 1>>,
+        (seeded, along): (&mut [Dual<R, 1>], &mut S::Work<Dual<R, 1>>),
+        rates: &mut [Dual<R, 1>],
     ) {
         let count = self.states;
         let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
@@ -171,9 +171,8 @@ impl<R: Real> Attempt<R> {
                 // The last two stages start from the one before with its increment added.
                 if stage < A.len() {
                     for n in 0..count {
-                        self.state[n] = (0..stage).fold(start[n], |sum, j| {
-                            sum + R::constant(A[stage][j]) * self.stages[j * count + n]
-                        });
+                        self.state[n] = (0..stage)
+                            .fold(start[n], |sum, j| sum + R::constant(A[stage][j]) * self.stages[j * count + n]);
                     }
                 } else {
                     for n in 0..count {
@@ -183,8 +182,8 @@ impl<R: Real> Attempt<R> {
                 rates(time + step * R::constant(NODES[stage]), &self.state, &mut self.right);
             }
             for n in 0..count {
-                let history = (0..stage)
-                    .fold(R::zero(), |sum, j| sum + R::constant(C[stage][j]) * self.stages[j * count + n]);
+                let history =
+                    (0..stage).fold(R::zero(), |sum, j| sum + R::constant(C[stage][j]) * self.stages[j * count + n]);
                 self.right[n] =
                     self.right[n] + history * per_step + step * R::constant(TIME_WEIGHTS[stage]) * self.per_time[n];
             }

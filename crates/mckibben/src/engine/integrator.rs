@@ -40,8 +40,6 @@ pub struct Statistics {
 pub(crate) struct Piece<'i, R, M, K> {
     /// The states over the step; valid from its start to `end`.
     pub(crate) arc: &'i Arc<R>,
-    /// The mode during the step.
-    pub(crate) mode: &'i M,
     /// End of the piece in s.
     pub(crate) end: R,
     /// What ended it, and the mode after that; `None` when the step simply was over.
@@ -99,7 +97,6 @@ pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
     seeded_rates: Vec<Dual<R, 1>>,
     /// The piece that was made last.
     arc: Arc<R>,
-    before: S::Mode,
     end: R,
     event: Option<S::Kind>,
 }
@@ -120,7 +117,6 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             slope: vec![R::zero(); padded.len()],
             state: padded,
             states,
-            before: mode.clone(),
             mode,
             guards: Vec::new(),
             instant: None,
@@ -173,18 +169,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
 
     /// The piece that was made last.
     pub(crate) fn piece(&self) -> Piece<'_, R, S::Mode, S::Kind> {
-        Piece {
-            arc: &self.arc,
-            mode: &self.before,
-            end: self.end,
-            event: self.event.map(|kind| (kind, &self.mode)),
-        }
-    }
-
-    /// Goes on to a later end, or from what the system was changed to: guards and instants are listed again.
-    pub(crate) fn extend(&mut self, until: R) {
-        self.until = until;
-        self.instant = self.system.next_instant(&self.mode, until);
+        Piece { arc: &self.arc, end: self.end, event: self.event.map(|kind| (kind, &self.mode)) }
     }
 
     fn enter_mode(&mut self) {
@@ -201,10 +186,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// [`Error::Stopped`] when the step length falls below the resolution of time, when events do not let time advance,
     /// or when the system itself cannot go on.
     pub(crate) fn advance(&mut self) -> Result<bool, Error> {
-        if self.event.is_some() {
-            self.before.clone_from(&self.mode);
-            self.event = None;
-        }
+        self.event = None;
         let stop = self.instant.unwrap_or(self.until);
         if reached(self.time, stop) {
             if self.instant.is_none() {
@@ -222,8 +204,8 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             let room = (stop - self.time).value();
             // The last step before a stop is not left to be a sliver.
             let step = if self.step >= 0.999 * room { room } else { Scalar::smaller(self.step, 0.5 * room) };
-            // A step that is not a number ends here too.
-            if !(step > 4.0 * f64::EPSILON * self.time.value().abs()) {
+            let shortest = 4.0 * f64::EPSILON * self.time.value().abs();
+            if step.is_nan() || step <= shortest {
                 return Err(self.system.stuck(self.time, self.state(), &self.mode));
             }
             // A stop is reached exactly, derivative included.
@@ -408,8 +390,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         if let Some(instant) = self.instant {
             self.time = instant;
         }
-        let kind =
-            self.system.pass_instant(self.time, &mut self.state[..states], &mut self.mode, &mut self.work)?;
+        let kind = self.system.pass_instant(self.time, &mut self.state[..states], &mut self.mode, &mut self.work)?;
         self.count_event(before)?;
         self.enter_mode();
         self.fresh = true;

@@ -14,7 +14,7 @@ pub(crate) mod explicit;
 pub(crate) mod implicit;
 mod integrator;
 
-pub(crate) use integrator::{Integrator, Piece};
+pub(crate) use integrator::Integrator;
 pub use integrator::Statistics;
 
 use crate::error::Error;

@@ -261,8 +261,7 @@ impl<S: Scalar> Chain<S> {
             },
         });
         let joints = joints.collect();
-        let base =
-            [number(&parameter::GRAVITY, self.gravity), number(&parameter::HANGING_ANGLE, self.hanging_angle)];
+        let base = [number(&parameter::GRAVITY, self.gravity), number(&parameter::HANGING_ANGLE, self.hanging_angle)];
         let belt = self.belt.map(|belt| Belt {
             depth: number(&leg::BELT_DEPTH, belt.depth),
             velocity: number(&leg::BELT_VELOCITY, belt.velocity),

@@ -18,10 +18,10 @@
 //! Source: virtual work.
 
 use super::chain::Chain;
+use super::parameter::ATTACHMENT;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::load::MomentArm;
-use super::parameter::ATTACHMENT;
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
 use alloc::vec::Vec;
@@ -91,8 +91,9 @@ impl<S: Scalar> Coupling<S> {
                     .collect();
                 Coupling::Arms { rest_length: convert.parameter(&parameter::REST_LENGTH, *rest_length), arms }
             }
-            Self::Points(ends) => Coupling::Points(ends.map(|Attachment { segment, place }| {
-                Attachment { segment, place: place.map(|number| convert.parameter(&ATTACHMENT, number)) }
+            Self::Points(ends) => Coupling::Points(ends.map(|Attachment { segment, place }| Attachment {
+                segment,
+                place: place.map(|number| convert.parameter(&ATTACHMENT, number)),
             })),
         }
     }

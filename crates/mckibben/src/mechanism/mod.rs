@@ -189,9 +189,7 @@ impl<S: Scalar> Mechanism<S> {
     /// Kinetic and potential energy in J at coordinates and rates: gravity, constant forces, springs, stops and the belt.
     pub fn energies<T: Over<S>>(&self, position: &[T], rate: &[T]) -> [T; 2] {
         match self {
-            Self::Mass(mass) => {
-                [T::constant(0.5) * T::of(mass.mass) * rate[0] * rate[0], mass.potential(position[0])]
-            }
+            Self::Mass(mass) => [T::constant(0.5) * T::of(mass.mass) * rate[0] * rate[0], mass.potential(position[0])],
             Self::Chain(chain) => chain.energies(position, rate),
             Self::Prescribed(_) | Self::Fixed | Self::External { .. } => [T::zero(); 2],
         }

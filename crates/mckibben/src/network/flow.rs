@@ -254,12 +254,10 @@ impl<R: Real> Network<R> {
             NodeKind::Outlet { regulator, .. } => self
                 .outlet_error(node, at)
                 .map_or(T::zero(), |error| regulator.pressure_rate(error, mode.nodes[node].poppet)),
-            NodeKind::Port { regulator, .. } => {
-                match (mode.nodes[node].approach, self.set_point(node, mode)) {
-                    (Some(approach), Some(set)) => regulator.rate_in(approach, of_node.pressure, T::of(set)),
-                    _ => T::zero(),
-                }
-            }
+            NodeKind::Port { regulator, .. } => match (mode.nodes[node].approach, self.set_point(node, mode)) {
+                (Some(approach), Some(set)) => regulator.rate_in(approach, of_node.pressure, T::of(set)),
+                _ => T::zero(),
+            },
             NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => T::zero(),
         }
     }

@@ -4,7 +4,7 @@ use super::{BranchKind, Network, NodeKind};
 use crate::line::{FlowRegime, Poppet};
 use crate::scalar::Real;
 use crate::simulation::timetable::{Progress, Timetable};
-use crate::valve::{Approach, FlowZone, Openings, Ports, Port};
+use crate::valve::{Approach, FlowZone, Openings, Port, Ports};
 use alloc::vec::Vec;
 
 /// Which formula holds for the flow through a branch.

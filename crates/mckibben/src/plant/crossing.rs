@@ -43,10 +43,11 @@ impl<R: Real> System<'_, R> {
     /// The next instant in s, up to and with `until`, at which a mode ends by itself.
     pub(crate) fn next_instant(&self, mode: &PlantMode<R>, until: R) -> Option<R> {
         let network = self.plant.network.next_instant(&mode.network, until);
-        let corners = self.plant.mechanisms.iter().zip(&mode.mechanisms).filter_map(|(mechanism, its)| match mechanism {
-            Mechanism::Prescribed(motion) => motion.corner(its.corners_passed),
-            _ => None,
-        });
+        let corners =
+            self.plant.mechanisms.iter().zip(&mode.mechanisms).filter_map(|(mechanism, its)| match mechanism {
+                Mechanism::Prescribed(motion) => motion.corner(its.corners_passed),
+                _ => None,
+            });
         let rows = self
             .plant
             .actuators

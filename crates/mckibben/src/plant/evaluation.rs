@@ -51,10 +51,9 @@ pub(crate) struct Evaluation<T> {
     pub(crate) gradient: Vec<T>,
     /// Accelerations of all coordinates.
     pub(crate) acceleration: Vec<T>,
-    /// Forces on the coordinates of one mechanism, its mass matrix, and rows that are solved for.
+    /// Forces on the coordinates of one mechanism, and its mass matrix.
     pub(crate) force: Vec<T>,
     pub(crate) matrix: Vec<T>,
-    pub(crate) rows: Vec<T>,
 }
 
 impl<T: Scalar> Evaluation<T> {
@@ -86,7 +85,6 @@ impl<T: Scalar> Evaluation<T> {
             acceleration: vec![zero; coordinates.sum()],
             force: vec![zero; most],
             matrix: vec![zero; most * most],
-            rows: vec![zero; most],
         }
     }
 }
@@ -304,13 +302,7 @@ impl<'a, R: Real> System<'a, R> {
     }
 
     /// Generalised forces on a mechanism, of all but sticking actuators without a tendon: `τ − h − Σ Jᵀ F`.
-    pub(crate) fn enter_force<T: Over<R>>(
-        &self,
-        m: usize,
-        state: &[T],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<T>,
-    ) {
+    pub(crate) fn enter_force<T: Over<R>>(&self, m: usize, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         let places = &self.plant.places;
         let (position, rates) = places.mechanisms[m].of(state);
         let of_mechanism = &mode.mechanisms[m];

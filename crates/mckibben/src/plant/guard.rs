@@ -162,7 +162,9 @@ impl<R: Real> System<'_, R> {
             Sliding::Lengthening | Sliding::Shortening if here.length.is_some() => {
                 add(Guard::Rest, GuardForm::Function);
             }
-            Sliding::Lengthening | Sliding::Shortening if its.extent != Extent::Slack && self.leads_to_rest(i, mode) => {
+            Sliding::Lengthening | Sliding::Shortening
+                if its.extent != Extent::Slack && self.leads_to_rest(i, mode) =>
+            {
                 add(Guard::Rest, self.rest_form(i, its.sliding));
             }
             Sliding::Stuck if here.length.is_some() => {
@@ -203,7 +205,8 @@ impl<R: Real> System<'_, R> {
                 let (low, high) = arm.arm.piece_bounds(mode.arms[here.arms + place]);
                 for (bound, up) in [(low, false), (high, true)] {
                     if let Some(bound) = bound {
-                        guards.push((PlantGuard::Arm { actuator: i, arm: place, up }, on(from + arm.joint, bound, !up)));
+                        guards
+                            .push((PlantGuard::Arm { actuator: i, arm: place, up }, on(from + arm.joint, bound, !up)));
                     }
                 }
             }

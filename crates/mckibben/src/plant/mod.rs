@@ -31,17 +31,18 @@ mod trajectory;
 
 pub use crossing::{Part, PlantEventKind};
 pub use guard::{PlantGuard, Touching};
+pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
-pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 
 use crate::actuator::Actuator;
 use crate::air::Process;
-use crate::convert::Convert;
+use crate::convert::{AnewOfEach, Convert};
 use crate::error::Error;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::{BranchKind, Network, NodeKind};
+use crate::parameter::Parameter;
 use crate::scalar::Scalar;
 use crate::simulation::PressureCourse;
 use alloc::vec::Vec;
@@ -169,7 +170,10 @@ impl Plant {
                 }
             };
             if !spans {
-                return wrong("an actuator spans joints that its mechanism does not have", "name joints of the mechanism");
+                return wrong(
+                    "an actuator spans joints that its mechanism does not have",
+                    "name joints of the mechanism",
+                );
             }
             if mounted.actuator.valve().is_some() {
                 return wrong(
@@ -177,9 +181,8 @@ impl Plant {
                     "add its flow paths to the network, or make the plant by `Plant::of_rig`",
                 );
             }
-            let is_fed = |node: usize| {
-                matches!(network.nodes[node].kind, NodeKind::Chamber { actuator } if actuator == index)
-            };
+            let is_fed =
+                |node: usize| matches!(network.nodes[node].kind, NodeKind::Chamber { actuator } if actuator == index);
             let fed = network.branches.iter().any(|branch| is_fed(branch.from) || is_fed(branch.to));
             if mounted.pressure.is_some() && (fed || mounted.tendon.is_some()) {
                 return wrong(
@@ -194,8 +197,12 @@ impl Plant {
 }
 
 impl<S: Scalar> Plant<S> {
-    /// The plant over another scalar; `convert` hears which actuator a parameter belongs to.
-    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
+    /// The plant over another scalar; `function` gets each parameter with the actuator that it belongs to, if it is one's.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(Option<usize>, &'static Parameter, S) -> T) -> Plant<T> {
+        self.convert(&mut AnewOfEach { function, actuator: None })
+    }
+
+    fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
         let actuators = self.actuators.iter().enumerate().map(|(index, mounted)| {
             convert.turn_to(Some(index));
             Mounted {

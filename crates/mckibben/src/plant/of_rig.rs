@@ -97,8 +97,7 @@ impl Plant {
     pub fn of_joint(rig: &JointRig) -> Result<Self, Error> {
         let joint = rig.joint();
         let limb = joint.limb();
-        let segment =
-            ChainSegment { length: 0.0, mass: limb.mass, distance: limb.distance, inertia: limb.inertia };
+        let segment = ChainSegment { length: 0.0, mass: limb.mass, distance: limb.distance, inertia: limb.inertia };
         let stops = joint.stops();
         let stops = JointStops { ends: stops.ends, stiffness: stops.stiffness, damping: stops.damping };
         let revolute = Revolute { torque: joint.torque(), damping: joint.damping(), stops };

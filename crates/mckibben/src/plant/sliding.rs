@@ -41,13 +41,7 @@ pub(crate) struct Facet {
 
 impl<R: Real> System<'_, R> {
     /// The least and the largest tension in N that an actuator without a tendon can hold at rest.
-    pub(crate) fn holdable<T: Over<R>>(
-        &self,
-        i: usize,
-        state: &[T],
-        mode: &PlantMode<R>,
-        length: T,
-    ) -> (T, T) {
+    pub(crate) fn holdable<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> (T, T) {
         let of_actuator = &mode.actuators[i];
         if of_actuator.mode.extent == Extent::Slack {
             return (T::zero(), T::zero());
@@ -260,18 +254,10 @@ impl<R: Real> System<'_, R> {
     }
 
     /// Lets actuators of a mechanism stick: finds which of them hold it, whether they hold all of it, and their facets.
-    fn stick(
-        &self,
-        m: usize,
-        state: &mut [R],
-        mode: &mut PlantMode<R>,
-        at: &Evaluation<R>,
-        sticking: &[usize],
-    ) {
+    fn stick(&self, m: usize, state: &mut [R], mode: &mut PlantMode<R>, at: &Evaluation<R>, sticking: &[usize]) {
         let here = self.plant.places.mechanisms[m];
-        let gradient = |i: usize| -> Vec<f64> {
-            self.gradient(i, &at.gradient).iter().map(|entry| entry.value()).collect()
-        };
+        let gradient =
+            |i: usize| -> Vec<f64> { self.gradient(i, &at.gradient).iter().map(|entry| entry.value()).collect() };
         let basis = independent(sticking, &gradient);
         let of_mechanism = &mut mode.mechanisms[m];
         of_mechanism.frozen = basis.len() == here.coordinates && !basis.is_empty();

@@ -285,8 +285,7 @@ impl<R: Real> System<'_, R> {
             }
             let (member, unit) = (&self.members[i], &at.units[i]);
             let limits = member.actuator.limits();
-            let above = [limits.min_length(), limits.max_length()]
-                .map(|limit| unit.distance.value() - limit.value());
+            let above = [limits.min_length(), limits.max_length()].map(|limit| unit.distance.value() - limit.value());
             // On its shortest length, up to rounding, it is on the stop.
             let on_stop = above[0].abs() <= ON_THE_STOP * limits.min_length().value();
             let above = if on_stop { [0.0, above[1]] } else { above };

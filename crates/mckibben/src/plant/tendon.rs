@@ -104,11 +104,8 @@ impl<R: Real> System<'_, R> {
         let bent = bristles.map(|bent| bent.along(T::zero()));
         let at = |velocity: T| {
             let ends = [length, velocity.along(T::one()), pressure];
-            let [force, slope] = T::split(self.members[i].signed_force(
-                ends,
-                &of_actuator.mode,
-                (&of_actuator.trace, bent),
-            ));
+            let [force, slope] =
+                T::split(self.members[i].signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent)));
             [force - tension, slope]
         };
         let from_zero = || {
