@@ -95,6 +95,11 @@ impl Actuator {
         Ok(Self { law, limits, friction, external_volume, air, valve: None })
     }
 
+    /// The actuator without its valve.
+    pub fn without_valve(self) -> Self {
+        Self { valve: None, ..self }
+    }
+
     /// The same actuator with a valve.
     pub fn with_valve(self, valve: Valve) -> Self {
         Self { valve: Some(valve), ..self }

@@ -155,6 +155,7 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
 }
 
 impl<S: Real, const K: usize> Real for Dual<S, K> {
+    const HAS_DERIVATIVES: bool = true;
     type Time = Dual<S::Time, K>;
     #[inline(always)]
     fn value(self) -> f64 {

@@ -151,6 +151,9 @@ pub trait Scalar:
 
 /// A scalar with one value to branch on: not lanes.
 pub trait Real: Scalar<Mask = bool> {
+    /// Whether it carries derivatives besides its value.
+    const HAS_DERIVATIVES: bool = false;
+
     /// A number that is precise enough for points in time, whose differences are steps.
     type Time: Real<Time = Self::Time>;
 

@@ -28,7 +28,7 @@ mod valve_coefficients;
 #[test]
 fn every_file_is_in_a_program() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
-    let programs = ["inner", "parts", "runs"];
+    let programs = ["inner", "parts", "plant", "runs"];
     let text = |name: &str| std::fs::read_to_string(format!("{folder}/{name}.rs")).expect("a program");
     let named = programs.map(text).concat();
     for entry in std::fs::read_dir(folder).expect("the tests") {

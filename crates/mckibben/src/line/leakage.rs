@@ -42,6 +42,12 @@ impl<S: Scalar> Leakage<S> {
         Leakage { conductance: convert.parameter(&parameter::LEAKAGE, self.conductance) }
     }
 
+    /// Flow in kg/s from an absolute pressure (Pa) to another; `content` is `R T` of the air upstream in J/kg.
+    #[inline(always)]
+    pub fn between<T: Over<S>>(&self, from: T, to: T, content: T) -> T {
+        T::of(self.conductance) * T::constant(0.5) * (from - to) * (from + to) / content
+    }
+
     /// Flow into a chamber from surroundings at `atmosphere` Pa; it is outward above that pressure.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, atmosphere: T) -> Flow<T> {

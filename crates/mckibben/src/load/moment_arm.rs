@@ -92,7 +92,7 @@ impl MomentArm {
     }
 
     /// That what was put together by hand is in range.
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         match self {
             Self::Pulley(radius) => parameter::PULLEY_RADIUS.check(*radius).map(drop),
             Self::Table(_) => Ok(()),
@@ -101,7 +101,7 @@ impl MomentArm {
 }
 
 impl<S: Scalar> MomentArm<S> {
-    pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> MomentArm<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> MomentArm<T> {
         match self {
             Self::Pulley(radius) => MomentArm::Pulley(convert.parameter(&parameter::PULLEY_RADIUS, *radius)),
             Self::Table(table) => {

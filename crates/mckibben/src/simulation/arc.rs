@@ -166,6 +166,17 @@ impl Bernstein {
         }
     }
 
+    /// The value at `θ`.
+    pub(crate) fn at(&self, theta: f64) -> f64 {
+        let rest = 1.0 - theta;
+        let (mut power, mut sum) = (1.0, self.0[0] * rest);
+        for i in 1..POINTS - 1 {
+            power *= theta;
+            sum = (sum + BINOMIAL[i] * power * self.0[i]) * rest;
+        }
+        sum + power * theta * self.0[POINTS - 1]
+    }
+
     /// Whether no control point is below zero, and so the polynomial is not on `[0, 1]`.
     #[inline(always)]
     pub(crate) fn is_never_negative(&self) -> bool {

@@ -36,23 +36,23 @@ const TAUT: f64 = 0.5;
 
 /// An actuator with the tolerance to which its events are told from rounding.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Member<'a, R: Real> {
-    pub(super) actuator: &'a Actuator<R>,
+pub(crate) struct Member<'a, R: Real> {
+    pub(crate) actuator: &'a Actuator<R>,
     /// Usual sizes: the longest length, the atmosphere's pressure, the air at that.
-    pub(super) longest: f64,
-    pub(super) atmosphere: f64,
-    pub(super) air_mass: f64,
+    pub(crate) longest: f64,
+    pub(crate) atmosphere: f64,
+    pub(crate) air_mass: f64,
     /// Relative width of a border between agreeing formulas.
-    pub(super) band: f64,
+    pub(crate) band: f64,
     /// The same as a force in N.
-    pub(super) force_band: f64,
+    pub(crate) force_band: f64,
     /// Scale of the length in m while the braid is taut.
-    pub(super) taut_scale: f64,
+    pub(crate) taut_scale: f64,
 }
 
 /// What the hysteresis of a member remembers, and the branch of it that holds in the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Trace<R> {
+pub(crate) struct Trace<R> {
     memory: Memory<R>,
     branch: Branch<R>,
     /// −1, 0 or +1: the way that the length goes.
@@ -62,29 +62,29 @@ pub(super) struct Trace<R> {
 impl<R: Real> Trace<R> {
     /// The force of the hysteresis over the secant stiffness in m, at an actuator length in m on the branch.
     #[inline(always)]
-    pub(super) fn width<T: Over<R>>(&self, length: T) -> T {
+    pub(crate) fn width<T: Over<R>>(&self, length: T) -> T {
         self.branch.width(length)
     }
 
     /// That and the part of it in m that dissipates, in magnitude; zero where there is no trace.
     #[cfg(feature = "alloc")]
-    pub(super) fn widths(trace: &Option<Self>, length: R) -> [R; 2] {
+    pub(crate) fn widths(trace: &Option<Self>, length: R) -> [R; 2] {
         let Some(Self { branch, .. }) = trace else { return [R::zero(); 2] };
         [branch.width(length), branch.dissipating(length)]
     }
 
     /// The guard of the next slip: the actuator length in m, and whether the branch lasts above it.
-    pub(super) fn end(&self) -> Option<(R, bool)> {
+    pub(crate) fn end(&self) -> Option<(R, bool)> {
         self.branch.end.map(|length| (length, self.direction < 0.0))
     }
 }
 
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
-pub(super) type LengthGuard<R> = (Guard, R, bool);
+pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
 impl<'a, R: Real> Member<'a, R> {
     /// An actuator against a usual force of `pull` N whose steps are controlled to `relative_tolerance`.
-    pub(super) fn new(actuator: &'a Actuator<R>, relative_tolerance: f64, pull: f64) -> Self {
+    pub(crate) fn new(actuator: &'a Actuator<R>, relative_tolerance: f64, pull: f64) -> Self {
         let (air, limits, braid) = (actuator.air(), actuator.limits(), &actuator.law().law.braid);
         let atmosphere = air.atmosphere().0.value();
         let longest = limits.max_length();
@@ -106,18 +106,18 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Length in m at which the braid would be straight, or its wall would close the bore.
-    pub(super) fn thread_length(&self) -> R {
+    pub(crate) fn thread_length(&self) -> R {
         self.actuator.law().law.end_length()
     }
 
     /// `P V/m` of a state, if the process keeps it.
-    pub(super) fn isothermal_content(&self, length: R, [pressure, mass]: [R; 2]) -> Option<R> {
+    pub(crate) fn isothermal_content(&self, length: R, [pressure, mass]: [R; 2]) -> Option<R> {
         let content = || pressure * self.actuator.volume(length) / mass;
         matches!(self.actuator.air().process(), Process::Isothermal).then(content)
     }
 
     /// A relaxed hysteresis at an actuator length in m, if there is one that follows the length alone.
-    pub(super) fn trace(&self, length: R) -> Option<Trace<R>> {
+    pub(crate) fn trace(&self, length: R) -> Option<Trace<R>> {
         let hysteresis = self.actuator.friction().hysteresis().filter(|law| !matches!(law, Hysteresis::LuGre(_)))?;
         let memory = Memory::relaxed(length);
         Some(Trace { memory, branch: hysteresis.branch(&memory, 0.0), direction: 0.0 })
@@ -125,7 +125,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// Takes the memory on to an actuator length in m and sets the branch that follows in the sliding of a mode; `slips`
     /// says whether it is at the end of its branch.
-    pub(super) fn follow(&self, trace: &mut Option<Trace<R>>, length: R, sliding: Sliding, slips: bool) {
+    pub(crate) fn follow(&self, trace: &mut Option<Trace<R>>, length: R, sliding: Sliding, slips: bool) {
         let (Some(trace), Some(hysteresis)) = (trace, self.actuator.friction().hysteresis()) else { return };
         if slips {
             hysteresis.slip(&mut trace.memory, trace.direction, length);
@@ -139,13 +139,13 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// LuGre's law, if that is the friction.
     #[inline(always)]
-    pub(super) fn lugre(&self) -> Option<&'a LuGre<R>> {
+    pub(crate) fn lugre(&self) -> Option<&'a LuGre<R>> {
         self.actuator.friction().lugre()
     }
 
     /// How the threads rub at an actuator length and velocity, with bristles bent so far in m if there are such.
     #[inline(always)]
-    pub(super) fn rubbing<T: Over<R>>(
+    pub(crate) fn rubbing<T: Over<R>>(
         &self,
         [length, velocity]: [T; 2],
         mode: &Mode,
@@ -161,7 +161,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing, by what the hysteresis remembers.
     #[inline(always)]
-    pub(super) fn signed_force<T: Over<R>>(
+    pub(crate) fn signed_force<T: Over<R>>(
         &self,
         ends: [T; 3],
         mode: &Mode,
@@ -172,7 +172,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// The same as the threads rub.
     #[inline(always)]
-    pub(super) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: Rubbing<T>) -> T {
+    pub(crate) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: Rubbing<T>) -> T {
         let actuator = self.actuator;
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
@@ -182,7 +182,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// Tension in N while the ends move: what the load feels.
     #[inline(always)]
-    pub(super) fn tension<T: Over<R>>(
+    pub(crate) fn tension<T: Over<R>>(
         &self,
         ends: [T; 3],
         mode: &Mode,
@@ -197,7 +197,7 @@ impl<'a, R: Real> Member<'a, R> {
     /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air, with what the valve lets
     /// through.
     #[inline(always)]
-    pub(super) fn air_rates<T: Over<R>>(
+    pub(crate) fn air_rates<T: Over<R>>(
         &self,
         [length, velocity, pressure, mass]: [T; 4],
         through: Through<'_, T>,
@@ -210,7 +210,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// The sample of length, velocity, pressure and air mass with the tension (N) and the flow that go with them.
     #[cfg(feature = "alloc")]
-    pub(super) fn sample(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
+    pub(crate) fn sample(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
         let [length, velocity, pressure, mass] = *state;
         let slack = mode.extent == Extent::Slack;
         let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
@@ -220,7 +220,7 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Rate of the force in N with the velocity, from friction and the taut braid, while the ends move.
-    pub(super) fn damping(&self, mode: &Mode) -> f64 {
+    pub(crate) fn damping(&self, mode: &Mode) -> f64 {
         if mode.extent == Extent::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
             return 0.0;
         }
@@ -230,7 +230,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// The extent at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
     /// limit the velocity, or at rest the balance, decides: `pushed` says whether the ends are pushed together.
-    pub(super) fn extent_at(&self, ends: [R; 2], [above_shortest, above_longest]: [f64; 2], pushed: bool) -> Extent {
+    pub(crate) fn extent_at(&self, ends: [R; 2], [above_shortest, above_longest]: [f64; 2], pushed: bool) -> Extent {
         let velocity = ends[1].value();
         if above_shortest < 0.0 || (above_shortest == 0.0 && (velocity < 0.0 || (velocity == 0.0 && pushed))) {
             Extent::Slack
@@ -244,13 +244,13 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Decides anew whether the force is kept from pushing.
-    pub(super) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
+    pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
         let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
 
     /// The guards that end an extent: by length, and by the force of the taut braid.
-    pub(super) fn extent_guards(&self, extent: Extent) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
+    pub(crate) fn extent_guards(&self, extent: Extent) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
         let limits = self.actuator.limits();
         let (shortest, longest) = (limits.min_length(), limits.max_length());
         match extent {
@@ -262,7 +262,7 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// The guards of the tension and of the air, in the order in which they are crossed.
-    pub(super) fn each_other_guard(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
+    pub(crate) fn each_other_guard(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
         if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
             add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
@@ -270,7 +270,7 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
-    pub(super) fn guard<T: Over<R>>(
+    pub(crate) fn guard<T: Over<R>>(
         &self,
         guard: Guard,
         ends: [T; 3],
@@ -313,7 +313,7 @@ impl<'a, R: Real> Member<'a, R> {
     }
 
     /// Crosses a guard that changes nothing but the member's mode; `None` for one that is the load's.
-    pub(super) fn cross(guard: Guard, mode: &mut Mode) -> Option<EventKind> {
+    pub(crate) fn cross(guard: Guard, mode: &mut Mode) -> Option<EventKind> {
         match guard {
             Guard::Rebound | Guard::Retaut => {
                 let taut = guard == Guard::Retaut;

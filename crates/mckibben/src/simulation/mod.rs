@@ -20,7 +20,7 @@
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
-mod arc;
+pub(crate) mod arc;
 mod chain;
 #[cfg(feature = "alloc")]
 mod circuit;
@@ -42,7 +42,7 @@ pub(crate) mod kernel;
 mod leg;
 #[cfg(feature = "alloc")]
 mod manifold;
-mod member;
+pub(crate) mod member;
 mod mode;
 #[cfg(feature = "alloc")]
 mod modular;
@@ -73,7 +73,7 @@ pub(crate) mod timetable;
 pub(crate) mod told;
 #[cfg(feature = "alloc")]
 mod trajectory;
-mod zones;
+pub(crate) mod zones;
 
 pub use crate::load::SeriesTendon;
 pub use arc::Arc;

@@ -182,7 +182,7 @@ impl<S: Real> Rig<S> {
 
 impl<S: Scalar> Actuation<S> {
     /// The same over another scalar.
-    pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
         Actuation { solenoid: self.solenoid.convert(convert), command: self.command.convert(convert) }
     }
 }

@@ -11,7 +11,7 @@ use crate::scalar::{Over, Real};
 use crate::valve::{Beyond, FlowZone, Port};
 
 /// Rate of settling for which two pressures that would meet in a second count.
-pub(super) const MEETING: f64 = 4.0;
+pub(crate) const MEETING: f64 = 4.0;
 /// The guards of the air and of the pieces, in the order in which they are crossed.
 const GUARDS: [Guard; 12] = [
     Guard::SupplyDown,
@@ -30,27 +30,27 @@ const GUARDS: [Guard; 12] = [
 
 /// What the valve lets through: the mode, and how far its passages are open where they are not whole.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Through<'a, T> {
-    pub(super) mode: &'a Mode,
-    pub(super) shares: Option<[T; 2]>,
+pub(crate) struct Through<'a, T> {
+    pub(crate) mode: &'a Mode,
+    pub(crate) shares: Option<[T; 2]>,
     /// Absolute pressure in Pa beyond the port to the supply, where a regulator makes it.
-    pub(super) feed: Option<T>,
+    pub(crate) feed: Option<T>,
 }
 
 /// Places among the states of the pressures that an actuator's air depends on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
+pub(crate) struct Places {
     /// Of the actuator's own.
-    pub(super) own: usize,
+    pub(crate) own: usize,
     /// Of what its valve opens into.
-    pub(super) valve: usize,
+    pub(crate) valve: usize,
     /// Of what feeds its valve, unless that is constant.
-    pub(super) supply: Option<usize>,
+    pub(crate) supply: Option<usize>,
 }
 
 impl Places {
     /// The valve opens into the actuator and is fed by a constant pressure.
-    pub(super) fn direct(own: usize) -> Self {
+    pub(crate) fn direct(own: usize) -> Self {
         Self { own, valve: own, supply: None }
     }
 }
@@ -58,7 +58,7 @@ impl Places {
 impl<R: Real> Member<'_, R> {
     /// Flow through the passages that are open in a mode, each to its share where they are not whole.
     #[inline(always)]
-    pub(super) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, through: Through<'_, T>) -> Flow<T> {
+    pub(crate) fn flow<T: Over<R>>(&self, chamber: &Chamber<T>, through: Through<'_, T>) -> Flow<T> {
         let Some(valve) = self.actuator.valve() else { return Flow::none() };
         let Through { mode, shares, feed } = through;
         if let (Some(feed), Some(zone)) = (feed, mode.supply_zone) {
@@ -84,7 +84,7 @@ impl<R: Real> Member<'_, R> {
     }
 
     /// Enters the zones of the open passages at a pressure, with the pressure of the supply if that is not constant.
-    pub(super) fn enter_ports(&self, pressure: R, supply: Option<R>, mode: &mut Mode) {
+    pub(crate) fn enter_ports(&self, pressure: R, supply: Option<R>, mode: &mut Mode) {
         let zone = |port| {
             let valve = self.actuator.valve()?;
             let beyond = supply.filter(|_| port == Port::Supply).unwrap_or(valve.port_pressure(port));
@@ -98,7 +98,7 @@ impl<R: Real> Member<'_, R> {
         mode.exhaust_zone = mode.ports.exhaust.then(|| zone(Port::Exhaust)).flatten();
     }
 
-    pub(super) fn move_zone(zone: &mut Option<FlowZone>, up: bool) {
+    pub(crate) fn move_zone(zone: &mut Option<FlowZone>, up: bool) {
         let place = zone.and_then(|zone| FlowZone::RISING.iter().position(|other| *other == zone));
         let next = place.and_then(|place| if up { place.checked_add(1) } else { place.checked_sub(1) });
         if let Some(next) = next.and_then(|next| FlowZone::RISING.get(next)) {
@@ -117,7 +117,7 @@ impl<R: Real> Member<'_, R> {
     }
 
     /// Value of a guard of the supply's flow law at a pressure, with the one that feeds the valve.
-    pub(super) fn supply_guard<T: Over<R>>(&self, guard: Guard, mode: &Mode, [pressure, feed]: [T; 2]) -> Option<T> {
+    pub(crate) fn supply_guard<T: Over<R>>(&self, guard: Guard, mode: &Mode, [pressure, feed]: [T; 2]) -> Option<T> {
         let up = guard == Guard::SupplyUp;
         let bound = T::of(self.zone_ratio(mode.supply_zone?, up)?) * feed;
         Some(if up { bound - pressure } else { pressure - bound })
@@ -135,7 +135,7 @@ impl<R: Real> Member<'_, R> {
 
     /// Rate in 1/s at which the pressure settles to that of an open port; zero while the flow does not depend on it. `rate`
     /// is `dP/dt` at a pressure.
-    pub(super) fn pressure_settling_rate(
+    pub(crate) fn pressure_settling_rate(
         &self,
         pressure: R,
         supply: Option<R>,
@@ -159,14 +159,14 @@ impl<R: Real> Member<'_, R> {
     }
 
     /// The piece of the effectiveness at an absolute pressure.
-    pub(super) fn effectiveness_piece(&self, pressure: R) -> usize {
+    pub(crate) fn effectiveness_piece(&self, pressure: R) -> usize {
         let actuator = self.actuator;
         let gauge = actuator.gauge(pressure).0.value();
         piece_of(gauge, |piece| actuator.law().effectiveness.piece_bounds(piece).1)
     }
 
     /// The piece of a force map at a length and an absolute pressure.
-    pub(super) fn force_piece(&self, length: R, pressure: R) -> Piece {
+    pub(crate) fn force_piece(&self, length: R, pressure: R) -> Piece {
         let (law, gauge) = (&self.actuator.law().law, self.actuator.gauge(pressure));
         Piece {
             length: piece_of(length.value(), |piece| law.length_bounds(piece).1),
@@ -176,7 +176,7 @@ impl<R: Real> Member<'_, R> {
 
     /// The absolute pressure in Pa that ends a mode by a guard, passed by the band, and whether the mode lasts above it;
     /// `None` where there is no such end.
-    pub(super) fn pressure_limit(&self, guard: Guard, mode: &Mode) -> Option<(R, bool)> {
+    pub(crate) fn pressure_limit(&self, guard: Guard, mode: &Mode) -> Option<(R, bool)> {
         let law = self.actuator.law();
         let zone = |port, zone: Option<FlowZone>, up| zone.and_then(|zone| self.zone_bound(port, zone, up));
         let piece = |up| self.passed(self.absolute(law.effectiveness.piece_bounds(mode.effectiveness_piece)), up);
@@ -204,7 +204,7 @@ impl<R: Real> Member<'_, R> {
 
     /// The length in m that ends a piece of a force map by a guard, passed by the band, and whether the piece lasts above it;
     /// `None` where there is no such end.
-    pub(super) fn map_length_limit(&self, guard: Guard, mode: &Mode) -> Option<(R, bool)> {
+    pub(crate) fn map_length_limit(&self, guard: Guard, mode: &Mode) -> Option<(R, bool)> {
         let up = match guard {
             Guard::MapShorter => false,
             Guard::MapLonger => true,
@@ -228,12 +228,12 @@ impl<R: Real> Member<'_, R> {
     }
 
     /// Whether the gas presses the threads together at an absolute pressure, as far as that matters.
-    pub(super) fn pressed(&self, pressure: R) -> bool {
+    pub(crate) fn pressed(&self, pressure: R) -> bool {
         !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
     }
 
     /// The guards of the air and of the pieces.
-    pub(super) fn piece_guards(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
+    pub(crate) fn piece_guards(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
         for guard in GUARDS {
             let of_supply = matches!(guard, Guard::SupplyDown | Guard::SupplyUp);
             if let Some((bound, lasts_above)) = self.pressure_limit(guard, mode) {

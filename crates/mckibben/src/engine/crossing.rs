@@ -1,0 +1,140 @@
+//! The first guard that fires within a step, on its dense output.
+
+use super::Hybrid;
+use super::arc::{Arc, POINTS};
+use crate::dual::Dual;
+use crate::root;
+use crate::scalar::Real;
+use crate::simulation::arc::Bernstein;
+use crate::simulation::system::GuardForm;
+use alloc::vec::Vec;
+
+/// A guard that fires within a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing<G, R> {
+    pub(crate) guard: G,
+    /// Where in the step, from 0 to 1.
+    pub(crate) theta: R,
+}
+
+/// A guard has no value somewhere in a step: the step has left what is physical, and a shorter one may not.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NoValue;
+
+/// Room for the search: a state, and evaluations over values and derivatives.
+pub(crate) struct Room<'w, R: Real, S: Hybrid<R>> {
+    pub(crate) state: &'w mut Vec<R>,
+    pub(crate) work: &'w mut S::Work<R>,
+    pub(crate) seeded: &'w mut Vec<Dual<R, 1>>,
+    pub(crate) along: &'w mut S::Work<Dual<R, 1>>,
+}
+
+/// How often a step is halved in search of a descent that the polynomial of a guard shows and the guard has not.
+const MAX_HALVINGS: u32 = 12;
+
+/// The first guard that fires on `arc`, if any.
+pub(crate) fn first<R: Real, S: Hybrid<R>>(
+    system: &S,
+    mode: &S::Mode,
+    guards: &[(S::Guard, GuardForm)],
+    arc: &Arc<R>,
+    room: Room<'_, R, S>,
+) -> Result<Option<Crossing<S::Guard, R>>, NoValue> {
+    let Room { state, work, seeded, along } = room;
+    let mut first: Option<(S::Guard, f64)> = None;
+    for &(guard, form) in guards {
+        let theta = match form {
+            GuardForm::Above { index, bound } => linear_crossing(&arc.linear(index, bound, 1.0)),
+            GuardForm::Below { index, bound } => linear_crossing(&arc.linear(index, bound, -1.0)),
+            GuardForm::Function => {
+                if is_far_from_zero(system, mode, guard, arc, work) {
+                    continue;
+                }
+                let mut value_at = |theta: f64| {
+                    let theta = R::constant(theta);
+                    arc.at(theta, state);
+                    system.guard(guard, arc.start + theta * arc.step, state, mode, work).value()
+                };
+                let descent = descent_between(0.0, 1.0, MAX_HALVINGS, &mut value_at)?;
+                descent.map(|(low, high)| root::bracketed(low, high, 1e-15, value_at).clamp(0.0, 1.0))
+            }
+        };
+        let Some(theta) = theta else { continue };
+        if first.is_none_or(|(_, earlier)| theta < earlier) {
+            first = Some((guard, theta));
+        }
+    }
+    let Some((guard, theta)) = first else { return Ok(None) };
+    // The place of the crossing with its derivatives, by the implicit function theorem; its value stays as it was found.
+    let place = R::constant(theta);
+    if !R::HAS_DERIVATIVES {
+        return Ok(Some(Crossing { guard, theta: place }));
+    }
+    let theta = Dual::<R, 1>::variable(place, 0);
+    let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
+    arc.at(theta, seeded);
+    let there = system.guard(guard, constant(arc.start) + theta * constant(arc.step), seeded, mode, along);
+    let slope = there.slope[0];
+    if slope.value() == 0.0 {
+        return Ok(Some(Crossing { guard, theta: place }));
+    }
+    let shift = there.value / slope;
+    Ok(Some(Crossing { guard, theta: place - (shift - R::constant(shift.value())) }))
+}
+
+/// Where a polynomial first goes below zero.
+fn linear_crossing(polynomial: &Bernstein) -> Option<f64> {
+    let (low, high) = polynomial.first_descent()?;
+    Some(root::bracketed(low, high, 1e-15, |theta| polynomial.at(theta)).clamp(0.0, 1.0))
+}
+
+/// Whether a guard that is not linear in the state is far from zero over the whole step.
+fn is_far_from_zero<R: Real, S: Hybrid<R>>(
+    system: &S,
+    mode: &S::Mode,
+    guard: S::Guard,
+    arc: &Arc<R>,
+    work: &mut S::Work<R>,
+) -> bool {
+    // The guard at the control points varies at least about as much as on the curve between them.
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for i in 0..POINTS {
+        let time = arc.start + arc.step * R::constant(i as f64 / (POINTS - 1) as f64);
+        let value = system.guard(guard, time, arc.point(i), mode, work).value();
+        least = least.min(value);
+        most = most.max(value);
+    }
+    least > 0.5 * (most - least)
+}
+
+/// Brackets the first descent of a guard that is not linear in the state, between two places in the step.
+///
+/// The guard is taken as the polynomial through eight of its values. Where that shows a descent and the guard itself is not
+/// below zero after it, the polynomial errs, and each half is searched by itself.
+fn descent_between(
+    low: f64,
+    high: f64,
+    halvings: u32,
+    value_at: &mut impl FnMut(f64) -> f64,
+) -> Result<Option<(f64, f64)>, NoValue> {
+    let at = |part: f64| low + (high - low) * part;
+    let mut values = [0.0; POINTS];
+    for (i, value) in values.iter_mut().enumerate() {
+        *value = value_at(at(i as f64 / (POINTS - 1) as f64));
+    }
+    if !values.iter().all(|value| value.is_finite()) {
+        return Err(NoValue);
+    }
+    let Some((first, last)) = Bernstein::through(values).first_descent() else { return Ok(None) };
+    if value_at(at(last)) < 0.0 {
+        return Ok(Some((at(first), at(last))));
+    }
+    if halvings == 0 {
+        return Ok((values[POINTS - 1] < 0.0).then_some((low, high)));
+    }
+    let middle = at(0.5);
+    match descent_between(low, middle, halvings - 1, value_at)? {
+        None => descent_between(middle, high, halvings - 1, value_at),
+        found => Ok(found),
+    }
+}

@@ -1,0 +1,105 @@
+//! The event-located engine: adaptive steps of high order that end where a mode ends.
+//!
+//! A [`Hybrid`] system is smooth while its mode lasts. Its rates in a mode are that mode's formulas, smoothly continued
+//! beyond the mode's own region, so that no step ever spans a kink. The mode says two things about its own end: an *instant*,
+//! known beforehand, and *guards*, functions of the state that are positive while the mode lasts. What happens at the end of
+//! a mode is the system's to say; when it happens is the [`Integrator`]'s to find, by the rules of
+//! [`event`](crate::simulation::event).
+//!
+//! States lie in slices: how many there are is a number and no type.
+
+pub(crate) mod arc;
+pub(crate) mod crossing;
+pub(crate) mod explicit;
+pub(crate) mod implicit;
+mod integrator;
+
+pub(crate) use integrator::Integrator;
+pub use integrator::Statistics;
+
+use crate::error::Error;
+use crate::scalar::{Differentiable, Over, Real, Scalar};
+use crate::simulation::system::GuardForm;
+use alloc::vec::Vec;
+use core::fmt::Debug;
+
+/// A system that is smooth between events.
+pub(crate) trait Hybrid<R: Real> {
+    /// The discrete state.
+    type Mode: Clone + Debug;
+    /// The name of a guard.
+    type Guard: Copy + Debug + PartialEq;
+    /// What an event was.
+    type Kind: Copy + Debug;
+    /// Room for what is computed on the way to the rates.
+    type Work<T: Scalar>;
+
+    /// How many states there are.
+    fn states(&self) -> usize;
+
+    /// Room for an evaluation.
+    fn work<T: Over<R>>(&self) -> Self::Work<T>;
+
+    /// Time derivatives of the states by the formulas of `mode`.
+    fn rates<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &Self::Mode,
+        work: &mut Self::Work<T>,
+        rates: &mut [T],
+    );
+
+    /// The fastest rate in 1/s at which a state settles by itself; `work` holds the evaluation at the state.
+    fn settling_rate(&self, time: R, state: &[R], mode: &Self::Mode, work: &Self::Work<R>) -> f64;
+
+    /// Scales of the states, above zero.
+    fn scales(&self, state: &[R], mode: &Self::Mode, scales: &mut [f64]);
+
+    /// The next instant in s, up to and with `until`, at which `mode` ends by itself.
+    fn next_instant(&self, mode: &Self::Mode, until: R) -> Option<R>;
+
+    /// Passes what is due at an instant.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when the system cannot go on.
+    fn pass_instant(
+        &self,
+        time: R,
+        state: &mut [R],
+        mode: &mut Self::Mode,
+        work: &mut Self::Work<R>,
+    ) -> Result<Self::Kind, Error>;
+
+    /// Lists the guards of `mode`.
+    fn guards(&self, mode: &Self::Mode, guards: &mut Vec<(Self::Guard, GuardForm)>);
+
+    /// Value of a guard, positive while the mode lasts.
+    fn guard<T: Differentiable<R>>(
+        &self,
+        guard: Self::Guard,
+        time: T,
+        state: &[T],
+        mode: &Self::Mode,
+        work: &mut Self::Work<T>,
+    ) -> T;
+
+    /// Crosses a guard that has come down through zero.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when the system cannot go on.
+    fn cross(
+        &self,
+        guard: Self::Guard,
+        time: R,
+        state: &mut [R],
+        mode: &mut Self::Mode,
+        work: &mut Self::Work<R>,
+    ) -> Result<Self::Kind, Error>;
+
+    /// Restores what a step knows exactly.
+    fn project(&self, time: R, state: &mut [R], mode: &Self::Mode, work: &mut Self::Work<R>);
+
+    /// The error of a step that has become too small to go on.
+    fn stuck(&self, time: R, state: &[R], mode: &Self::Mode) -> Error;
+}

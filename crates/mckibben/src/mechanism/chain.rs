@@ -1,0 +1,504 @@
+//! A planar chain of revolute joints: an arm, a leg, a single joint.
+//!
+//! ```text
+//! ψ_i = Σ_{j ≤ i} θ_j − θ₀                                inclination of segment i from where gravity pulls
+//!
+//! T = ½ Σ_ij c_ij cos(ψ_i − ψ_j) ψ̇_i ψ̇_j                 U = −g Σ_i μ_i cos ψ_i
+//! c_ii = I_i + m_i d_i² + l_i² Σ_{k>i} m_k                μ_i = m_i d_i + l_i Σ_{k>i} m_k
+//! c_ij = l_i (m_j d_j + l_j Σ_{k>j} m_k),  i < j
+//!
+//! Q_k = W_k − c_k θ̇_k − S_k                               torque about joint k, besides that of the actuators
+//! S = max(0, K_stop δ + C_stop u)                         at a stop that is passed by δ and pressed at the rate u, against it
+//!
+//! belt:  N = max(0, k_b δ − c_b ṗ_y)                      where the foot is δ below the belt
+//!        f = μ N s/√(s² + v_s²)                           s = u_b − ṗ_x: the speed at which the belt runs ahead of the foot
+//! ```
+//!
+//! | symbol | name in code | unit |
+//! |---|---|---|
+//! | θ, ψ | joint angle, inclination | rad |
+//! | l, m, d, I | `length`, `mass`, `distance` of the centre of mass from the joint above, `inertia` about it | m, kg, m, kg·m² |
+//! | g, θ₀ | `gravity`, `hanging_angle`: sum of angles at which the first segment hangs straight down | m/s², rad |
+//! | W_k, c_k | `torque`, `damping` of a joint | N·m, N·m·s/rad |
+//! | K_stop, C_stop | stiffness and damping of its stops | N·m/rad, N·m·s/rad |
+//! | k_b, c_b, μ, v_s | stiffness, damping, friction and slipping speed of the belt | N/m, N·s/m, –, m/s |
+//!
+//! The chain hangs from a fixed axis. A stop never holds the segment back on rebound, and the belt never pulls: whether they
+//! press is a part of the mode ([`Contact`]).
+//!
+//! Source: Lagrange's equations; the paper's legs are chains of this kind.
+
+use crate::convert::Convert;
+use crate::error::{Error, Requirement};
+use crate::load::leg::parameter as leg;
+use crate::parameter;
+use crate::scalar::{Over, Real, Scalar};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// A rigid segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainSegment<S = f64> {
+    /// From its joint to the next, or to the foot, in m; of the last segment zero where nothing is there.
+    pub length: S,
+    /// Mass in kg.
+    pub mass: S,
+    /// From its joint to its centre of mass in m.
+    pub distance: S,
+    /// Moment of inertia about the centre of mass in kg·m².
+    pub inertia: S,
+}
+
+/// Where a joint ends, and how it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointStops<S = f64> {
+    /// The least and the greatest angle in rad, as far as there are such.
+    pub ends: [Option<S>; 2],
+    /// Stiffness in N·m/rad.
+    pub stiffness: S,
+    /// Damping in N·m·s/rad.
+    pub damping: S,
+}
+
+/// A revolute joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Revolute<S = f64> {
+    /// Constant torque in N·m towards greater angles.
+    pub torque: S,
+    /// Viscous damping in N·m·s/rad.
+    pub damping: S,
+    /// Its stops.
+    pub stops: JointStops<S>,
+}
+
+/// A belt under the end of the last segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belt<S = f64> {
+    /// How far it is under the first joint in m.
+    pub depth: S,
+    /// Its velocity in m/s, positive in the direction in which positive angles swing.
+    pub velocity: S,
+    /// Stiffness of belt and foot together in N/m.
+    pub stiffness: S,
+    /// Damping of both in N·s/m.
+    pub damping: S,
+    /// Coefficient of dry friction.
+    pub friction: S,
+    /// Speed in m/s over which the friction changes its sign.
+    pub slipping_speed: S,
+}
+
+/// How something that only pushes touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Contact {
+    /// It is out of reach.
+    #[default]
+    None,
+    /// It presses.
+    Pressed,
+    /// It is passed and does not press: the other side comes back faster than it springs.
+    Rebound,
+}
+
+/// The contacts of a chain: both stops of each joint, and the belt.
+#[derive(Clone, Copy, Debug)]
+pub struct Contacts<'a> {
+    /// At the least and the greatest angle of each joint.
+    pub stops: &'a [[Contact; 2]],
+    /// Of the foot with the belt.
+    pub foot: Contact,
+}
+
+/// A chain of revolute joints in a plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain<S = f64> {
+    segments: Vec<ChainSegment<S>>,
+    joints: Vec<Revolute<S>>,
+    gravity: S,
+    hanging_angle: S,
+    belt: Option<Belt<S>>,
+    /// `c_ij`, row by row.
+    couplings: Vec<S>,
+    /// `g μ_i` in N·m.
+    weights: Vec<S>,
+}
+
+/// The direction outwards of the least and of the greatest angle.
+const OUTWARDS: [f64; 2] = [-1.0, 1.0];
+
+impl Chain {
+    /// A chain of at least one segment, with one joint above each, under `gravity` (m/s²) that pulls the first segment
+    /// towards `hanging_angle` (rad).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] for a lower stop above the upper one or
+    /// a chain without inertia; [`Error::Table`] unless there is one joint for each segment.
+    pub fn new(
+        segments: Vec<ChainSegment>,
+        joints: Vec<Revolute>,
+        [gravity, hanging_angle]: [f64; 2],
+        belt: Option<Belt>,
+    ) -> Result<Self, Error> {
+        if segments.is_empty() || segments.len() != joints.len() || segments.len() > MAX_JOINTS {
+            return Err(Error::Table {
+                name: "mechanism.joints",
+                problem: "there is not one joint for each segment, of one to eight",
+                entry: segments.len().min(joints.len()) + 1,
+                remedy: "give as many joints as segments, at most eight",
+            });
+        }
+        parameter::GRAVITY.check(gravity)?;
+        parameter::HANGING_ANGLE.check(hanging_angle)?;
+        for (index, segment) in segments.iter().enumerate() {
+            let is_last = index + 1 == segments.len();
+            if !(is_last && segment.length == 0.0) {
+                leg::SEGMENT_LENGTH.check(segment.length)?;
+            }
+            parameter::MASS.check(segment.mass)?;
+            parameter::LIMB_DISTANCE.check(segment.distance)?;
+            parameter::LIMB_INERTIA.check(segment.inertia)?;
+        }
+        for Revolute { torque, damping, stops } in &joints {
+            parameter::JOINT_TORQUE.check(*torque)?;
+            parameter::JOINT_DAMPING.check(*damping)?;
+            parameter::STOP_STIFFNESS.check(stops.stiffness)?;
+            parameter::STOP_DAMPING.check(stops.damping)?;
+            let [low, high] = stops.ends;
+            low.map(|angle| parameter::MIN_ANGLE.check(angle)).transpose()?;
+            high.map(|angle| parameter::MAX_ANGLE.check(angle)).transpose()?;
+            if let (Some(low), Some(high)) = (low, high)
+                && low >= high
+            {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::MIN_ANGLE,
+                    value: low,
+                    requirement: Requirement {
+                        relation: "must be less than",
+                        other: parameter::MAX_ANGLE.key,
+                        value: high,
+                        unit: "rad",
+                    },
+                    remedy: "lower min_angle or raise max_angle",
+                });
+            }
+        }
+        if let Some(belt) = &belt {
+            leg::BELT_DEPTH.check(belt.depth)?;
+            leg::BELT_VELOCITY.check(belt.velocity)?;
+            leg::BELT_STIFFNESS.check(belt.stiffness)?;
+            leg::BELT_DAMPING.check(belt.damping)?;
+            leg::BELT_FRICTION.check(belt.friction)?;
+            leg::SLIPPING_SPEED.check(belt.slipping_speed)?;
+        }
+        let last = segments[segments.len() - 1];
+        if last.inertia + last.mass * last.distance * last.distance <= 0.0 {
+            return Err(Error::Inconsistent {
+                parameter: &parameter::LIMB_INERTIA,
+                value: last.inertia,
+                requirement: Requirement {
+                    relation: "with the mass at its distance must be above",
+                    other: "the moment of inertia about the axis of",
+                    value: 0.0,
+                    unit: "kg*m^2",
+                },
+                remedy: "give the limb a moment of inertia, or a distance from the axis",
+            });
+        }
+        Ok(Self::assemble(segments, joints, [gravity, hanging_angle], belt))
+    }
+}
+
+/// The most joints that a chain may have.
+pub const MAX_JOINTS: usize = 8;
+
+impl<S: Scalar> Chain<S> {
+    fn assemble(
+        segments: Vec<ChainSegment<S>>,
+        joints: Vec<Revolute<S>>,
+        [gravity, hanging_angle]: [S; 2],
+        belt: Option<Belt<S>>,
+    ) -> Self {
+        let count = segments.len();
+        // Mass beyond segment i.
+        let mut carried = vec![S::zero(); count];
+        for i in (0..count.saturating_sub(1)).rev() {
+            carried[i] = carried[i + 1] + segments[i + 1].mass;
+        }
+        let moment = |i: usize| segments[i].mass * segments[i].distance + segments[i].length * carried[i];
+        let mut couplings = vec![S::zero(); count * count];
+        for i in 0..count {
+            let ChainSegment { length, mass, distance, inertia } = segments[i];
+            couplings[i * count + i] = inertia + mass * distance * distance + length * length * carried[i];
+            for j in i + 1..count {
+                let coupling = length * moment(j);
+                couplings[i * count + j] = coupling;
+                couplings[j * count + i] = coupling;
+            }
+        }
+        let weights = (0..count).map(|i| gravity * moment(i)).collect();
+        Self { segments, joints, gravity, hanging_angle, belt, couplings, weights }
+    }
+
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Chain<T> {
+        let mut number = |row, value| convert.parameter(row, value);
+        let segments = self.segments.iter().map(|segment| ChainSegment {
+            length: number(&leg::SEGMENT_LENGTH, segment.length),
+            mass: number(&parameter::MASS, segment.mass),
+            distance: number(&parameter::LIMB_DISTANCE, segment.distance),
+            inertia: number(&parameter::LIMB_INERTIA, segment.inertia),
+        });
+        let segments = segments.collect();
+        let joints = self.joints.iter().map(|joint| Revolute {
+            torque: number(&parameter::JOINT_TORQUE, joint.torque),
+            damping: number(&parameter::JOINT_DAMPING, joint.damping),
+            stops: JointStops {
+                ends: [
+                    joint.stops.ends[0].map(|angle| number(&parameter::MIN_ANGLE, angle)),
+                    joint.stops.ends[1].map(|angle| number(&parameter::MAX_ANGLE, angle)),
+                ],
+                stiffness: number(&parameter::STOP_STIFFNESS, joint.stops.stiffness),
+                damping: number(&parameter::STOP_DAMPING, joint.stops.damping),
+            },
+        });
+        let joints = joints.collect();
+        let base = [number(&parameter::GRAVITY, self.gravity), number(&parameter::HANGING_ANGLE, self.hanging_angle)];
+        let belt = self.belt.map(|belt| Belt {
+            depth: number(&leg::BELT_DEPTH, belt.depth),
+            velocity: number(&leg::BELT_VELOCITY, belt.velocity),
+            stiffness: number(&leg::BELT_STIFFNESS, belt.stiffness),
+            damping: number(&leg::BELT_DAMPING, belt.damping),
+            friction: number(&leg::BELT_FRICTION, belt.friction),
+            slipping_speed: number(&leg::SLIPPING_SPEED, belt.slipping_speed),
+        });
+        Chain::assemble(segments, joints, base, belt)
+    }
+
+    /// The segments, from the fixed axis on.
+    pub fn segments(&self) -> &[ChainSegment<S>] {
+        &self.segments
+    }
+
+    /// The joints, each above the segment of its index.
+    pub fn joints(&self) -> &[Revolute<S>] {
+        &self.joints
+    }
+
+    /// The belt, if there is one.
+    pub fn belt(&self) -> Option<&Belt<S>> {
+        self.belt.as_ref()
+    }
+
+    /// Inclination of segment `index` from where gravity pulls, in rad.
+    #[inline(always)]
+    fn inclination<T: Over<S>>(&self, index: usize, angle: &[T]) -> T {
+        angle[..=index].iter().fold(-T::of(self.hanging_angle), |sum, angle| sum + *angle)
+    }
+
+    /// The mass matrix over the joints' angles, row by row, in kg·m².
+    pub fn mass_matrix<T: Over<S>>(&self, angle: &[T], matrix: &mut [T]) {
+        let count = self.segments.len();
+        if let [only] = matrix {
+            *only = T::of(self.couplings[0]);
+            return;
+        }
+        for i in 0..count {
+            for j in 0..count {
+                // Between two inclinations lie the angles of the joints from one to the other.
+                let (low, high) = (i.min(j), i.max(j));
+                let between = angle[low + 1..=high].iter().fold(T::zero(), |sum, angle| sum + *angle);
+                let coupling = T::of(self.couplings[i * count + j]);
+                matrix[i * count + j] = if i == j { coupling } else { coupling * between.cos() };
+            }
+        }
+        // An angle turns all segments beyond its joint: sums from the end on, along both directions.
+        for i in 0..count {
+            for j in (0..count - 1).rev() {
+                matrix[i * count + j] = matrix[i * count + j] + matrix[i * count + j + 1];
+            }
+        }
+        for i in (0..count - 1).rev() {
+            for j in 0..count {
+                matrix[i * count + j] = matrix[i * count + j] + matrix[(i + 1) * count + j];
+            }
+        }
+    }
+
+    /// Torques in N·m about the joints besides those of the actuators, less what the motion itself needs: `τ − h`.
+    pub fn torques<T: Over<S>>(&self, angle: &[T], rate: &[T], contacts: Contacts<'_>, torque: &mut [T]) {
+        let count = self.segments.len();
+        let foot = self.belt_force(angle, rate, contacts.foot);
+        let mut inclination = -T::of(self.hanging_angle);
+        let mut along = T::zero();
+        for i in 0..count {
+            inclination = inclination + angle[i];
+            let mut on_segment = -T::of(self.weights[i]) * inclination.sin();
+            if let Some([across, up]) = foot {
+                let length = T::of(self.segments[i].length);
+                on_segment = on_segment + length * (across * inclination.cos() + up * inclination.sin());
+            }
+            let mut other = T::zero();
+            for j in 0..count {
+                other = other + rate[j];
+                if i != j {
+                    let (low, high) = (i.min(j), i.max(j));
+                    let between = angle[low + 1..=high].iter().fold(T::zero(), |sum, angle| sum + *angle);
+                    let turned = if i > j { between } else { -between };
+                    on_segment = on_segment - T::of(self.couplings[i * count + j]) * turned.sin() * other * other;
+                }
+            }
+            torque[i] = on_segment;
+        }
+        for k in (0..count).rev() {
+            along = along + torque[k];
+            let joint = &self.joints[k];
+            torque[k] = along + T::of(joint.torque) - T::of(joint.damping) * rate[k];
+            for end in 0..2 {
+                if contacts.stops[k][end] == Contact::Pressed {
+                    torque[k] = torque[k] - T::constant(OUTWARDS[end]) * self.stop_torque(k, end, angle[k], rate[k]);
+                }
+            }
+        }
+    }
+
+    /// The size in N·m of its weight and constant torques.
+    pub(crate) fn usual_torque(&self) -> f64
+    where
+        S: Real,
+    {
+        let weight = self.weights.iter().map(|weight| weight.value().abs()).sum::<f64>();
+        self.joints.iter().fold(weight, |sum, joint| sum + joint.torque.value().abs())
+    }
+
+    /// Torque in N·m of a stop against a joint that presses it, before it is kept from pulling; zero where there is no stop.
+    #[inline(always)]
+    pub fn stop_torque<T: Over<S>>(&self, joint: usize, end: usize, angle: T, rate: T) -> T {
+        let stops = &self.joints[joint].stops;
+        let Some(stop) = stops.ends[end] else { return T::zero() };
+        T::constant(OUTWARDS[end]) * (T::of(stops.stiffness) * (angle - T::of(stop)) + T::of(stops.damping) * rate)
+    }
+
+    /// How far in rad a joint is beyond a stop; negative before it.
+    #[inline(always)]
+    pub fn beyond_stop<T: Over<S>>(&self, joint: usize, end: usize, angle: T) -> T {
+        match self.joints[joint].stops.ends[end] {
+            Some(stop) => T::constant(OUTWARDS[end]) * (angle - T::of(stop)),
+            None => -T::one(),
+        }
+    }
+
+    /// Place in m of a point on a segment, or on the ground: across and up, from the first joint.
+    pub fn point<T: Over<S>>(&self, segment: Option<usize>, place: [T; 2], angle: &[T]) -> [T; 2] {
+        let [along, across] = place;
+        let (from, sine, cosine) = match segment {
+            Some(segment) => {
+                let inclination = self.inclination(segment, angle);
+                (self.joint_place(segment, angle), inclination.sin(), inclination.cos())
+            }
+            None => ([T::zero(); 2], T::zero(), T::one()),
+        };
+        [from[0] + along * sine + across * cosine, from[1] - along * cosine + across * sine]
+    }
+
+    /// Place in m of a joint: across and up, from the first.
+    pub fn joint_place<T: Over<S>>(&self, joint: usize, angle: &[T]) -> [T; 2] {
+        let mut place = [T::zero(); 2];
+        for i in 0..joint {
+            let (length, inclination) = (T::of(self.segments[i].length), self.inclination(i, angle));
+            place = [place[0] + length * inclination.sin(), place[1] - length * inclination.cos()];
+        }
+        place
+    }
+
+    /// Depth in m of the foot under the belt, and its velocity in m/s across and up; none without a belt.
+    #[inline(always)]
+    pub fn foot<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> Option<(T, [T; 2])> {
+        let belt = self.belt.as_ref()?;
+        let mut height = T::zero();
+        let (mut inclination, mut turning) = (-T::of(self.hanging_angle), T::zero());
+        let mut velocity = [T::zero(); 2];
+        for i in 0..self.segments.len() {
+            inclination = inclination + angle[i];
+            turning = turning + rate[i];
+            let (length, sine, cosine) = (T::of(self.segments[i].length), inclination.sin(), inclination.cos());
+            height = height - length * cosine;
+            velocity = [velocity[0] + length * turning * cosine, velocity[1] + length * turning * sine];
+        }
+        Some((-height - T::of(belt.depth), velocity))
+    }
+
+    /// Normal force in N between belt and foot before it is kept from pulling.
+    #[inline(always)]
+    pub fn foot_press<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> T {
+        match (&self.belt, self.foot(angle, rate)) {
+            (Some(belt), Some((depth, [_, up]))) => T::of(belt.stiffness) * depth - T::of(belt.damping) * up,
+            _ => T::zero(),
+        }
+    }
+
+    /// Force in N of the belt on the foot, across and up.
+    fn belt_force<T: Over<S>>(&self, angle: &[T], rate: &[T], contact: Contact) -> Option<[T; 2]> {
+        let belt = self.belt.as_ref().filter(|_| contact == Contact::Pressed)?;
+        let (_, [across, _]) = self.foot(angle, rate)?;
+        let normal = self.foot_press(angle, rate);
+        let (slip, slow) = (T::of(belt.velocity) - across, T::of(belt.slipping_speed));
+        Some([T::of(belt.friction) * normal * slip / (slip * slip + slow * slow).sqrt(), normal])
+    }
+
+    /// Power in W that the mechanism loses, and that which the belt puts in, both at angles and rates.
+    pub fn powers<T: Over<S>>(&self, angle: &[T], rate: &[T], contacts: Contacts<'_>) -> [T; 2] {
+        let mut lost = T::zero();
+        for (k, joint) in self.joints.iter().enumerate() {
+            lost = lost + T::of(joint.damping) * rate[k] * rate[k];
+            for end in 0..2 {
+                let beyond = self.beyond_stop(k, end, angle[k]).larger(T::zero());
+                let spring = T::of(joint.stops.stiffness) * beyond;
+                let outwards = T::constant(OUTWARDS[end]) * rate[k];
+                let push = match contacts.stops[k][end] {
+                    Contact::Pressed => self.stop_torque(k, end, angle[k], rate[k]),
+                    Contact::None | Contact::Rebound => T::zero(),
+                };
+                // What the stop stores is its spring alone.
+                lost = lost + (push - spring) * outwards;
+            }
+        }
+        let mut driven = T::zero();
+        if let (Some(belt), Some((depth, [across, up]))) = (&self.belt, self.foot(angle, rate)) {
+            let spring = T::of(belt.stiffness) * depth.larger(T::zero());
+            let [drag, normal] = self.belt_force(angle, rate, contacts.foot).unwrap_or([T::zero(); 2]);
+            lost = lost + (spring - normal) * up;
+            lost = lost + drag * (T::of(belt.velocity) - across);
+            driven = drag * T::of(belt.velocity);
+        }
+        [lost, driven]
+    }
+
+    /// Kinetic and potential energy in J, the springs of stops and belt included.
+    pub fn energies<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> [T; 2] {
+        let count = self.segments.len();
+        let half = T::constant(0.5);
+        let (mut kinetic, mut potential) = (T::zero(), T::zero());
+        let mut turning = T::zero();
+        for i in 0..count {
+            turning = turning + rate[i];
+            let inclination = self.inclination(i, angle);
+            potential = potential - T::of(self.weights[i]) * inclination.cos();
+            let mut other = T::zero();
+            for j in 0..count {
+                other = other + rate[j];
+                let apart = self.inclination(j, angle) - inclination;
+                kinetic = kinetic + half * T::of(self.couplings[i * count + j]) * apart.cos() * turning * other;
+            }
+            let joint = &self.joints[i];
+            potential = potential - T::of(joint.torque) * angle[i];
+            for end in 0..2 {
+                let depth = self.beyond_stop(i, end, angle[i]).larger(T::zero());
+                potential = potential + half * T::of(joint.stops.stiffness) * depth * depth;
+            }
+        }
+        if let (Some(belt), Some((depth, _))) = (&self.belt, self.foot(angle, rate)) {
+            let depth = depth.larger(T::zero());
+            potential = potential + half * T::of(belt.stiffness) * depth * depth;
+        }
+        [kinetic, potential]
+    }
+}

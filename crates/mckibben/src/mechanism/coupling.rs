@@ -1,0 +1,202 @@
+//! How an actuator spans a mechanism: the distance between its attachments and its gradient.
+//!
+//! ```text
+//! direct     x = q_k
+//! arms       x = ℓ − Σ_j s_j e_j(θ_j)              ∂x/∂θ_j = −s_j r_j(θ_j),   s_j = ±1
+//! points     x = |p_a − p_b|                       ∂x/∂θ_j = u · ∂(p_a − p_b)/∂θ_j,   u = (p_a − p_b)/x
+//! ```
+//!
+//! | symbol | name in code | unit |
+//! |---|---|---|
+//! | ℓ | `rest_length`, the distance at angles zero | m |
+//! | r, e | moment arm and excursion ([`MomentArm`]) | m |
+//! | p | an [`Attachment`] on a segment or on the ground | m |
+//!
+//! An actuator with arms about several joints spans all of them. Points on segments give a distance whose gradient is exact
+//! by the chain's kinematics.
+//!
+//! Source: virtual work.
+
+use super::chain::Chain;
+use super::parameter::ATTACHMENT;
+use crate::convert::Convert;
+use crate::error::Error;
+use crate::load::MomentArm;
+use crate::parameter;
+use crate::scalar::{Over, Real, Scalar};
+use alloc::vec::Vec;
+
+/// A moment arm about one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm<S = f64> {
+    /// Which joint, from 0.
+    pub joint: usize,
+    /// +1 where the actuator's tension turns the joint towards greater angles, −1 where it turns it back.
+    pub sign: f64,
+    /// The arm over the angle.
+    pub arm: MomentArm<S>,
+}
+
+/// A point on a segment of a chain, or on the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attachment<S = f64> {
+    /// The segment, from 0; the ground where there is none.
+    pub segment: Option<usize>,
+    /// Place in m: along the segment from the joint above and across it, or on the ground along the direction in which
+    /// gravity pulls and across it; from the first joint.
+    pub place: [S; 2],
+}
+
+/// How an actuator spans its mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coupling<S = f64> {
+    /// The distance is a coordinate of the mechanism.
+    Direct {
+        /// Which, from 0.
+        coordinate: usize,
+    },
+    /// By moment arms about joints.
+    Arms {
+        /// The distance in m at angles zero.
+        rest_length: S,
+        /// One for each joint that the actuator spans.
+        arms: Vec<Arm<S>>,
+    },
+    /// Between two points.
+    Points([Attachment<S>; 2]),
+}
+
+impl Coupling {
+    /// A tendon over pulleys or moment arms.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::Table`] for a number outside its range.
+    pub fn arms(rest_length: f64, arms: Vec<Arm>) -> Result<Self, Error> {
+        parameter::REST_LENGTH.check(rest_length)?;
+        for Arm { arm, .. } in &arms {
+            arm.check()?;
+        }
+        Ok(Self::Arms { rest_length, arms })
+    }
+}
+
+impl<S: Scalar> Coupling<S> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Coupling<T> {
+        match self {
+            Self::Direct { coordinate } => Coupling::Direct { coordinate: *coordinate },
+            Self::Arms { rest_length, arms } => {
+                let arms = arms
+                    .iter()
+                    .map(|Arm { joint, sign, arm }| Arm { joint: *joint, sign: *sign, arm: arm.convert(convert) })
+                    .collect();
+                Coupling::Arms { rest_length: convert.parameter(&parameter::REST_LENGTH, *rest_length), arms }
+            }
+            Self::Points(ends) => Coupling::Points(ends.map(|Attachment { segment, place }| Attachment {
+                segment,
+                place: place.map(|number| convert.parameter(&ATTACHMENT, number)),
+            })),
+        }
+    }
+
+    /// How many pieces of moment arms a mode keeps for it.
+    pub(crate) fn arm_count(&self) -> usize {
+        match self {
+            Self::Arms { arms, .. } => arms.len(),
+            Self::Direct { .. } | Self::Points(_) => 0,
+        }
+    }
+
+    /// The distance in m; its gradient over the mechanism's coordinates (m per unit of each) is written to `gradient`.
+    /// `pieces` are those of the moment arms.
+    #[inline(always)]
+    pub(crate) fn distance<T: Over<S>>(
+        &self,
+        chain: Option<&Chain<S>>,
+        position: &[T],
+        pieces: &[usize],
+        gradient: &mut [T],
+    ) -> T {
+        match self {
+            Self::Direct { coordinate } => {
+                gradient.fill(T::zero());
+                gradient[*coordinate] = T::one();
+                position[*coordinate]
+            }
+            Self::Arms { rest_length, arms } => {
+                gradient.fill(T::zero());
+                let mut distance = T::of(*rest_length);
+                for (Arm { joint, sign, arm }, piece) in arms.iter().zip(pieces) {
+                    let [arm, excursion] = arm.in_piece(*piece, position[*joint]);
+                    let sign = T::constant(*sign);
+                    distance = distance - sign * excursion;
+                    gradient[*joint] = gradient[*joint] - sign * arm;
+                }
+                distance
+            }
+            Self::Points(ends) => match chain {
+                Some(chain) => between(chain, ends, position, gradient),
+                None => T::zero(),
+            },
+        }
+    }
+}
+
+impl<S: Real> Coupling<S> {
+    /// The pieces of its moment arms at the mechanism's coordinates.
+    pub(crate) fn pieces(&self, position: &[S], pieces: &mut [usize]) {
+        if let Self::Arms { arms, .. } = self {
+            for (Arm { joint, arm, .. }, piece) in arms.iter().zip(pieces) {
+                *piece = arm.piece(position[*joint]);
+            }
+        }
+    }
+
+    /// The coordinate, and its value at which the distance is `distance` (m), where one coordinate alone decides, and whether
+    /// the distance grows with it.
+    pub(crate) fn coordinate_at(&self, distance: S) -> Option<(usize, S, bool)> {
+        match self {
+            Self::Direct { coordinate } => Some((*coordinate, distance, true)),
+            Self::Arms { rest_length, arms } => {
+                let [Arm { joint, sign, arm }] = arms.as_slice() else { return None };
+                let excursion = (*rest_length - distance) * S::constant(*sign);
+                Some((*joint, arm.angle_of(excursion), *sign < 0.0))
+            }
+            Self::Points(_) => None,
+        }
+    }
+
+    /// The gradient where it is the same at all coordinates: the coordinate and its entry.
+    pub(crate) fn constant_gradient(&self) -> Option<(usize, S)> {
+        match self {
+            Self::Direct { coordinate } => Some((*coordinate, S::one())),
+            Self::Arms { arms, .. } => match arms.as_slice() {
+                [Arm { joint, sign, arm: MomentArm::Pulley(radius) }] => Some((*joint, -S::constant(*sign) * *radius)),
+                _ => None,
+            },
+            Self::Points(_) => None,
+        }
+    }
+}
+
+/// The distance between two points and its gradient.
+fn between<S: Scalar, T: Over<S>>(
+    chain: &Chain<S>,
+    ends: &[Attachment<S>; 2],
+    position: &[T],
+    gradient: &mut [T],
+) -> T {
+    let [first, second] = ends.each_ref().map(|end| chain.point(end.segment, end.place.map(T::of), position));
+    let apart = [first[0] - second[0], first[1] - second[1]];
+    let distance = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
+    gradient.fill(T::zero());
+    for (end, (point, sign)) in ends.iter().zip([(first, T::one()), (second, -T::one())]) {
+        let Some(segment) = end.segment else { continue };
+        for (joint, entry) in gradient.iter_mut().enumerate().take(segment + 1) {
+            let pivot = chain.joint_place(joint, position);
+            // A turn about the joint moves the point across its radius.
+            let moved = [pivot[1] - point[1], point[0] - pivot[0]];
+            *entry = *entry + sign * (apart[0] * moved[0] + apart[1] * moved[1]) / distance;
+        }
+    }
+    distance
+}

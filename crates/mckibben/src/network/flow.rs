@@ -1,0 +1,292 @@
+//! Flows through the branches of a network and the rates of its nodes, by the formulas of a mode.
+//!
+//! ```text
+//! orifice    ṁ = C ψ(r) P_up/√T_up          by the piece of ψ that the mode says (21)(23)
+//! leak       ṁ = k (P² − P_atm²)/(2 R T_up)
+//! node       ṁ_node = Σ in − Σ out,   heat: Σ ṁ_in T_up for chambers that keep an energy balance
+//! ```
+//!
+//! What a regulator's outlet gives away comes from its inlet: nodes are gone through from the end, and each hands on what
+//! it does not hold.
+
+use super::mode::NetworkMode;
+use super::{Branch, BranchKind, Network, Node, NodeKind};
+use crate::air::{Air, Chamber};
+use crate::scalar::{Over, Real, Scalar};
+use crate::valve::{FlowLaw, FlowZone};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// A node at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeState<T> {
+    /// Absolute pressure in Pa.
+    pub(crate) pressure: T,
+    /// `1/P`.
+    pub(crate) per_pressure: T,
+    /// `1/√T` of its air in 1/√K, where it does not change.
+    per_root_temperature: T,
+    /// What flows in and out in kg/s.
+    pub(crate) inward: T,
+    pub(crate) outward: T,
+    /// `Σ ṁ_in T` of what flows in, in kg·K/s.
+    pub(crate) warmth: T,
+}
+
+impl<T: Scalar> NodeState<T> {
+    /// Net flow into the node in kg/s.
+    #[inline(always)]
+    pub(crate) fn net(&self) -> T {
+        self.inward - self.outward
+    }
+}
+
+/// The nodes and branches of a network at an instant.
+#[derive(Clone, Debug)]
+pub(crate) struct NetworkState<T> {
+    pub(crate) nodes: Vec<NodeState<T>>,
+    /// Flow through each branch in kg/s, positive from `from` to `to`.
+    pub(crate) flows: Vec<T>,
+}
+
+impl<T: Scalar> NetworkState<T> {
+    pub(crate) fn new<S: Scalar>(network: &Network<S>) -> Self
+    where
+        T: Over<S>,
+    {
+        let node = |node: &Node<S>| {
+            let pressure = match node.kind {
+                NodeKind::Atmosphere => T::of(network.atmosphere),
+                _ => T::of(network.absolute(node.gauge)),
+            };
+            NodeState {
+                pressure,
+                per_pressure: T::one() / pressure,
+                per_root_temperature: T::one() / T::of(node.temperature).sqrt(),
+                inward: T::zero(),
+                outward: T::zero(),
+                warmth: T::zero(),
+            }
+        };
+        Self { nodes: network.nodes.iter().map(node).collect(), flows: vec![T::zero(); network.branches.len()] }
+    }
+}
+
+/// What a network takes from the rest of the plant: the chambers of the actuators, and which state is which pressure or flow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surroundings<'a, T> {
+    pub(crate) chambers: &'a [Chamber<T>],
+    /// Whether the air of each actuator keeps an energy balance, for which the temperature of what flows in counts.
+    pub(crate) keeps_heat: &'a [bool],
+    pub(crate) state: &'a [T],
+    /// Place of each node's pressure among the states, and of each branch's flow.
+    pub(crate) nodes: &'a [Option<usize>],
+    pub(crate) branches: &'a [Option<usize>],
+}
+
+impl<R: Real> Network<R> {
+    /// Computes all flows at a time in s.
+    pub(crate) fn flows<T: Over<R>>(
+        &self,
+        time: T,
+        around: Surroundings<'_, T>,
+        air: &Air<R>,
+        mode: &NetworkMode<R>,
+        at: &mut NetworkState<T>,
+    ) {
+        self.enter_pressures(around, at);
+        for flow in &mut at.flows {
+            *flow = T::zero();
+        }
+        for &index in &mode.open {
+            let index = usize::from(index);
+            let flow = self.flow(index, time, around, air, mode, at);
+            at.flows[index] = flow;
+            self.deliver(index, flow, around, air, at);
+        }
+        for index in (0..self.nodes.len()).rev() {
+            if let NodeKind::Outlet { inlet: Some(inlet), .. } = self.nodes[index].kind {
+                let drawn = at.nodes[index].net();
+                at.nodes[inlet].inward = at.nodes[inlet].inward + drawn;
+            }
+        }
+    }
+
+    /// Sets the pressures of all nodes, and their sums to zero.
+    pub(crate) fn enter_pressures<T: Over<R>>(&self, around: Surroundings<'_, T>, at: &mut NetworkState<T>) {
+        for (index, node) in self.nodes.iter().enumerate() {
+            let of_node = &mut at.nodes[index];
+            (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());
+            match node.kind {
+                NodeKind::Atmosphere | NodeKind::Source => {}
+                NodeKind::Chamber { actuator } => {
+                    let chamber = &around.chambers[actuator];
+                    (of_node.pressure, of_node.per_pressure) = (chamber.pressure, chamber.per_pressure);
+                }
+                _ => {
+                    if let Some(place) = around.nodes[index] {
+                        of_node.pressure = around.state[place];
+                        of_node.per_pressure = T::one() / of_node.pressure;
+                    }
+                }
+            }
+        }
+    }
+
+    /// `P/√T` of the air of a node in Pa/√K.
+    #[inline(always)]
+    fn drive<T: Over<R>>(&self, node: usize, around: Surroundings<'_, T>, air: &Air<R>, at: &NetworkState<T>) -> T {
+        match self.nodes[node].kind {
+            NodeKind::Chamber { actuator } => {
+                let chamber = &around.chambers[actuator];
+                (T::of(air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
+            }
+            _ => at.nodes[node].pressure * at.nodes[node].per_root_temperature,
+        }
+    }
+
+    /// Temperature in K of the air of a node.
+    #[inline(always)]
+    pub(crate) fn temperature<T: Over<R>>(&self, node: usize, chambers: &[Chamber<T>], air: &Air<R>) -> T {
+        match self.nodes[node].kind {
+            NodeKind::Chamber { actuator } => air.temperature(&chambers[actuator]),
+            _ => T::of(self.nodes[node].temperature),
+        }
+    }
+
+    /// Flow through a branch in kg/s.
+    #[inline(always)]
+    pub(crate) fn flow<T: Over<R>>(
+        &self,
+        index: usize,
+        time: T,
+        around: Surroundings<'_, T>,
+        air: &Air<R>,
+        mode: &NetworkMode<R>,
+        at: &NetworkState<T>,
+    ) -> T {
+        let Branch { from, to, kind } = &self.branches[index];
+        let (near, far) = (&at.nodes[*from], &at.nodes[*to]);
+        let of_branch = &mode.branches[index];
+        match kind {
+            BranchKind::Path { law, valve, port, ambient, .. } => {
+                let Some(zone) = of_branch.zone else { return T::zero() };
+                let drive = || match (zone.is_inward(), *ambient) {
+                    (true, _) => self.drive(*from, around, air, at),
+                    (false, true) => far.pressure * far.per_root_temperature,
+                    (false, false) => self.drive(*to, around, air, at),
+                };
+                let flow = orifice(law, zone, near, far, drive);
+                match mode.valves[*valve].openings.at(time) {
+                    Some(shares) => flow * shares[*port as usize],
+                    None => flow,
+                }
+            }
+            BranchKind::Check { law } => match of_branch.zone {
+                Some(zone) => orifice(law, zone, near, far, || self.drive(*from, around, air, at)),
+                None => T::zero(),
+            },
+            BranchKind::Loss(hose) => hose.tube().flow_in(of_branch.regime, near.pressure, far.pressure),
+            BranchKind::Inertia(_) => around.branches[index].map_or(T::zero(), |place| around.state[place]),
+            BranchKind::Leak(leakage) => {
+                let outwards = near.pressure.lt(far.pressure);
+                let upstream = T::select(
+                    outwards,
+                    self.temperature(*to, around.chambers, air),
+                    T::of(self.nodes[*from].temperature),
+                );
+                leakage.between(near.pressure, far.pressure, T::of(air.gas_constant()) * upstream)
+            }
+            BranchKind::Compressor => match &self.nodes[*to].kind {
+                NodeKind::Reservoir(reservoir) if of_branch.runs => reservoir.delivery(far.pressure),
+                _ => T::zero(),
+            },
+        }
+    }
+
+    /// Adds a flow to the sums of its two ends.
+    #[inline(always)]
+    fn deliver<T: Over<R>>(
+        &self,
+        index: usize,
+        flow: T,
+        around: Surroundings<'_, T>,
+        air: &Air<R>,
+        at: &mut NetworkState<T>,
+    ) {
+        let Branch { from, to, kind } = &self.branches[index];
+        let backwards = flow.lt(T::zero());
+        let forward = T::select(backwards, T::zero(), flow);
+        let back = T::select(backwards, -flow, T::zero());
+        let copies = match kind {
+            BranchKind::Path { copies, .. } => T::of(*copies),
+            _ => T::one(),
+        };
+        for (node, other, inward, outward) in
+            [(*to, *from, forward, back), (*from, *to, back * copies, forward * copies)]
+        {
+            let of_node = &mut at.nodes[node];
+            of_node.inward = of_node.inward + inward;
+            of_node.outward = of_node.outward + outward;
+            if let NodeKind::Chamber { actuator } = self.nodes[node].kind
+                && around.keeps_heat[actuator]
+            {
+                let temperature = self.temperature(other, around.chambers, air);
+                let of_node = &mut at.nodes[node];
+                of_node.warmth = of_node.warmth + inward * temperature;
+            }
+        }
+    }
+
+    /// The error in Pa of a regulator's outlet, once all flows are known.
+    pub(crate) fn outlet_error<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
+        let NodeKind::Outlet { regulator, set, inlet } = &self.nodes[node].kind else { return None };
+        let inlet = inlet.map(|inlet| at.nodes[inlet].pressure);
+        Some(regulator.error(at.nodes[node].pressure, T::of(self.absolute(*set)), inlet, -at.nodes[node].net()))
+    }
+
+    /// The rate of a node's pressure in Pa/s, once all flows are known; of a chamber the actuator's to say.
+    pub(crate) fn node_rate<T: Over<R>>(&self, node: usize, mode: &NetworkMode<R>, at: &NetworkState<T>) -> T {
+        let of_node = &at.nodes[node];
+        match &self.nodes[node].kind {
+            NodeKind::Hose(hose) => hose.pressure_rate(of_node.net()),
+            NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(of_node.net()),
+            NodeKind::Outlet { regulator, .. } => self
+                .outlet_error(node, at)
+                .map_or(T::zero(), |error| regulator.pressure_rate(error, mode.nodes[node].poppet)),
+            NodeKind::Port { regulator, .. } => match (mode.nodes[node].approach, self.set_point(node, mode)) {
+                (Some(approach), Some(set)) => regulator.rate_in(approach, of_node.pressure, T::of(set)),
+                _ => T::zero(),
+            },
+            NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => T::zero(),
+        }
+    }
+
+    /// The rate of the flow through a cell of a distributed hose in kg/s².
+    pub(crate) fn branch_rate<T: Over<R>>(&self, branch: usize, at: &NetworkState<T>) -> T {
+        let Branch { from, to, kind } = &self.branches[branch];
+        match kind {
+            BranchKind::Inertia(hose) => {
+                hose.flow_rate(at.flows[branch], at.nodes[*from].pressure, at.nodes[*to].pressure)
+            }
+            _ => T::zero(),
+        }
+    }
+}
+
+/// Flow through an orifice in a zone of its law, positive from `near` to `far`.
+#[inline(always)]
+fn orifice<R: Real, T: Over<R>>(
+    law: &FlowLaw<R>,
+    zone: FlowZone,
+    near: &NodeState<T>,
+    far: &NodeState<T>,
+    drive: impl FnOnce() -> T,
+) -> T {
+    let size = T::of(law.conductance()) * drive();
+    if zone.is_inward() {
+        size * law.in_zone(zone, || (near.pressure - far.pressure) * near.per_pressure)
+    } else {
+        -(size * law.in_zone(zone, || (far.pressure - near.pressure) * far.per_pressure))
+    }
+}

@@ -1,0 +1,208 @@
+//! The discrete state of a network: which formulas hold, and what its clocks remember.
+
+use super::{BranchKind, Network, NodeKind};
+use crate::line::{FlowRegime, Poppet};
+use crate::scalar::Real;
+use crate::simulation::timetable::{Progress, Timetable};
+use crate::valve::{Approach, FlowZone, Openings, Port, Ports};
+use alloc::vec::Vec;
+
+/// Which formula holds for the flow through a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BranchMode {
+    /// The piece of an orifice's flow law; none while it is shut.
+    pub zone: Option<FlowZone>,
+    /// The regime of a lumped hose.
+    pub regime: FlowRegime,
+    /// Whether a compressor runs.
+    pub runs: bool,
+}
+
+/// Which formula holds for a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeMode {
+    /// Of a regulator's outlet.
+    pub poppet: Poppet,
+    /// How a proportional regulator goes to its set point; at rest before the first takes effect.
+    pub approach: Option<Approach>,
+    /// How many set points have taken effect.
+    pub set_points: u64,
+}
+
+/// What a valve does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValveMode<R> {
+    /// Which of its ports are open.
+    pub ports: Ports,
+    /// How far along its command it is.
+    pub(crate) progress: Progress<R>,
+    /// How far its ports are open until the next instant.
+    pub openings: Openings<R>,
+}
+
+/// The discrete state of a network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NetworkMode<R> {
+    /// Of each branch.
+    pub branches: Vec<BranchMode>,
+    /// Of each node.
+    pub nodes: Vec<NodeMode>,
+    /// Of each valve.
+    pub valves: Vec<ValveMode<R>>,
+    /// The branches that let air through, in order.
+    pub(crate) open: Vec<u16>,
+}
+
+impl<R: Real> Network<R> {
+    /// The mode at t = 0, before zones and regimes are entered.
+    pub(crate) fn begin(&self) -> NetworkMode<R> {
+        let valve = |actuation| {
+            let timetable = Timetable { actuation: Some(actuation), motion: None, pressure: None };
+            let mut progress = Progress::none();
+            let ports = timetable.pass(&mut progress, R::zero());
+            ValveMode { ports, progress, openings: timetable.openings(&progress) }
+        };
+        NetworkMode {
+            branches: self.branches.iter().map(|_| BranchMode::AT_REST).collect(),
+            nodes: self.nodes.iter().map(|_| NodeMode::AT_REST).collect(),
+            valves: self.valves.iter().map(valve).collect(),
+            open: Vec::new(),
+        }
+    }
+
+    /// Whether a branch is open as its valve stands; true for one without a valve.
+    pub(crate) fn is_open(&self, branch: usize, mode: &NetworkMode<R>) -> bool {
+        match self.branches[branch].kind {
+            BranchKind::Path { valve, port, .. } => match port {
+                Port::Supply => mode.valves[valve].ports.supply,
+                Port::Exhaust => mode.valves[valve].ports.exhaust,
+            },
+            _ => true,
+        }
+    }
+
+    /// Enters the pieces of all laws at the pressures of the nodes (Pa, absolute).
+    pub(crate) fn enter(&self, pressure: &[R], mode: &mut NetworkMode<R>) {
+        for branch in 0..self.branches.len() {
+            self.enter_branch(branch, pressure, mode);
+        }
+        for (node, of_node) in self.nodes.iter().zip(&mut mode.nodes) {
+            if let NodeKind::Outlet { .. } = node.kind {
+                of_node.poppet = Poppet::Rests;
+            }
+        }
+        self.list_open(mode);
+    }
+
+    /// Enters the piece of a branch's law.
+    pub(crate) fn enter_branch(&self, branch: usize, pressure: &[R], mode: &mut NetworkMode<R>) {
+        let is_open = self.is_open(branch, mode);
+        let of_branch = &self.branches[branch];
+        let [from, to] = [pressure[of_branch.from], pressure[of_branch.to]];
+        let zone = |law: &crate::valve::FlowLaw<R>| {
+            let below_end = |zone: &FlowZone| law.bounds(*zone, from).1.is_none_or(|end| to.value() <= end.value());
+            FlowZone::RISING.into_iter().find(below_end)
+        };
+        let of_mode = &mut mode.branches[branch];
+        match &of_branch.kind {
+            BranchKind::Path { law, .. } => of_mode.zone = if is_open { zone(law) } else { None },
+            BranchKind::Check { law } => of_mode.zone = zone(law).filter(|zone| zone.is_inward()),
+            BranchKind::Loss(hose) => {
+                let drive = hose.tube().drive(from, to).value();
+                let holds = |regime: &FlowRegime| regime.bounds()[1].is_none_or(|end| drive <= end);
+                of_mode.regime = FlowRegime::RISING.into_iter().find(holds).unwrap_or(FlowRegime::Laminar);
+            }
+            BranchKind::Compressor => {
+                if let NodeKind::Reservoir(reservoir) = &self.nodes[of_branch.to].kind
+                    && let Some([_, stops]) = reservoir.switch_pressures()
+                {
+                    of_mode.runs = to.value() < stops.value();
+                }
+            }
+            BranchKind::Inertia(_) | BranchKind::Leak(_) => {}
+        }
+    }
+
+    /// Lists the branches that let air through.
+    pub(crate) fn list_open(&self, mode: &mut NetworkMode<R>) {
+        mode.open.clear();
+        for (index, branch) in self.branches.iter().enumerate() {
+            let of_branch = &mode.branches[index];
+            let lets_through = match branch.kind {
+                BranchKind::Path { .. } | BranchKind::Check { .. } => of_branch.zone.is_some(),
+                BranchKind::Compressor => of_branch.runs,
+                BranchKind::Loss(_) | BranchKind::Inertia(_) | BranchKind::Leak(_) => true,
+            };
+            if lets_through {
+                mode.open.push(index as u16);
+            }
+        }
+    }
+
+    /// The next instant in s, up to and with `until`, at which a valve does something or a set point takes effect.
+    pub(crate) fn next_instant(&self, mode: &NetworkMode<R>, until: R) -> Option<R> {
+        let of_valves = self.valves.iter().zip(&mode.valves).filter_map(|(actuation, of_valve)| {
+            Timetable { actuation: Some(actuation), motion: None, pressure: None }.next(&of_valve.progress, until)
+        });
+        let of_ports = (0..self.nodes.len()).filter_map(|node| self.next_set_point(node, mode, until));
+        of_valves.chain(of_ports).min_by(|a, b| a.value().total_cmp(&b.value()))
+    }
+
+    /// The next instant in s, up to and with `until`, at which a set point of a port takes effect.
+    fn next_set_point(&self, node: usize, mode: &NetworkMode<R>, until: R) -> Option<R> {
+        let NodeKind::Port { regulator, valve, .. } = &self.nodes[node].kind else { return None };
+        let actuation = &self.valves[*valve];
+        let (time, _) = actuation.command.set_point(mode.nodes[node].set_points)?;
+        let instant = time + regulator.dead_time() + actuation.solenoid.transport();
+        Some(instant).filter(|instant| crate::valve::is_due(*instant, until))
+    }
+
+    /// The absolute pressure in Pa that a port goes to, once a set point has taken effect.
+    pub(crate) fn set_point(&self, node: usize, mode: &NetworkMode<R>) -> Option<R> {
+        let NodeKind::Port { valve, .. } = &self.nodes[node].kind else { return None };
+        let passed = mode.nodes[node].set_points.checked_sub(1)?;
+        self.valves[*valve].command.set_point(passed).map(|(_, gauge)| self.absolute(gauge))
+    }
+
+    /// Lets the set points of a port up to and with `time` take effect at its pressure (Pa, absolute); whether there was one.
+    pub(crate) fn pass_set_points(&self, node: usize, time: R, pressure: R, mode: &mut NetworkMode<R>) -> bool {
+        let before = mode.nodes[node].set_points;
+        while self.next_set_point(node, mode, time).is_some() {
+            mode.nodes[node].set_points += 1;
+        }
+        if mode.nodes[node].set_points == before {
+            return false;
+        }
+        if let (NodeKind::Port { regulator, .. }, Some(set)) = (&self.nodes[node].kind, self.set_point(node, mode)) {
+            mode.nodes[node].approach = Some(regulator.approach(pressure, set));
+        }
+        true
+    }
+
+    /// Passes what is due at a time in s for a valve; whether it moved.
+    pub(crate) fn pass_valve(&self, valve: usize, time: R, mode: &mut NetworkMode<R>) -> bool {
+        let timetable = Timetable { actuation: Some(&self.valves[valve]), motion: None, pressure: None };
+        let of_valve = &mut mode.valves[valve];
+        let (ports, counted) = (of_valve.ports, of_valve.progress.openings_counted());
+        of_valve.ports = timetable.pass_seats(&mut of_valve.progress, time);
+        let moved = of_valve.ports != ports || of_valve.progress.openings_counted() != counted;
+        if moved {
+            of_valve.openings = timetable.openings(&of_valve.progress);
+        }
+        moved
+    }
+
+    /// Whether a valve has something to pass at a time in s.
+    pub(crate) fn is_valve_due(&self, valve: usize, time: R, mode: &NetworkMode<R>) -> bool {
+        let timetable = Timetable { actuation: Some(&self.valves[valve]), motion: None, pressure: None };
+        timetable.next(&mode.valves[valve].progress, time).is_some()
+    }
+}
+
+impl BranchMode {
+    pub(crate) const AT_REST: Self = Self { zone: None, regime: FlowRegime::Laminar, runs: false };
+}
+
+impl NodeMode {
+    pub(crate) const AT_REST: Self = Self { poppet: Poppet::Rests, approach: None, set_points: 0 };
+}

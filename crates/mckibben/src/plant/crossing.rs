@@ -1,0 +1,632 @@
+//! What follows when a mode of the plant ends: instants that are known beforehand, and guards that have fired.
+
+use super::evaluation::{Evaluation, System};
+use super::guard::{PlantGuard, Touching};
+use super::mode::PlantMode;
+use super::tendon;
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::mechanism::{Contact, Coupling, Mechanism};
+use crate::network::{BranchKind, NodeKind};
+use crate::scalar::Real;
+use crate::simulation::member::Member;
+use crate::simulation::{EventKind, Extent, Guard, Sliding};
+use crate::valve::is_due;
+
+/// Which part of a plant an event belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Part {
+    /// An actuator.
+    Actuator(usize),
+    /// A mechanism.
+    Mechanism(usize),
+    /// A joint of a mechanism.
+    Joint(usize, usize),
+    /// A valve.
+    Valve(usize),
+    /// A node of the network.
+    Node(usize),
+    /// A branch of the network.
+    Branch(usize),
+}
+
+/// What happened, and to which part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlantEventKind {
+    /// The part.
+    pub part: Part,
+    /// What happened.
+    pub kind: EventKind,
+}
+
+impl<R: Real> System<'_, R> {
+    /// The next instant in s, up to and with `until`, at which a mode ends by itself.
+    pub(crate) fn next_instant(&self, mode: &PlantMode<R>, until: R) -> Option<R> {
+        let network = self.plant.network.next_instant(&mode.network, until);
+        let corners =
+            self.plant.mechanisms.iter().zip(&mode.mechanisms).filter_map(|(mechanism, its)| match mechanism {
+                Mechanism::Prescribed(motion) => motion.corner(its.corners_passed),
+                _ => None,
+            });
+        let rows = self
+            .plant
+            .actuators
+            .iter()
+            .zip(&mode.actuators)
+            .filter_map(|(mounted, its)| mounted.pressure.as_ref()?.row(its.rows_passed));
+        let due = corners.chain(rows).filter(|instant| is_due(*instant, until));
+        network.into_iter().chain(due).min_by(|a, b| a.value().total_cmp(&b.value()))
+    }
+
+    /// Passes one thing that is due at an instant; what is due besides is the next instant, at the same time.
+    pub(crate) fn pass_instant(
+        &self,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> PlantEventKind {
+        let network = &self.plant.network;
+        for valve in 0..network.valves.len() {
+            if network.is_valve_due(valve, time, &mode.network) {
+                network.pass_valve(valve, time, &mut mode.network);
+                self.enter_valve(valve, time, state, mode, at);
+                self.settle_ends(time, state, mode, at);
+                return PlantEventKind { part: Part::Valve(valve), kind: EventKind::Valve };
+            }
+        }
+        for node in 0..network.nodes.len() {
+            let Some(place) = self.plant.places.nodes[node] else { continue };
+            if network.pass_set_points(node, time, state[place], &mut mode.network) {
+                self.settle_ends(time, state, mode, at);
+                return PlantEventKind { part: Part::Node(node), kind: EventKind::SetPoint };
+            }
+        }
+        for (i, mounted) in self.plant.actuators.iter().enumerate() {
+            let its = &mut mode.actuators[i];
+            let row = mounted.pressure.as_ref().and_then(|course| course.row(its.rows_passed));
+            if row.is_some_and(|row| is_due(row, time)) {
+                its.rows_passed += 1;
+                self.project(time, state, mode, at);
+                return PlantEventKind { part: Part::Actuator(i), kind: EventKind::Corner };
+            }
+        }
+        for (m, mechanism) in self.plant.mechanisms.iter().enumerate() {
+            let Mechanism::Prescribed(motion) = mechanism else { continue };
+            let its = &mut mode.mechanisms[m];
+            if motion.corner(its.corners_passed).is_some_and(|corner| is_due(corner, time)) {
+                its.corners_passed += 1;
+                self.project(time, state, mode, at);
+                self.enter_extents(m, time, state, mode, at);
+                self.settle(m, time, state, mode, at);
+                self.follow_all(time, state, mode, at, None);
+                return PlantEventKind { part: Part::Mechanism(m), kind: EventKind::Corner };
+            }
+        }
+        PlantEventKind { part: Part::Mechanism(0), kind: EventKind::Corner }
+    }
+
+    /// Enters the zones of a valve's flow paths, and decides poppets whose flow has jumped.
+    fn enter_valve(&self, valve: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        let network = &self.plant.network;
+        self.enter_distances(time, state, mode, at);
+        network.enter_pressures(self.around(&at.chambers, state), &mut at.network);
+        let pressures: alloc::vec::Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
+        for (index, branch) in network.branches.iter().enumerate() {
+            if let BranchKind::Path { valve: its, .. } = branch.kind
+                && its == valve
+            {
+                let before = mode.network.branches[index].zone;
+                // A path that stays open keeps its zone.
+                if before.is_some() != network.is_open(index, &mode.network) {
+                    network.enter_branch(index, &pressures, &mut mode.network);
+                }
+            }
+        }
+        network.list_open(&mut mode.network);
+        self.enter_poppets(time, state, mode, at);
+    }
+
+    /// Decides all poppets by the flows that there are.
+    pub(crate) fn enter_poppets(&self, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        let network = &self.plant.network;
+        if !network.nodes.iter().any(|node| matches!(node.kind, NodeKind::Outlet { .. })) {
+            return;
+        }
+        self.enter_distances(time, state, mode, at);
+        self.enter_air(time, state, mode, at);
+        for node in 0..network.nodes.len() {
+            if let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind
+                && let Some(error) = network.outlet_error(node, &at.network)
+            {
+                mode.network.nodes[node].poppet = regulator.poppet(error);
+            }
+        }
+    }
+
+    /// Crosses a guard that has come down through zero: the mode and, where it is reset, the state after it.
+    pub(crate) fn cross(
+        &self,
+        guard: PlantGuard,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<PlantEventKind, Error> {
+        let slips = if let PlantGuard::Of(i, Guard::Slip) = guard { Some(i) } else { None };
+        let kind = self.pass_guard(guard, time, state, mode, at)?;
+        self.follow_all(time, state, mode, at, slips);
+        self.settle_ends(time, state, mode, at);
+        Ok(kind)
+    }
+
+    fn pass_guard(
+        &self,
+        guard: PlantGuard,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<PlantEventKind, Error> {
+        let of = |part, kind| Ok(PlantEventKind { part, kind });
+        match guard {
+            PlantGuard::Network(guard) => {
+                let kind = self.plant.network.cross(guard, &mut mode.network);
+                let part = match guard {
+                    crate::network::guard::NetworkGuard::Poppet { node, .. }
+                    | crate::network::guard::NetworkGuard::RateLimit { node } => Part::Node(node),
+                    crate::network::guard::NetworkGuard::Zone { branch, .. }
+                    | crate::network::guard::NetworkGuard::Regime { branch, .. }
+                    | crate::network::guard::NetworkGuard::Switch { branch } => Part::Branch(branch),
+                };
+                of(part, kind)
+            }
+            PlantGuard::Arm { actuator, arm, up } => {
+                let mounted = &self.plant.actuators[actuator];
+                if let Coupling::Arms { arms, .. } = &mounted.coupling {
+                    let piece = &mut mode.arms[self.plant.places.actuators[actuator].arms + arm];
+                    let (low, high) = arms[arm].arm.piece_bounds(*piece);
+                    let place = self.plant.places.mechanisms[mounted.mechanism].position(arms[arm].joint);
+                    state[place] = if up { high } else { low }.unwrap_or(state[place]);
+                    *piece = if up { *piece + 1 } else { piece.saturating_sub(1) };
+                }
+                of(Part::Actuator(actuator), EventKind::MomentArm)
+            }
+            PlantGuard::Touch { mechanism, stop, touch } => {
+                let contact = match touch {
+                    Touching::Reach | Touching::Press => Contact::Pressed,
+                    Touching::Rebound => Contact::Rebound,
+                    Touching::Leave => Contact::None,
+                };
+                let kind = match touch {
+                    Touching::Reach | Touching::Press => EventKind::StopReached,
+                    Touching::Rebound => EventKind::StopRebound,
+                    Touching::Leave => EventKind::StopLeft,
+                };
+                let its = &mut mode.mechanisms[mechanism];
+                match stop {
+                    Some((k, end)) => {
+                        its.stops[k][end] = contact;
+                        if let (Touching::Reach | Touching::Leave, Mechanism::Chain(chain)) =
+                            (touch, &self.plant.mechanisms[mechanism])
+                            && let Some(angle) = chain.joints()[k].stops.ends[end]
+                        {
+                            state[self.plant.places.mechanisms[mechanism].position(k)] = angle;
+                        }
+                        of(Part::Joint(mechanism, k), kind)
+                    }
+                    None => {
+                        its.foot = contact;
+                        of(Part::Mechanism(mechanism), kind)
+                    }
+                }
+            }
+            PlantGuard::Release { mechanism, facet, positive } => {
+                self.release(mechanism, facet, positive, time, state, mode, at);
+                of(Part::Mechanism(mechanism), EventKind::BreakAway)
+            }
+            PlantGuard::Of(i, guard) if self.plant.actuators[i].tendon.is_some() => {
+                let kind = self.cross_end(i, guard, time, state, mode, at)?;
+                of(Part::Actuator(i), kind)
+            }
+            PlantGuard::Of(i, guard) => {
+                let kind = self.cross_member(i, guard, time, state, mode, at)?;
+                of(Part::Actuator(i), kind)
+            }
+        }
+    }
+
+    /// The coordinate at which an actuator has a length, where one alone decides.
+    fn put_on(&self, i: usize, length: R, state: &mut [R]) {
+        let mounted = &self.plant.actuators[i];
+        if !self.plant.mechanisms[mounted.mechanism].is_dynamic() {
+            return;
+        }
+        if let Some((coordinate, value, _)) = mounted.coupling.coordinate_at(length) {
+            state[self.plant.places.mechanisms[mounted.mechanism].position(coordinate)] = value;
+        }
+    }
+
+    /// Crosses a guard of an actuator without a tendon.
+    fn cross_member(
+        &self,
+        i: usize,
+        guard: Guard,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<EventKind, Error> {
+        let m = self.plant.actuators[i].mechanism;
+        let limits = self.members[i].actuator.limits();
+        match guard {
+            Guard::ThreadLength => Err(Error::Stopped {
+                time: time.value(),
+                reason: "the load pulled a braid straight",
+                quantity: "length",
+                value: at.units[i].length.value(),
+                unit: "m",
+                remedy: "lighten the load, stiffen actuator.limit.stiffness or give a joint stops",
+            }),
+            Guard::Slack | Guard::Tight => {
+                self.put_on(i, limits.min_length(), state);
+                if self.rests_on_the_shortest(i, time, state, mode, at) {
+                    mode.actuators[i].mode.extent = Extent::Free;
+                    mode.actuators[i].mode.clamped = false;
+                    mode.actuators[i].on_stop = true;
+                    self.bring_to_rest(i, time, state, mode, at);
+                    self.settle(m, time, state, mode, at);
+                    return Ok(EventKind::Stick);
+                }
+                let slack = guard == Guard::Slack;
+                mode.actuators[i].mode.extent = if slack { Extent::Slack } else { Extent::Free };
+                self.slide_on(i, time, state, mode, at);
+                Ok(if slack { EventKind::Slack } else { EventKind::Tight })
+            }
+            Guard::Taut | Guard::Untaut => {
+                self.put_on(i, limits.max_length(), state);
+                let taut = guard == Guard::Taut;
+                mode.actuators[i].mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                self.clamp_all(m, time, state, mode, at);
+                Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
+            }
+            Guard::Rest => {
+                if self.plant.mechanisms[m].is_dynamic() {
+                    self.bring_to_rest(i, time, state, mode, at);
+                    self.settle(m, time, state, mode, at);
+                } else {
+                    let its = &mut mode.actuators[i].mode;
+                    its.sliding = opposite(its.sliding);
+                    self.clamp_all(m, time, state, mode, at);
+                }
+                let stuck = mode.actuators[i].mode.sliding == Sliding::Stuck;
+                Ok(if stuck { EventKind::Stick } else { EventKind::Reversal })
+            }
+            Guard::Slip => Ok(EventKind::Slip),
+            _ => Member::<R>::cross(guard, &mut mode.actuators[i].mode).ok_or_else(|| self.stuck(time, state)),
+        }
+    }
+
+    /// How an actuator slides that moves on over its shortest length.
+    fn slide_on(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        self.enter_distances(time, state, mode, at);
+        let rate = at.units[i].rate.value();
+        let its = &mut mode.actuators[i].mode;
+        its.sliding = match self.members[i].actuator.friction().has_direction() {
+            false => Sliding::Frictionless,
+            true if rate < 0.0 => Sliding::Shortening,
+            true => Sliding::Lengthening,
+        };
+        self.clamp_all(self.plant.actuators[i].mechanism, time, state, mode, at);
+    }
+
+    /// Brings the rate of an actuator's distance to zero, by the least change in kinetic energy.
+    fn bring_to_rest(&self, i: usize, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        let m = self.plant.actuators[i].mechanism;
+        let here = self.plant.places.mechanisms[m];
+        if here.coordinates == 1 {
+            state[here.rate(0)] = R::zero();
+            return;
+        }
+        self.enter_distances(time, state, mode, at);
+        let mut held = mode.mechanisms[m].basis.clone();
+        if !held.contains(&i) {
+            held.push(i);
+        }
+        let before = core::mem::replace(&mut mode.mechanisms[m].basis, held);
+        self.hold_rates(m, state, mode, at);
+        mode.mechanisms[m].basis = before;
+    }
+
+    /// Whether an actuator that arrives at its shortest length comes to rest there: it can be held, and it moves too slowly to
+    /// be told from rest, or would bounce less than the tolerance of its length.
+    fn rests_on_the_shortest(
+        &self,
+        i: usize,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> bool {
+        let m = self.plant.actuators[i].mechanism;
+        if !self.plant.mechanisms[m].is_dynamic() {
+            return false;
+        }
+        self.enter_distances(time, state, mode, at);
+        let rate = at.units[i].rate.value();
+        // As it would be at rest, on its shortest length and slack.
+        let at_rest = |extent: Extent, at: &mut Evaluation<R>| {
+            let (mut state, mut mode) = (state.to_vec(), mode.clone());
+            mode.actuators[i].mode.extent = extent;
+            mode.actuators[i].on_stop = extent == Extent::Free;
+            self.bring_to_rest(i, time, &mut state, &mut mode, at);
+            self.settle(m, time, &mut state, &mut mode, at);
+            self.evaluate(time, &state, &mode, at);
+            (state, mode)
+        };
+        at_rest(Extent::Slack, at);
+        let count = self.plant.places.mechanisms[m].coordinates;
+        let first = self.first_coordinate[m];
+        let gradient = self.gradient(i, &at.gradient).to_vec();
+        let back = super::dense::dot(&gradient, &at.acceleration[first..first + count]).value();
+        let (held_state, held) = at_rest(Extent::Free, at);
+        if held.actuators[i].mode.sliding != Sliding::Stuck {
+            return false;
+        }
+        if rate.abs() <= self.rest_band(i) {
+            return true;
+        }
+        let most = self.holdable(i, &held_state, &held, at.units[i].distance).1;
+        let mut matrix = alloc::vec![R::zero(); count * count];
+        self.mass_matrix(m, state, &mut matrix);
+        super::dense::factor(&mut matrix, count);
+        let mut row = gradient.clone();
+        super::dense::solve(&matrix, count, &mut row);
+        let against = (super::dense::dot(&gradient, &row) * most).value() - back;
+        let acceleration = back.min(against);
+        acceleration > 0.0 && rate * rate <= 2.0 * acceleration * self.members[i].band * self.members[i].longest
+    }
+
+    /// Crosses a guard of an actuator on a tendon.
+    fn cross_end(
+        &self,
+        i: usize,
+        guard: Guard,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<EventKind, Error> {
+        let (limits, friction) = (self.members[i].actuator.limits(), self.members[i].actuator.friction());
+        let place = self.plant.places.actuators[i].length.unwrap_or(0);
+        let sliding = |heading: f64| match friction.has_direction() {
+            false => Sliding::Frictionless,
+            true if heading < 0.0 => Sliding::Shortening,
+            true => Sliding::Lengthening,
+        };
+        let its = &mut mode.actuators[i];
+        Ok(match guard {
+            Guard::ThreadLength => {
+                return Err(Error::Stopped {
+                    time: time.value(),
+                    reason: "the load pulled a braid straight",
+                    quantity: "length",
+                    value: state[place].value(),
+                    unit: "m",
+                    remedy: "lighten the load or stiffen actuator.limit.stiffness",
+                });
+            }
+            Guard::Slack => {
+                state[place] = limits.min_length();
+                its.mode.sliding = Sliding::Stuck;
+                EventKind::Stick
+            }
+            Guard::Rest => {
+                self.check_no_jump(i, time, state, mode, at)?;
+                let its = &mut mode.actuators[i];
+                if friction.has_coulomb() {
+                    its.mode.sliding = Sliding::Stuck;
+                    if its.mode.extent == Extent::Rebound {
+                        its.mode.extent = Extent::Taut;
+                    }
+                    EventKind::Stick
+                } else {
+                    its.mode.sliding = opposite(its.mode.sliding);
+                    EventKind::Reversal
+                }
+            }
+            Guard::BreakLonger | Guard::BreakShorter => {
+                its.mode.sliding = sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                self.check_no_jump(i, time, state, mode, at)?;
+                EventKind::BreakAway
+            }
+            Guard::TendonLoose | Guard::TendonTight => {
+                its.loose = guard == Guard::TendonLoose;
+                if its.loose { EventKind::TendonLoose } else { EventKind::TendonTight }
+            }
+            Guard::Taut | Guard::Untaut => {
+                state[place] = limits.max_length();
+                let taut = guard == Guard::Taut;
+                its.mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                if taut { EventKind::Taut } else { EventKind::Untaut }
+            }
+            Guard::Slip => EventKind::Slip,
+            _ => return Member::<R>::cross(guard, &mut its.mode).ok_or_else(|| self.stuck(time, state)),
+        })
+    }
+
+    /// That an end, on the border of what dry friction holds, slides no faster than a border is wide.
+    fn check_no_jump(
+        &self,
+        i: usize,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        /// Viscous force in widths of a border above which the end has jumped.
+        const JUMP: f64 = 1e3;
+        let member = &self.members[i];
+        if !member.actuator.friction().coulomb().falls() {
+            return Ok(());
+        }
+        self.enter_distances(time, state, mode, at);
+        let velocity = self.velocity_of_end(i, time, state, mode, at).value();
+        if member.damping(&mode.actuators[i].mode) * velocity.abs() <= JUMP * member.force_band {
+            return Ok(());
+        }
+        Err(Error::Stopped {
+            time: time.value(),
+            reason: "dry friction falls with velocity faster than viscous friction grows, and an end without a mass jumps",
+            quantity: "velocity of the actuator's end",
+            value: velocity,
+            unit: "m/s",
+            remedy: "raise actuator.friction.viscous or stribeck_velocity, or lower static_ratio",
+        })
+    }
+
+    /// After an event that lets the rates of ends on tendons jump: rest or reversal where an end would slide against its
+    /// direction, and break-away where no friction holds it.
+    pub(crate) fn settle_ends(&self, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        for i in 0..self.members.len() {
+            if self.plant.actuators[i].tendon.is_none() {
+                continue;
+            }
+            let friction = self.members[i].actuator.friction();
+            let fires = |guard, mode: &PlantMode<R>, at: &mut Evaluation<R>| {
+                self.guard(PlantGuard::Of(i, guard), time, state, mode, at).value() < 0.0
+            };
+            let sliding = mode.actuators[i].mode.sliding;
+            let directed = |heading: f64| match friction.has_direction() {
+                false => Sliding::Frictionless,
+                true if heading < 0.0 => Sliding::Shortening,
+                true => Sliding::Lengthening,
+            };
+            let next = match sliding {
+                Sliding::Lengthening | Sliding::Shortening if fires(Guard::Rest, mode, at) => {
+                    if friction.has_coulomb() { Sliding::Stuck } else { opposite(sliding) }
+                }
+                Sliding::Stuck if fires(Guard::BreakLonger, mode, at) => directed(1.0),
+                Sliding::Stuck if fires(Guard::BreakShorter, mode, at) => directed(-1.0),
+                same => same,
+            };
+            if next != sliding {
+                mode.actuators[i].mode.sliding = next;
+                self.follow(i, time, state, mode, at, false);
+            }
+        }
+    }
+
+    /// Takes the memories of all hysteresis on to a state, and to the branches that follow.
+    pub(crate) fn follow_all(
+        &self,
+        time: R,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        slips: Option<usize>,
+    ) {
+        for i in 0..self.members.len() {
+            self.follow(i, time, state, mode, at, slips == Some(i));
+        }
+    }
+
+    fn follow(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>, slips: bool) {
+        if mode.actuators[i].trace.is_none() {
+            return;
+        }
+        self.enter_distances(time, state, mode, at);
+        let length = self.members[i].actuator.limits().actuator_length(at.units[i].length);
+        let its = &mut mode.actuators[i];
+        let sliding = its.mode.sliding;
+        self.members[i].follow(&mut its.trace, length, sliding, slips);
+    }
+
+    /// Restores what a step knows exactly: given motions and pressures, isothermal contents, balances without viscosity, and
+    /// the rates of what sticks.
+    pub(crate) fn project(&self, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
+        for (m, mechanism) in self.plant.mechanisms.iter().enumerate() {
+            let here = &self.plant.places.mechanisms[m];
+            match mechanism {
+                Mechanism::Prescribed(motion) => {
+                    let [length, velocity, _] = motion.at(time, mode.mechanisms[m].corners_passed);
+                    (state[here.position(0)], state[here.rate(0)]) = (length, velocity);
+                }
+                Mechanism::Chain(_) if !mode.mechanisms[m].basis.is_empty() => {
+                    self.enter_distances(time, state, mode, at);
+                    self.hold_rates(m, state, mode, at);
+                }
+                _ => {}
+            }
+        }
+        for (i, mounted) in self.plant.actuators.iter().enumerate() {
+            let (here, its) = (&self.plant.places.actuators[i], &mode.actuators[i]);
+            if mounted.tendon.is_some() {
+                self.keep_balance(i, time, state, mode, at);
+            }
+            let air = mounted.actuator.air();
+            let given = mounted.pressure.as_ref().map(|course| course.at(time, its.rows_passed));
+            if given.is_none() && its.isothermal.is_none() {
+                continue;
+            }
+            self.enter_distances(time, state, mode, at);
+            let volume = at.chambers[i].volume;
+            if let Some([gauge, _]) = given {
+                state[here.pressure] = gauge + air.atmosphere().0;
+                if let Some(content) = its.isothermal {
+                    state[here.pressure + 1] = state[here.pressure] * volume / content;
+                }
+            } else if let Some(content) = its.isothermal {
+                state[here.pressure] = content * state[here.pressure + 1] / volume;
+            }
+        }
+    }
+
+    /// Brings the length of an actuator on a tendon to where both tensions are equal, with the air sealed, where nothing but
+    /// the balance holds it.
+    fn keep_balance(&self, i: usize, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
+        let (mounted, its) = (&self.plant.actuators[i], &mode.actuators[i]);
+        let here = self.plant.places.actuators[i];
+        let (Some(tendon), Some(place)) = (&mounted.tendon, here.length) else { return };
+        if its.mode.sliding == Sliding::Stuck || tendon::is_damped(&mounted.actuator, its) {
+            return;
+        }
+        self.enter_distances(time, state, mode, at);
+        let mut unit = at.units[i];
+        (unit.flow, unit.warmth) = (crate::air::Flow::none(), R::zero());
+        let sealed = (&unit, &at.chambers[i]);
+        let per_length = self.air_rate(i, sealed, R::one()) - self.air_rate(i, sealed, R::zero());
+        let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
+        let length = Dual::variable(state[place], 0);
+        let pressure = Dual { value: state[here.pressure], slope: [per_length] };
+        let bristles = self.bristles(i, state).map(|bent| Dual { value: bent, slope: [R::zero()] });
+        let excess = self.excess(i, tendon, its, [distance, length, pressure], bristles);
+        let step = excess.value / excess.slope[0];
+        if step.value().is_finite() {
+            state[place] = state[place] - step;
+            state[here.pressure] = state[here.pressure] - step * per_length;
+        }
+    }
+
+    /// The error of a step that has become too small to go on.
+    pub(crate) fn stuck(&self, time: R, state: &[R]) -> Error {
+        let pressure = self.plant.places.actuators.first().map_or(0.0, |here| state[here.pressure].value());
+        Error::Stopped {
+            time: time.value(),
+            reason: "no step is short enough for the tolerance",
+            quantity: "absolute pressure",
+            value: pressure,
+            unit: "Pa",
+            remedy: "check that masses, volumes and flow areas are of usual size, or loosen run.relative_tolerance",
+        }
+    }
+}
+
+/// The other way.
+fn opposite(sliding: Sliding) -> Sliding {
+    match sliding {
+        Sliding::Lengthening => Sliding::Shortening,
+        Sliding::Shortening => Sliding::Lengthening,
+        same => same,
+    }
+}

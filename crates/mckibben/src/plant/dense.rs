@@ -1,0 +1,40 @@
+//! Small symmetric systems over any scalar: mass matrices and what friction holds.
+
+use crate::scalar::Scalar;
+
+/// `Σ aᵢ bᵢ`.
+#[inline(always)]
+pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::zero(), |sum, (a, b)| sum + *a * *b)
+}
+
+/// `L D Lᵀ` of a positive definite matrix of `count` rows in place: D on the diagonal, L below.
+pub(crate) fn factor<T: Scalar>(matrix: &mut [T], count: usize) {
+    for j in 0..count {
+        for k in 0..j {
+            let scaled = matrix[j * count + k] * matrix[k * count + k];
+            for i in j..count {
+                matrix[i * count + j] = matrix[i * count + j] - matrix[i * count + k] * scaled;
+            }
+        }
+        let per_pivot = T::one() / matrix[j * count + j];
+        for i in j + 1..count {
+            matrix[i * count + j] = matrix[i * count + j] * per_pivot;
+        }
+    }
+}
+
+/// Solves a factored system in place.
+pub(crate) fn solve<T: Scalar>(factors: &[T], count: usize, right: &mut [T]) {
+    for i in 0..count {
+        for j in 0..i {
+            right[i] = right[i] - factors[i * count + j] * right[j];
+        }
+    }
+    for i in (0..count).rev() {
+        right[i] = right[i] / factors[i * count + i];
+        for j in i + 1..count {
+            right[i] = right[i] - factors[j * count + i] * right[j];
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The plant as a hybrid system of the event-located engine.
+
+use super::crossing::PlantEventKind;
+use super::evaluation::{Evaluation, System};
+use super::guard::PlantGuard;
+use super::mode::PlantMode;
+use crate::engine::Hybrid;
+use crate::error::Error;
+use crate::scalar::{Differentiable, Over, Real, Scalar};
+use crate::simulation::system::GuardForm;
+use alloc::vec::Vec;
+
+impl<R: Real> Hybrid<R> for System<'_, R> {
+    type Mode = PlantMode<R>;
+    type Guard = PlantGuard;
+    type Kind = PlantEventKind;
+    type Work<T: Scalar> = Evaluation<T>;
+
+    fn states(&self) -> usize {
+        self.plant.places.states
+    }
+
+    fn work<T: Over<R>>(&self) -> Evaluation<T> {
+        Evaluation::new(self.plant)
+    }
+
+    #[inline]
+    fn rates<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        work: &mut Evaluation<T>,
+        rates: &mut [T],
+    ) {
+        System::rates(self, time, state, mode, work, rates);
+    }
+
+    fn settling_rate(&self, time: R, state: &[R], mode: &PlantMode<R>, work: &Evaluation<R>) -> f64 {
+        System::settling_rate(self, time, state, mode, work)
+    }
+
+    fn scales(&self, state: &[R], mode: &PlantMode<R>, scales: &mut [f64]) {
+        System::scales(self, state, mode, scales);
+    }
+
+    fn next_instant(&self, mode: &PlantMode<R>, until: R) -> Option<R> {
+        System::next_instant(self, mode, until)
+    }
+
+    fn pass_instant(
+        &self,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        work: &mut Evaluation<R>,
+    ) -> Result<PlantEventKind, Error> {
+        Ok(System::pass_instant(self, time, state, mode, work))
+    }
+
+    fn guards(&self, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {
+        System::guards(self, mode, guards);
+    }
+
+    fn guard<T: Differentiable<R>>(
+        &self,
+        guard: PlantGuard,
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        work: &mut Evaluation<T>,
+    ) -> T {
+        System::guard(self, guard, time, state, mode, work)
+    }
+
+    fn cross(
+        &self,
+        guard: PlantGuard,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        work: &mut Evaluation<R>,
+    ) -> Result<PlantEventKind, Error> {
+        System::cross(self, guard, time, state, mode, work)
+    }
+
+    fn project(&self, time: R, state: &mut [R], mode: &PlantMode<R>, work: &mut Evaluation<R>) {
+        System::project(self, time, state, mode, work);
+    }
+
+    fn stuck(&self, time: R, state: &[R], _mode: &PlantMode<R>) -> Error {
+        System::stuck(self, time, state)
+    }
+}

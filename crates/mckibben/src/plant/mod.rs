@@ -1,0 +1,294 @@
+//! The plant: actuators, their air network, the mechanism that they move, and what drives the valves.
+//!
+//! ```text
+//! Plant = actuators + air network + mechanisms + commands
+//! ```
+//!
+//! | part | states |
+//! |---|---|
+//! | mechanism | coordinates `q` and their rates `q̇` |
+//! | actuator | absolute pressure P (19) and mass m of its air; the length L on an elastic tendon; bristles of LuGre's law |
+//! | network | pressures of hoses, reservoirs, outlets and ports; flows in distributed hoses |
+//!
+//! States lie in one slice, in the order of this table; [`Plant::places`] says where each is. Parameters are values, states
+//! belong to the caller, and the discrete state is a [`PlantMode`].
+//!
+//! The smallest plant is the paper's: one actuator at a constant supply with a hanging mass (15)(19)(21).
+
+mod crossing;
+mod dense;
+mod evaluation;
+mod guard;
+mod holding;
+mod hybrid;
+mod mode;
+mod of_rig;
+mod scale;
+mod sliding;
+mod start;
+mod tendon;
+mod trajectory;
+
+pub use crossing::{Part, PlantEventKind};
+pub use guard::{PlantGuard, Touching};
+pub use mode::{ActuatorMode, MechanismMode, PlantMode};
+pub use start::{InitialAir, PlantStart};
+pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
+
+use crate::actuator::Actuator;
+use crate::air::Process;
+use crate::convert::{AnewOfEach, Convert};
+use crate::error::Error;
+use crate::load::SeriesTendon;
+use crate::mechanism::{Coupling, Mechanism};
+use crate::network::{BranchKind, Network, NodeKind};
+use crate::parameter::Parameter;
+use crate::scalar::Scalar;
+use crate::simulation::PressureCourse;
+use alloc::vec::Vec;
+
+/// An actuator and where it is mounted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mounted<S = f64> {
+    /// The actuator. Its valve is a part of the network.
+    pub actuator: Actuator<S>,
+    /// The mechanism that it pulls on.
+    pub mechanism: usize,
+    /// How it spans that mechanism.
+    pub coupling: Coupling<S>,
+    /// An elastic tendon in series.
+    pub tendon: Option<SeriesTendon<S>>,
+    /// Its pressure over time, where that is given in place of its air.
+    pub pressure: Option<PressureCourse<S>>,
+}
+
+/// Actuators, air network, mechanisms and commands as one system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plant<S = f64> {
+    actuators: Vec<Mounted<S>>,
+    network: Network<S>,
+    mechanisms: Vec<Mechanism<S>>,
+    places: Places,
+}
+
+/// Where the states of a mechanism lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MechanismPlaces {
+    /// The first coordinate; the first rate lies `coordinates` behind it.
+    pub first: usize,
+    /// How many coordinates there are.
+    pub coordinates: usize,
+}
+
+impl MechanismPlaces {
+    /// The place of a coordinate.
+    #[inline(always)]
+    pub fn position(&self, coordinate: usize) -> usize {
+        self.first + coordinate
+    }
+
+    /// The place of its rate.
+    #[inline(always)]
+    pub fn rate(&self, coordinate: usize) -> usize {
+        self.first + self.coordinates + coordinate
+    }
+
+    /// Coordinates and rates.
+    #[inline(always)]
+    pub(crate) fn of<'s, T>(&self, state: &'s [T]) -> (&'s [T], &'s [T]) {
+        state[self.first..self.first + 2 * self.coordinates].split_at(self.coordinates)
+    }
+}
+
+/// Where the states of an actuator lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ActuatorPlaces {
+    /// Absolute pressure; the mass of the air is behind it.
+    pub pressure: usize,
+    /// The actuator's length, where a tendon makes it a state.
+    pub length: Option<usize>,
+    /// The deflection of bristles.
+    pub bristles: Option<usize>,
+    /// Its entries in the gradients of all actuators.
+    pub(crate) gradient: usize,
+    /// Its entries in the pieces of all moment arms.
+    pub(crate) arms: usize,
+}
+
+impl ActuatorPlaces {
+    /// The place of the mass of its air.
+    #[inline(always)]
+    pub fn mass(&self) -> usize {
+        self.pressure + 1
+    }
+}
+
+/// Where each state lies.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Places {
+    /// Of each mechanism.
+    pub mechanisms: Vec<MechanismPlaces>,
+    /// Of each actuator.
+    pub actuators: Vec<ActuatorPlaces>,
+    /// The pressure of each node of the network, where it is a state that no actuator has.
+    pub nodes: Vec<Option<usize>>,
+    /// The flow of each branch, where it is a state.
+    pub branches: Vec<Option<usize>>,
+    /// The actuators of each mechanism.
+    pub members: Vec<Vec<usize>>,
+    /// Whether the air of each actuator keeps an energy balance.
+    pub(crate) keeps_heat: Vec<bool>,
+    /// The node of the network that is each actuator's chamber.
+    pub(crate) chambers: Vec<Option<usize>>,
+    /// How many states there are.
+    pub states: usize,
+    pub(crate) gradients: usize,
+    pub(crate) arms: usize,
+}
+
+impl Plant {
+    /// A plant of actuators on mechanisms, fed by a network.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, or a given
+    /// pressure in an actuator that the network feeds.
+    pub fn new(actuators: Vec<Mounted>, network: Network, mechanisms: Vec<Mechanism>) -> Result<Self, Error> {
+        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        for (index, mounted) in actuators.iter().enumerate() {
+            let Some(mechanism) = mechanisms.get(mounted.mechanism) else {
+                return wrong("an actuator pulls on a mechanism that is not there", "name one of the mechanisms");
+            };
+            let spans = match &mounted.coupling {
+                Coupling::Direct { coordinate } => *coordinate < mechanism.coordinates(),
+                Coupling::Arms { arms, .. } => {
+                    matches!(mechanism, Mechanism::Chain(_))
+                        && arms.iter().all(|arm| arm.joint < mechanism.coordinates())
+                }
+                Coupling::Points(ends) => {
+                    let there = |segment: Option<usize>| segment.is_none_or(|it| it < mechanism.coordinates());
+                    matches!(mechanism, Mechanism::Chain(_)) && ends.iter().all(|end| there(end.segment))
+                }
+            };
+            if !spans {
+                return wrong(
+                    "an actuator spans joints that its mechanism does not have",
+                    "name joints of the mechanism",
+                );
+            }
+            if mounted.actuator.valve().is_some() {
+                return wrong(
+                    "the valve of an actuator in a plant is a part of the network",
+                    "add its flow paths to the network, or make the plant by `Plant::of_rig`",
+                );
+            }
+            let is_fed =
+                |node: usize| matches!(network.nodes[node].kind, NodeKind::Chamber { actuator } if actuator == index);
+            let fed = network.branches.iter().any(|branch| is_fed(branch.from) || is_fed(branch.to));
+            if mounted.pressure.is_some() && (fed || mounted.tendon.is_some()) {
+                return wrong(
+                    "the pressure in an actuator is given over time, and a valve, a leak or a tendon would change it too",
+                    "leave out [valve], [hose], actuator.leakage and [tendon], or leave out [pressure]",
+                );
+            }
+        }
+        let places = Places::new(&actuators, &network, &mechanisms);
+        Ok(Self { actuators, network, mechanisms, places })
+    }
+}
+
+impl<S: Scalar> Plant<S> {
+    /// The plant over another scalar; `function` gets each parameter with the actuator that it belongs to, if it is one's.
+    pub fn map<T: Scalar>(&self, function: impl FnMut(Option<usize>, &'static Parameter, S) -> T) -> Plant<T> {
+        self.convert(&mut AnewOfEach { function, actuator: None })
+    }
+
+    fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
+        let actuators = self.actuators.iter().enumerate().map(|(index, mounted)| {
+            convert.turn_to(Some(index));
+            Mounted {
+                actuator: mounted.actuator.convert(convert),
+                mechanism: mounted.mechanism,
+                coupling: mounted.coupling.convert(convert),
+                tendon: mounted.tendon.as_ref().map(|tendon| tendon.convert(convert)),
+                pressure: mounted.pressure.as_ref().map(|course| course.convert(convert)),
+            }
+        });
+        let actuators = actuators.collect();
+        convert.turn_to(None);
+        Plant {
+            actuators,
+            network: self.network.convert(convert),
+            mechanisms: self.mechanisms.iter().map(|mechanism| mechanism.convert(convert)).collect(),
+            places: self.places.clone(),
+        }
+    }
+
+    /// The actuators with their couplings.
+    pub fn actuators(&self) -> &[Mounted<S>] {
+        &self.actuators
+    }
+
+    /// The air network.
+    pub fn network(&self) -> &Network<S> {
+        &self.network
+    }
+
+    /// The mechanisms.
+    pub fn mechanisms(&self) -> &[Mechanism<S>] {
+        &self.mechanisms
+    }
+
+    /// Where each state lies.
+    pub fn places(&self) -> &Places {
+        &self.places
+    }
+}
+
+impl Places {
+    fn new<S: Scalar>(actuators: &[Mounted<S>], network: &Network<S>, mechanisms: &[Mechanism<S>]) -> Self {
+        let mut places = Self::default();
+        for mechanism in mechanisms {
+            let coordinates = mechanism.coordinates();
+            places.mechanisms.push(MechanismPlaces { first: places.states, coordinates });
+            places.members.push(Vec::new());
+            places.states += 2 * coordinates;
+        }
+        for (index, Mounted { actuator, mechanism, coupling, tendon, .. }) in actuators.iter().enumerate() {
+            let pressure = places.take(2);
+            let length = tendon.is_some().then(|| places.take(1));
+            let bristles = actuator.friction().lugre().is_some().then(|| places.take(1));
+            let (gradient, arms) = (places.gradients, places.arms);
+            places.gradients += places.mechanisms[*mechanism].coordinates;
+            places.arms += coupling.arm_count();
+            places.members[*mechanism].push(index);
+            places.keeps_heat.push(matches!(actuator.air().process(), Process::EnergyBalance { .. }));
+            places.actuators.push(ActuatorPlaces { pressure, length, bristles, gradient, arms });
+        }
+        places.chambers = actuators.iter().map(|_| None).collect();
+        for (index, node) in network.nodes.iter().enumerate() {
+            let is_state = match node.kind {
+                NodeKind::Chamber { actuator } => {
+                    if let Some(chamber) = places.chambers.get_mut(actuator) {
+                        *chamber = Some(index);
+                    }
+                    false
+                }
+                NodeKind::Atmosphere | NodeKind::Source => false,
+                _ => true,
+            };
+            let place = is_state.then(|| places.take(1));
+            places.nodes.push(place);
+        }
+        for branch in &network.branches {
+            let place = matches!(branch.kind, BranchKind::Inertia(_)).then(|| places.take(1));
+            places.branches.push(place);
+        }
+        places
+    }
+
+    /// Takes so many places; the first of them.
+    fn take(&mut self, count: usize) -> usize {
+        self.states += count;
+        self.states - count
+    }
+}

@@ -1,0 +1,55 @@
+//! The discrete state of a plant: which formulas hold.
+
+use super::sliding::Facet;
+use crate::mechanism::Contact;
+use crate::network::mode::NetworkMode;
+use crate::simulation::Mode;
+use crate::simulation::member::Trace;
+use alloc::vec::Vec;
+
+/// The discrete state of an actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatorMode<R = f64> {
+    /// Slack, free or taut, sliding or sticking, pieces of its laws.
+    pub mode: Mode,
+    /// Whether it rests on its shortest length, where it holds any tension up to its most.
+    pub on_stop: bool,
+    /// Whether its tendon in series hangs loose.
+    pub loose: bool,
+    /// What the hysteresis remembers, where there is one.
+    pub(crate) trace: Option<Trace<R>>,
+    /// `P V/m` of an isothermal process, which nothing changes.
+    pub(crate) isothermal: Option<R>,
+    /// Rows of a given pressure that have been passed.
+    pub(crate) rows_passed: usize,
+}
+
+/// The discrete state of a mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MechanismMode {
+    /// Whether friction holds all of its coordinates.
+    pub frozen: bool,
+    /// Contacts with the stops of each joint.
+    pub stops: Vec<[Contact; 2]>,
+    /// Contact of the foot with the belt.
+    pub foot: Contact,
+    /// Sticking actuators whose gradients are independent: those that hold what is held.
+    pub(crate) basis: Vec<usize>,
+    /// Facets of what they can hold.
+    pub(crate) facets: Vec<Facet>,
+    /// Corners of a given motion that have been passed.
+    pub(crate) corners_passed: usize,
+}
+
+/// The discrete state of a plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlantMode<R = f64> {
+    /// Of each actuator.
+    pub actuators: Vec<ActuatorMode<R>>,
+    /// Of each mechanism.
+    pub mechanisms: Vec<MechanismMode>,
+    /// Of the network.
+    pub network: NetworkMode<R>,
+    /// The piece of each moment arm, those of each actuator one after the other.
+    pub(crate) arms: Vec<usize>,
+}

@@ -1,0 +1,350 @@
+//! The size of each state, by which errors are measured, and how fast states settle.
+
+use super::dense;
+use super::evaluation::{Evaluation, System};
+use super::mode::PlantMode;
+use super::{Mounted, Plant, tendon};
+use crate::dual::Dual;
+use crate::mechanism::{Contact, Mechanism};
+use crate::network::{BranchKind, NodeKind};
+use crate::scalar::{Real, Scalar};
+use crate::simulation::member::Member;
+use crate::simulation::zones::MEETING;
+use crate::simulation::{Extent, Sliding};
+use crate::valve::FlowZone;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// The part of the usual velocity below which its error counts absolutely.
+const SLOW: f64 = 0.1;
+/// Part of the depth under the usual torque by which a pressed stop is measured.
+const PRESSED: f64 = 0.5;
+
+impl<'a, R: Real> System<'a, R> {
+    /// A plant whose steps are controlled to `relative_tolerance`.
+    pub(crate) fn new(plant: &'a Plant<R>, relative_tolerance: f64) -> Self {
+        let mut first = 0;
+        let first_coordinate = plant.places.mechanisms.iter().map(|here| {
+            first += here.coordinates;
+            first - here.coordinates
+        });
+        let first_coordinate = first_coordinate.collect();
+        let members: Vec<Member<'a, R>> = plant
+            .actuators
+            .iter()
+            .map(|mounted| {
+                let arm = usual_arm(plant, mounted);
+                let pull = match &plant.mechanisms[mounted.mechanism] {
+                    Mechanism::Mass(mass) => mass.pull().value().abs(),
+                    Mechanism::Chain(chain) => chain.usual_torque() / arm,
+                    _ => 0.0,
+                };
+                Member::new(&mounted.actuator, relative_tolerance, pull)
+            })
+            .collect();
+        let band = members.first().map_or(relative_tolerance, |member| member.band);
+        let mut system = Self { plant, members, first_coordinate, band, usual_torque: Vec::new(), arms: Vec::new() };
+        system.enter_usual();
+        system
+    }
+
+    /// Usual arms of the actuators, and the torques that they make.
+    fn enter_usual(&mut self) {
+        let plant = self.plant;
+        self.arms = plant.actuators.iter().map(|mounted| usual_arm(plant, mounted)).collect();
+        self.usual_torque = vec![0.0; plant.mechanisms.len()];
+        for (i, mounted) in plant.actuators.iter().enumerate() {
+            self.usual_torque[mounted.mechanism] += self.arms[i] * self.members[i].force_band / self.band;
+        }
+    }
+
+    /// Scales of the states in a mode, above zero.
+    pub(crate) fn scales(&self, state: &[R], mode: &PlantMode<R>, scales: &mut [f64]) {
+        let plant = self.plant;
+        for (scale, value) in scales.iter_mut().zip(state) {
+            *scale = value.value().abs();
+        }
+        for (m, mechanism) in plant.mechanisms.iter().enumerate() {
+            let here = &plant.places.mechanisms[m];
+            let its = &mode.mechanisms[m];
+            // An actuator measures the coordinates that it spans by its own length.
+            let (mut usual, mut stiff) = (f64::INFINITY, f64::INFINITY);
+            for &i in &plant.places.members[m] {
+                let (member, arm) = (&self.members[i], self.arms[i]);
+                usual = usual.min(member.longest / arm);
+                if matches!(mode.actuators[i].mode.extent, Extent::Taut | Extent::Rebound) {
+                    stiff = stiff.min(member.taut_scale / arm);
+                }
+                if let Some(tendon) = &plant.actuators[i].tendon {
+                    stiff = stiff.min(self.tendon_scale(i, tendon) / arm);
+                }
+            }
+            let chain = match mechanism {
+                Mechanism::Chain(chain) => Some(chain),
+                _ => None,
+            };
+            if chain.is_some() {
+                usual = usual.min(1.0);
+            }
+            if !usual.is_finite() {
+                usual = 1.0;
+            }
+            for k in 0..here.coordinates {
+                let mut bound = stiff;
+                if let Some(chain) = chain {
+                    let stops = &chain.joints()[k].stops;
+                    if its.stops[k].iter().any(|contact| *contact != Contact::None) {
+                        bound = bound.min(PRESSED * self.usual_torque[m] / stops.stiffness.value());
+                    }
+                    if let (Some(belt), true) = (chain.belt(), its.foot != Contact::None) {
+                        let depth = belt.depth.value();
+                        bound = bound.min(PRESSED * self.usual_torque[m] / (belt.stiffness.value() * depth * depth));
+                    }
+                }
+                let position = &mut scales[here.position(k)];
+                *position = if bound.is_finite() { bound.min(usual) } else { position.max(usual) };
+                scales[here.rate(k)] += SLOW * usual;
+            }
+        }
+        for (i, here) in plant.places.actuators.iter().enumerate() {
+            let member = &self.members[i];
+            scales[here.pressure] += 0.1 * member.atmosphere;
+            scales[here.pressure + 1] += 0.1 * member.air_mass;
+            if let (Some(place), Some(tendon)) = (here.length, &plant.actuators[i].tendon) {
+                let taut = matches!(mode.actuators[i].mode.extent, Extent::Taut | Extent::Rebound);
+                let own = if taut { member.taut_scale } else { member.longest };
+                scales[place] = own.min(self.tendon_scale(i, tendon));
+            }
+            if let (Some(place), Some(law)) = (here.bristles, member.lugre()) {
+                scales[place] += law.reach().value();
+            }
+        }
+        let atmosphere = plant.network.atmosphere.value();
+        for place in plant.places.nodes.iter().flatten() {
+            scales[*place] += 0.1 * atmosphere;
+        }
+        for (branch, place) in plant.network.branches.iter().zip(&plant.places.branches) {
+            if let (BranchKind::Inertia(hose), Some(place)) = (&branch.kind, place) {
+                scales[*place] += SLOW * 0.685 * atmosphere * hose.tube().area().value() / hose.wave_speed().value();
+            }
+        }
+    }
+
+    /// The fastest rate in 1/s at which a state settles by itself, zero when none does; `at` is evaluated at the state.
+    pub(crate) fn settling_rate(&self, time: R, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        let mut fastest = self.network_settling(time, state, mode, at);
+        for m in 0..self.plant.mechanisms.len() {
+            fastest = fastest.max(self.mechanism_settling(m, state, mode, at));
+        }
+        for i in 0..self.members.len() {
+            fastest = fastest.max(self.actuator_settling(i, state, mode, at));
+        }
+        fastest
+    }
+
+    /// How fast the rates of a mechanism settle: the trace of `M⁻¹ D`, which no rate exceeds.
+    fn mechanism_settling(&self, m: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        let its = &mode.mechanisms[m];
+        if its.frozen {
+            return 0.0;
+        }
+        let members = &self.plant.places.members[m];
+        match &self.plant.mechanisms[m] {
+            Mechanism::Mass(mass) => {
+                members.iter().map(|&i| self.damping(i, state, mode, at)).sum::<f64>() / mass.mass().value()
+            }
+            Mechanism::Chain(chain) => {
+                let count = self.plant.places.mechanisms[m].coordinates;
+                let mut damping = vec![0.0; count * count];
+                for (k, joint) in chain.joints().iter().enumerate() {
+                    let pressed = its.stops[k].contains(&Contact::Pressed);
+                    let stop = if pressed { joint.stops.damping.value() } else { 0.0 };
+                    damping[k * count + k] += joint.damping.value() + stop;
+                }
+                if let (Some(belt), Contact::Pressed) = (chain.belt(), its.foot) {
+                    let reach = belt.depth.value();
+                    let drag = belt.friction.value() * belt.stiffness.value() / belt.slipping_speed.value();
+                    let _ = drag;
+                    for k in 0..count {
+                        damping[k * count + k] += belt.damping.value() * reach * reach;
+                    }
+                }
+                for &i in members {
+                    let own = self.damping(i, state, mode, at);
+                    let gradient = self.gradient(i, &at.gradient);
+                    for a in 0..count {
+                        for b in 0..count {
+                            damping[a * count + b] += own * gradient[a].value() * gradient[b].value();
+                        }
+                    }
+                }
+                let mut matrix = vec![R::zero(); count * count];
+                self.mass_matrix(m, state, &mut matrix);
+                let mut matrix: Vec<f64> = matrix.into_iter().map(|entry| entry.value()).collect();
+                dense::factor(&mut matrix, count);
+                (0..count)
+                    .map(|k| {
+                        let mut column: Vec<f64> = (0..count).map(|row| damping[row * count + k]).collect();
+                        dense::solve(&matrix, count, &mut column);
+                        column[k]
+                    })
+                    .sum()
+            }
+            Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => 0.0,
+        }
+    }
+
+    /// `∂F/∂v` in N·s/m of an actuator without a tendon.
+    fn damping(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        if self.plant.actuators[i].tendon.is_some() {
+            return 0.0;
+        }
+        let (member, its) = (&self.members[i], &mode.actuators[i]);
+        let plain = member.damping(&its.mode);
+        let moves = its.mode.extent != Extent::Slack && its.mode.sliding != Sliding::Stuck && !its.mode.clamped;
+        match self.bristles(i, state) {
+            Some(bent) if moves => {
+                let unit = &at.units[i];
+                let seeded = |number| Dual::<R, 1> { value: number, slope: [R::zero()] };
+                let pressure = seeded(state[self.plant.places.actuators[i].pressure]);
+                let ends = [seeded(unit.length), Dual::variable(unit.velocity, 0), pressure];
+                let force = member.signed_force(ends, &its.mode, (&its.trace, Some(seeded(bent))));
+                plain.max(force.slope[0].value())
+            }
+            _ => plain,
+        }
+    }
+
+    /// How fast the bristles and the length of an actuator settle.
+    fn actuator_settling(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        let (mounted, here, its) = (&self.plant.actuators[i], &self.plant.places.actuators[i], &mode.actuators[i]);
+        let mut fastest: f64 = 0.0;
+        let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
+        if let (Some(place), Some(law)) = (here.bristles, self.members[i].lugre())
+            && its.mode.extent != Extent::Slack
+        {
+            let direction = constant(R::constant(its.mode.sliding.direction()));
+            let rate = law.rate(Dual::variable(state[place], 0), constant(at.units[i].velocity), direction);
+            fastest = fastest.max(-rate.slope[0].value());
+        }
+        if let (Some(tendon), Some(_)) = (&mounted.tendon, here.length)
+            && its.mode.sliding != Sliding::Stuck
+            && tendon::is_damped(&mounted.actuator, its)
+        {
+            // F(L, v) = T: ∂v/∂L = −(∂F/∂L + k)/(∂F/∂v).
+            let unit = &at.units[i];
+            let pressure = state[here.pressure];
+            let pull = |length: Dual<R, 1>, velocity: Dual<R, 1>| {
+                let bent = self.bristles(i, state).map(constant);
+                let ends = [length, velocity, constant(pressure)];
+                self.members[i].signed_force(ends, &its.mode, (&its.trace, bent)).slope[0].value()
+            };
+            let stiffness = if its.loose { 0.0 } else { tendon.stiffness().value() };
+            let per_length = pull(Dual::variable(unit.length, 0), constant(unit.velocity)) + stiffness;
+            let per_velocity = pull(constant(unit.length), Dual::variable(unit.velocity, 0));
+            fastest = fastest.max(per_length / per_velocity);
+        }
+        fastest
+    }
+
+    /// How fast the pressures of nodes settle against each other: each with the sum of its branches' conductances.
+    fn network_settling(&self, time: R, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        let network = &self.plant.network;
+        if network.branches.is_empty() {
+            return 0.0;
+        }
+        // By how much the pressure of each node rises with what flows in, in Pa/kg.
+        let answer = |node: usize| match &network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => {
+                let chamber = &at.chambers[*actuator];
+                let air = self.plant.actuators[*actuator].actuator.air();
+                (air.index() * chamber.pressure / chamber.mass).value()
+            }
+            NodeKind::Hose(hose) => hose.stiffness().value(),
+            NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(R::one()).value(),
+            _ => 0.0,
+        };
+        let rate = |node: usize| match &network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => at.units[*actuator].pressure_rate.value(),
+            _ => network.node_rate(node, &mode.network, &at.network).value(),
+        };
+        let mut sums = vec![0.0; network.nodes.len()];
+        let mut fastest: f64 = 0.0;
+        for (node, kind) in network.nodes.iter().enumerate() {
+            match &kind.kind {
+                NodeKind::Outlet { regulator, .. } => {
+                    fastest = fastest.max(1.0 / Scalar::larger(regulator.lag().value(), f64::MIN_POSITIVE));
+                }
+                NodeKind::Port { regulator, .. } => {
+                    if let (Some(approach), Some(set)) =
+                        (mode.network.nodes[node].approach, network.set_point(node, &mode.network))
+                    {
+                        let pressure = Dual::<R, 1>::variable(at.network.nodes[node].pressure, 0);
+                        let set = Dual { value: set, slope: [R::zero()] };
+                        fastest = fastest.max(-regulator.rate_in(approach, pressure, set).slope[0].value());
+                    }
+                }
+                _ => {}
+            }
+        }
+        let _ = (time, state);
+        for &index in &mode.network.open {
+            let branch = &network.branches[usize::from(index)];
+            let (from, to) = (branch.from, branch.to);
+            let [near, far] = [from, to].map(|node| at.network.nodes[node].pressure.value());
+            let flow = at.network.flows[usize::from(index)].value();
+            let zone = mode.network.branches[usize::from(index)].zone;
+            let gap = near - far;
+            let closing = rate(to) - rate(from);
+            let conductance = match &branch.kind {
+                BranchKind::Path { .. } | BranchKind::Check { .. } => match zone {
+                    Some(FlowZone::LaminarIn | FlowZone::LaminarOut) => (flow / gap).abs(),
+                    Some(FlowZone::SubsonicIn | FlowZone::SubsonicOut) => {
+                        // Below the speed of sound the slope grows without bound as the pressures meet: the time until they
+                        // would counts.
+                        fastest = fastest.max(MEETING * closing / gap);
+                        (0.5 * flow / gap).abs()
+                    }
+                    _ => 0.0,
+                },
+                BranchKind::Loss(_) => {
+                    if mode.network.branches[usize::from(index)].regime != crate::line::FlowRegime::Laminar {
+                        let squares = near * near - far * far;
+                        let closing = 2.0 * (near * rate(from) - far * rate(to));
+                        fastest = fastest.max((MEETING * closing / squares).abs());
+                    }
+                    (flow / gap).abs()
+                }
+                BranchKind::Leak(_) => (flow / gap).abs(),
+                BranchKind::Inertia(_) | BranchKind::Compressor => 0.0,
+            };
+            if conductance.is_finite() {
+                sums[from] += conductance * answer(from);
+                sums[to] += conductance * answer(to);
+            }
+        }
+        for &index in &mode.network.open {
+            let branch = &network.branches[usize::from(index)];
+            if !matches!(branch.kind, BranchKind::Inertia(_)) {
+                fastest = fastest.max(sums[branch.from] + sums[branch.to]);
+            }
+        }
+        fastest
+    }
+}
+
+/// The largest entry of the gradient of an actuator's distance at coordinates zero: its moment arm, or one.
+fn usual_arm<R: Real>(plant: &Plant<R>, mounted: &Mounted<R>) -> f64 {
+    let mechanism = &plant.mechanisms[mounted.mechanism];
+    let chain = match mechanism {
+        Mechanism::Chain(chain) => Some(chain),
+        _ => None,
+    };
+    let position = vec![R::zero(); mechanism.coordinates()];
+    let mut gradient = position.clone();
+    let mut pieces = vec![0; mounted.coupling.arm_count()];
+    mounted.coupling.pieces(&position, &mut pieces);
+    mounted.coupling.distance(chain, &position, &pieces, &mut gradient);
+    let arm = gradient.iter().fold(0.0, |most: f64, entry| most.max(entry.value().abs()));
+    if arm.is_finite() && arm > 0.0 { arm } else { 1.0 }
+}

@@ -1,0 +1,558 @@
+//! Which actuators slide and which stick, and when a sticking one lets go.
+//!
+//! A mechanism whose rates are zero, or some of whose actuators come to rest, is decided by the box problem of [`holding`]:
+//! each actuator at rest can hold any tension between two bounds, and what is left accelerates. Those whose distances do not
+//! accelerate stick. While they do, their tensions are not known one by one, but what they hold together is: a torque
+//! `R = J_Sᵀ F`. It can be held as long as it lies in the zonotope of all `J_Sᵀ F` with tensions within their bounds.
+//!
+//! ```text
+//! facet z:    J_f z = 0 for rank − 1 independent rows f of J_S
+//! guard:      max_F zᵀ(R − J_Sᵀ F) ≥ 0   and   max_F −zᵀ(R − J_Sᵀ F) ≥ 0
+//! ```
+//!
+//! Each facet gives two guards, smooth while the mode lasts. With one coordinate there is one facet: the least and the
+//! largest force that can be held. Actuators that share no coordinate are blocks of their own.
+
+use super::dense::{dot, factor, solve};
+use super::evaluation::{Evaluation, System};
+use super::holding;
+use super::mode::PlantMode;
+use crate::mechanism::{Coupling, Mechanism};
+use crate::scalar::{Differentiable, Over, Real, Scalar};
+use crate::simulation::{Extent, Sliding};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// The most facets of a block that a mode keeps guards for.
+const MOST_FACETS: usize = 128;
+/// Part of an entry below which it is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A facet of what sticking actuators can hold.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Facet {
+    /// Sticking actuators of the block whose gradients are independent.
+    span: Vec<usize>,
+    /// Those in whose directions the facet lies: one fewer.
+    along: Vec<usize>,
+    /// All sticking actuators of the block.
+    block: Vec<usize>,
+}
+
+impl<R: Real> System<'_, R> {
+    /// The least and the largest tension in N that an actuator without a tendon can hold at rest.
+    pub(crate) fn holdable<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> (T, T) {
+        let of_actuator = &mode.actuators[i];
+        if of_actuator.mode.extent == Extent::Slack {
+            return (T::zero(), T::zero());
+        }
+        let member = &self.members[i];
+        let remembered = (&of_actuator.trace, self.bristles(i, state));
+        let rubbing = member.rubbing([length, T::zero()], &of_actuator.mode, remembered);
+        let pressure = state[self.plant.places.actuators[i].pressure];
+        let on_stop = match self.plant.places.actuators[i].length {
+            Some(_) => length.le(T::of(member.actuator.limits().min_length())),
+            None => of_actuator.on_stop,
+        };
+        member.actuator.holdable(length, pressure, on_stop, rubbing)
+    }
+
+    /// Decides how the actuators of a mechanism slide that may be at rest: those whose distance changes no faster than `slow`
+    /// times their rest band count as resting.
+    pub(crate) fn settle(&self, m: usize, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        let places = &self.plant.places;
+        let here = places.mechanisms[m];
+        if !self.plant.mechanisms[m].is_dynamic() {
+            return self.follow_motion(m, time, state, mode, at);
+        }
+        mode.mechanisms[m].frozen = false;
+        mode.mechanisms[m].basis.clear();
+        mode.mechanisms[m].facets.clear();
+        self.enter_distances(time, state, mode, at);
+        let at_rest = state[here.rate(0)..here.rate(0) + here.coordinates].iter().all(|rate| rate.value() == 0.0);
+        let mut resting = Vec::new();
+        for &i in &places.members[m] {
+            if places.actuators[i].length.is_some() {
+                continue;
+            }
+            let slow = at_rest || at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
+            let of_actuator = &mut mode.actuators[i].mode;
+            let friction = self.members[i].actuator.friction();
+            of_actuator.sliding = match friction.has_direction() {
+                false => Sliding::Frictionless,
+                true if at.units[i].rate.value() < 0.0 => Sliding::Shortening,
+                true => Sliding::Lengthening,
+            };
+            let holds = friction.has_coulomb() || mode.actuators[i].on_stop;
+            if slow && mode.actuators[i].mode.extent != Extent::Slack {
+                if holds {
+                    resting.push(i);
+                }
+                // What rests slides nowhere until it is known where.
+                mode.actuators[i].mode.sliding = Sliding::Stuck;
+            }
+        }
+        self.solve_rest(m, time, state, mode, at, &resting, at_rest);
+    }
+
+    /// Solves for what the resting actuators of a mechanism hold, and sets how all of them slide.
+    #[allow(clippy::too_many_arguments)]
+    fn solve_rest(
+        &self,
+        m: usize,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        resting: &[usize],
+        at_rest: bool,
+    ) {
+        let places = &self.plant.places;
+        let here = places.mechanisms[m];
+        let count = here.coordinates;
+        // What cannot hold pulls with its force at rest.
+        for &i in &places.members[m] {
+            let friction = self.members[i].actuator.friction();
+            if mode.actuators[i].mode.sliding == Sliding::Stuck && !resting.contains(&i) {
+                mode.actuators[i].mode.sliding =
+                    if friction.has_direction() { Sliding::Held } else { Sliding::Frictionless };
+            }
+        }
+        self.clamp_all(m, time, state, mode, at);
+        self.evaluate(time, state, mode, at);
+        self.enter_force(m, state, mode, at);
+        let mut matrix = vec![R::zero(); count * count];
+        self.mass_matrix(m, state, &mut matrix);
+        factor(&mut matrix, count);
+        let mut acceleration: Vec<R> = at.force[..count].to_vec();
+        solve(&matrix, count, &mut acceleration);
+        let values = |numbers: &[R]| numbers.iter().map(|number| number.value()).collect::<Vec<f64>>();
+        let size = resting.len();
+        let mut rows = Vec::with_capacity(size);
+        for &i in resting {
+            let mut row = self.gradient(i, &at.gradient).to_vec();
+            solve(&matrix, count, &mut row);
+            rows.push(values(&row));
+        }
+        let gradients: Vec<Vec<f64>> = resting.iter().map(|&i| values(self.gradient(i, &at.gradient))).collect();
+        let mut weights = vec![0.0; size * size];
+        for a in 0..size {
+            for b in 0..size {
+                weights[a * size + b] = dot(&gradients[a], &rows[b]);
+            }
+        }
+        let free = values(&acceleration);
+        let pull: Vec<f64> = resting
+            .iter()
+            .enumerate()
+            .map(|(a, &i)| dot(&gradients[a], &free) + self.bending(i, m, state, mode).value())
+            .collect();
+        let bounds: Vec<[f64; 2]> = resting
+            .iter()
+            .map(|&i| {
+                let (least, most) = self.holdable(i, state, mode, at.units[i].length);
+                // A border must be passed by the band before what rests moves.
+                [(least.value() - self.members[i].force_band).max(0.0), most.value() + self.members[i].force_band]
+            })
+            .collect();
+        let least: Vec<f64> = bounds.iter().map(|[least, _]| *least).collect();
+        let most: Vec<f64> = bounds.iter().map(|[_, most]| *most).collect();
+        let held = holding::solve(&weights, &pull, &least, &most);
+        let mut motion = free.clone();
+        if let Some(held) = &held {
+            for (row, tension) in rows.iter().zip(&held.tension) {
+                for (motion, entry) in motion.iter_mut().zip(row) {
+                    *motion -= entry * tension;
+                }
+            }
+        }
+        let accelerates = |a: usize| held.as_ref().map_or(pull[a], |held| held.acceleration[a]);
+        let sticking: Vec<usize> = (0..size).filter(|&a| accelerates(a) == 0.0).map(|a| resting[a]).collect();
+        self.stick(m, state, mode, at, &sticking);
+        let frozen = mode.mechanisms[m].frozen;
+        for &i in &places.members[m] {
+            if places.actuators[i].length.is_some() || mode.actuators[i].mode.extent == Extent::Slack {
+                continue;
+            }
+            let friction = self.members[i].actuator.friction();
+            let heading = match resting.iter().position(|&it| it == i) {
+                _ if frozen => {
+                    mode.actuators[i].mode.sliding = Sliding::Stuck;
+                    continue;
+                }
+                Some(_) if sticking.contains(&i) => {
+                    mode.actuators[i].mode.sliding = Sliding::Stuck;
+                    continue;
+                }
+                Some(a) => accelerates(a),
+                None if matches!(mode.actuators[i].mode.sliding, Sliding::Held | Sliding::Frictionless)
+                    && (at_rest || at.units[i].rate.value() == 0.0) =>
+                {
+                    let gradient = values(self.gradient(i, &at.gradient));
+                    dot(&gradient, &motion)
+                }
+                None => at.units[i].rate.value(),
+            };
+            self.head(i, mode, heading, friction.has_direction());
+        }
+        self.clamp_all(m, time, state, mode, at);
+    }
+
+    /// Lets go what can no longer be held: what sticks and moves along the normal of the facet slides that way, the others go
+    /// on sticking.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn release(
+        &self,
+        m: usize,
+        facet: usize,
+        positive: bool,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) {
+        let places = &self.plant.places;
+        self.enter_distances(time, state, mode, at);
+        let Facet { span, along, .. } = &mode.mechanisms[m].facets[facet];
+        let normal = self.normal(span, along, places.mechanisms[m].coordinates, at);
+        // The force along the normal is below zero whatever is held, or above it.
+        let sign = if positive { -1.0 } else { 1.0 };
+        let mut sticking = Vec::new();
+        let mut headings = Vec::new();
+        for &i in &places.members[m] {
+            if places.actuators[i].length.is_some() || mode.actuators[i].mode.sliding != Sliding::Stuck {
+                continue;
+            }
+            let gradient = self.gradient(i, &at.gradient);
+            let heading = sign * dot(gradient, &normal).value();
+            let size = Scalar::sqrt(dot(gradient, gradient).value() * dot(&normal, &normal).value());
+            if Scalar::magnitude(heading) > ROUNDING * size {
+                headings.push((i, heading));
+            } else if self.members[i].actuator.friction().has_coulomb() || mode.actuators[i].on_stop {
+                sticking.push(i);
+            }
+        }
+        for &(i, heading) in &headings {
+            self.head(i, mode, heading, self.members[i].actuator.friction().has_direction());
+        }
+        self.stick(m, state, mode, at, &sticking);
+        self.clamp_all(m, time, state, mode, at);
+    }
+
+    /// Sets an actuator sliding the way that the sign of `heading` says; one on its shortest length that this would shorten
+    /// falls slack.
+    fn head(&self, i: usize, mode: &mut PlantMode<R>, heading: f64, has_direction: bool) {
+        if heading < 0.0 && mode.actuators[i].on_stop {
+            mode.actuators[i].mode.extent = Extent::Slack;
+        }
+        mode.actuators[i].on_stop = false;
+        mode.actuators[i].mode.sliding = match (has_direction, heading < 0.0) {
+            (false, _) => Sliding::Frictionless,
+            (true, true) => Sliding::Shortening,
+            (true, false) => Sliding::Lengthening,
+        };
+    }
+
+    /// Lets actuators of a mechanism stick: finds which of them hold it, whether they hold all of it, and their facets.
+    fn stick(&self, m: usize, state: &mut [R], mode: &mut PlantMode<R>, at: &Evaluation<R>, sticking: &[usize]) {
+        let here = self.plant.places.mechanisms[m];
+        let gradient =
+            |i: usize| -> Vec<f64> { self.gradient(i, &at.gradient).iter().map(|entry| entry.value()).collect() };
+        let basis = independent(sticking, &gradient);
+        let of_mechanism = &mut mode.mechanisms[m];
+        of_mechanism.frozen = basis.len() == here.coordinates && !basis.is_empty();
+        of_mechanism.facets = facets(sticking, &gradient, |i| self.spans(i, m));
+        of_mechanism.basis = if of_mechanism.frozen { Vec::new() } else { basis };
+        if of_mechanism.frozen {
+            state[here.rate(0)..here.rate(0) + here.coordinates].fill(R::zero());
+        } else {
+            self.hold_rates(m, state, mode, at);
+        }
+    }
+
+    /// Brings the rates of a mechanism to where its sticking actuators are at rest, by the least change in kinetic energy.
+    pub(crate) fn hold_rates(&self, m: usize, state: &mut [R], mode: &PlantMode<R>, at: &Evaluation<R>) {
+        let here = self.plant.places.mechanisms[m];
+        let (count, basis) = (here.coordinates, &mode.mechanisms[m].basis);
+        if basis.is_empty() {
+            return;
+        }
+        let mut matrix = vec![R::zero(); count * count];
+        self.mass_matrix(m, state, &mut matrix);
+        factor(&mut matrix, count);
+        let rows: Vec<Vec<R>> = basis
+            .iter()
+            .map(|&i| {
+                let mut row = self.gradient(i, &at.gradient).to_vec();
+                solve(&matrix, count, &mut row);
+                row
+            })
+            .collect();
+        let size = basis.len();
+        let mut weights = vec![R::zero(); size * size];
+        let mut slip = vec![R::zero(); size];
+        let from = here.rate(0);
+        for (a, &i) in basis.iter().enumerate() {
+            let gradient = self.gradient(i, &at.gradient);
+            for b in 0..size {
+                weights[a * size + b] = dot(gradient, &rows[b]);
+            }
+            slip[a] = dot(gradient, &state[from..from + count]);
+        }
+        factor(&mut weights, size);
+        solve(&weights, size, &mut slip);
+        for (row, slip) in rows.iter().zip(&slip) {
+            for k in 0..count {
+                state[from + k] = state[from + k] - row[k] * *slip;
+            }
+        }
+    }
+
+    /// The mass matrix of a mechanism, row by row.
+    pub(crate) fn mass_matrix<T: Over<R>>(&self, m: usize, state: &[T], matrix: &mut [T]) {
+        match &self.plant.mechanisms[m] {
+            Mechanism::Mass(mass) => matrix[0] = T::of(mass.mass()),
+            Mechanism::Chain(chain) => chain.mass_matrix(self.plant.places.mechanisms[m].of(state).0, matrix),
+            Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => matrix.fill(T::one()),
+        }
+    }
+
+    /// The coordinates that an actuator spans.
+    fn spans(&self, i: usize, m: usize) -> Vec<usize> {
+        match &self.plant.actuators[i].coupling {
+            Coupling::Direct { coordinate } => vec![*coordinate],
+            Coupling::Arms { arms, .. } => arms.iter().map(|arm| arm.joint).collect(),
+            Coupling::Points(_) => (0..self.plant.places.mechanisms[m].coordinates).collect(),
+        }
+    }
+
+    /// Decides anew which forces of a mechanism's actuators are kept from pushing.
+    pub(crate) fn clamp_all(&self, m: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        self.enter_distances(time, state, mode, at);
+        for &i in &self.plant.places.members[m] {
+            if self.plant.places.actuators[i].length.is_some() {
+                continue;
+            }
+            let unit = &at.units[i];
+            let ends = [unit.length, unit.velocity, state[self.plant.places.actuators[i].pressure]];
+            let bristles = self.bristles(i, state);
+            let of_actuator = &mut mode.actuators[i];
+            let mut changed = of_actuator.mode;
+            self.members[i].enter_clamp(ends, &mut changed, (&of_actuator.trace, bristles));
+            of_actuator.mode = changed;
+        }
+    }
+
+    /// Sets how the actuators slide whose motion is given.
+    fn follow_motion(&self, m: usize, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        self.enter_distances(time, state, mode, at);
+        let acceleration = match &self.plant.mechanisms[m] {
+            Mechanism::Prescribed(motion) => motion.at(time, mode.mechanisms[m].corners_passed)[2].value(),
+            _ => 0.0,
+        };
+        for &i in &self.plant.places.members[m] {
+            if self.plant.places.actuators[i].length.is_some() {
+                continue;
+            }
+            let velocity = at.units[i].rate.value();
+            let heading = if velocity == 0.0 { acceleration } else { velocity };
+            mode.actuators[i].mode.sliding = match self.members[i].actuator.friction().has_direction() {
+                _ if heading == 0.0 => Sliding::Held,
+                false => Sliding::Frictionless,
+                true if heading < 0.0 => Sliding::Shortening,
+                true => Sliding::Lengthening,
+            };
+        }
+        self.clamp_all(m, time, state, mode, at);
+    }
+
+    /// Value of the guard of a facet in N times the facet's unit: positive while what sticks can hold.
+    pub(crate) fn facet_guard<T: Differentiable<R>>(
+        &self,
+        (m, facet, positive): (usize, usize, bool),
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) -> T {
+        let places = &self.plant.places;
+        let of_mechanism = &mode.mechanisms[m];
+        let Facet { span, along, block } = &of_mechanism.facets[facet];
+        self.enter_distances(time, state, mode, at);
+        let count = places.mechanisms[m].coordinates;
+        let normal = self.normal(span, along, count, at);
+        // What is to be held.
+        let load = if of_mechanism.frozen {
+            for &i in &places.members[m] {
+                let unit = &mut at.units[i];
+                unit.tension = match &self.plant.actuators[i].tendon {
+                    Some(tendon) => super::tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length),
+                    None => self.unstuck_tension(i, state, mode, unit.length),
+                };
+            }
+            self.enter_force(m, state, mode, at);
+            dot(&normal, &at.force[..count])
+        } else {
+            self.evaluate(time, state, mode, at);
+            self.held_load(m, &normal, state, mode, at)
+        };
+        let (mut most, mut band) = (load, T::zero());
+        if !positive {
+            most = -load;
+        }
+        for &j in block {
+            let unit_length = at.units[j].length;
+            let (least_tension, most_tension) = self.holdable(j, state, mode, unit_length);
+            let lever = dot(self.gradient(j, &at.gradient), &normal);
+            let lever = if positive { lever } else { -lever };
+            // The tension that leaves most.
+            let tension = T::select(lever.lt(T::zero()), most_tension, least_tension);
+            most = most - lever * tension;
+            band = band + lever.magnitude() * T::constant(self.members[j].force_band);
+        }
+        most + band
+    }
+
+    /// Tension of an actuator that rests and holds nothing; zero for one that does.
+    fn unstuck_tension<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> T {
+        let of_actuator = &mode.actuators[i];
+        let m = self.plant.actuators[i].mechanism;
+        if mode.mechanisms[m].facets.iter().any(|facet| facet.block.contains(&i)) {
+            return T::zero();
+        }
+        let ends = [length, T::zero(), state[self.plant.places.actuators[i].pressure]];
+        self.members[i].tension(ends, &of_actuator.mode, (&of_actuator.trace, self.bristles(i, state)))
+    }
+
+    /// `zᵀR` of what sticking actuators hold of a mechanism that moves.
+    fn held_load<T: Differentiable<R>>(
+        &self,
+        m: usize,
+        normal: &[T],
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) -> T {
+        let count = self.plant.places.mechanisms[m].coordinates;
+        let first = self.first_coordinate[m];
+        // R = τ − h − Σ Jᵀ F − M q̈.
+        self.enter_force(m, state, mode, at);
+        let mut matrix = vec![T::zero(); count * count];
+        self.mass_matrix(m, state, &mut matrix);
+        let mut load = T::zero();
+        for k in 0..count {
+            let inertial = dot(&matrix[k * count..(k + 1) * count], &at.acceleration[first..first + count]);
+            load = load + normal[k] * (at.force[k] - inertial);
+        }
+        load
+    }
+
+    /// The normal of a facet in coordinates of the mechanism.
+    fn normal<T: Over<R>>(&self, span: &[usize], along: &[usize], count: usize, at: &Evaluation<T>) -> Vec<T> {
+        let gradient = |i: usize| self.gradient(i, &at.gradient);
+        let rank = span.len();
+        // Rows of products: the weights of the span are orthogonal to them.
+        let rows: Vec<T> =
+            along.iter().flat_map(|&f| span.iter().map(move |&b| dot(gradient(f), gradient(b)))).collect();
+        let weights = null_vector(&rows, rank);
+        let mut normal = vec![T::zero(); count];
+        for (&b, weight) in span.iter().zip(&weights) {
+            for (normal, entry) in normal.iter_mut().zip(gradient(b)) {
+                *normal = *normal + *weight * *entry;
+            }
+        }
+        normal
+    }
+}
+
+/// A vector that is orthogonal to `rank − 1` rows of `rank` numbers.
+fn null_vector<T: Scalar>(rows: &[T], rank: usize) -> Vec<T> {
+    // By cofactors: what is left out of the rows, column by column. Ranks are small.
+    let mut vector = Vec::with_capacity(rank);
+    for left_out in 0..rank {
+        let columns: Vec<usize> = (0..rank).filter(|&column| column != left_out).collect();
+        let minor = determinant(rows, rank, &columns);
+        vector.push(if left_out % 2 == 0 { minor } else { -minor });
+    }
+    vector
+}
+
+/// The determinant of the first rows over some columns.
+fn determinant<T: Scalar>(rows: &[T], width: usize, columns: &[usize]) -> T {
+    let Some((_, rest)) = columns.split_first() else { return T::one() };
+    let size = rest.len() + 1;
+    let mut sum = T::zero();
+    for (k, &column) in columns.iter().enumerate() {
+        let others: Vec<usize> = columns.iter().copied().filter(|&other| other != column).collect();
+        // Along the last of the rows.
+        let minor = determinant(rows, width, &others);
+        let term = rows[(size - 1) * width + column] * minor;
+        sum = if (k + size).is_multiple_of(2) { sum - term } else { sum + term };
+    }
+    sum
+}
+
+/// Those of the actuators whose gradients are independent, the first ones first.
+fn independent(actuators: &[usize], gradient: &impl Fn(usize) -> Vec<f64>) -> Vec<usize> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut chosen = Vec::new();
+    for &i in actuators {
+        let mut row = gradient(i);
+        let size = dot(&row, &row);
+        for other in &basis {
+            let part = dot(&row, other);
+            for (entry, other) in row.iter_mut().zip(other) {
+                *entry -= part * other;
+            }
+        }
+        let left = dot(&row, &row);
+        if size > 0.0 && left > ROUNDING * size {
+            let norm = Scalar::sqrt(left);
+            basis.push(row.into_iter().map(|entry| entry / norm).collect());
+            chosen.push(i);
+        }
+    }
+    chosen
+}
+
+/// The facets of what sticking actuators can hold, block by block.
+fn facets(
+    sticking: &[usize],
+    gradient: &impl Fn(usize) -> Vec<f64>,
+    spans: impl Fn(usize) -> Vec<usize>,
+) -> Vec<Facet> {
+    let mut left: Vec<usize> = sticking.to_vec();
+    let mut facets = Vec::new();
+    while let Some(first) = left.pop() {
+        let mut block = vec![first];
+        let mut coordinates = spans(first);
+        while let Some(place) = left.iter().position(|&i| spans(i).iter().any(|it| coordinates.contains(it))) {
+            let next = left.remove(place);
+            coordinates.extend(spans(next));
+            block.push(next);
+        }
+        block.sort_unstable();
+        let span = independent(&block, gradient);
+        let wanted = span.len().saturating_sub(1);
+        let mut found = 0;
+        each_choice(&block, wanted, &mut Vec::new(), &mut |along| {
+            if found < MOST_FACETS && independent(along, gradient).len() == wanted {
+                found += 1;
+                facets.push(Facet { span: span.clone(), along: along.to_vec(), block: block.clone() });
+            }
+        });
+    }
+    facets
+}
+
+/// Calls `visit` with each choice of so many of the actuators.
+fn each_choice(from: &[usize], wanted: usize, chosen: &mut Vec<usize>, visit: &mut dyn FnMut(&[usize])) {
+    if wanted == 0 {
+        return visit(chosen);
+    }
+    for (place, &i) in from.iter().enumerate() {
+        chosen.push(i);
+        each_choice(&from[place + 1..], wanted - 1, chosen, visit);
+        chosen.pop();
+    }
+}

@@ -1,0 +1,334 @@
+//! The start of a plant: its states and its first mode.
+
+use super::evaluation::{Evaluation, System};
+use super::mode::{ActuatorMode, MechanismMode, PlantMode};
+use super::{Mounted, Plant};
+use crate::error::Error;
+use crate::mechanism::{Contact, Mechanism};
+use crate::network::NodeKind;
+use crate::parameter;
+use crate::pressure::GaugePressure;
+use crate::scalar::Real;
+use crate::simulation::{Extent, Mode, Sliding};
+use crate::valve::Ports;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Part of its shortest length by which an actuator may miss it and be on it.
+const ON_THE_STOP: f64 = 1e-14;
+
+/// The air of an actuator at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InitialAir<S = f64> {
+    /// Gauge pressure.
+    pub gauge_pressure: GaugePressure<S>,
+    /// Temperature in K, which fixes the mass of air.
+    pub temperature: S,
+}
+
+/// The start of a plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlantStart<S = f64> {
+    /// Coordinates of each mechanism, in m or rad.
+    pub positions: Vec<Vec<S>>,
+    /// Their rates.
+    pub rates: Vec<Vec<S>>,
+    /// The air of each actuator.
+    pub air: Vec<InitialAir<S>>,
+    /// Lengths in m of actuators on a tendon; where there is none, that at which tendon and actuator balance.
+    pub lengths: Vec<Option<S>>,
+}
+
+impl<R: Real> Plant<R> {
+    /// The states at t = 0. Air in hoses starts at the pressure of the chamber that they lead to, bristles straight.
+    ///
+    /// # Errors
+    /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
+    /// pressure or temperature that is not physical.
+    pub fn start(&self, start: &PlantStart<R>) -> Result<Vec<R>, Error> {
+        let fault = |name, entry: usize| {
+            Err(Error::Table {
+                name,
+                problem: "there is not one entry for each part of the plant",
+                entry: entry + 1,
+                remedy: "give as many entries as there are parts",
+            })
+        };
+        if start.positions.len() != self.mechanisms.len() || start.rates.len() != self.mechanisms.len() {
+            return fault("initial.positions", start.positions.len().min(start.rates.len()));
+        }
+        if start.air.len() != self.actuators.len() || start.lengths.len() != self.actuators.len() {
+            return fault("initial.gauge_pressure", start.air.len().min(start.lengths.len()));
+        }
+        let mut state = vec![R::zero(); self.places.states];
+        for (m, here) in self.places.mechanisms.iter().enumerate() {
+            if start.positions[m].len() != here.coordinates || start.rates[m].len() != here.coordinates {
+                return fault("initial.positions", m);
+            }
+            for k in 0..here.coordinates {
+                state[here.position(k)] = start.positions[m][k];
+                state[here.rate(k)] = start.rates[m][k];
+            }
+            if let Mechanism::Prescribed(motion) = &self.mechanisms[m] {
+                let [length, velocity, _] = motion.at(R::zero(), 0);
+                (state[here.position(0)], state[here.rate(0)]) = (length, velocity);
+            }
+        }
+        for (i, Mounted { actuator, mechanism, coupling, tendon, pressure }) in self.actuators.iter().enumerate() {
+            let InitialAir { gauge_pressure, temperature } = start.air[i];
+            let air = actuator.air();
+            parameter::INITIAL_GAUGE_PRESSURE.check(gauge_pressure.0.value())?;
+            parameter::INITIAL_TEMPERATURE.check(temperature.value())?;
+            let gauge = match pressure {
+                Some(course) => GaugePressure(course.at(R::zero(), 0)[0]),
+                None => gauge_pressure,
+            };
+            let absolute = gauge.absolute(air.atmosphere());
+            let here = self.places.mechanisms[*mechanism];
+            let (position, _) = here.of(&state);
+            let mut pieces = vec![0; coupling.arm_count()];
+            coupling.pieces(position, &mut pieces);
+            let chain = match &self.mechanisms[*mechanism] {
+                Mechanism::Chain(chain) => Some(chain),
+                _ => None,
+            };
+            let mut gradient = vec![R::zero(); here.coordinates];
+            let distance = coupling.distance(chain, position, &pieces, &mut gradient);
+            let length = match (tendon, start.lengths[i]) {
+                (Some(_), Some(length)) => length,
+                _ => distance,
+            };
+            let own = self.places.actuators[i];
+            state[own.pressure] = absolute.0;
+            state[own.pressure + 1] = air.mass(absolute, actuator.volume(length), temperature);
+            if let Some(place) = own.length {
+                state[place] = length;
+            }
+        }
+        for (index, node) in self.network.nodes.iter().enumerate() {
+            let Some(place) = self.places.nodes[index] else { continue };
+            state[place] = match &node.kind {
+                NodeKind::Reservoir(reservoir) => reservoir.start().0,
+                NodeKind::Outlet { set, inlet, .. } => {
+                    let set = self.network.absolute(*set);
+                    match inlet.and_then(|inlet| self.places.nodes[inlet]) {
+                        Some(inlet) => set.smaller(state[inlet]),
+                        None => set,
+                    }
+                }
+                NodeKind::Port { feed, .. } => {
+                    let own = self.chamber_behind(index).map(|i| state[self.places.actuators[i].pressure]);
+                    let own = own.unwrap_or(self.network.atmosphere);
+                    own.larger(self.network.atmosphere).smaller(self.network.absolute(*feed))
+                }
+                NodeKind::Hose(_) => match self.chamber_behind(index) {
+                    Some(i) => state[self.places.actuators[i].pressure],
+                    None => self.network.absolute(node.gauge),
+                },
+                NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => self.network.absolute(node.gauge),
+            };
+        }
+        Ok(state)
+    }
+
+    /// The actuator whose chamber branches lead to from a node.
+    fn chamber_behind(&self, mut node: usize) -> Option<usize> {
+        for _ in 0..=self.network.branches.len() {
+            if let NodeKind::Chamber { actuator } = self.network.nodes[node].kind {
+                return Some(actuator);
+            }
+            node = self.network.branches.iter().find(|branch| branch.from == node)?.to;
+        }
+        None
+    }
+}
+
+impl<R: Real> System<'_, R> {
+    /// The mode at t = 0 in a state, which may be set on a border that it lies on.
+    pub(crate) fn begin(&self, state: &mut [R], at: &mut Evaluation<R>) -> PlantMode<R> {
+        let plant = self.plant;
+        let time = R::zero();
+        let mut arms = vec![0; plant.places.arms];
+        for (mounted, here) in plant.actuators.iter().zip(&plant.places.actuators) {
+            let (position, _) = plant.places.mechanisms[mounted.mechanism].of(state);
+            mounted.coupling.pieces(position, &mut arms[here.arms..here.arms + mounted.coupling.arm_count()]);
+        }
+        let actuator = |i: usize| ActuatorMode {
+            mode: Mode {
+                ports: Ports::CLOSED,
+                supply_zone: None,
+                exhaust_zone: None,
+                effectiveness_piece: self.members[i].effectiveness_piece(state[plant.places.actuators[i].pressure]),
+                pressed: self.members[i].pressed(state[plant.places.actuators[i].pressure]),
+                force_piece: Default::default(),
+                extent: Extent::Free,
+                sliding: Sliding::Held,
+                clamped: false,
+            },
+            on_stop: false,
+            loose: false,
+            trace: None,
+            isothermal: None,
+            rows_passed: 0,
+        };
+        let mechanism = |m: usize| MechanismMode {
+            frozen: false,
+            stops: vec![[Contact::None; 2]; plant.places.mechanisms[m].coordinates],
+            foot: Contact::None,
+            basis: Vec::new(),
+            facets: Vec::new(),
+            corners_passed: 0,
+        };
+        let mut mode = PlantMode {
+            actuators: (0..plant.actuators.len()).map(actuator).collect(),
+            mechanisms: (0..plant.mechanisms.len()).map(mechanism).collect(),
+            network: plant.network.begin(),
+            arms,
+        };
+        for (i, mounted) in plant.actuators.iter().enumerate() {
+            if let Some(course) = &mounted.pressure {
+                let its = &mut mode.actuators[i];
+                while course.row(its.rows_passed).is_some_and(|row| crate::valve::is_due(row, time)) {
+                    its.rows_passed += 1;
+                }
+            }
+        }
+        for (m, mechanism) in plant.mechanisms.iter().enumerate() {
+            if let Mechanism::Prescribed(motion) = mechanism {
+                let its = &mut mode.mechanisms[m];
+                while motion.corner(its.corners_passed).is_some_and(|corner| crate::valve::is_due(corner, time)) {
+                    its.corners_passed += 1;
+                }
+            }
+        }
+        self.enter_distances(time, state, &mode, at);
+        for i in 0..plant.actuators.len() {
+            let (member, here) = (&self.members[i], &plant.places.actuators[i]);
+            let length = at.units[i].length;
+            let [pressure, mass] = [state[here.pressure], state[here.pressure + 1]];
+            let its = &mut mode.actuators[i];
+            its.mode.force_piece = member.force_piece(length, pressure);
+            its.isothermal = member.isothermal_content(length, [pressure, mass]);
+            its.trace = member.trace(member.actuator.limits().actuator_length(length));
+        }
+        let network = &plant.network;
+        network.enter_pressures(self.around(&at.chambers, state), &mut at.network);
+        let pressures: Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
+        network.enter(&pressures, &mut mode.network);
+        for (node, place) in plant.places.nodes.iter().enumerate() {
+            if let Some(place) = place {
+                network.pass_set_points(node, time, state[*place], &mut mode.network);
+            }
+        }
+        for m in 0..plant.mechanisms.len() {
+            self.enter_contacts(m, state, &mut mode);
+            self.enter_extents(m, time, state, &mut mode, at);
+        }
+        self.enter_poppets(time, state, &mut mode, at);
+        for i in 0..plant.actuators.len() {
+            if plant.actuators[i].tendon.is_some() {
+                self.begin_end(i, time, state, &mut mode, at);
+            }
+        }
+        for m in 0..plant.mechanisms.len() {
+            self.settle(m, time, state, &mut mode, at);
+        }
+        self.follow_all(time, state, &mut mode, at, None);
+        self.settle_ends(time, state, &mut mode, at);
+        mode
+    }
+
+    /// The contacts of a mechanism in a state.
+    fn enter_contacts(&self, m: usize, state: &[R], mode: &mut PlantMode<R>) {
+        let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return };
+        let (angle, rate) = self.plant.places.mechanisms[m].of(state);
+        let its = &mut mode.mechanisms[m];
+        let contact = |beyond: f64, outwards: f64, press: f64| {
+            if beyond > 0.0 || (beyond == 0.0 && outwards > 0.0) {
+                if press >= 0.0 { Contact::Pressed } else { Contact::Rebound }
+            } else {
+                Contact::None
+            }
+        };
+        for (k, joint) in chain.joints().iter().enumerate() {
+            for end in 0..2 {
+                if joint.stops.ends[end].is_some() {
+                    let outwards = if end == 0 { -rate[k].value() } else { rate[k].value() };
+                    let press = chain.stop_torque(k, end, angle[k], rate[k]).value();
+                    its.stops[k][end] = contact(chain.beyond_stop(k, end, angle[k]).value(), outwards, press);
+                }
+            }
+        }
+        if let Some((depth, [_, up])) = chain.foot(angle, rate) {
+            its.foot = contact(depth.value(), -up.value(), chain.foot_press(angle, rate).value());
+        }
+    }
+
+    /// The extents of a mechanism's actuators in a state that may lie on a limit: then the velocity, or at rest the balance,
+    /// decides.
+    pub(crate) fn enter_extents(
+        &self,
+        m: usize,
+        time: R,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) {
+        self.enter_distances(time, state, mode, at);
+        let pushed = match &self.plant.mechanisms[m] {
+            Mechanism::Mass(mass) => mass.pull().value() < 0.0,
+            _ => false,
+        };
+        for &i in &self.plant.places.members[m] {
+            if self.plant.places.actuators[i].length.is_some() {
+                continue;
+            }
+            let (member, unit) = (&self.members[i], &at.units[i]);
+            let limits = member.actuator.limits();
+            let above = [limits.min_length(), limits.max_length()].map(|limit| unit.distance.value() - limit.value());
+            // On its shortest length, up to rounding, it is on the stop.
+            let on_stop = above[0].abs() <= ON_THE_STOP * limits.min_length().value();
+            let above = if on_stop { [0.0, above[1]] } else { above };
+            let its = &mut mode.actuators[i];
+            its.mode.extent = member.extent_at([unit.distance, unit.rate], above, pushed);
+            its.on_stop = on_stop && its.mode.extent == Extent::Free && unit.rate.value() == 0.0;
+        }
+    }
+
+    /// The mode of an actuator on a tendon at the start.
+    fn begin_end(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        let mounted = &self.plant.actuators[i];
+        let (Some(tendon), member) = (&mounted.tendon, &self.members[i]) else { return };
+        self.enter_distances(time, state, mode, at);
+        let unit = at.units[i];
+        let limits = member.actuator.limits();
+        let its = &mut mode.actuators[i];
+        its.loose = (unit.distance - unit.length - tendon.rest_length()).value() <= 0.0;
+        let beyond = unit.length.value() > limits.max_length().value();
+        its.mode.extent = if beyond { Extent::Taut } else { Extent::Free };
+        its.mode.sliding = Sliding::Stuck;
+        let friction = member.actuator.friction();
+        let on_the_stop = unit.length.value() <= limits.min_length().value();
+        let (least, most) = self.holdable(i, state, mode, unit.length);
+        let pull = super::tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
+        let sliding = |heading: f64| match friction.has_direction() {
+            false => Sliding::Frictionless,
+            true if heading < 0.0 => Sliding::Shortening,
+            true => Sliding::Lengthening,
+        };
+        let heading = if pull - most.value() > member.force_band {
+            1.0
+        } else if pull - least.value() < -member.force_band {
+            -1.0
+        } else if friction.has_coulomb() || on_the_stop {
+            return;
+        } else {
+            // It goes the way of the balance, however small.
+            mode.actuators[i].mode.sliding = sliding(1.0);
+            self.follow_all(time, state, mode, at, None);
+            self.enter_distances(time, state, mode, at);
+            self.velocity_of_end(i, time, state, mode, at).value()
+        };
+        mode.actuators[i].mode.sliding = sliding(heading);
+    }
+}

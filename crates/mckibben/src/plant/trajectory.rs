@@ -1,0 +1,165 @@
+//! A run of a plant: its steps kept, the state at any time, samples and events.
+
+use super::Plant;
+use super::crossing::PlantEventKind;
+use super::evaluation::{Evaluation, System};
+use super::mode::PlantMode;
+use super::start::PlantStart;
+use crate::engine::{Integrator, Statistics, arc};
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::Real;
+use crate::valve::SIMULTANEOUS;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// An event of a plant.
+#[derive(Clone, Debug)]
+pub struct PlantEvent<R = f64> {
+    /// When, in s.
+    pub time: R,
+    /// What happened, and to which part.
+    pub kind: PlantEventKind,
+}
+
+/// Control points of a step and the segment that it belongs to.
+#[derive(Clone, Copy, Debug)]
+struct Kept<R> {
+    start: R,
+    step: R,
+    end: R,
+    segment: usize,
+}
+
+/// A run of a plant.
+#[derive(Clone, Debug)]
+pub struct PlantTrajectory<R: Real = f64> {
+    plant: Plant<R>,
+    relative_tolerance: f64,
+    /// The modes, each stored once.
+    segments: Vec<PlantMode<R>>,
+    pieces: Vec<Kept<R>>,
+    points: Vec<R>,
+    events: Vec<PlantEvent<R>>,
+    statistics: Statistics,
+    last: (R, Vec<R>, PlantMode<R>),
+}
+
+/// Numbers that a kept run may have: about two gigabytes.
+const MOST_NUMBERS: usize = 250_000_000;
+
+/// Simulates a plant from a start for `duration` s by the event-located engine, with a relative tolerance for each step.
+///
+/// # Errors
+/// As [`Plant::start`]; [`Error::OutOfRange`] for a duration outside its range; [`Error::Stopped`] when the plant leaves
+/// what the model describes or no step is short enough.
+pub fn simulate_plant<R: Real>(
+    plant: &Plant<R>,
+    start: &PlantStart<R>,
+    duration: R,
+    relative_tolerance: f64,
+) -> Result<PlantTrajectory<R>, Error> {
+    parameter::DURATION.check(duration.value())?;
+    let state = plant.start(start)?;
+    PlantTrajectory::run(plant.clone(), state, duration, relative_tolerance, &mut |_| Ok(()))
+}
+
+impl<R: Real> PlantTrajectory<R> {
+    /// Runs a plant from a state; `watch` is called with the time in s now and then, and may end the run by an error.
+    pub(crate) fn run(
+        plant: Plant<R>,
+        mut state: Vec<R>,
+        duration: R,
+        relative_tolerance: f64,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<Self, Error> {
+        let system = System::new(&plant, relative_tolerance);
+        let mut work = Evaluation::new(&plant);
+        let mode = system.begin(&mut state, &mut work);
+        let mut segments = vec![mode.clone()];
+        let (mut pieces, mut points, mut events) = (Vec::new(), Vec::new(), Vec::new());
+        let mut integrator = Integrator::new(&system, R::zero(), &state, mode, duration, relative_tolerance);
+        while integrator.advance()? {
+            let piece = integrator.piece();
+            points.extend_from_slice(&piece.arc.points);
+            let (start, step) = (piece.arc.start, piece.arc.step);
+            pieces.push(Kept { start, step, end: piece.end, segment: segments.len() - 1 });
+            if let Some((kind, after)) = piece.event {
+                events.push(PlantEvent { time: piece.end, kind });
+                segments.push(after.clone());
+            }
+            if pieces.len().is_multiple_of(256) {
+                watch(integrator.time().value())?;
+            }
+            if points.len() > MOST_NUMBERS {
+                return Err(Error::Stopped {
+                    time: integrator.time().value(),
+                    reason: "the run takes more steps than a kept trajectory may have",
+                    quantity: "steps",
+                    value: pieces.len() as f64,
+                    unit: "",
+                    remedy: "shorten run.duration or loosen run.relative_tolerance",
+                });
+            }
+        }
+        let last = (integrator.time(), integrator.state().to_vec(), integrator.mode().clone());
+        let statistics = integrator.statistics();
+        Ok(Self { plant, relative_tolerance, segments, pieces, points, events, statistics, last })
+    }
+
+    /// The plant that was simulated.
+    pub fn plant(&self) -> &Plant<R> {
+        &self.plant
+    }
+
+    /// The events in order of time.
+    pub fn events(&self) -> &[PlantEvent<R>] {
+        &self.events
+    }
+
+    /// Steps, evaluations and events.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// End of the run in s.
+    pub fn duration(&self) -> R {
+        self.last.0
+    }
+
+    /// The relative tolerance of each step.
+    pub fn relative_tolerance(&self) -> f64 {
+        self.relative_tolerance
+    }
+
+    /// The states at `time` in s, by dense output, with the mode that holds; at the instant of an event, after it. Times before
+    /// the start and after the end give the first and the last state.
+    pub fn at(&self, time: R) -> (Vec<R>, &PlantMode<R>) {
+        let (end, last, mode) = &self.last;
+        if time.value() >= end.value() * (1.0 - SIMULTANEOUS) {
+            return (last.clone(), mode);
+        }
+        let begun = self.pieces.partition_point(|piece| begins_by(piece, time.value()));
+        let index = begun.saturating_sub(1);
+        let Some(piece) = self.pieces.get(index) else { return (last.clone(), mode) };
+        let mut state = vec![R::zero(); self.plant.places().states];
+        let time = R::constant(time.value().clamp(piece.start.value(), piece.end.value().max(piece.start.value())));
+        let size = arc_size(state.len());
+        let points = &self.points[index * size..(index + 1) * size];
+        arc::at(points, (time - piece.start) / piece.step, &mut state);
+        let system = System::new(&self.plant, self.relative_tolerance);
+        let mode = &self.segments[piece.segment];
+        system.project(time, &mut state, mode, &mut Evaluation::new(&self.plant));
+        (state, mode)
+    }
+}
+
+/// Numbers of an arc of so many states.
+fn arc_size(states: usize) -> usize {
+    arc::POINTS * states
+}
+
+/// Whether a piece has begun at a time. Two instants that differ by rounding are one.
+fn begins_by<R: Real>(piece: &Kept<R>, time: f64) -> bool {
+    piece.start.value() <= time * (1.0 + SIMULTANEOUS)
+}
