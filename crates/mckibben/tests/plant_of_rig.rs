@@ -96,12 +96,7 @@ fn rigs_with_air_lines() {
         ("dead band", Line { supply: supply(Some(tank), Some(regulator)), ..Line::NONE }),
         (
             "all",
-            Line {
-                hose: Some(hose(HoseKind::Lumped)),
-                leakage: Some(leak),
-                supply: supply(Some(tank), Some(plain)),
-                ..Line::NONE
-            },
+            Line { hose: Some(hose(HoseKind::Lumped)), leakage: Some(leak), supply: supply(Some(tank), Some(plain)) },
         ),
     ];
     for (name, line) in cases {

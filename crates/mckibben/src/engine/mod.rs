@@ -1,9 +1,9 @@
 //! The event-located engine: adaptive steps of high order that end where a mode ends.
 //!
-//! A [`Hybrid`] system is smooth while its mode lasts. Its rates in a mode are that mode's formulas, smoothly continued
+//! A hybrid system is smooth while its mode lasts. Its rates in a mode are that mode's formulas, smoothly continued
 //! beyond the mode's own region, so that no step ever spans a kink. The mode says two things about its own end: an *instant*,
 //! known beforehand, and *guards*, functions of the state that are positive while the mode lasts. What happens at the end of
-//! a mode is the system's to say; when it happens is the [`Integrator`]'s to find, by the rules of
+//! a mode is the system's to say; when it happens is the integrator's to find, by the rules of
 //! [`event`](crate::simulation::event).
 //!
 //! States lie in slices: how many there are is a number and no type.

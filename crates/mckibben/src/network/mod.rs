@@ -8,8 +8,8 @@
 //! | [`NodeKind::Chamber`] | of an actuator's air (19) | of the gas |
 //! | [`NodeKind::Hose`] | `dP/dt = κRT/V ṁ` of a hose's volume or cell | the wall's |
 //! | [`NodeKind::Reservoir`] | the same of a tank, a bottle or a manifold | the supply's |
-//! | [`NodeKind::Outlet`] | of a regulator with droop, dead band and lag ([`line::Regulator`](crate::line::Regulator)) | the supply's |
-//! | [`NodeKind::Port`] | of a proportional pressure regulator ([`valve::Regulator`](crate::valve::Regulator)) | the supply's |
+//! | [`NodeKind::Outlet`] | of a regulator with droop, dead band and lag ([`line::Regulator`]) | the supply's |
+//! | [`NodeKind::Port`] | of a proportional pressure regulator ([`valve::Regulator`]) | the supply's |
 //!
 //! | branch | flow |
 //! |---|---|
@@ -23,7 +23,7 @@
 //! Positive flow goes from `from` to `to`. A regulator's outlet holds no air: what is drawn from it comes from its inlet.
 //!
 //! Flow zones of orifices, the regime of a lumped hose, the compressor's switch and the regulator's poppet are parts of the
-//! mode ([`mode`]); what the valves do over time is known beforehand.
+//! mode; what the valves do over time is known beforehand.
 
 pub(crate) mod flow;
 pub(crate) mod guard;

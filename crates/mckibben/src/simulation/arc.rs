@@ -167,6 +167,7 @@ impl Bernstein {
     }
 
     /// The value at `θ`.
+    #[cfg(feature = "alloc")]
     pub(crate) fn at(&self, theta: f64) -> f64 {
         let rest = 1.0 - theta;
         let (mut power, mut sum) = (1.0, self.0[0] * rest);
