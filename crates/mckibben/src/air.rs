@@ -264,18 +264,19 @@ impl<S: Scalar> Air<S> {
     /// `dP/dt` in Pa/s, with inflow at `inflow_temperature` in K.
     #[inline(always)]
     pub fn pressure_rate<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, inflow_temperature: T) -> T {
-        self.pressure_rate_by(chamber, flow, inflow_temperature * flow.inward)
+        self.pressure_rate_by(chamber, flow, || inflow_temperature * flow.inward)
     }
 
-    /// `dP/dt` in Pa/s of a chamber with a flow whose parts that come in bring `warmth`, the sum of `T ṁ` in K·kg/s.
+    /// `dP/dt` in Pa/s of a chamber with a flow whose parts that come in bring `warmth`, the sum of `T ṁ` in K·kg/s, which only
+    /// an energy balance asks for.
     #[inline(always)]
-    pub fn pressure_rate_by<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, warmth: T) -> T {
+    pub fn pressure_rate_by<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, warmth: impl FnOnce() -> T) -> T {
         let Chamber { pressure, mass, volume, volume_rate, per_content, .. } = *chamber;
         match self.process {
             Process::EnergyBalance { heat_transfer, wall_temperature } => {
                 let gamma = T::of(self.heat_capacity_ratio);
                 let temperature = self.temperature(chamber);
-                let enthalpy = gamma * T::of(self.gas_constant) * (warmth - temperature * flow.outward);
+                let enthalpy = gamma * T::of(self.gas_constant) * (warmth() - temperature * flow.outward);
                 let heat = (gamma - T::one()) * T::of(heat_transfer) * (T::of(wall_temperature) - temperature);
                 (enthalpy - gamma * pressure * volume_rate + heat) * mass * per_content
             }

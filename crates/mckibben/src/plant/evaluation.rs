@@ -249,7 +249,7 @@ impl<'a, R: Real> System<'a, R> {
             unit.pressure_rate = rate;
             unit.flow = split(air.flow_for(chamber, rate));
         } else {
-            unit.pressure_rate = air.pressure_rate_by(chamber, &unit.flow, unit.warmth);
+            unit.pressure_rate = air.pressure_rate_by(chamber, &unit.flow, || unit.warmth);
         }
         unit.mass_rate = unit.flow.net();
     }

@@ -87,7 +87,7 @@ impl<R: Real> System<'_, R> {
     pub(crate) fn air_rate<T: Over<R>>(&self, i: usize, (unit, chamber): (&Unit<T>, &Chamber<T>), velocity: T) -> T {
         let actuator = &self.plant.actuators[i].actuator;
         let moving = actuator.chamber(unit.length, velocity, chamber.pressure, chamber.mass, false);
-        actuator.air().pressure_rate_by(&moving, &unit.flow, unit.warmth)
+        actuator.air().pressure_rate_by(&moving, &unit.flow, || unit.warmth)
     }
 
     /// The rate at which both tensions are equal.
