@@ -97,13 +97,14 @@ class LyingList(list):  # type: ignore[type-arg]
 
 
 @pytest.mark.parametrize("lying", [Liar, lambda *items: LyingList(items)])
-def test_a_sequence_that_lies_about_its_length_counts_by_its_items(lying, swing):
+def test_a_sequence_that_lies_about_its_length_counts_by_its_items(lying, swing, examples):
     made, honest = (
         swing.with_values({"actuator.preset": "colbrunn-2001", "actuator.effectiveness.pressure_unit": "psi",
                            "actuator.effectiveness.polynomial": coefficients}) for coefficients in (lying(0.5, 0.001), [0.5, 0.001])
     )
     assert made == honest != swing
-    plants = mckibben.Plants(swing, 2, by=lying("load.mass"), asked="request")
+    driven = mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    plants = mckibben.Plants(driven, 2, by=lying("load.mass"), asked="request")
     assert plants.by == ["load.mass"]
     of = mckibben.Differentiable(swing, lying("load.mass"), lying("length"), [0.1])
     assert of.by == ["load.mass"] and of.of == ["length"]
