@@ -163,8 +163,6 @@ impl<'a, R: Real> System<'a, R> {
                 }
                 if let (Some(belt), Contact::Pressed) = (chain.belt(), its.foot) {
                     let reach = belt.depth.value();
-                    let drag = belt.friction.value() * belt.stiffness.value() / belt.slipping_speed.value();
-                    let _ = drag;
                     for k in 0..count {
                         damping[k * count + k] += belt.damping.value() * reach * reach;
                     }
