@@ -60,6 +60,13 @@ const STIFF_RATIO: f64 = 4.0;
 /// Steps in which the implicit method may grow before it is judged.
 const GROWING: u32 = 6;
 
+/// Part of a state that a step may err by whatever the tolerance.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Attempted steps in which time must advance by [`LEAST_ADVANCE`] s, so that no run goes on without progress: the air of
+/// a hose of a millimetre asks for about 10⁶ steps in a second.
+const CRAWL_STEPS: u64 = 100_000;
+const LEAST_ADVANCE: f64 = 1e-4;
+
 /// Steps a system through time; each call of [`Integrator::advance`] makes the next piece.
 pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
     system: &'a S,
@@ -85,6 +92,8 @@ pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
     stiff_steps: u32,
     implicit_run: u32,
     events_here: u32,
+    /// Where progress is measured from: attempted steps, and the time in s.
+    measured_from: (u64, f64),
     statistics: Statistics,
     explicit: explicit::Attempt<R>,
     implicit: implicit::Attempt<R>,
@@ -129,6 +138,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             stiff_steps: 0,
             implicit_run: 0,
             events_here: 0,
+            measured_from: (0, time.value()),
             statistics: Statistics::default(),
             explicit,
             implicit: implicit::Attempt::new(states),
@@ -186,7 +196,8 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// [`Error::Stopped`] when the step length falls below the resolution of time, when events do not let time advance,
     /// or when the system itself cannot go on.
     pub(crate) fn advance(&mut self) -> Result<bool, Error> {
-        self.event = None;
+        let last_event = self.event.take();
+        self.check_progress(last_event)?;
         let stop = self.instant.unwrap_or(self.until);
         if reached(self.time, stop) {
             if self.instant.is_none() {
@@ -238,6 +249,22 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         }
     }
 
+    /// That the last many steps have brought the time on.
+    fn check_progress(&mut self, last_event: Option<S::Kind>) -> Result<(), Error> {
+        let Statistics { explicit_steps, implicit_steps, rejected_steps, events, .. } = self.statistics;
+        let steps = explicit_steps + implicit_steps + rejected_steps + events;
+        let (from, since) = self.measured_from;
+        if steps < from + CRAWL_STEPS {
+            return Ok(());
+        }
+        let advance = self.time.value() - since;
+        if advance < LEAST_ADVANCE {
+            return Err(self.system.crawls(self.time, advance, last_event));
+        }
+        self.measured_from = (steps, self.time.value());
+        Ok(())
+    }
+
     /// Computes the rates at the current state, once for a state and mode.
     fn enter_slope(&mut self) {
         if self.has_slope {
@@ -261,8 +288,9 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// Computes the scales of the states, and the errors that the tolerance allows in a step.
     fn enter_scales(&mut self) {
         self.system.scales(&self.state[..self.states], &self.mode, &mut self.scales);
-        for (allowed, scale) in self.allowed.iter_mut().zip(&self.scales) {
-            *allowed = self.relative_tolerance * scale;
+        for ((allowed, scale), value) in self.allowed.iter_mut().zip(&self.scales).zip(&self.state) {
+            // No step makes a state more exact than its rounding.
+            *allowed = Scalar::larger(self.relative_tolerance * scale, ROUNDING * value.value().abs());
         }
     }
 

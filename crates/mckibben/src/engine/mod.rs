@@ -100,6 +100,9 @@ pub(crate) trait Hybrid<R: Real> {
     /// Restores what a step knows exactly.
     fn project(&self, time: R, state: &mut [R], mode: &Self::Mode, work: &mut Self::Work<R>);
 
+    /// The error of many steps that have brought the time on by `advance` s alone, with the event that ended the last step.
+    fn crawls(&self, time: R, advance: f64, event: Option<Self::Kind>) -> Error;
+
     /// The error of a step that has become too small to go on.
     fn stuck(&self, time: R, state: &[R], mode: &Self::Mode) -> Error;
 }

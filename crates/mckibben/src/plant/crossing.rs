@@ -606,6 +606,41 @@ impl<R: Real> System<'_, R> {
         }
     }
 
+    /// The error of a run that makes no progress: what goes on there, by the event that it had last.
+    pub(crate) fn crawls(&self, time: R, advance: f64, event: Option<PlantEventKind>) -> Error {
+        let (reason, remedy) = match event.map(|event| event.kind) {
+            Some(EventKind::Stick | EventKind::BreakAway | EventKind::Reversal) => (
+                "an actuator sticks and slides in turn without end",
+                "raise actuator.friction.viscous, or loosen run.relative_tolerance",
+            ),
+            Some(EventKind::Flow | EventKind::Regime) => (
+                "a flow changes its regime without end",
+                "check that volumes and flow areas fit each other, or lower valve.laminar_ratio",
+            ),
+            Some(EventKind::Regulator) => {
+                ("a regulator opens and shuts without end", "give it a droop or a lag, or widen its dead band")
+            }
+            Some(EventKind::TendonLoose | EventKind::TendonTight) => {
+                ("a tendon comes tight and loose without end", "give its actuator viscous friction, or a softer tendon")
+            }
+            Some(EventKind::StopReached | EventKind::StopRebound | EventKind::StopLeft) => {
+                ("a stop is reached and left without end", "raise the damping of the stop or lower its stiffness")
+            }
+            _ => (
+                "100000 steps advance the time by less than 0.1 ms",
+                "check that masses, volumes and flow areas are of usual size, or loosen run.relative_tolerance",
+            ),
+        };
+        Error::Stopped {
+            time: time.value(),
+            reason,
+            quantity: "advance in the last 100000 steps",
+            value: advance,
+            unit: "s",
+            remedy,
+        }
+    }
+
     /// The error of a step that has become too small to go on.
     pub(crate) fn stuck(&self, time: R, state: &[R]) -> Error {
         let pressure = self.plant.places.actuators.first().map_or(0.0, |here| state[here.pressure].value());

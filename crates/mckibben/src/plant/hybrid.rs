@@ -89,6 +89,10 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         System::project(self, time, state, mode, work);
     }
 
+    fn crawls(&self, time: R, advance: f64, event: Option<PlantEventKind>) -> Error {
+        System::crawls(self, time, advance, event)
+    }
+
     fn stuck(&self, time: R, state: &[R], _mode: &PlantMode<R>) -> Error {
         System::stuck(self, time, state)
     }

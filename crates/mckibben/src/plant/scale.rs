@@ -5,6 +5,7 @@ use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::wire::Wire;
 use super::{Mounted, Plant, tendon};
+use crate::air::Process;
 use crate::dual::Dual;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::{BranchKind, NodeKind};
@@ -219,7 +220,7 @@ impl<'a, R: Real> System<'a, R> {
     /// How fast the bristles and the length of an actuator settle.
     fn actuator_settling(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
         let (mounted, here, its) = (&self.plant.actuators[i], &self.plant.places.actuators[i], &mode.actuators[i]);
-        let mut fastest: f64 = 0.0;
+        let mut fastest = self.heat_settling(i, at);
         let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
         if let (Some(place), Some(law)) = (here.bristles, self.members[i].lugre())
             && its.mode.extent != Extent::Slack
@@ -246,6 +247,42 @@ impl<'a, R: Real> System<'a, R> {
             fastest = fastest.max(per_length / per_velocity);
         }
         fastest
+    }
+
+    /// By how much the flow through a branch rises in kg/(s·Pa) with the gap between two pressures that are nearly equal, with
+    /// its valve wholly open.
+    fn slope_at_rest(&self, index: usize, pressure: f64, mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        let (network, of_branch) = (&self.plant.network, &mode.network.branches[index]);
+        let air = self.plant.actuators[0].actuator.air();
+        let branch = &network.branches[index];
+        let temperature = |node| network.temperature(node, &at.chambers, air).value();
+        let gap = EQUAL * pressure;
+        let [high, low] = [pressure + gap, pressure].map(R::constant);
+        match &branch.kind {
+            BranchKind::Path { law, .. } | BranchKind::Check { law } => {
+                let Some(zone) = of_branch.zone else { return 0.0 };
+                let upstream = temperature(if zone.is_inward() { branch.from } else { branch.to });
+                (law.conductance() * law.in_zone(zone, R::one)).value() / Scalar::sqrt(upstream)
+            }
+            BranchKind::Loss(hose) => hose.tube().flow_in(of_branch.regime, high, low).value() / gap,
+            BranchKind::Leak(leakage) => {
+                let content = air.gas_constant() * R::constant(temperature(branch.from));
+                leakage.between(high, low, content).value() / gap
+            }
+            BranchKind::Inertia(_) | BranchKind::Compressor => 0.0,
+        }
+    }
+
+    /// How fast the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
+    fn heat_settling(&self, i: usize, at: &Evaluation<R>) -> f64 {
+        let air = self.plant.actuators[i].actuator.air();
+        match air.process() {
+            Process::EnergyBalance { heat_transfer, .. } => {
+                let excess = (air.heat_capacity_ratio() - R::one()) * heat_transfer;
+                (excess / (at.chambers[i].mass * air.gas_constant())).value()
+            }
+            _ => 0.0,
+        }
     }
 
     /// How fast the pressures of nodes settle against each other: each with the sum of its branches' conductances.
@@ -287,6 +324,7 @@ impl<'a, R: Real> System<'a, R> {
                         fastest = fastest.max(-regulator.rate_in(approach, pressure, set).slope[0].value());
                     }
                 }
+                NodeKind::Chamber { actuator } => sums[node] = self.heat_settling(*actuator, at),
                 _ => {}
             }
         }
@@ -297,9 +335,13 @@ impl<'a, R: Real> System<'a, R> {
             let zone = of_branch.zone;
             let gap = near - far;
             let closing = rate(to) - rate(from);
+            // Where the pressures are equal but for rounding, their flow says nothing of its slope.
+            let slope = |gap: f64| {
+                if gap.abs() > EQUAL * near { (flow / gap).abs() } else { self.slope_at_rest(index, near, mode, at) }
+            };
             let conductance = match &branch.kind {
                 BranchKind::Path { .. } | BranchKind::Check { .. } => match zone {
-                    Some(FlowZone::LaminarIn | FlowZone::LaminarOut) => (flow / gap).abs(),
+                    Some(FlowZone::LaminarIn | FlowZone::LaminarOut) => slope(gap),
                     Some(FlowZone::SubsonicIn | FlowZone::SubsonicOut) => {
                         // Below the speed of sound the slope grows without bound as the pressures meet: the time until they
                         // would counts.
@@ -314,9 +356,9 @@ impl<'a, R: Real> System<'a, R> {
                         let closing = 2.0 * (near * rate(from) - far * rate(to));
                         fastest = fastest.max((MEETING * closing / squares).abs());
                     }
-                    (flow / gap).abs()
+                    slope(gap)
                 }
-                BranchKind::Leak(_) => (flow / gap).abs(),
+                BranchKind::Leak(_) => slope(gap),
                 BranchKind::Inertia(_) | BranchKind::Compressor => 0.0,
             };
             if conductance.is_finite() {
@@ -333,6 +375,9 @@ impl<'a, R: Real> System<'a, R> {
         fastest
     }
 }
+
+/// Part of a pressure by which two differ that are not equal.
+const EQUAL: f64 = 1e-6;
 
 /// The largest entry of the gradient of an actuator's distance at coordinates zero: its moment arm, or one.
 fn usual_arm<R: Real>(plant: &Plant<R>, mounted: &Mounted<R>) -> f64 {

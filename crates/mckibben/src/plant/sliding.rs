@@ -421,7 +421,9 @@ impl<R: Real> System<'_, R> {
             return T::zero();
         }
         let ends = [length, T::zero(), state[self.plant.places.actuators[i].pressure]];
-        self.members[i].tension(ends, &of_actuator.mode, (&of_actuator.trace, self.bristles(i, state)))
+        let remembered = (&of_actuator.trace, self.bristles(i, state));
+        // No mode says whether what rests would push.
+        self.members[i].tension(ends, &of_actuator.mode, remembered).larger(T::zero())
     }
 
     /// `zᵀR` of what sticking actuators hold of a mechanism that moves.
