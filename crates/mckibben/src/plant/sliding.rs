@@ -32,11 +32,11 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Facet {
     /// Sticking actuators of the block whose gradients are independent.
-    span: Vec<usize>,
+    pub(super) span: Vec<usize>,
     /// Those in whose directions the facet lies: one fewer.
     along: Vec<usize>,
     /// All sticking actuators of the block.
-    block: Vec<usize>,
+    pub(super) block: Vec<usize>,
 }
 
 impl<R: Real> System<'_, R> {
@@ -414,7 +414,7 @@ impl<R: Real> System<'_, R> {
     }
 
     /// Tension of an actuator that rests and holds nothing; zero for one that does.
-    fn unstuck_tension<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> T {
+    pub(super) fn unstuck_tension<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> T {
         let of_actuator = &mode.actuators[i];
         let m = self.plant.actuators[i].mechanism;
         if mode.mechanisms[m].facets.iter().any(|facet| facet.block.contains(&i)) {
