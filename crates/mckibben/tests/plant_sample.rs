@@ -374,7 +374,7 @@ fn samples_in_order_are_samples_one_by_one() {
 /// Derivatives of what a sample has, against finite differences: of a muscle that moves, and of one that sticks.
 #[test]
 fn samples_carry_derivatives() {
-    let paper = Paper::driven(Command::Constant(Request::Fill)).mass(2.0);
+    let paper = Paper::driven(Command::Constant(Request::Fill)).mass(8.0);
     let row = &parameter::SUPPLY_GAUGE_PRESSURE;
     let read = |sample: &PlantSample| {
         let of = &sample.actuators[0];

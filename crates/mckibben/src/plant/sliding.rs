@@ -113,7 +113,9 @@ impl<R: Real> System<'_, R> {
         // What cannot hold pulls with its force at rest.
         for &i in &places.members[m] {
             let friction = self.members[i].actuator.friction();
-            if mode.actuators[i].mode.sliding == Sliding::Stuck && !resting.contains(&i) {
+            // An end on a tendon sticks or slides whatever the mechanism does.
+            let is_own = places.actuators[i].length.is_none();
+            if is_own && mode.actuators[i].mode.sliding == Sliding::Stuck && !resting.contains(&i) {
                 mode.actuators[i].mode.sliding =
                     if friction.has_direction() { Sliding::Held } else { Sliding::Frictionless };
             }
