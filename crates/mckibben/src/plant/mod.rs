@@ -15,12 +15,15 @@
 //!
 //! The smallest plant is the paper's: one actuator at a constant supply with a hanging mass (15)(19)(21).
 
+mod bookkeeping;
 mod crossing;
 mod dense;
 mod evaluation;
+mod exergy;
 mod guard;
 mod holding;
 mod hybrid;
+mod ledger;
 mod mode;
 mod of_rig;
 mod sample;
@@ -33,6 +36,9 @@ mod trajectory;
 
 pub use crossing::{Part, PlantEventKind};
 pub use guard::{PlantGuard, Touching};
+pub use ledger::{
+    ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
+};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart};

@@ -163,14 +163,11 @@ impl<'a, R: Real> Observer<'a, R> {
         Self { system, at: Evaluation::new(plant), warmth: vec![R::zero(); plant.actuators().len()] }
     }
 
-    /// Computes everything at a time in s, a state and a mode, tensions of what sticks included.
-    pub(crate) fn evaluate(&mut self, time: R, state: &[R], mode: &PlantMode<R>) {
+    /// Computes everything at a time in s, a state and a mode, but the tensions of what sticks.
+    pub(crate) fn evaluate_flows(&mut self, time: R, state: &[R], mode: &PlantMode<R>) {
         let Self { system, at, warmth } = self;
         let plant = system.plant;
         system.evaluate(time, state, mode, at);
-        for m in 0..plant.mechanisms().len() {
-            system.share_tensions(m, state, mode, at);
-        }
         for (i, warmth) in warmth.iter_mut().enumerate() {
             // Air whose pressure is given comes in as warm as it is inside.
             let given = plant.actuators()[i].pressure.is_some();
@@ -218,8 +215,11 @@ impl<'a, R: Real> Observer<'a, R> {
 
     /// Writes the sample at a time in s, a state and a mode.
     pub(crate) fn observe(&mut self, time: R, state: &[R], mode: &PlantMode<R>, sample: &mut PlantSample<R>) {
-        self.evaluate(time, state, mode);
+        self.evaluate_flows(time, state, mode);
         let plant = self.system.plant;
+        for m in 0..plant.mechanisms().len() {
+            self.system.share_tensions(m, state, mode, &mut self.at);
+        }
         let (at, places) = (&self.at, plant.places());
         sample.time = time;
         for (i, of_actuator) in sample.actuators.iter_mut().enumerate() {

@@ -31,6 +31,16 @@ struct Kept<R> {
     segment: usize,
 }
 
+/// A step of a run: its control points, from `start` for `step` s, valid up to `end`, and the mode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PieceView<'t, R = f64> {
+    pub(crate) start: R,
+    pub(crate) step: R,
+    pub(crate) end: R,
+    pub(crate) points: &'t [R],
+    pub(crate) mode: &'t PlantMode<R>,
+}
+
 /// A run of a plant.
 #[derive(Clone, Debug)]
 pub struct PlantTrajectory<R: Real = f64> {
@@ -140,6 +150,15 @@ impl<R: Real> PlantTrajectory<R> {
         let begun = self.begun(0, time.value());
         let (_, mode) = self.read(&system, begun, time, &mut state, &mut Evaluation::new(&self.plant));
         (state, mode)
+    }
+
+    /// Calls `visit` with each step in order of time.
+    pub(crate) fn each_piece(&self, mut visit: impl FnMut(PieceView<'_, R>)) {
+        let size = arc_size(self.plant.places().states);
+        for (index, Kept { start, step, end, segment }) in self.pieces.iter().enumerate() {
+            let points = &self.points[index * size..(index + 1) * size];
+            visit(PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] });
+        }
     }
 
     /// How many pieces have begun by a time in s; `near` is a guess.
