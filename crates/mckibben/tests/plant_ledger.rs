@@ -168,7 +168,9 @@ fn a_bottle_empties_into_a_sealed_chamber() {
     assert_close(ledger.actuators[0].exergy_gain, chamber * worth(last), 1e-8);
     let destroyed = bottle * worth(first) - (bottle + chamber) * worth(last);
     assert_close(total.throttled, destroyed, 1e-6);
-    assert_eq!((total.drawn, total.exhaust, total.compressed), (0.0, 0.0, 0.0));
+    assert_eq!((total.drawn, total.compressed), (0.0, 0.0));
+    // Until the seat moves the exhaust is open between equal pressures.
+    assert_within(total.exhaust, 0.0, 1e-12);
     assert_closes("a bottle", &ledger, 1e-7);
 }
 
@@ -403,6 +405,24 @@ fn lines_close() {
     }
 }
 
+/// A proportional pressure regulator draws what it needs from its supply and lets go to the atmosphere what comes back.
+#[test]
+fn a_pressure_regulator_closes() {
+    let regulator = mckibben::valve::Regulator::new(0.03, 5e-3, 2e6).expect("a regulator");
+    let command = Command::set_points(vec![0.0, 0.2, 0.4], vec![4e5, 1e5, 3e5]).expect("set points");
+    let paper =
+        Paper::driven(command.clone()).process(Process::EnergyBalance { heat_transfer: 0.3, wall_temperature: 300.0 });
+    let actuation = Actuation { solenoid: Solenoid::regulating(regulator), command };
+    let rig = Rig::new(paper.actuator(), Some(actuation), paper.load.clone()).expect("a rig");
+    let old = simulate(&rig, rig.start(&paper.initial()).expect("a start"), 0.6, 1e-10).expect("a run");
+    let (ledger, circuit) = (run_of(&rig, &paper, 0.6, 1e-10).ledger(), old.circuit().expect("a circuit"));
+    let total = ledger.total();
+    assert_close(total.drawn, circuit.drawn, 1e-6);
+    assert_close(total.stored, circuit.stored, 1e-6);
+    assert!(total.exhaust > 0.0 && ledger.nodes.iter().any(|of| of.released > 0.0 && of.throttled > 0.0));
+    assert_closes("a regulator", &ledger, 1e-7);
+}
+
 /// Unlike muscles on one bottle or tank, with and without a regulator: laws, loads, processes, hoses and leaks by a row of
 /// numbers that look random.
 #[test]
@@ -506,7 +526,7 @@ fn a_leg_on_its_belt_closes() {
 }
 
 /// Cases that are tried when `MCKIBBEN_CASES` is not set.
-const CASES: u32 = 300;
+const CASES: u32 = 120;
 
 /// What a random plant leaves.
 #[derive(Default)]

@@ -50,6 +50,7 @@ pub(super) struct Bookkeeper<'a> {
     state: Vec<f64>,
     has_begun: bool,
     relative_tolerance: f64,
+    steps: f64,
     /// Energies of the work and of the air in J, and the mass of the air in kg, at an instant; and the largest so far.
     sizes: [f64; 3],
     largest: [f64; 3],
@@ -77,6 +78,7 @@ impl<'a> Bookkeeper<'a> {
             state: vec![0.0; plant.places().states],
             has_begun: false,
             relative_tolerance,
+            steps: 0.0,
             sizes: [0.0; 3],
             largest: [0.0; 3],
             steepness: [0.0; 2],
@@ -94,6 +96,7 @@ impl<'a> Bookkeeper<'a> {
         }
         let length = end - start;
         if length > 0.0 {
+            self.steps += 1.0;
             for (node, weight) in GAUSS {
                 let time = start + length * node;
                 arc::at(points, (time - start) / step, &mut state);
@@ -112,7 +115,7 @@ impl<'a> Bookkeeper<'a> {
         let [enthalpy, mass] = self.steepness;
         for ((errors, largest), steep) in self.ledger.errors.iter_mut().zip(self.largest).zip([0.0, enthalpy, mass]) {
             errors[0] += f64::EPSILON * steep;
-            errors[1] = self.relative_tolerance * (largest + steep);
+            errors[1] = self.relative_tolerance * (self.steps * largest + steep);
         }
         self.ledger
     }

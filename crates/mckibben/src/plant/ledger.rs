@@ -27,9 +27,9 @@
 //! them: `ε Σ (P V + |F| x + |E|)` over the points, of the air `ε Σ m c_p T` in addition, is the most that rounding leaves of a
 //! sum. A flow ṁ follows from a difference ΔP of pressures, so that it errs by `ε ṁ P/ΔP`. A residual below that is none.
 //!
-//! The tolerance of the run leaves the same open with itself in the place of ε, of the energies at their largest: in air that
-//! settles, the flow between nearly equal pressures is a small difference of two that are known to the tolerance
-//! ([`Balance::resolution`]).
+//! The tolerance of the run leaves more open, whatever is turned over ([`Balance::resolution`]): each step errs by up to the
+//! tolerance in each state, and so by that part of the energies that there are, and the errors of all steps add up at most. A
+//! flow errs by the tolerance times `ṁ P/ΔP`, which counts in air that settles: it is a small difference of two pressures.
 //!
 //! Source: `docs/energy.md`. Checked by `tests/plant_ledger.rs`.
 
@@ -208,8 +208,8 @@ pub struct Balance {
     pub turnover: f64,
     /// The most that rounding may leave of the sum.
     pub rounding: f64,
-    /// What the tolerance of the run leaves open whatever is turned over: its part of the energies, or the air, that there are,
-    /// and of flows between nearly equal pressures.
+    /// The most that the tolerance of the run may leave whatever is turned over: in each step its part of the energies, or the
+    /// air, that there are, and of flows between nearly equal pressures.
     pub resolution: f64,
 }
 
