@@ -25,6 +25,9 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
 
+/// ε of a state: it is a sum of as many control points.
+const ROUNDING: f64 = arc::POINTS as f64 * f64::EPSILON;
+
 /// What flows through a node at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 struct Passing {
@@ -114,7 +117,7 @@ impl<'a> Bookkeeper<'a> {
         }
         let [enthalpy, mass] = self.steepness;
         for ((errors, largest), steep) in self.ledger.errors.iter_mut().zip(self.largest).zip([0.0, enthalpy, mass]) {
-            errors[0] += f64::EPSILON * steep;
+            errors[0] += ROUNDING * steep;
             errors[1] = self.relative_tolerance * (self.steps * largest + steep);
         }
         self.ledger
@@ -180,7 +183,7 @@ impl<'a> Bookkeeper<'a> {
             }
         }
         for ((errors, largest), size) in self.ledger.errors.iter_mut().zip(&mut self.largest).zip(self.sizes) {
-            errors[0] += f64::EPSILON * size;
+            errors[0] += ROUNDING * size;
             *largest = largest.larger(size);
         }
     }

@@ -3,8 +3,7 @@
 //! A sample is read from the states by dense output and one evaluation of the plant. At the instant of an event it has what
 //! holds after it. Over dual numbers it carries its derivatives with respect to the parameters that were seeded.
 //!
-//! The tensions of actuators that stick are those of [`PlantSample::actuators`]' note: their sum on the mechanism is exact,
-//! and redundant ones share it.
+//! What actuators that stick hold together is exact; redundant ones share it ([`ActuatorSample::tension`]).
 //!
 //! Checked by `tests/plant_sample.rs`.
 
