@@ -346,6 +346,13 @@ fn samples_at_an_event_have_what_follows() {
     let paper = Paper::driven(Command::pwm(10.0, 0.5, Request::Fill, Request::Exhaust).expect("a command"));
     let run = run_of(&paper.rig(), &paper, 0.3, 1e-8);
     // The seat opens 4 ms after the coil is energised, and closes 1 ms after it is released.
+    // While it fills, the source gives what the muscle gets; else the atmosphere takes it.
+    for time in [0.02, 0.07] {
+        let sample = run.sample(time);
+        let flow = sample.actuators[0].mass_flow;
+        let boundary: f64 = sample.nodes.iter().map(|node| node.mass_flow).filter(|own| *own != flow).sum();
+        assert!((time < 0.05) == (flow > 0.0) && boundary == -flow, "{time}: {flow} {boundary}");
+    }
     for (time, supply) in [(0.104, true), (0.151, false), (0.204, true)] {
         let ports = |time: f64| run.sample(time).valves[0].ports;
         assert_eq!((ports(time).supply, ports(time - 1e-9).supply), (supply, !supply), "{time}");

@@ -12,7 +12,7 @@ use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::trajectory::PlantTrajectory;
 use crate::air::Process;
-use crate::network::{NodeKind, flow::NetworkState};
+use crate::network::{BranchKind, NodeKind, flow::NetworkState};
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
 use crate::simulation::{Extent, SampleTimes};
@@ -72,7 +72,7 @@ pub struct NodeSample<R = f64> {
     pub temperature: R,
     /// Mass of the air that it holds in kg, `V P/(κRT)` of hoses and reservoirs; zero where it holds none.
     pub air_mass: R,
-    /// Net mass flow into it in kg/s; what flows into an outlet from its inlet is not counted.
+    /// Net mass flow into it in kg/s, of a source or the atmosphere as well; what an outlet gets from its inlet is not counted.
     pub mass_flow: R,
 }
 
@@ -266,8 +266,23 @@ impl<'a, R: Real> Observer<'a, R> {
                 pressure: AbsolutePressure(node.pressure),
                 temperature,
                 air_mass: self.content(index),
-                mass_flow: node.net(),
+                mass_flow: R::zero(),
             };
+        }
+        for (branch, flow) in network.branches.iter().zip(&at.network.flows) {
+            let copies = match branch.kind {
+                BranchKind::Path { copies, .. } => copies,
+                _ => R::one(),
+            };
+            let [into, from] = [branch.to, branch.from].map(|n| sample.nodes[n].mass_flow);
+            sample.nodes[branch.to].mass_flow = into + *flow;
+            sample.nodes[branch.from].mass_flow = from - *flow * copies;
+        }
+        for n in (0..network.nodes.len()).rev() {
+            // What an outlet gives away comes from its inlet.
+            if let NodeKind::Outlet { inlet: Some(inlet), .. } = network.nodes[n].kind {
+                sample.nodes[inlet].mass_flow = sample.nodes[inlet].mass_flow + sample.nodes[n].mass_flow;
+            }
         }
         for (of_branch, flow) in sample.branches.iter_mut().zip(&at.network.flows) {
             of_branch.mass_flow = *flow;
