@@ -2,6 +2,8 @@
 
 mod common;
 
+mod plant_ledger;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
+mod plant_sample;

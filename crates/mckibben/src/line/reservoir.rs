@@ -171,6 +171,11 @@ impl<S: Scalar> Reservoir<S> {
         }
     }
 
+    /// Volume in m³.
+    pub fn volume(&self) -> S {
+        self.volume
+    }
+
     /// What fills it, unless it is a bottle.
     #[inline(always)]
     pub fn compressor(&self) -> Option<&Compressor<S>> {

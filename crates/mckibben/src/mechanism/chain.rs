@@ -109,6 +109,19 @@ pub struct Contacts<'a> {
     pub foot: Contact,
 }
 
+/// Powers of a chain in W besides those of the actuators.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainPowers<T = f64> {
+    /// Lost in the damping of the joints.
+    pub damping: T,
+    /// Lost in the stops: their damping and rebound.
+    pub stops: T,
+    /// Lost between belt and foot: damping, rebound and slipping.
+    pub belt: T,
+    /// What the drive of the belt puts in.
+    pub belt_drive: T,
+}
+
 /// A chain of revolute joints in a plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain<S = f64> {
@@ -444,32 +457,31 @@ impl<S: Scalar> Chain<S> {
         Some([T::of(belt.friction) * normal * slip / (slip * slip + slow * slow).sqrt(), normal])
     }
 
-    /// Power in W that the mechanism loses, and that which the belt puts in, both at angles and rates.
-    pub fn powers<T: Over<S>>(&self, angle: &[T], rate: &[T], contacts: Contacts<'_>) -> [T; 2] {
-        let mut lost = T::zero();
+    /// Powers in W that the mechanism loses, and that which the belt puts in, at angles and rates.
+    pub fn powers<T: Over<S>>(&self, angle: &[T], rate: &[T], contacts: Contacts<'_>) -> ChainPowers<T> {
+        let zero = T::zero();
+        let mut powers = ChainPowers { damping: zero, stops: zero, belt: zero, belt_drive: zero };
         for (k, joint) in self.joints.iter().enumerate() {
-            lost = lost + T::of(joint.damping) * rate[k] * rate[k];
+            powers.damping = powers.damping + T::of(joint.damping) * rate[k] * rate[k];
             for end in 0..2 {
-                let beyond = self.beyond_stop(k, end, angle[k]).larger(T::zero());
+                let beyond = self.beyond_stop(k, end, angle[k]).larger(zero);
                 let spring = T::of(joint.stops.stiffness) * beyond;
                 let outwards = T::constant(OUTWARDS[end]) * rate[k];
                 let push = match contacts.stops[k][end] {
                     Contact::Pressed => self.stop_torque(k, end, angle[k], rate[k]),
-                    Contact::None | Contact::Rebound => T::zero(),
+                    Contact::None | Contact::Rebound => zero,
                 };
                 // What the stop stores is its spring alone.
-                lost = lost + (push - spring) * outwards;
+                powers.stops = powers.stops + (push - spring) * outwards;
             }
         }
-        let mut driven = T::zero();
         if let (Some(belt), Some((depth, [across, up]))) = (&self.belt, self.foot(angle, rate)) {
-            let spring = T::of(belt.stiffness) * depth.larger(T::zero());
-            let [drag, normal] = self.belt_force(angle, rate, contacts.foot).unwrap_or([T::zero(); 2]);
-            lost = lost + (spring - normal) * up;
-            lost = lost + drag * (T::of(belt.velocity) - across);
-            driven = drag * T::of(belt.velocity);
+            let spring = T::of(belt.stiffness) * depth.larger(zero);
+            let [drag, normal] = self.belt_force(angle, rate, contacts.foot).unwrap_or([zero; 2]);
+            powers.belt = (spring - normal) * up + drag * (T::of(belt.velocity) - across);
+            powers.belt_drive = drag * T::of(belt.velocity);
         }
-        [lost, driven]
+        powers
     }
 
     /// Kinetic and potential energy in J, the springs of stops and belt included.

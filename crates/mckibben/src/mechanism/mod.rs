@@ -24,7 +24,7 @@ mod coupling;
 pub mod parameter;
 
 pub use crate::load::Motion;
-pub use chain::{Belt, Chain, ChainSegment, Contact, JointStops, Revolute};
+pub use chain::{Belt, Chain, ChainPowers, ChainSegment, Contact, JointStops, Revolute};
 pub use coupling::{Arm, Attachment, Coupling};
 
 use crate::convert::Convert;

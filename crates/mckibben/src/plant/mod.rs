@@ -15,15 +15,20 @@
 //!
 //! The smallest plant is the paper's: one actuator at a constant supply with a hanging mass (15)(19)(21).
 
+mod bookkeeping;
 mod crossing;
 mod dense;
 mod evaluation;
+mod exergy;
 mod guard;
 mod holding;
 mod hybrid;
+mod ledger;
 mod mode;
 mod of_rig;
+mod sample;
 mod scale;
+mod shares;
 mod sliding;
 mod start;
 mod tendon;
@@ -32,7 +37,11 @@ mod wire;
 
 pub use crossing::{Part, PlantEventKind};
 pub use guard::{PlantGuard, Touching};
+pub use ledger::{
+    ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
+};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
+pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 

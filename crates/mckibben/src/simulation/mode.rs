@@ -69,7 +69,7 @@ pub struct Mode {
 
 impl Mode {
     /// Whether the gas presses the threads together.
-    pub(super) fn touch(&self) -> Touch {
+    pub(crate) fn touch(&self) -> Touch {
         if self.pressed { Touch::Pressed } else { Touch::Apart }
     }
 }
