@@ -2,6 +2,7 @@
 
 mod common;
 
+mod plant_control;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;

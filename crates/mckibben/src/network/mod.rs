@@ -28,6 +28,7 @@
 pub(crate) mod flow;
 pub(crate) mod guard;
 pub(crate) mod mode;
+mod setting;
 
 use crate::air::Air;
 use crate::convert::Convert;

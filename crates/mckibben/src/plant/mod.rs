@@ -21,8 +21,10 @@ mod evaluation;
 mod guard;
 mod holding;
 mod hybrid;
+mod measure;
 mod mode;
 mod of_rig;
+mod run;
 mod scale;
 mod sliding;
 mod start;
@@ -32,6 +34,7 @@ mod trajectory;
 pub use crossing::{Part, PlantEventKind};
 pub use guard::{PlantGuard, Touching};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
+pub use run::{PlantRun, PlantSnapshot};
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
@@ -150,8 +153,8 @@ impl Plant {
     /// A plant of actuators on mechanisms, fed by a network.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, or a given
-    /// pressure in an actuator that the network feeds.
+    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, a given
+    /// pressure in an actuator that the network feeds, or a command that its valve cannot follow.
     pub fn new(actuators: Vec<Mounted>, network: Network, mechanisms: Vec<Mechanism>) -> Result<Self, Error> {
         let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
         for (index, mounted) in actuators.iter().enumerate() {
@@ -191,6 +194,7 @@ impl Plant {
                 );
             }
         }
+        network.valves.iter().try_for_each(|valve| valve.solenoid.check(&valve.command))?;
         let places = Places::new(&actuators, &network, &mechanisms);
         Ok(Self { actuators, network, mechanisms, places })
     }

@@ -184,6 +184,7 @@ impl<R: Real> System<'_, R> {
             mechanisms: (0..plant.mechanisms.len()).map(mechanism).collect(),
             network: plant.network.begin(),
             arms,
+            drivers: Vec::new(),
         };
         for (i, mounted) in plant.actuators.iter().enumerate() {
             if let Some(course) = &mounted.pressure {
