@@ -3,6 +3,8 @@
 mod common;
 
 mod plant_control;
+mod plant_dead_time;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
+mod plant_start_friction;

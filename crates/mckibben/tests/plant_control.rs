@@ -237,7 +237,7 @@ fn on_one_bottle(papers: &[Paper], volume: f64) -> (Plant, PlantStart, usize) {
     }
     let count = papers.len();
     let rates = vec![vec![0.0]; count];
-    let start = PlantStart { positions, rates, air: airs, lengths: vec![None; count] };
+    let start = PlantStart { positions, rates, air: airs, lengths: vec![None; count], friction: vec![] };
     (Plant::new(mounted, network, mechanisms).expect("a plant"), start, bottle)
 }
 
@@ -430,10 +430,25 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
     let atmosphere = papers[0].air().atmosphere();
     let gauge = |place: usize| end[place] - atmosphere.0;
     let tank = gauge(plant.places().nodes[bottle].expect("a state"));
-    // It stopped within what one sample lets in, and both chambers are nearly alike.
+    // It stopped within what one sample lets in.
     assert!(tank < 6.5e5 && tank > 6.1e5, "{tank}");
-    let [one, other] = [0, 1].map(|i| gauge(plant.places().actuators[i].pressure));
-    assert!((one - other).abs() < 0.2 * one, "{one} {other}");
+    // What is held keeps its air, from the closing delay on to the next sample; what is filled gains some.
+    let mut filled = [0, 0];
+    for (_, decision) in run.decisions().iter().filter(|(_, decision)| decision.seen.time < 0.985) {
+        for valve in 0..2 {
+            let place = plant.places().actuators[valve].mass();
+            let mass = |after: f64| run.at(decision.seen.time + after).0[place];
+            let fills = decision.demands[valve] == Some(Request::Fill.into());
+            if fills {
+                assert!(mass(0.01) > mass(0.005), "valve {valve} at {} s", decision.seen.time);
+                assert!(decision.seen.actuators[valve].pressure.0 <= decision.seen.actuators[1 - valve].pressure.0);
+                filled[valve] += 1;
+            } else {
+                assert_close(mass(0.01), mass(0.00101), 1e-12);
+            }
+        }
+    }
+    assert!(filled.iter().all(|count| *count > 0), "{filled:?}");
     let last = &run.decisions().last().expect("a decision").1;
     assert!(last.demands.iter().all(|demand| *demand == Some(Request::Hold.into())));
     assert_close(last.seen.nodes[bottle].0, tank, 1e-9);
@@ -516,8 +531,13 @@ fn a_given_pressure_stands_beside_a_driver() {
     let mass = Mechanism::Mass(Mass::new(4.0, Pull::Gravity(GRAVITY), None).expect("a mass"));
     let plant = Plant::new(mounted, plant.network().clone(), vec![mass]).expect("a plant");
     let air = InitialAir { gauge_pressure: GaugePressure(1e5), temperature: ROOM };
-    let start =
-        PlantStart { positions: vec![vec![0.092]], rates: vec![vec![0.0]], air: vec![air; 2], lengths: vec![None; 2] };
+    let start = PlantStart {
+        positions: vec![vec![0.092]],
+        rates: vec![vec![0.0]],
+        air: vec![air; 2],
+        lengths: vec![None; 2],
+        friction: vec![],
+    };
     let run = record(&plant, &start, vec![two_loops()[0].clone()], 0.5);
     for (_, decision) in run.decisions() {
         let time = decision.seen.time;

@@ -160,10 +160,10 @@ impl<R: Real> Network<R> {
 
     /// The next instant in s, up to and with `until`, at which a set point of a port takes effect.
     fn next_set_point(&self, node: usize, mode: &NetworkMode<R>, until: R) -> Option<R> {
-        let NodeKind::Port { regulator, valve, .. } = &self.nodes[node].kind else { return None };
+        let NodeKind::Port { valve, .. } = &self.nodes[node].kind else { return None };
         let actuation = self.actuation(*valve, mode);
         let (time, _) = actuation.command.set_point(mode.nodes[node].set_points)?;
-        let instant = time + regulator.dead_time() + actuation.solenoid.transport();
+        let instant = time + actuation.solenoid.latency();
         Some(instant).filter(|instant| crate::valve::is_due(*instant, until))
     }
 

@@ -18,6 +18,7 @@
 mod crossing;
 mod dense;
 mod evaluation;
+mod friction_start;
 mod guard;
 mod holding;
 mod hybrid;
@@ -32,6 +33,7 @@ mod tendon;
 mod trajectory;
 
 pub use crossing::{Part, PlantEventKind};
+pub use friction_start::InitialFriction;
 pub use guard::{PlantGuard, Touching};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use run::{PlantRun, PlantSnapshot};

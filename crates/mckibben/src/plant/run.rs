@@ -86,17 +86,8 @@ impl<R: Real> PlantRun<R> {
         relative_tolerance: f64,
         drivers: Vec<Driver<R>>,
     ) -> Result<Self, Error> {
-        let state = plant.start(start)?;
-        Self::begin(plant.clone(), state, relative_tolerance, drivers)
-    }
-
-    /// Starts at t = 0 in a state.
-    pub(crate) fn begin(
-        mut plant: Plant<R>,
-        mut state: Vec<R>,
-        relative_tolerance: f64,
-        drivers: Vec<Driver<R>>,
-    ) -> Result<Self, Error> {
+        let (mut state, memories) = plant.start_with_memories(start)?;
+        let mut plant = plant.clone();
         let coordinates: Vec<usize> = plant.places.mechanisms.iter().map(|here| here.coordinates).collect();
         Driver::check_all(&drivers, plant.network.valves.len(), plant.actuators.len(), &coordinates)?;
         for &valve in drivers.iter().flat_map(Driver::valves) {
@@ -104,7 +95,7 @@ impl<R: Real> PlantRun<R> {
             its.command = Command::nothing_of(&its.solenoid);
         }
         let system = System::new(&plant, relative_tolerance);
-        let mut mode = system.begin(&mut state, &mut Evaluation::new(&plant));
+        let mut mode = system.begin(&mut state, &memories, &mut Evaluation::new(&plant));
         mode.drivers = drivers;
         let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin() };
         Ok(Self { plant, relative_tolerance, reached })

@@ -63,22 +63,10 @@ pub fn simulate_plant<R: Real>(
     relative_tolerance: f64,
 ) -> Result<PlantTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    let state = plant.start(start)?;
-    PlantTrajectory::run(plant.clone(), state, duration, relative_tolerance, &mut |_| Ok(()))
+    PlantRun::new(plant, start, relative_tolerance)?.record_to(duration, &mut |_| Ok(()))
 }
 
 impl<R: Real> PlantTrajectory<R> {
-    /// Runs a plant from a state; `watch` is called with the time in s now and then, and may end the run by an error.
-    pub(crate) fn run(
-        plant: Plant<R>,
-        state: Vec<R>,
-        duration: R,
-        relative_tolerance: f64,
-        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
-    ) -> Result<Self, Error> {
-        PlantRun::begin(plant, state, relative_tolerance, Vec::new())?.record_to(duration, watch)
-    }
-
     /// Takes a run on to `until` in s and keeps it from here to there.
     pub(crate) fn record(
         run: &mut PlantRun<R>,
