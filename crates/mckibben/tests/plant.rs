@@ -7,4 +7,5 @@ mod plant_dead_time;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
+mod plant_sample;
 mod plant_start_friction;

@@ -26,7 +26,9 @@ mod measure;
 mod mode;
 mod of_rig;
 mod run;
+mod sample;
 mod scale;
+mod shares;
 mod sliding;
 mod start;
 mod tendon;
@@ -38,6 +40,7 @@ pub use friction_start::InitialFriction;
 pub use guard::{PlantGuard, Touching};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use run::{PlantRun, PlantSnapshot};
+pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
