@@ -199,7 +199,7 @@ fn each_controller_of_a_joint_runs_as_by_the_engine_of_joints() {
         let points = [of(Quantity::Angle, 0.15), of(Quantity::Stiffness, 2.0)];
         let rig = pair.rig().expect("a rig");
         let actuators = [0, 1].map(|i| rig.driven()[i].actuator.clone());
-        JointAim::new(actuators, rig.joint().clone(), points, GaugePressure(90.0 * PSI)).expect("within reach")
+        JointAim::new(actuators, *rig.joint(), points, GaugePressure(90.0 * PSI)).expect("within reach")
     };
     let forward = FeedForward { aim: aim(), regulator: relay(Quantity::Pressure, PSI, 0.0) };
     compare_joint("feed-forward", &joint(0.0), forward, sampling(200.0, 0));

@@ -37,11 +37,14 @@ impl<R: Real> PlantMeasurement<R> {
     }
 }
 
+/// Sensors of a coordinate of a mechanism and of its rate.
+type OfCoordinate<R> = ((usize, usize), [Sensor<R>; 2]);
+
 /// The sensors of a driver; what has none is shown as it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSensors<R = f64> {
     actuators: Vec<(usize, Sensors<R>)>,
-    coordinates: Vec<((usize, usize), [Sensor<R>; 2])>,
+    coordinates: Vec<OfCoordinate<R>>,
     nodes: Vec<(usize, Sensor<R>)>,
 }
 

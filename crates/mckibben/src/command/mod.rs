@@ -63,6 +63,9 @@ pub trait PlantController<R: Real = f64> {
     }
 }
 
+/// What the valves of a driver are to do; `None` where one goes on as it does.
+type Demands<R> = Vec<Option<Demand<R>>>;
+
 /// What a driver saw at a sampling instant and what it decided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantDecision<R = f64> {
@@ -71,7 +74,7 @@ pub struct PlantDecision<R = f64> {
     /// What the controller tried to reach and in which quantities.
     pub aims: Vec<(Quantity, R)>,
     /// What each of the driver's valves is to do once the decision takes effect; `None` where it goes on as it does.
-    pub demands: Vec<Option<Demand<R>>>,
+    pub demands: Demands<R>,
 }
 
 /// What stays the same of a driver.
@@ -98,7 +101,7 @@ struct Needs {
 #[derive(Clone, Debug)]
 pub struct Driver<R: Real = f64> {
     plan: Arc<Plan<R>>,
-    sampled: Sampled<Box<dyn Unit<R>>, Vec<Option<Demand<R>>>>,
+    sampled: Sampled<Box<dyn Unit<R>>, Demands<R>>,
     last: Option<Arc<PlantDecision<R>>>,
 }
 
@@ -200,7 +203,7 @@ impl<R: Real> Driver<R> {
     }
 
     /// Takes the sample that is due; what its valves are to do from now on.
-    pub(crate) fn take(&mut self, truth: PlantMeasurement<R>) -> Option<Vec<Option<Demand<R>>>> {
+    pub(crate) fn take(&mut self, truth: PlantMeasurement<R>) -> Option<Demands<R>> {
         let plan = self.plan.clone();
         let seen = plan.sensors.show(truth);
         let mut demands = vec![None; plan.valves.len()];
