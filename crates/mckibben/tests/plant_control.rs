@@ -20,7 +20,7 @@ use mckibben::simulation::{
 use mckibben::valve::{
     Command, Demand, FlowStandard, Port, Regulator as Proportional, Request, Solenoid, Spool, ValveKind,
 };
-use mckibben::{Error, GaugePressure};
+use mckibben::{Dual, Error, GaugePressure, Scalar};
 use std::fmt::Debug;
 
 const TOLERANCE: f64 = 1e-10;
@@ -485,8 +485,58 @@ fn what_makes_no_sense_is_refused() {
     // A driver that asks for what its valve cannot do ends the run.
     let mut wrong = run(vec![steady(Demand::Position(0.1), &[0])]).expect("a run");
     assert!(wrong.advance_to(0.1).expect_err("refused").to_string().contains("spool"));
+    assert!(matches!(driven.advance_to(f64::NAN), Err(Error::OutOfRange { .. })));
+    assert!(matches!(driven.advance_to(f64::INFINITY), Err(Error::OutOfRange { .. })));
     let mut calls = run(vec![steady(fill, &[0])]).expect("a run");
     assert!(matches!(calls.set_rates(0, &[0.0]), Err(Error::Unsupported { .. })));
+}
+
+/// Over dual numbers a run under a driver carries its derivatives, through every sampling instant and pulse.
+#[test]
+fn derivatives_pass_through_a_driver() {
+    type D = Dual<f64, 1>;
+    let (plant, start, _) = on_one_bottle(&[fill_hold_exhaust()], 3e-4);
+    let law = tracker(
+        Quantity::Pressure,
+        45.0 * PSI,
+        4.0 * PSI,
+        pid(Quantity::Pressure, 60.0 * PSI, Output::FillHoldExhaust),
+    );
+    let row = &mckibben::parameter::RESERVOIR_VOLUME;
+    let end = |volume: f64| {
+        let changed = plant.map(|_, parameter, value| if parameter.key == row.key { volume } else { value });
+        let driver = Driver::of_actuator(law.clone(), 0, 0, (sampling(70.0, 1), Sensors::perfect()));
+        let mut run = PlantRun::with_drivers(&changed, &start, 1e-12, vec![driver]).expect("a run");
+        run.advance_to(0.2).expect("on");
+        run.state()[plant.places().actuators[0].pressure]
+    };
+    let constant = |number: &f64| D::constant(*number);
+    let seeded = plant.map(
+        |_, parameter, value| {
+            if parameter.key == row.key { D::variable(value, 0) } else { D::constant(value) }
+        },
+    );
+    let dual_start = PlantStart {
+        positions: start.positions.iter().map(|list| list.iter().map(constant).collect()).collect(),
+        rates: vec![vec![D::constant(0.0)]],
+        air: vec![InitialAir {
+            gauge_pressure: GaugePressure(constant(&start.air[0].gauge_pressure.0)),
+            temperature: constant(&start.air[0].temperature),
+        }],
+        lengths: vec![None],
+        friction: vec![],
+    };
+    let of_law = law.map(|_, value| D::constant(value));
+    let instants = sampling(70.0, 1).map(|_, value| D::constant(value));
+    let driver = Driver::of_actuator(of_law, 0, 0, (instants, Sensors::perfect()));
+    let mut run = PlantRun::with_drivers(&seeded, &dual_start, 1e-12, vec![driver]).expect("a run");
+    run.advance_to(D::constant(0.2)).expect("on");
+    let reached = run.state()[plant.places().actuators[0].pressure];
+    let step = 3e-8;
+    let difference = (end(3e-4 + step) - end(3e-4 - step)) / (2.0 * step);
+    assert_close(reached.value, end(3e-4), 1e-9);
+    assert_close(reached.slope[0], difference, 1e-4);
+    assert!(difference.abs() > 1e6, "{difference}");
 }
 
 /// Rates that a host gives, at the corners of a motion that is given by straight lines.

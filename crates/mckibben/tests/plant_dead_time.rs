@@ -1,7 +1,8 @@
 //! Dead time of a valve: what is asked acts so much later, whatever its length, and is never shortened.
 
-use crate::common::{INCH, PSI, Paper, assert_close, assert_within};
+use crate::common::{INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::control::Drive;
+use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter;
 use mckibben::plant::{Part, Plant, PlantRun, PlantStart, PlantTrajectory, simulate_plant};
 use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, simulate};
@@ -227,6 +228,17 @@ fn instants_move_with_the_dead_time_and_errors_name_it() {
     for time in moved {
         assert_eq!(time.slope, [1.0]);
     }
+    // So it is behind a hose, which lets the valve be seen later still, over any scalar.
+    let (piped, state) = rig(solenoid(ValveKind::ThreeWay, 7e-3), Command::Constant(Request::Fill));
+    let hose = Hose::new(HoseKind::Lumped, [1.5, 3e-3], [1.82e-5, ROOM, 1.4], piped.actuator().air()).expect("a hose");
+    let piped = piped.with_line(Line { hose: Some(hose), ..Line::NONE }).expect("a rig");
+    let plain = Plant::of_rig(&piped).expect("a plant");
+    let at_start = Plant::start_of_rig(&piped, &state);
+    let opened = seats(&simulate_plant(&plain, &at_start, 0.05, 1e-8).expect("a run"));
+    assert_within(opened[0], 7e-3 + OPEN + hose.transport_delay(), 1e-15);
+    assert!(hose.transport_delay() > 3e-3);
+    let same = plain.map(|_, _, value| value);
+    assert_eq!(seats(&simulate_plant(&same, &at_start, 0.05, 1e-8).expect("a run")), opened);
     for wrong in [-1e-3, f64::NAN, f64::INFINITY] {
         let error = Solenoid::new(ValveKind::TwoWay, 0.0, 0.0).and_then(|valve| valve.with_dead_time(wrong));
         assert!(error.expect_err("refused").to_string().contains("valve.dead_time"));

@@ -217,8 +217,8 @@ impl<R: Real> PlantRun<R> {
     /// Goes on to `until` in s; nothing where that has been reached.
     ///
     /// # Errors
-    /// [`Error::Stopped`] when the plant leaves what the model describes or no step is short enough; [`Error::TooMany`] for
-    /// more samples or pulses than a run may have; those of a driver whose valve cannot do what it asks. The run then stays
+    /// [`Error::OutOfRange`] for a time that is not finite; [`Error::Stopped`] when the plant leaves what the model describes
+    /// or no step is short enough; [`Error::TooMany`] for more samples or pulses than a run may have; those of a driver whose valve cannot do what it asks. The run then stays
     /// where it was.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         self.extend(until, &mut |_| Ok(()))
@@ -227,9 +227,10 @@ impl<R: Real> PlantRun<R> {
     /// Goes on to `until` in s and hands each piece of the run to `keep`.
     pub(crate) fn extend(&mut self, until: R, keep: &mut Keep<'_, R>) -> Result<(), Error> {
         let span = (until - self.time()).value();
-        if span.is_nan() || span <= 0.0 {
+        if span <= 0.0 {
             return Ok(());
         }
+        parameter::DURATION.check(span)?;
         let PlantSnapshot { time, state, mode, pace } = &self.reached;
         let mut mode = mode.clone();
         for driver in &mode.drivers {

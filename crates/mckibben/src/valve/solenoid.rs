@@ -301,6 +301,11 @@ impl<S: Scalar> Solenoid<S> {
         Ok(())
     }
 
+    /// By how much it is seen late, in s.
+    pub(crate) fn transport(&self) -> S {
+        self.transport
+    }
+
     /// By how much what is asked takes effect late before anything of the valve moves, in s: the dead time, and by how much
     /// it is seen late.
     pub(crate) fn latency(&self) -> S {
