@@ -451,12 +451,12 @@ pub static KEYS: &[Key] = &[
     quantity(&p::CV, "0.06"),
     quantity(&p::PRESSURE_DROP_RATIO, "0.7"),
     quantity(&p::EFFICIENCY, "0.85"),
+    quantity(&p::VALVE_DEAD_TIME, "\"5 ms\""),
     quantity(&p::OPENING_DELAY, "\"4 ms\""),
     quantity(&p::CLOSING_DELAY, "\"1 ms\""),
     quantity(&p::OPENING_TIME, "\"2 ms\""),
     quantity(&p::CLOSING_TIME, "\"2 ms\""),
     quantity(&p::REGULATOR_TIME_CONSTANT, "\"30 ms\"").required().when(VALVE, REGULATING),
-    quantity(&p::REGULATOR_DEAD_TIME, "\"5 ms\"").when(VALVE, REGULATING),
     quantity(&p::REGULATOR_RATE_LIMIT, "\"20 bar/s\"").required().when(VALVE, REGULATING),
     quantity(&p::LAMINAR_RATIO, "0.999"),
     choice(

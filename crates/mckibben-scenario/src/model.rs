@@ -506,7 +506,7 @@ fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Act
     let ramp = valve::Ramp::new(valve.opening_time, valve.closing_time)?;
     let one = |kind| valve::Solenoid::new(kind, opening, closing).map(|solenoid| solenoid.with_ramp(ramp));
     let five_way = |rest| {
-        let [a, b] = valve::FiveWay::new(rest, opening, closing)?.outputs(&command)?;
+        let [a, b] = valve::FiveWay::new(rest, opening, closing)?.with_dead_time(valve.dead_time)?.outputs(&command)?;
         let valve::FiveWayOutput { solenoid, command } = if output == 0 { a } else { b };
         Ok(Actuation { solenoid: solenoid.with_ramp(ramp), command })
     };
@@ -522,7 +522,7 @@ fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Act
         ValveKind::FiveWayExhausted => return five_way(valve::FiveWayRest::Exhausted),
         ValveKind::FiveWayPressurised => return five_way(valve::FiveWayRest::Pressurised),
     };
-    Ok(Actuation { solenoid, command })
+    Ok(Actuation { solenoid: solenoid.with_dead_time(valve.dead_time)?, command })
 }
 
 /// A proportional spool in place of a solenoid.
@@ -539,13 +539,13 @@ fn proportional(valve: &Valve) -> Result<valve::Solenoid, Error> {
 
 /// A pressure regulator in place of a solenoid.
 fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
-    let Some(ProportionalRegulator { time_constant, dead_time, rate_limit }) = valve.regulator else {
+    let Some(ProportionalRegulator { time_constant, rate_limit }) = valve.regulator else {
         return Err(Error::Unsupported {
             what: "the valve is a pressure regulator, but nothing says how it regulates",
             remedy: "give valve.time_constant and valve.rate_limit",
         });
     };
-    valve::Regulator::new(time_constant, dead_time, rate_limit).map(valve::Solenoid::regulating)
+    valve::Regulator::new(time_constant, valve.dead_time, rate_limit).map(valve::Solenoid::regulating)
 }
 
 fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {

@@ -373,6 +373,8 @@ pub struct Valve {
     pub regulator: Option<ProportionalRegulator>,
     /// What uncovers the passages, exactly of a proportional spool.
     pub spool: Option<Spool>,
+    /// Dead time in s by which the command acts late, whatever the kind of valve.
+    pub dead_time: f64,
     /// Time t_open in s from energising the coil to the seat's motion.
     pub opening_delay: f64,
     /// Time t_close in s from releasing the coil to the seat's return.
@@ -392,8 +394,6 @@ pub struct Valve {
 pub struct ProportionalRegulator {
     /// Time constant τ in s.
     pub time_constant: f64,
-    /// Dead time θ in s.
-    pub dead_time: f64,
     /// Largest rate of the pressure in Pa/s.
     pub rate_limit: f64,
 }

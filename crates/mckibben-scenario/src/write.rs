@@ -308,10 +308,10 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
     w.word("valve.kind", valve.kind.name());
     passage(w, &passage::SUPPLY, valve.passage);
     w.number(&p::EFFICIENCY, valve.efficiency);
+    w.number(&p::VALVE_DEAD_TIME, valve.dead_time);
     match valve.regulator {
         Some(regulator) => {
             w.number(&p::REGULATOR_TIME_CONSTANT, regulator.time_constant);
-            w.number(&p::REGULATOR_DEAD_TIME, regulator.dead_time);
             w.number(&p::REGULATOR_RATE_LIMIT, regulator.rate_limit);
         }
         None if valve.spool.is_some() => {}

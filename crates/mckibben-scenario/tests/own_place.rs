@@ -63,6 +63,7 @@ laminar_ratio = 0.995
 exhaust_temperature = "ambient"
 opening_delay = "4e-3 s"
 closing_delay = "1e-3 s"
+dead_time = "6e-3 s"
 opening_time = "2e-3 s"
 closing_time = "3e-3 s"
 exhaust.sonic_conductance = "5e-9 m^3/(s*Pa)"
@@ -175,7 +176,7 @@ fn driven() -> Actuator {
 }
 
 fn seats(kind: ValveKind) -> Solenoid {
-    let solenoid = Solenoid::new(kind, 4e-3, 1e-3).expect("a solenoid");
+    let solenoid = Solenoid::new(kind, 4e-3, 1e-3).and_then(|valve| valve.with_dead_time(6e-3)).expect("a solenoid");
     solenoid.with_ramp(Ramp::new(2e-3, 3e-3).expect("a ramp"))
 }
 

@@ -28,8 +28,8 @@ fn a_regulator_is_read_built_and_written() {
     let valve = read.valve.expect("a valve");
     assert_eq!(valve.kind, ValveKind::PressureRegulator);
     assert_eq!(valve.passage, Passage::FlowArea(1e-6));
-    let expected = ProportionalRegulator { time_constant: 0.03, dead_time: 5e-3, rate_limit: 2e6 };
-    assert_eq!(valve.regulator, Some(expected));
+    let expected = ProportionalRegulator { time_constant: 0.03, rate_limit: 2e6 };
+    assert_eq!((valve.regulator, valve.dead_time), (Some(expected), 5e-3));
     let points = Command::SetPoints { time: vec![0.0, 0.5], gauge_pressure: vec![4e5, 1e5] };
     assert_eq!(read.command, Some(points));
     let rig = read.rig().expect("a rig");
@@ -45,7 +45,7 @@ fn a_regulator_is_read_built_and_written() {
 fn the_dead_time_is_zero_when_absent_and_assumed() {
     let short = VALVE.replace("dead_time = \"5 ms\"\n", "");
     let read = scenario(&[SUPPLY, &short, COMMAND]);
-    assert_eq!(read.valve.and_then(|valve| valve.regulator).map(|regulator| regulator.dead_time), Some(0.0));
+    assert_eq!(read.valve.map(|valve| valve.dead_time), Some(0.0));
     let assumed = document(&[SUPPLY, VALVE, COMMAND]).assumed();
     assert!(!assumed.iter().any(|value| value.parameter.key.ends_with("ing_delay")));
 }

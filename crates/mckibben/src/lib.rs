@@ -49,6 +49,8 @@ extern crate std;
 pub mod air;
 #[cfg(feature = "batch")]
 pub mod batch;
+#[cfg(feature = "alloc")]
+pub mod command;
 pub mod control;
 #[cfg(feature = "alloc")]
 pub mod engine;

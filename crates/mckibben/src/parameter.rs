@@ -411,8 +411,8 @@ parameters! {
     REGULATOR_TIME_CONSTANT = "valve.time_constant", "tau", "s", Range::POSITIVE, None,
         "Time constant with which the regulated pressure follows its set point.",
         "manufacturer's data sheet", "give a time above zero, such as 30 ms";
-    REGULATOR_DEAD_TIME = "valve.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time from a change of the set point to the first answer of the regulated pressure.",
+    VALVE_DEAD_TIME = "valve.dead_time", "theta", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Dead time: the command acts so much later, whatever its length; opening and closing delays follow it.",
         "manufacturer's data sheet", "give zero or more";
     REGULATOR_RATE_LIMIT = "valve.rate_limit", "q", "Pa/s", Range::POSITIVE, None,
         "Largest rate of the regulated pressure.",

@@ -2,8 +2,11 @@
 
 mod common;
 
+mod plant_control;
+mod plant_dead_time;
 mod plant_ledger;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
 mod plant_sample;
+mod plant_start_friction;

@@ -71,7 +71,7 @@ fn on_one_tank(tank: Reservoir, regulator: Option<Regulator>, muscles: &[Muscle]
         None => inlet,
     };
     let (mut actuators, mut mechanisms) = (Vec::new(), Vec::new());
-    let mut start = PlantStart { positions: vec![], rates: vec![], air: vec![], lengths: vec![] };
+    let mut start = PlantStart::default();
     for (index, Muscle { paper, hose, leak, copies }) in muscles.iter().enumerate() {
         let solenoid = Solenoid::new(paper.kind, paper.delays.0, paper.delays.1).expect("a solenoid");
         let command = paper.command.clone().unwrap_or(Command::Constant(Request::Hold));
@@ -138,6 +138,7 @@ fn a_mass_on_a_spring() {
         rates: vec![vec![0.0]],
         air: vec![InitialAir { gauge_pressure: GaugePressure(3e5), temperature: ROOM }],
         lengths: vec![None],
+        ..PlantStart::default()
     };
     let (omega, middle) = ((stiffness / mass).sqrt(), rest + mass * GRAVITY / stiffness);
     for duration in [0.01, 0.27] {
@@ -513,6 +514,7 @@ fn a_leg_on_its_belt_closes() {
         rates: vec![vec![-3.0, 2.0]],
         air: [2e5, 1e5, 5e4, 1.5e5].map(air).to_vec(),
         lengths: vec![None; 4],
+        ..PlantStart::default()
     };
     let ledger = simulate_plant(&plant, &start, 1.0, 1e-8).expect("a run").ledger();
     let of = &ledger.mechanisms[0];

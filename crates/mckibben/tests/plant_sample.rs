@@ -187,6 +187,7 @@ fn at_rest(torques: &[f64], muscles: &[(f64, &[(usize, f64)])]) -> (PlantSample,
         rates: vec![vec![0.0; torques.len()]],
         air: air.collect(),
         lengths: vec![None; muscles.len()],
+        friction: vec![],
     };
     let plant = Plant::new(mounted, network, vec![Mechanism::Chain(chain)]).expect("a plant");
     let run = simulate_plant(&plant, &start, 1.0, 1e-10).expect("the run reaches its end");
@@ -407,6 +408,7 @@ fn samples_carry_derivatives() {
             temperature: constant(own.air[0].temperature),
         }],
         lengths: vec![None],
+        friction: vec![],
     };
     let dual = simulate_plant(&plant, &start, constant(0.08), 1e-12).expect("a run");
     let at = dual.sample(constant(0.05));

@@ -160,7 +160,7 @@ fn derivatives_are_those_of_finite_differences() {
     };
     let rows: [&'static Parameter; 4] = [
         &parameter::REGULATOR_TIME_CONSTANT,
-        &parameter::REGULATOR_DEAD_TIME,
+        &parameter::VALVE_DEAD_TIME,
         &parameter::REGULATOR_RATE_LIMIT,
         &parameter::COMMAND_GAUGE_PRESSURE,
     ];
@@ -351,7 +351,7 @@ fn derivatives_of_fixed_steps_are_those_of_finite_differences() {
     let end = |rig: &Rig| stepped(rig, start(rig, &paper), Method::Stable, 0.3, 3000).pressure.0;
     let rows: [&'static Parameter; 5] = [
         &parameter::REGULATOR_TIME_CONSTANT,
-        &parameter::REGULATOR_DEAD_TIME,
+        &parameter::VALVE_DEAD_TIME,
         &parameter::REGULATOR_RATE_LIMIT,
         &parameter::COMMAND_GAUGE_PRESSURE,
         &parameter::COMMAND_TIME,

@@ -267,6 +267,7 @@ const GROUPS: &[Group] = &[
             ("valve.kind", "three-way-normally-open"),
             ("valve.flow_area", "1.5 mm^2"),
             ("valve.efficiency", "0.7"),
+            ("valve.dead_time", "3 ms"),
             ("valve.opening_delay", "5 ms"),
             ("valve.closing_delay", "2 ms"),
             ("valve.opening_time", "3 ms"),

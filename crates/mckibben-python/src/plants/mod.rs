@@ -105,8 +105,7 @@ impl Plants {
         let valves = [actuation.as_ref(), second.as_ref().and_then(|second| second.actuation.as_ref())];
         let of_valve = |actuation: &Actuation| {
             let Actuation { solenoid, .. } = actuation;
-            let dead_time = solenoid.regulator().map(|regulator| regulator.dead_time());
-            solenoid.delays().into_iter().chain(dead_time).fold(0.0, f64::max)
+            solenoid.dead_time() + solenoid.delays().into_iter().fold(0.0, f64::max)
         };
         // What cannot be built is refused below.
         let hose = base.rig().ok().and_then(|rig| rig.line().hose.map(|hose| hose.transport_delay()));

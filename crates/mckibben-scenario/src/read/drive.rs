@@ -81,6 +81,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     if regulator.is_none() && !r.has("valve.kind") {
         of_regulator_only(r);
     }
+    let dead_time = r.value(&p::VALVE_DEAD_TIME, preset);
     let opening_delay = r.value(&p::OPENING_DELAY, preset);
     let closing_delay = r.value(&p::CLOSING_DELAY, preset);
     let opening_time = r.value(&p::OPENING_TIME, preset);
@@ -94,6 +95,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         efficiency,
         regulator,
         spool,
+        dead_time,
         opening_delay,
         closing_delay,
         opening_time,
@@ -105,7 +107,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
 
 /// Notes what only a pressure regulator has, where a preset says that the valve is another.
 fn of_regulator_only(r: &mut Reader<'_>) {
-    for row in [&p::REGULATOR_TIME_CONSTANT, &p::REGULATOR_DEAD_TIME, &p::REGULATOR_RATE_LIMIT] {
+    for row in [&p::REGULATOR_TIME_CONSTANT, &p::REGULATOR_RATE_LIMIT] {
         if let Some(place) = r.key_place(row.key) {
             let title = format!("`{}` is for a pressure regulator", row.key);
             r.note(
@@ -137,7 +139,7 @@ fn spool(r: &mut Reader<'_>) -> Spool {
         r,
         SEATS,
         "a proportional spool, which has no seats",
-        "remove it; what is slow in a spool is its own motion",
+        "remove it; what is slow in a spool is its own motion, and what is late is `valve.dead_time`",
     );
     Spool {
         natural_frequency: r.value(&p::SPOOL_FREQUENCY, None),
@@ -157,7 +159,6 @@ fn regulator(r: &mut Reader<'_>) -> ProportionalRegulator {
     not_of(r, &["valve.exhaust"], kind, help);
     ProportionalRegulator {
         time_constant: r.value(&p::REGULATOR_TIME_CONSTANT, None),
-        dead_time: r.value(&p::REGULATOR_DEAD_TIME, None),
         rate_limit: r.value(&p::REGULATOR_RATE_LIMIT, None),
     }
 }

@@ -139,7 +139,7 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::OPENING_TIME, |s| Some(&mut s.valve.as_mut()?.opening_time)),
     (&p::CLOSING_TIME, |s| Some(&mut s.valve.as_mut()?.closing_time)),
     (&p::REGULATOR_TIME_CONSTANT, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.time_constant)),
-    (&p::REGULATOR_DEAD_TIME, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.dead_time)),
+    (&p::VALVE_DEAD_TIME, |s| Some(&mut s.valve.as_mut()?.dead_time)),
     (&p::REGULATOR_RATE_LIMIT, |s| Some(&mut s.valve.as_mut()?.regulator.as_mut()?.rate_limit)),
     (&p::SPOOL_FREQUENCY, |s| Some(&mut s.valve.as_mut()?.spool.as_mut()?.natural_frequency)),
     (&p::SPOOL_DAMPING_RATIO, |s| Some(&mut s.valve.as_mut()?.spool.as_mut()?.damping_ratio)),

@@ -106,10 +106,10 @@ pub struct Sampled<M, A> {
     pending: [Option<A>; MAX_DELAY],
 }
 
-impl<M, A: Copy> Sampled<M, A> {
+impl<M, A> Sampled<M, A> {
     /// Before the first sampling instant.
     pub fn begin(memory: M) -> Self {
-        Self { memory, taken: 0, pending: [None; MAX_DELAY] }
+        Self { memory, taken: 0, pending: [const { None }; MAX_DELAY] }
     }
 
     /// The next sampling instant in s.

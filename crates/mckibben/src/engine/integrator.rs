@@ -46,6 +46,31 @@ pub(crate) struct Piece<'i, R, M, K> {
     pub(crate) event: Option<(K, &'i M)>,
 }
 
+/// How a run was going where it paused: what it needs beside state and mode to go on as if it had not.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Length of the next step in s; none before the first.
+    step: Option<f64>,
+    is_implicit: bool,
+    stiff_steps: u32,
+    implicit_run: u32,
+    events_here: u32,
+    statistics: Statistics,
+}
+
+impl Pace {
+    /// Before the first step.
+    pub(crate) fn begin() -> Self {
+        let statistics = Statistics::default();
+        Self { step: None, is_implicit: false, stiff_steps: 0, implicit_run: 0, events_here: 0, statistics }
+    }
+
+    /// What it has cost so far.
+    pub(crate) fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+}
+
 /// Largest and smallest change of the step length from one step to the next, and the safety factor.
 const GROWTH: (f64, f64, f64) = (6.0, 0.2, 0.9);
 /// `h` times the fastest rate up to which the dense output of the explicit method follows a settling state to the
@@ -85,6 +110,8 @@ pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
     first_part: f64,
     /// Whether an instant has just made the last step length meaningless.
     fresh: bool,
+    /// Whether the step length is that of a run that goes on.
+    resumed: bool,
     step: f64,
     is_implicit: bool,
     /// Whether the last step was made by the explicit method.
@@ -132,6 +159,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             has_slope: false,
             first_part: 4.0 * eighth_root(relative_tolerance),
             fresh: true,
+            resumed: false,
             step: (until - time).value(),
             is_implicit: false,
             by_explicit: false,
@@ -157,6 +185,36 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         integrator
     }
 
+    /// Goes on from a time (s), state and mode where a run paused, as [`Integrator::new`] starts.
+    pub(crate) fn resume(
+        system: &'a S,
+        (time, state, mode): (R, &[R], S::Mode),
+        until: R,
+        relative_tolerance: f64,
+        pace: Pace,
+    ) -> Self {
+        let mut integrator = Self::new(system, time, state, mode, until, relative_tolerance);
+        if let Some(step) = pace.step {
+            (integrator.step, integrator.fresh, integrator.resumed) = (step, false, true);
+            (integrator.is_implicit, integrator.stiff_steps) = (pace.is_implicit, pace.stiff_steps);
+        }
+        (integrator.implicit_run, integrator.events_here) = (pace.implicit_run, pace.events_here);
+        integrator.statistics = pace.statistics;
+        integrator
+    }
+
+    /// How it is going.
+    pub(crate) fn pace(&self) -> Pace {
+        Pace {
+            step: (!self.fresh).then_some(self.step),
+            is_implicit: self.is_implicit,
+            stiff_steps: self.stiff_steps,
+            implicit_run: self.implicit_run,
+            events_here: self.events_here,
+            statistics: self.statistics,
+        }
+    }
+
     /// The time in s that has been reached.
     pub(crate) fn time(&self) -> R {
         self.time
@@ -172,17 +230,13 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         &self.mode
     }
 
-    /// What it has cost so far.
-    pub(crate) fn statistics(&self) -> Statistics {
-        self.statistics
-    }
-
     /// The piece that was made last.
     pub(crate) fn piece(&self) -> Piece<'_, R, S::Mode, S::Kind> {
         Piece { arc: &self.arc, end: self.end, event: self.event.map(|kind| (kind, &self.mode)) }
     }
 
     fn enter_mode(&mut self) {
+        self.resumed = false;
         self.system.guards(&self.mode, &mut self.guards);
         self.instant = self.system.next_instant(&self.mode, self.until);
         self.has_slope = false;
@@ -276,7 +330,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.statistics.evaluations += 1;
         self.has_slope = true;
         self.enter_scales();
-        let first = self.first_step();
+        let first = if core::mem::take(&mut self.resumed) { f64::INFINITY } else { self.first_step() };
         self.step = if self.fresh { first } else { Scalar::smaller(self.step, first) };
         self.fresh = false;
         if !self.is_implicit {

@@ -14,8 +14,8 @@ pub(crate) mod explicit;
 pub(crate) mod implicit;
 mod integrator;
 
-pub(crate) use integrator::Integrator;
 pub use integrator::Statistics;
+pub(crate) use integrator::{Integrator, Pace, Piece};
 
 use crate::error::Error;
 use crate::scalar::{Differentiable, Over, Real, Scalar};

@@ -20,6 +20,8 @@
 
 mod bouc_wen;
 mod coulomb;
+#[cfg(feature = "alloc")]
+mod initial;
 mod lugre;
 mod maxwell_slip;
 mod memory;

@@ -28,12 +28,13 @@
 pub(crate) mod flow;
 pub(crate) mod guard;
 pub(crate) mod mode;
+mod setting;
 
 use crate::air::Air;
 use crate::convert::Convert;
 use crate::line::{self, Hose, Leakage, Reservoir};
 use crate::parameter;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 use crate::simulation::Actuation;
 use crate::valve::{self, FlowLaw, Port};
 use alloc::vec::Vec;
@@ -200,12 +201,31 @@ impl<S: Scalar> Network<S> {
 
     /// The network over another scalar. Its parts of an actuator are given out as that actuator's.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Network<T> {
-        Network {
+        let mut converted = Network {
             nodes: self.nodes.iter().map(|node| node.convert(convert)).collect(),
             branches: self.branches.iter().map(|branch| branch.convert(convert)).collect(),
             valves: self.valves.iter().map(|valve| valve.convert(convert)).collect(),
             atmosphere: convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmosphere),
+        };
+        for (index, valve) in self.valves.iter().enumerate() {
+            // By how much a hose lets its valve be seen late follows from the hose.
+            if S::zero().lt(valve.solenoid.transport()).any()
+                && let Some(delay) = converted.hose_of(index).map(Hose::transport_delay)
+            {
+                let solenoid = &mut converted.valves[index].solenoid;
+                *solenoid = solenoid.seen_late(delay);
+            }
         }
+        converted
+    }
+
+    /// The hose that a valve opens into, if it does.
+    fn hose_of(&self, valve: usize) -> Option<&Hose<S>> {
+        let its = |branch: &&Branch<S>| matches!(branch.kind, BranchKind::Path { valve: its, .. } if its == valve);
+        self.branches.iter().filter(its).find_map(|branch| match &self.nodes[branch.to].kind {
+            NodeKind::Hose(hose) => Some(hose),
+            _ => None,
+        })
     }
 }
 

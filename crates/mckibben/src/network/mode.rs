@@ -1,8 +1,10 @@
 //! The discrete state of a network: which formulas hold, and what its clocks remember.
 
+use super::setting::Setting;
 use super::{BranchKind, Network, NodeKind};
 use crate::line::{FlowRegime, Poppet};
 use crate::scalar::Real;
+use crate::simulation::Actuation;
 use crate::simulation::timetable::{Progress, Timetable};
 use crate::valve::{Approach, FlowZone, Openings, Port, Ports};
 use alloc::vec::Vec;
@@ -30,7 +32,7 @@ pub struct NodeMode {
 }
 
 /// What a valve does.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ValveMode<R> {
     /// Which of its ports are open.
     pub ports: Ports,
@@ -38,10 +40,12 @@ pub struct ValveMode<R> {
     pub(crate) progress: Progress<R>,
     /// How far its ports are open until the next instant.
     pub openings: Openings<R>,
+    /// What it has been set to during the run, in place of its own command.
+    pub(crate) setting: Option<alloc::boxed::Box<Setting<R>>>,
 }
 
 /// The discrete state of a network.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct NetworkMode<R> {
     /// Of each branch.
     pub branches: Vec<BranchMode>,
@@ -58,7 +62,7 @@ impl<R: Real> Network<R> {
             let timetable = Timetable { actuation: Some(actuation), motion: None, pressure: None };
             let mut progress = Progress::none();
             let ports = timetable.pass(&mut progress, R::zero());
-            ValveMode { ports, progress, openings: timetable.openings(&progress) }
+            ValveMode { ports, progress, openings: timetable.openings(&progress), setting: None }
         };
         NetworkMode {
             branches: self.branches.iter().map(|_| BranchMode::AT_REST).collect(),
@@ -119,10 +123,16 @@ impl<R: Real> Network<R> {
         }
     }
 
+    /// What drives a valve: its own command, or what it has been set to.
+    pub(crate) fn actuation<'m>(&'m self, valve: usize, mode: &'m NetworkMode<R>) -> &'m Actuation<R> {
+        mode.valves[valve].setting.as_ref().map_or(&self.valves[valve], |setting| setting.actuation())
+    }
+
     /// The next instant in s, up to and with `until`, at which a valve does something or a set point takes effect.
     pub(crate) fn next_instant(&self, mode: &NetworkMode<R>, until: R) -> Option<R> {
-        let of_valves = self.valves.iter().zip(&mode.valves).filter_map(|(actuation, of_valve)| {
-            Timetable { actuation: Some(actuation), motion: None, pressure: None }.next(&of_valve.progress, until)
+        let of_valves = mode.valves.iter().enumerate().filter_map(|(valve, of_valve)| {
+            let actuation = Some(self.actuation(valve, mode));
+            Timetable { actuation, motion: None, pressure: None }.next(&of_valve.progress, until)
         });
         let of_ports = (0..self.nodes.len()).filter_map(|node| self.next_set_point(node, mode, until));
         of_valves.chain(of_ports).min_by(|a, b| a.value().total_cmp(&b.value()))
@@ -130,10 +140,10 @@ impl<R: Real> Network<R> {
 
     /// The next instant in s, up to and with `until`, at which a set point of a port takes effect.
     fn next_set_point(&self, node: usize, mode: &NetworkMode<R>, until: R) -> Option<R> {
-        let NodeKind::Port { regulator, valve, .. } = &self.nodes[node].kind else { return None };
-        let actuation = &self.valves[*valve];
+        let NodeKind::Port { valve, .. } = &self.nodes[node].kind else { return None };
+        let actuation = self.actuation(*valve, mode);
         let (time, _) = actuation.command.set_point(mode.nodes[node].set_points)?;
-        let instant = time + regulator.dead_time() + actuation.solenoid.transport();
+        let instant = time + actuation.solenoid.latency();
         Some(instant).filter(|instant| crate::valve::is_due(*instant, until))
     }
 
@@ -141,7 +151,7 @@ impl<R: Real> Network<R> {
     pub(crate) fn set_point(&self, node: usize, mode: &NetworkMode<R>) -> Option<R> {
         let NodeKind::Port { valve, .. } = &self.nodes[node].kind else { return None };
         let passed = mode.nodes[node].set_points.checked_sub(1)?;
-        self.valves[*valve].command.set_point(passed).map(|(_, gauge)| self.absolute(gauge))
+        self.actuation(*valve, mode).command.set_point(passed).map(|(_, gauge)| self.absolute(gauge))
     }
 
     /// Lets the set points of a port up to and with `time` take effect at its pressure (Pa, absolute); whether there was one.
@@ -161,20 +171,21 @@ impl<R: Real> Network<R> {
 
     /// Passes what is due at a time in s for a valve; whether it moved.
     pub(crate) fn pass_valve(&self, valve: usize, time: R, mode: &mut NetworkMode<R>) -> bool {
-        let timetable = Timetable { actuation: Some(&self.valves[valve]), motion: None, pressure: None };
-        let of_valve = &mut mode.valves[valve];
-        let (ports, counted) = (of_valve.ports, of_valve.progress.openings_counted());
-        of_valve.ports = timetable.pass_seats(&mut of_valve.progress, time);
-        let moved = of_valve.ports != ports || of_valve.progress.openings_counted() != counted;
+        let ValveMode { ports: ports_of_valve, progress, openings, setting } = &mut mode.valves[valve];
+        let actuation = setting.as_ref().map_or(&self.valves[valve], |setting| setting.actuation());
+        let timetable = Timetable { actuation: Some(actuation), motion: None, pressure: None };
+        let (ports, counted) = (*ports_of_valve, progress.openings_counted());
+        *ports_of_valve = timetable.pass_seats(progress, time);
+        let moved = *ports_of_valve != ports || progress.openings_counted() != counted;
         if moved {
-            of_valve.openings = timetable.openings(&of_valve.progress);
+            *openings = timetable.openings(progress);
         }
         moved
     }
 
     /// Whether a valve has something to pass at a time in s.
     pub(crate) fn is_valve_due(&self, valve: usize, time: R, mode: &NetworkMode<R>) -> bool {
-        let timetable = Timetable { actuation: Some(&self.valves[valve]), motion: None, pressure: None };
+        let timetable = Timetable { actuation: Some(self.actuation(valve, mode)), motion: None, pressure: None };
         timetable.next(&mode.valves[valve].progress, time).is_some()
     }
 }

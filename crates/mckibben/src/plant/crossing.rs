@@ -28,6 +28,8 @@ pub enum Part {
     Node(usize),
     /// A branch of the network.
     Branch(usize),
+    /// A driver.
+    Driver(usize),
 }
 
 /// What happened, and to which part.
@@ -54,7 +56,8 @@ impl<R: Real> System<'_, R> {
             .iter()
             .zip(&mode.actuators)
             .filter_map(|(mounted, its)| mounted.pressure.as_ref()?.row(its.rows_passed));
-        let due = corners.chain(rows).filter(|instant| is_due(*instant, until));
+        let samples = mode.drivers.iter().map(crate::command::Driver::next);
+        let due = corners.chain(rows).chain(samples).filter(|instant| is_due(*instant, until));
         network.into_iter().chain(due).min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
@@ -65,21 +68,21 @@ impl<R: Real> System<'_, R> {
         state: &mut [R],
         mode: &mut PlantMode<R>,
         at: &mut Evaluation<R>,
-    ) -> PlantEventKind {
+    ) -> Result<PlantEventKind, Error> {
         let network = &self.plant.network;
         for valve in 0..network.valves.len() {
             if network.is_valve_due(valve, time, &mode.network) {
                 network.pass_valve(valve, time, &mut mode.network);
                 self.enter_valve(valve, time, state, mode, at);
                 self.settle_ends(time, state, mode, at);
-                return PlantEventKind { part: Part::Valve(valve), kind: EventKind::Valve };
+                return Ok(PlantEventKind { part: Part::Valve(valve), kind: EventKind::Valve });
             }
         }
         for node in 0..network.nodes.len() {
             let Some(place) = self.plant.places.nodes[node] else { continue };
             if network.pass_set_points(node, time, state[place], &mut mode.network) {
                 self.settle_ends(time, state, mode, at);
-                return PlantEventKind { part: Part::Node(node), kind: EventKind::SetPoint };
+                return Ok(PlantEventKind { part: Part::Node(node), kind: EventKind::SetPoint });
             }
         }
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
@@ -88,7 +91,7 @@ impl<R: Real> System<'_, R> {
             if row.is_some_and(|row| is_due(row, time)) {
                 its.rows_passed += 1;
                 self.project(time, state, mode, at);
-                return PlantEventKind { part: Part::Actuator(i), kind: EventKind::Corner };
+                return Ok(PlantEventKind { part: Part::Actuator(i), kind: EventKind::Corner });
             }
         }
         for (m, mechanism) in self.plant.mechanisms.iter().enumerate() {
@@ -100,10 +103,13 @@ impl<R: Real> System<'_, R> {
                 self.enter_extents(m, time, state, mode, at);
                 self.settle(m, time, state, mode, at);
                 self.follow_all(time, state, mode, at, None);
-                return PlantEventKind { part: Part::Mechanism(m), kind: EventKind::Corner };
+                return Ok(PlantEventKind { part: Part::Mechanism(m), kind: EventKind::Corner });
             }
         }
-        PlantEventKind { part: Part::Mechanism(0), kind: EventKind::Corner }
+        if let Some(driver) = self.sample_due(time, state, mode, at)? {
+            return Ok(PlantEventKind { part: Part::Driver(driver), kind: EventKind::Sample });
+        }
+        Ok(PlantEventKind { part: Part::Mechanism(0), kind: EventKind::Corner })
     }
 
     /// Enters the zones of a valve's flow paths, and decides poppets whose flow has jumped.

@@ -56,7 +56,7 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         mode: &mut PlantMode<R>,
         work: &mut Evaluation<R>,
     ) -> Result<PlantEventKind, Error> {
-        Ok(System::pass_instant(self, time, state, mode, work))
+        System::pass_instant(self, time, state, mode, work)
     }
 
     fn guards(&self, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {

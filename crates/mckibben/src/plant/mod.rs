@@ -20,12 +20,15 @@ mod crossing;
 mod dense;
 mod evaluation;
 mod exergy;
+mod friction_start;
 mod guard;
 mod holding;
 mod hybrid;
 mod ledger;
+mod measure;
 mod mode;
 mod of_rig;
+mod run;
 mod sample;
 mod scale;
 mod shares;
@@ -36,11 +39,13 @@ mod trajectory;
 mod wire;
 
 pub use crossing::{Part, PlantEventKind};
+pub use friction_start::InitialFriction;
 pub use guard::{PlantGuard, Touching};
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
 };
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
+pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
@@ -170,8 +175,8 @@ impl Plant {
     /// A plant of actuators on mechanisms, fed by a network.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, or a given
-    /// pressure in an actuator that the network feeds.
+    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, a given
+    /// pressure in an actuator that the network feeds, or a command that its valve cannot follow.
     pub fn new(actuators: Vec<Mounted>, network: Network, mechanisms: Vec<Mechanism>) -> Result<Self, Error> {
         let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
         for (index, mounted) in actuators.iter().enumerate() {
@@ -211,6 +216,7 @@ impl Plant {
                 );
             }
         }
+        network.valves.iter().try_for_each(|valve| valve.solenoid.check(&valve.command))?;
         let places = Places::new(&actuators, &network, &mechanisms);
         Ok(Self { actuators, network, mechanisms, places })
     }

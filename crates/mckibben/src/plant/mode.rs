@@ -1,8 +1,10 @@
 //! The discrete state of a plant: which formulas hold.
 
 use super::sliding::Facet;
+use crate::command::Driver;
 use crate::mechanism::Contact;
 use crate::network::mode::NetworkMode;
+use crate::scalar::Real;
 use crate::simulation::Mode;
 use crate::simulation::member::Trace;
 use alloc::vec::Vec;
@@ -42,8 +44,8 @@ pub struct MechanismMode {
 }
 
 /// The discrete state of a plant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlantMode<R = f64> {
+#[derive(Clone, Debug)]
+pub struct PlantMode<R: Real = f64> {
     /// Of each actuator.
     pub actuators: Vec<ActuatorMode<R>>,
     /// Of each mechanism.
@@ -52,4 +54,6 @@ pub struct PlantMode<R = f64> {
     pub network: NetworkMode<R>,
     /// The piece of each moment arm, those of each actuator one after the other.
     pub(crate) arms: Vec<usize>,
+    /// The drivers, with what their controllers remember.
+    pub drivers: Vec<Driver<R>>,
 }

@@ -137,6 +137,7 @@ impl Plant {
             rates: vec![vec![state.angular_velocity]],
             air: air.to_vec(),
             lengths: vec![None; 2],
+            friction: vec![],
         }
     }
 
@@ -161,6 +162,7 @@ impl Plant {
             rates: vec![vec![if held { 0.0 } else { state.velocity }]],
             air: vec![InitialAir { gauge_pressure: GaugePressure(gauge.0), temperature }],
             lengths: vec![rig.tendon().map(|_| state.length)],
+            friction: vec![],
         }
     }
 }

@@ -1,9 +1,11 @@
 //! The start of a plant: its states and its first mode.
 
 use super::evaluation::{Evaluation, System};
+use super::friction_start::InitialFriction;
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::{Mounted, Plant};
 use crate::error::Error;
+use crate::friction::Memory;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::NodeKind;
 use crate::parameter;
@@ -37,15 +39,32 @@ pub struct PlantStart<S = f64> {
     pub air: Vec<InitialAir<S>>,
     /// Lengths in m of actuators on a tendon; where there is none, that at which tendon and actuator balance.
     pub lengths: Vec<Option<S>>,
+    /// The friction of each actuator; all relaxed where there is no entry.
+    pub friction: Vec<InitialFriction<S>>,
+}
+
+impl<S> Default for PlantStart<S> {
+    /// The start of a plant without parts; what a start says of each part is added.
+    fn default() -> Self {
+        Self { positions: Vec::new(), rates: Vec::new(), air: Vec::new(), lengths: Vec::new(), friction: Vec::new() }
+    }
 }
 
 impl<R: Real> Plant<R> {
-    /// The states at t = 0. Air in hoses starts at the pressure of the chamber that they lead to, bristles straight.
+    /// The states at t = 0. Air in hoses starts at the pressure of the chamber that they lead to, bristles as the friction of
+    /// the start says.
     ///
     /// # Errors
     /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
-    /// pressure or temperature that is not physical.
+    /// pressure or temperature that is not physical; [`Error::Unsupported`] for a start of friction that remembers nothing;
+    /// [`Error::Inconsistent`] for a force that friction cannot hold.
     pub fn start(&self, start: &PlantStart<R>) -> Result<Vec<R>, Error> {
+        self.start_with_memories(start).map(|(state, _)| state)
+    }
+
+    /// The states at t = 0, and what hysteresis remembers then.
+    #[allow(clippy::type_complexity)]
+    pub(crate) fn start_with_memories(&self, start: &PlantStart<R>) -> Result<(Vec<R>, Vec<Option<Memory<R>>>), Error> {
         let fault = |name, entry: usize| {
             Err(Error::Table {
                 name,
@@ -61,6 +80,7 @@ impl<R: Real> Plant<R> {
             return fault("initial.gauge_pressure", start.air.len().min(start.lengths.len()));
         }
         let mut state = vec![R::zero(); self.places.states];
+        let mut lengths = Vec::with_capacity(self.actuators.len());
         for (m, here) in self.places.mechanisms.iter().enumerate() {
             if start.positions[m].len() != here.coordinates || start.rates[m].len() != here.coordinates {
                 return fault("initial.positions", m);
@@ -98,6 +118,7 @@ impl<R: Real> Plant<R> {
                 (Some(_), Some(length)) => length,
                 _ => distance,
             };
+            lengths.push(length);
             let own = self.places.actuators[i];
             state[own.pressure] = absolute.0;
             state[own.pressure + 1] = air.mass(absolute, actuator.volume(length), temperature);
@@ -128,7 +149,13 @@ impl<R: Real> Plant<R> {
                 NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => self.network.absolute(node.gauge),
             };
         }
-        Ok(state)
+        let memories = self.start_memories(start, &state, &lengths)?;
+        for (own, memory) in self.places.actuators.iter().zip(&memories) {
+            if let (Some(place), Some(memory)) = (own.bristles, memory) {
+                state[place] = memory.elements[0];
+            }
+        }
+        Ok((state, memories))
     }
 
     /// The actuator whose chamber branches lead to from a node.
@@ -144,8 +171,13 @@ impl<R: Real> Plant<R> {
 }
 
 impl<R: Real> System<'_, R> {
-    /// The mode at t = 0 in a state, which may be set on a border that it lies on.
-    pub(crate) fn begin(&self, state: &mut [R], at: &mut Evaluation<R>) -> PlantMode<R> {
+    /// The mode at t = 0 in a state, which may be set on a border that it lies on; hysteresis without a memory is relaxed.
+    pub(crate) fn begin(
+        &self,
+        state: &mut [R],
+        memories: &[Option<Memory<R>>],
+        at: &mut Evaluation<R>,
+    ) -> PlantMode<R> {
         let plant = self.plant;
         let time = R::zero();
         let mut arms = vec![0; plant.places.arms];
@@ -184,6 +216,7 @@ impl<R: Real> System<'_, R> {
             mechanisms: (0..plant.mechanisms.len()).map(mechanism).collect(),
             network: plant.network.begin(),
             arms,
+            drivers: Vec::new(),
         };
         for (i, mounted) in plant.actuators.iter().enumerate() {
             if let Some(course) = &mounted.pressure {
@@ -209,7 +242,10 @@ impl<R: Real> System<'_, R> {
             let its = &mut mode.actuators[i];
             its.mode.force_piece = member.force_piece(length, pressure);
             its.isothermal = member.isothermal_content(length, [pressure, mass]);
-            its.trace = member.trace(member.actuator.limits().actuator_length(length));
+            its.trace = match memories.get(i).copied().flatten() {
+                Some(memory) => member.trace_from(memory),
+                None => member.trace(member.actuator.limits().actuator_length(length)),
+            };
         }
         let network = &plant.network;
         self.enter_pressures(state, &mut at.network);

@@ -1,11 +1,13 @@
 //! A run of a plant: its steps kept, the state at any time, samples and events.
 
 use super::Plant;
-use super::crossing::PlantEventKind;
+use super::crossing::{Part, PlantEventKind};
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
+use super::run::PlantRun;
 use super::start::PlantStart;
-use crate::engine::{Integrator, Statistics, arc};
+use crate::command::PlantDecision;
+use crate::engine::{Statistics, arc};
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
@@ -33,7 +35,7 @@ struct Kept<R> {
 
 /// A step of a run: its control points, from `start` for `step` s, valid up to `end`, and the mode.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PieceView<'t, R = f64> {
+pub(crate) struct PieceView<'t, R: Real = f64> {
     pub(crate) start: R,
     pub(crate) step: R,
     pub(crate) end: R,
@@ -51,6 +53,7 @@ pub struct PlantTrajectory<R: Real = f64> {
     pieces: Vec<Kept<R>>,
     points: Vec<R>,
     events: Vec<PlantEvent<R>>,
+    decisions: Vec<(usize, PlantDecision<R>)>,
     statistics: Statistics,
     last: (R, Vec<R>, PlantMode<R>),
 }
@@ -70,40 +73,38 @@ pub fn simulate_plant<R: Real>(
     relative_tolerance: f64,
 ) -> Result<PlantTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    let state = plant.start(start)?;
-    PlantTrajectory::run(plant.clone(), state, duration, relative_tolerance, &mut |_| Ok(()))
+    PlantRun::new(plant, start, relative_tolerance)?.record_to(duration, &mut |_| Ok(()))
 }
 
 impl<R: Real> PlantTrajectory<R> {
-    /// Runs a plant from a state; `watch` is called with the time in s now and then, and may end the run by an error.
-    pub(crate) fn run(
-        plant: Plant<R>,
-        mut state: Vec<R>,
-        duration: R,
-        relative_tolerance: f64,
+    /// Takes a run on to `until` in s and keeps it from here to there.
+    pub(crate) fn record(
+        run: &mut PlantRun<R>,
+        until: R,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<Self, Error> {
-        let system = System::new(&plant, relative_tolerance);
-        let mut work = Evaluation::new(&plant);
-        let mode = system.begin(&mut state, &mut work);
-        let mut segments = vec![mode.clone()];
-        let (mut pieces, mut points, mut events) = (Vec::new(), Vec::new(), Vec::new());
-        let mut integrator = Integrator::new(&system, R::zero(), &state, mode, duration, relative_tolerance);
-        while integrator.advance()? {
-            let piece = integrator.piece();
+        let mut plant = run.plant().clone();
+        let mut segments = vec![run.mode().clone()];
+        let (mut pieces, mut points, mut events) = (Vec::<Kept<R>>::new(), Vec::new(), Vec::new());
+        let mut decisions = Vec::new();
+        run.extend(until, &mut |piece| {
             points.extend_from_slice(&piece.arc.points);
             let (start, step) = (piece.arc.start, piece.arc.step);
             pieces.push(Kept { start, step, end: piece.end, segment: segments.len() - 1 });
             if let Some((kind, after)) = piece.event {
                 events.push(PlantEvent { time: piece.end, kind });
                 segments.push(after.clone());
+                if let Part::Driver(driver) = kind.part {
+                    plant.network.record_settings(after.drivers[driver].valves(), piece.end, &after.network);
+                    decisions.extend(after.drivers[driver].last().map(|decision| (driver, decision.clone())));
+                }
             }
             if pieces.len().is_multiple_of(256) {
-                watch(integrator.time().value())?;
+                watch(piece.end.value())?;
             }
             if points.len() > MOST_NUMBERS {
                 return Err(Error::Stopped {
-                    time: integrator.time().value(),
+                    time: piece.end.value(),
                     reason: "the run takes more steps than a kept trajectory may have",
                     quantity: "steps",
                     value: pieces.len() as f64,
@@ -111,13 +112,14 @@ impl<R: Real> PlantTrajectory<R> {
                     remedy: "shorten run.duration or loosen run.relative_tolerance",
                 });
             }
-        }
-        let last = (integrator.time(), integrator.state().to_vec(), integrator.mode().clone());
-        let statistics = integrator.statistics();
-        Ok(Self { plant, relative_tolerance, segments, pieces, points, events, statistics, last })
+            Ok(())
+        })?;
+        let last = (run.time(), run.state().to_vec(), run.mode().clone());
+        let (statistics, relative_tolerance) = (run.statistics(), run.relative_tolerance());
+        Ok(Self { plant, relative_tolerance, segments, pieces, points, events, decisions, statistics, last })
     }
 
-    /// The plant that was simulated.
+    /// The plant that was simulated; the commands of valves that a driver had are the tables of all that it asked for.
     pub fn plant(&self) -> &Plant<R> {
         &self.plant
     }
@@ -125,6 +127,11 @@ impl<R: Real> PlantTrajectory<R> {
     /// The events in order of time.
     pub fn events(&self) -> &[PlantEvent<R>] {
         &self.events
+    }
+
+    /// What drivers decided, each with the index of its driver, in order of time.
+    pub fn decisions(&self) -> &[(usize, PlantDecision<R>)] {
+        &self.decisions
     }
 
     /// Steps, evaluations and events.

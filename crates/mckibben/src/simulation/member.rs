@@ -118,8 +118,12 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// A relaxed hysteresis at an actuator length in m, if there is one that follows the length alone.
     pub(crate) fn trace(&self, length: R) -> Option<Trace<R>> {
+        self.trace_from(Memory::relaxed(length))
+    }
+
+    /// A hysteresis with a memory, if there is one that follows the length alone.
+    pub(crate) fn trace_from(&self, memory: Memory<R>) -> Option<Trace<R>> {
         let hysteresis = self.actuator.friction().hysteresis().filter(|law| !matches!(law, Hysteresis::LuGre(_)))?;
-        let memory = Memory::relaxed(length);
         Some(Trace { memory, branch: hysteresis.branch(&memory, 0.0), direction: 0.0 })
     }
 

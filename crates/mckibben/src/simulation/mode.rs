@@ -124,6 +124,8 @@ pub enum EventKind {
     Regulator,
     /// A set point of a pressure regulator took effect.
     SetPoint,
+    /// A driver took a sample and decided.
+    Sample,
     /// The angle of a joint passed a row of a table of moment arms.
     MomentArm,
     /// A joint came to a stop, or pressed it again.
@@ -161,6 +163,7 @@ impl EventKind {
             Self::Compressor => "compressor",
             Self::Regulator => "regulator",
             Self::SetPoint => "set-point",
+            Self::Sample => "sample",
             Self::MomentArm => "moment-arm",
             Self::StopReached => "stop",
             Self::StopRebound => "stop-rebound",

@@ -278,8 +278,8 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// What is asked of the valve from now on. Pulses begin with the next period, which may be now.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a duty
-    /// cycle outside 0 to 1. Then nothing has changed.
+    /// [`Error::Unsupported`] when there is no valve, it cannot do what is asked, or has a dead time; [`Error::OutOfRange`] for
+    /// a duty cycle outside 0 to 1. Then nothing has changed.
     pub fn drive(&mut self, drive: Drive<R>) -> Result<(), Error> {
         let Some(actuation) = self.rig.actuation() else {
             return Err(Error::Unsupported {
@@ -287,6 +287,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
                 remedy: "give the actuator a valve, or leave it sealed",
             });
         };
+        actuation.solenoid.check_acts_at_once()?;
         match drive {
             Drive::Steady(request) => actuation.solenoid.check_request(request)?,
             Drive::Pulses { duty, pulse, rest } => {

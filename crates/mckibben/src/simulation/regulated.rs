@@ -71,7 +71,7 @@ impl<'a, R: Real> RegulatedPort<'a, R> {
     pub(super) fn new(actuation: Option<&'a Actuation<R>>, actuator: &Actuator<R>, place: usize) -> Option<Self> {
         let Actuation { solenoid, command } = actuation?;
         let regulator = *solenoid.regulator()?;
-        let delay = regulator.dead_time() + solenoid.transport();
+        let delay = solenoid.latency();
         Some(Self { regulator, command, delay, atmosphere: actuator.air().atmosphere().0, place })
     }
 

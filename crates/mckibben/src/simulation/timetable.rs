@@ -88,7 +88,7 @@ impl<S: Real> Timetable<'_, S> {
     pub(crate) fn next(&self, progress: &Progress<S>, until: S) -> Option<S> {
         let seat = self.actuation.and_then(|Actuation { solenoid, command }| {
             match (solenoid.spool(), solenoid.regulator(), &progress.regulator) {
-                (None, Some(regulator), Some(clock)) => clock.next(regulator, solenoid, command, until),
+                (None, Some(_), Some(clock)) => clock.next(solenoid, command, until),
                 (None, ..) => progress.clock.next_motion(solenoid, command, until),
                 (Some(_), ..) => progress.spool.next(solenoid, command, until),
             }

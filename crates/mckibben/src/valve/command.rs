@@ -199,6 +199,17 @@ impl<S: Scalar> Command<S> {
         Self::Table { time: alloc::vec::Vec::new(), request: alloc::vec::Vec::new() }
     }
 
+    /// Nothing is ever asked, in the kind of command that a valve takes.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn nothing_of(solenoid: &crate::valve::Solenoid<S>) -> Self {
+        let (time, values) = (alloc::vec::Vec::new(), alloc::vec::Vec::new());
+        match (solenoid.spool(), solenoid.regulator()) {
+            (Some(_), _) => Self::Positions { time, position: values },
+            (None, Some(_)) => Self::SetPoints { time, gauge_pressure: values },
+            (None, None) => Self::nothing(),
+        }
+    }
+
     /// Whether it holds set points of a pressure regulator, and no requests.
     pub fn has_set_points(&self) -> bool {
         #[cfg(feature = "alloc")]
@@ -326,6 +337,33 @@ impl<S: Real> Command<S> {
             Self::Table { time, request } => cut(time, request, passed, before),
             Self::SetPoints { time, gauge_pressure } => cut(time, gauge_pressure, passed, before),
             Self::Positions { time, position } => cut(time, position, passed, before),
+        }
+    }
+
+    /// Takes over what another command of its kind asks from `from` s on, in place of what it asks itself from then on.
+    pub(crate) fn take_over(&mut self, other: &Self, from: S) {
+        self.keep(0, from);
+        let later = |at: &S| is_due(from, *at);
+        let mut index = 0;
+        while let Some((at, request)) = other.change(index) {
+            if later(&at) {
+                self.append(at, Demand::Request(request));
+            }
+            index += 1;
+        }
+        let mut index = 0;
+        while let Some((at, gauge)) = other.set_point(index) {
+            if later(&at) {
+                self.append(at, Demand::SetPoint(crate::pressure::GaugePressure(gauge)));
+            }
+            index += 1;
+        }
+        let mut index = 0;
+        while let Some((at, position)) = other.position(index) {
+            if later(&at) {
+                self.append(at, Demand::Position(position));
+            }
+            index += 1;
         }
     }
 

@@ -26,6 +26,7 @@
 use super::command::{Command, Request};
 use super::solenoid::{Solenoid, ValveKind};
 use crate::error::Error;
+use crate::parameter;
 
 /// Where a five-way valve stands while no coil is energised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +47,7 @@ pub struct FiveWay {
     rest: FiveWayRest,
     opening_delay: f64,
     closing_delay: f64,
+    dead_time: f64,
 }
 
 /// One output of a five-way valve: a valve of a simpler kind, and what it is told.
@@ -65,7 +67,15 @@ impl FiveWay {
     /// [`Error::OutOfRange`] for a delay that is negative or not finite.
     pub fn new(rest: FiveWayRest, opening_delay: f64, closing_delay: f64) -> Result<Self, Error> {
         Solenoid::new(ValveKind::ThreeWay, opening_delay, closing_delay)?;
-        Ok(Self { rest, opening_delay, closing_delay })
+        Ok(Self { rest, opening_delay, closing_delay, dead_time: 0.0 })
+    }
+
+    /// The same valve whose command acts `dead_time` s later at both outputs, zero or more.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a time that is negative or not finite.
+    pub fn with_dead_time(self, dead_time: f64) -> Result<Self, Error> {
+        Ok(Self { dead_time: parameter::VALVE_DEAD_TIME.check(dead_time)?, ..self })
     }
 
     /// What the outputs A and B do under a command, in which `fill` and `exhaust` are those of output A.
@@ -89,7 +99,8 @@ impl FiveWay {
         let own = |request| if request == Request::Hold { hold } else { request };
         let (of_a, of_b) = (command.map_requests(own), command.map_requests(|request| own(mirrored(request))));
         let output = |kind, command| -> Result<FiveWayOutput, Error> {
-            Ok(FiveWayOutput { solenoid: Solenoid::new(kind, self.opening_delay, self.closing_delay)?, command })
+            let solenoid = Solenoid::new(kind, self.opening_delay, self.closing_delay)?;
+            Ok(FiveWayOutput { solenoid: solenoid.with_dead_time(self.dead_time)?, command })
         };
         Ok([output(kinds[0], of_a)?, output(kinds[1], of_b)?])
     }

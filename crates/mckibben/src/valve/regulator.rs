@@ -73,7 +73,7 @@ impl Regulator {
     pub fn new(time_constant: f64, dead_time: f64, rate_limit: f64) -> Result<Self, Error> {
         Ok(Self {
             time_constant: parameter::REGULATOR_TIME_CONSTANT.check(time_constant)?,
-            dead_time: parameter::REGULATOR_DEAD_TIME.check(dead_time)?,
+            dead_time: parameter::VALVE_DEAD_TIME.check(dead_time)?,
             rate_limit: parameter::REGULATOR_RATE_LIMIT.check(rate_limit)?,
         })
     }
@@ -97,7 +97,7 @@ impl<S: Scalar> Regulator<S> {
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Regulator<T> {
         Regulator {
             time_constant: convert.parameter(&parameter::REGULATOR_TIME_CONSTANT, self.time_constant),
-            dead_time: convert.parameter(&parameter::REGULATOR_DEAD_TIME, self.dead_time),
+            dead_time: convert.parameter(&parameter::VALVE_DEAD_TIME, self.dead_time),
             rate_limit: convert.parameter(&parameter::REGULATOR_RATE_LIMIT, self.rate_limit),
         }
     }
@@ -106,6 +106,11 @@ impl<S: Scalar> Regulator<S> {
     pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulator<T> {
         let Self { time_constant, dead_time, rate_limit } = *self;
         Regulator { time_constant: number(time_constant), dead_time: number(dead_time), rate_limit: number(rate_limit) }
+    }
+
+    /// The same with another dead time in s.
+    pub(super) fn with_dead_time(self, dead_time: S) -> Self {
+        Self { dead_time, ..self }
     }
 
     /// Time in s from a setpoint to the first answer.

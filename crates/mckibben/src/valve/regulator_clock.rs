@@ -46,16 +46,15 @@ impl<S: Real> RegulatorClock<S> {
     }
 
     /// The next instant in s, up to and with `until`, at which the pressure becomes another function of time.
-    pub fn next(&self, regulator: &Regulator<S>, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
-        let delay = regulator.dead_time() + solenoid.transport();
-        let told = command.set_point(self.taken).map(|(time, _)| time + delay);
+    pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
+        let told = command.set_point(self.taken).map(|(time, _)| time + solenoid.latency());
         let first = [told, self.limit_end].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))?;
         is_due(first, until).then_some(first)
     }
 
     /// Passes everything up to and with `time`, in order.
     pub fn advance(&mut self, time: S, regulator: &Regulator<S>, solenoid: &Solenoid<S>, command: &Command<S>) {
-        while let Some(instant) = self.next(regulator, solenoid, command, time) {
+        while let Some(instant) = self.next(solenoid, command, time) {
             if self.limit_end.is_some_and(|end| is_due(end, instant)) {
                 self.limit_end = None;
             } else if let Some((_, gauge)) = command.set_point(self.taken) {

@@ -17,6 +17,9 @@
 //! | three-way-normally-open | one | exhaust | supply |
 //! | fill-hold-exhaust | two two-way valves | its passage open | its passage shut |
 //!
+//! A dead time t_dead comes before both delays: the command acts t_dead later, whatever its length, so that it shifts a pulse
+//! and never shortens it. It is that of the driver's electronics and of pilot stages.
+//!
 //! A seat may take its time once it moves ([`Ramp`]); the coil acts on it then as before, and it turns where it is.
 //!
 //! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
@@ -120,6 +123,8 @@ pub struct Solenoid<S = f64> {
     opening_delay: S,
     closing_delay: S,
     ramp: Ramp<S>,
+    /// By how much the command acts late, in s; that of a pressure regulator is its own.
+    dead_time: S,
     /// By how much the seats take effect late where it counts, in s.
     transport: S,
     /// What makes the pressure beyond the passage, which then has no seat.
@@ -140,6 +145,7 @@ impl Solenoid {
             opening_delay: parameter::OPENING_DELAY.check(opening_delay)?,
             closing_delay: parameter::CLOSING_DELAY.check(closing_delay)?,
             ramp: Ramp::none(),
+            dead_time: 0.0,
             transport: 0.0,
             regulator: None,
             spool: None,
@@ -151,6 +157,19 @@ impl Solenoid {
         Self { ramp, ..self }
     }
 
+    /// The same valve whose command acts `dead_time` s later, zero or more, whatever the kind of valve; of a pressure
+    /// regulator in place of its own.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a time that is negative or not finite.
+    pub fn with_dead_time(self, dead_time: f64) -> Result<Self, Error> {
+        let dead_time = parameter::VALVE_DEAD_TIME.check(dead_time)?;
+        Ok(match self.regulator {
+            Some(regulator) => Self { regulator: Some(regulator.with_dead_time(dead_time)), ..self },
+            None => Self { dead_time, ..self },
+        })
+    }
+
     /// No solenoid, but a pressure regulator: the passage is open all the time, and air comes from and goes to the pressure
     /// that follows the set points of a [`Command::SetPoints`].
     pub fn regulating(regulator: Regulator) -> Self {
@@ -158,14 +177,16 @@ impl Solenoid {
         // Released, its one passage is open.
         let kind = ValveKind::ThreeWayNormallyOpen;
         let (ramp, spool) = (Ramp::none(), None);
-        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp, transport: 0.0, regulator, spool }
+        let [opening_delay, closing_delay, dead_time, transport] = [0.0; 4];
+        Self { kind, opening_delay, closing_delay, ramp, dead_time, transport, regulator, spool }
     }
 
     /// No solenoid, but a proportional spool that follows the positions of a [`Command::Positions`].
     pub fn proportional(spool: Spool) -> Self {
         let (ramp, spool) = (Ramp::none(), Some(spool));
         let kind = ValveKind::FillHoldExhaust;
-        Self { kind, opening_delay: 0.0, closing_delay: 0.0, ramp, transport: 0.0, regulator: None, spool }
+        let [opening_delay, closing_delay, dead_time, transport] = [0.0; 4];
+        Self { kind, opening_delay, closing_delay, ramp, dead_time, transport, regulator: None, spool }
     }
 
     /// Checks that the valve can do what the command asks.
@@ -227,6 +248,10 @@ impl<S: Scalar> Solenoid<S> {
             opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
             closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
             ramp: self.ramp.convert(convert),
+            dead_time: match self.regulator {
+                Some(_) => T::zero(),
+                None => convert.parameter(&parameter::VALVE_DEAD_TIME, self.dead_time),
+            },
             transport: T::zero(),
             regulator: self.regulator.as_ref().map(|regulator| regulator.convert(convert)),
             spool: self.spool.as_ref().map(|spool| spool.convert(convert)),
@@ -253,9 +278,38 @@ impl<S: Scalar> Solenoid<S> {
         self.regulator.is_none() && self.spool.is_none()
     }
 
+    /// By how much the command acts late, in s.
+    pub fn dead_time(&self) -> S {
+        self.regulator.as_ref().map_or(self.dead_time, Regulator::dead_time)
+    }
+
+    /// That what is asked drives the coil at once, for those that keep no command.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a valve with a dead time.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn check_acts_at_once(&self) -> Result<(), Error>
+    where
+        S: Real,
+    {
+        if self.dead_time().value() > 0.0 {
+            return Err(Error::Unsupported {
+                what: "a valve with a dead time is driven by a host that keeps nothing of what it has asked for",
+                remedy: "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`",
+            });
+        }
+        Ok(())
+    }
+
     /// By how much it is seen late, in s.
     pub(crate) fn transport(&self) -> S {
         self.transport
+    }
+
+    /// By how much what is asked takes effect late before anything of the valve moves, in s: the dead time, and by how much
+    /// it is seen late.
+    pub(crate) fn latency(&self) -> S {
+        self.dead_time() + self.transport
     }
 
     /// How the passages are arranged.
@@ -329,7 +383,7 @@ impl<S: Real> SeatClock<S> {
 
     /// The next instant in s at which a coil or a seat moves, or a seat arrives.
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
-        let change = command.change(self.next_change).map(|(time, _)| time + solenoid.transport);
+        let change = command.change(self.next_change).map(|(time, _)| time + solenoid.latency());
         let [first, second] = self.strokes.map(|stroke| stroke.end());
         let others = [self.due[0], self.due[1], first, second].into_iter().flatten();
         others.fold(change, |soonest, time| soonest.filter(|soonest| soonest.value() <= time.value()).or(Some(time)))
@@ -364,7 +418,7 @@ impl<S: Real> SeatClock<S> {
             }
             if !seat_moved && let Some((when, request)) = command.change(self.next_change) {
                 self.next_change += 1;
-                self.drive(when + solenoid.transport, solenoid, solenoid.coils(request));
+                self.drive(when + solenoid.latency(), solenoid, solenoid.coils(request));
             }
             upcoming = self.next(solenoid, command);
         }

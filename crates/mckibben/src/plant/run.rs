@@ -1,0 +1,271 @@
+//! A run of a plant that goes on as its caller says: step by step, with valves that are set on the way, saved and restored.
+
+use super::evaluation::{Evaluation, System};
+use super::mode::PlantMode;
+use super::start::PlantStart;
+use super::trajectory::PlantTrajectory;
+use super::{Plant, PlantEventKind};
+use crate::command::{Driver, PlantMeasurement};
+use crate::engine::{Integrator, Pace, Piece, Statistics};
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::Real;
+use crate::valve::{Command, Demand};
+use alloc::vec::Vec;
+
+/// Where a run of a plant is: its states, its discrete state with what its drivers remember, and how it was going.
+///
+/// It is a value: a run can be restored to it as often as wanted, and goes on to the same bits.
+#[derive(Clone, Debug)]
+pub struct PlantSnapshot<R: Real = f64> {
+    time: R,
+    state: Vec<R>,
+    mode: PlantMode<R>,
+    pace: Pace,
+}
+
+impl<R: Real> PlantSnapshot<R> {
+    /// The time in s.
+    pub fn time(&self) -> R {
+        self.time
+    }
+
+    /// The states, in the places that [`Plant::places`] says.
+    pub fn state(&self) -> &[R] {
+        &self.state
+    }
+
+    /// The discrete state.
+    pub fn mode(&self) -> &PlantMode<R> {
+        &self.mode
+    }
+}
+
+/// A run of a plant by the event-located engine, to be taken on step by step.
+///
+/// ```
+/// use mckibben::plant::{Plant, PlantRun, PlantStart};
+/// use mckibben::valve::Request;
+///
+/// # fn lifts(plant: &Plant, start: &PlantStart) -> Result<(), mckibben::Error> {
+/// let mut run = PlantRun::new(plant, start, 1e-6)?;
+/// for count in 1..=1000 {
+///     let fill = run.measurement().actuators[0].length > 0.09;
+///     run.set(0, if fill { Request::Fill } else { Request::Exhaust })?;
+///     run.advance_to(f64::from(count) * 1e-3)?;
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct PlantRun<R: Real = f64> {
+    plant: Plant<R>,
+    relative_tolerance: f64,
+    reached: PlantSnapshot<R>,
+}
+
+/// Takes a piece of a run, with the time in s and the discrete state that it leads to.
+pub(crate) type Keep<'k, R> = dyn FnMut(&Piece<'_, R, PlantMode<R>, PlantEventKind>) -> Result<(), Error> + 'k;
+
+impl<R: Real> PlantRun<R> {
+    /// Starts at t = 0, with a relative tolerance for each step. Valves follow their own commands until they are set.
+    ///
+    /// # Errors
+    /// As [`Plant::start`].
+    pub fn new(plant: &Plant<R>, start: &PlantStart<R>, relative_tolerance: f64) -> Result<Self, Error> {
+        Self::with_drivers(plant, start, relative_tolerance, Vec::new())
+    }
+
+    /// Starts at t = 0 with drivers, in place of the commands of the valves that are theirs.
+    ///
+    /// # Errors
+    /// As [`Plant::start`]; [`Error::Unsupported`] for a driver of parts that are not there, and for two of one valve.
+    pub fn with_drivers(
+        plant: &Plant<R>,
+        start: &PlantStart<R>,
+        relative_tolerance: f64,
+        drivers: Vec<Driver<R>>,
+    ) -> Result<Self, Error> {
+        let (mut state, memories) = plant.start_with_memories(start)?;
+        let mut plant = plant.clone();
+        let coordinates: Vec<usize> = plant.places.mechanisms.iter().map(|here| here.coordinates).collect();
+        Driver::check_all(&drivers, plant.network.valves.len(), plant.actuators.len(), &coordinates)?;
+        for &valve in drivers.iter().flat_map(Driver::valves) {
+            let its = &mut plant.network.valves[valve];
+            its.command = Command::nothing_of(&its.solenoid);
+        }
+        let system = System::new(&plant, relative_tolerance);
+        let mut mode = system.begin(&mut state, &memories, &mut Evaluation::new(&plant));
+        mode.drivers = drivers;
+        let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin() };
+        Ok(Self { plant, relative_tolerance, reached })
+    }
+
+    /// The plant. Drivers have taken the place of the commands of their valves.
+    pub fn plant(&self) -> &Plant<R> {
+        &self.plant
+    }
+
+    /// The relative tolerance of each step.
+    pub fn relative_tolerance(&self) -> f64 {
+        self.relative_tolerance
+    }
+
+    /// The time in s that has been reached.
+    pub fn time(&self) -> R {
+        self.reached.time
+    }
+
+    /// The states at that time, after any event there.
+    pub fn state(&self) -> &[R] {
+        &self.reached.state
+    }
+
+    /// The discrete state at that time, after any event there.
+    pub fn mode(&self) -> &PlantMode<R> {
+        &self.reached.mode
+    }
+
+    /// Steps, evaluations and events since the start.
+    pub fn statistics(&self) -> Statistics {
+        self.reached.pace.statistics()
+    }
+
+    /// What there is to measure at the time that has been reached.
+    pub fn measurement(&self) -> PlantMeasurement<R> {
+        let PlantSnapshot { time, state, mode, .. } = &self.reached;
+        System::new(&self.plant, self.relative_tolerance).measure(*time, state, mode, &mut Evaluation::new(&self.plant))
+    }
+
+    /// Where the run is.
+    pub fn save(&self) -> PlantSnapshot<R> {
+        self.reached.clone()
+    }
+
+    /// Goes back, or on, to where a run of the same plant was.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a snapshot of another plant.
+    pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
+        let (ours, theirs) = (&self.reached, snapshot);
+        let alike = ours.state.len() == theirs.state.len()
+            && ours.mode.actuators.len() == theirs.mode.actuators.len()
+            && ours.mode.mechanisms.len() == theirs.mode.mechanisms.len()
+            && ours.mode.arms.len() == theirs.mode.arms.len()
+            && ours.mode.network.branches.len() == theirs.mode.network.branches.len()
+            && ours.mode.network.nodes.len() == theirs.mode.network.nodes.len()
+            && ours.mode.network.valves.len() == theirs.mode.network.valves.len();
+        if !alike {
+            return Err(Error::Unsupported {
+                what: "a snapshot of another plant is restored",
+                remedy: "restore what a run of the same plant has saved",
+            });
+        }
+        self.reached = snapshot.clone();
+        Ok(())
+    }
+
+    /// Sets what a valve does from now on, in place of all that was to come.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when there is no such valve, it has a driver, or it cannot do what is asked;
+    /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
+    pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
+        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        if valve >= self.plant.network.valves.len() {
+            return wrong("a valve is set that is not there", "name a valve of the network");
+        }
+        if self.reached.mode.drivers.iter().any(|driver| driver.valves().contains(&valve)) {
+            return wrong("a valve is set that a driver commands", "leave it to the driver, or leave out the driver");
+        }
+        let time = self.time();
+        self.plant.network.set_valve(valve, time, demand.into(), &mut self.reached.mode.network)
+    }
+
+    /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a mechanism that is not external; [`Error::Table`] unless there is one rate for each
+    /// coordinate; [`Error::OutOfRange`] for a rate that is not finite.
+    pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
+        let external =
+            matches!(self.plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
+        if !external {
+            return Err(Error::Unsupported {
+                what: "rates are set of a mechanism whose motion no host gives",
+                remedy: "name an external mechanism",
+            });
+        }
+        let here = self.plant.places.mechanisms[mechanism];
+        if rates.len() != here.coordinates {
+            return Err(Error::Table {
+                name: "rates",
+                problem: "there is not one rate for each coordinate",
+                entry: rates.len().min(here.coordinates) + 1,
+                remedy: "give as many rates as the mechanism has coordinates",
+            });
+        }
+        rates.iter().try_for_each(|rate| parameter::INITIAL_VELOCITY.check(rate.value()).map(drop))?;
+        let PlantSnapshot { time, state, mode, .. } = &mut self.reached;
+        state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(rates);
+        let system = System::new(&self.plant, self.relative_tolerance);
+        let mut at = Evaluation::new(&self.plant);
+        system.enter_given_motion(mechanism, *time, state, mode, &mut at);
+        Ok(())
+    }
+
+    /// Goes on to `until` in s; nothing where that has been reached.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a time that is not finite; [`Error::Stopped`] when the plant leaves what the model describes
+    /// or no step is short enough; [`Error::TooMany`] for more samples or pulses than a run may have; those of a driver whose valve cannot do what it asks. The run then stays
+    /// where it was.
+    pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        self.extend(until, &mut |_| Ok(()))
+    }
+
+    /// Goes on to `until` in s and hands each piece of the run to `keep`.
+    pub(crate) fn extend(&mut self, until: R, keep: &mut Keep<'_, R>) -> Result<(), Error> {
+        let span = (until - self.time()).value();
+        if span <= 0.0 {
+            return Ok(());
+        }
+        parameter::DURATION.check(span)?;
+        let PlantSnapshot { time, state, mode, pace } = &self.reached;
+        let mut mode = mode.clone();
+        for driver in &mode.drivers {
+            driver.check_counts(span)?;
+        }
+        let driven = |valve: usize| mode.drivers.iter().any(|driver| driver.valves().contains(&valve));
+        let set: Vec<usize> = (0..mode.network.valves.len()).filter(|valve| !driven(*valve)).collect();
+        for valve in set {
+            self.plant.network.pulse_valve(valve, [*time, until], &mut mode.network)?;
+        }
+        let system = System::new(&self.plant, self.relative_tolerance);
+        let mut integrator = Integrator::resume(&system, (*time, state, mode), until, self.relative_tolerance, *pace);
+        while integrator.advance()? {
+            keep(&integrator.piece())?;
+        }
+        self.reached = PlantSnapshot {
+            time: integrator.time(),
+            state: integrator.state().to_vec(),
+            mode: integrator.mode().clone(),
+            pace: integrator.pace(),
+        };
+        Ok(())
+    }
+
+    /// Goes on to `until` in s and keeps the run from here to there; `watch` is called with the time in s now and then, and
+    /// may end the run by an error such as [`Error::Interrupted`].
+    ///
+    /// # Errors
+    /// As [`PlantRun::advance_to`], and those of `watch`; [`Error::Stopped`] when the run takes more steps than a kept one may
+    /// have.
+    pub fn record_to(
+        &mut self,
+        until: R,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<PlantTrajectory<R>, Error> {
+        PlantTrajectory::record(self, until, watch)
+    }
+}
