@@ -7,7 +7,7 @@ import argparse
 import csv
 import sys
 
-from reference_model.integration import COLUMNS, METHODS, Integration
+from reference_model.integration import METHODS, Integration
 from reference_model.scenario import load_scenario
 
 
@@ -23,8 +23,8 @@ def main():
     run = Integration(load_scenario(options.scenario), options.rtol, options.method).simulate()
     with open(options.output, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([*map(repr, row[:-1]), row[-1]] for row in run.rows)
+        writer.writerow(run.header)
+        writer.writerows([x if isinstance(x, str) else repr(x) for x in row] for row in run.rows)
     if options.events:
         for instant, name in run.events:
             print(f"{instant:.15g} {name}", file=sys.stderr)
