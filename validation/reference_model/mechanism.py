@@ -49,6 +49,34 @@ class Mass:
         return [0.0]
 
 
+class Masses:
+    """Any number of masses, each on an actuator of its own: M_k v̇_k = W_k − F_k."""
+
+    scales = (1e-2, 1e-1)
+
+    def __init__(self, masses, pulls):
+        self.masses, self.pulls = masses, pulls
+        self.coordinates = len(masses)
+
+    def diagonal(self, values):
+        return [[v if i == k else 0.0 for i in range(len(values))] for k, v in enumerate(values)]
+
+    def lengths(self, q):
+        return list(q)
+
+    def arms(self, q):
+        return self.diagonal([1.0] * len(self.masses))
+
+    def inertia(self, q):
+        return self.diagonal(self.masses)
+
+    def generalised_force(self, branches, q, qd):
+        return list(self.pulls)
+
+    def bias(self, q, qd):
+        return [0.0] * len(self.masses)
+
+
 class Pulley:
     """A constant moment arm r: e(θ) = r θ."""
 
@@ -275,15 +303,17 @@ def gauge(arms, need, boxes):
     centre = np.array([(a + b) / 2 for a, b in boxes])
     half = np.array([(b - a) / 2 for a, b in boxes])
     rho = np.array(need) - J.T @ centre
-    n = J.shape[1]
-    rank = np.linalg.matrix_rank(J, tol=1e-12)
+    _, sizes, axes = np.linalg.svd(J)
+    rank = int((sizes > 1e-9 * sizes[0]).sum())
+    axes = axes[:rank]  # of the forces that the rows can hold
     normals = []
-    if n == 1:
-        normals = [np.array([1.0])]
-    elif rank == 1:
-        normals = [J[0] / np.linalg.norm(J[0])]
-    else:
-        normals = [np.array([-row[1], row[0]]) / np.linalg.norm(row) for row in J]
+    for rows in itertools.combinations(J @ axes.T, rank - 1):
+        if rank == 1:
+            normals.append(axes[0])
+            continue
+        _, sizes, across = np.linalg.svd(np.array(rows))
+        if sizes[-1] > 1e-9 * sizes[0]:
+            normals.append(across[-1] @ axes)
     worst, direction = -1.0, None
     for z in normals:
         capacity = half @ np.abs(J @ z)

@@ -121,6 +121,8 @@ class Mode:
 def solve(matrix, right):
     if len(right) == 1:
         return [right[0] / matrix[0][0]]
+    if len(right) > 2:
+        return np.linalg.solve(matrix, right).tolist()
     (a, b), (c, d) = matrix
     determinant = a * d - b * c
     return [(d * right[0] - b * right[1]) / determinant, (a * right[1] - c * right[0]) / determinant]
@@ -540,7 +542,6 @@ class Plant:
         """What follows where actuators have come to rest: all that rest decide together."""
         n = self.n
         mode.held_short = [False] * len(self.actuators)
-        before = list(mode.sliding)
         speeds = self.speeds(y, mode)
         fastest = max(1e-3, max(abs(s) for s in speeds))
         arms = self.mechanism.arms(y[:n].tolist())
@@ -577,7 +578,6 @@ class Plant:
             mode.sliding[k] = sign
             for name in ("pulls", "limit pulls"):
                 mode.branches.sides.pop((name, k), None)
-        del before
         return "stick" if 0 in signs.values() else "reversal"
 
     def release(self, t, mode, y):
