@@ -1,33 +1,39 @@
-"""Integrate a scenario file with the independent reference and write the columns of a run.
+"""Integrate scenario files with the independent reference and write the columns of their runs.
 
 python reference.py FILE.toml --output run.csv [--rtol 1e-12] [--method DOP853] [--events]
+python reference.py FILE.toml ... --folder FOLDER          # FOLDER/FILE.csv of each
 """
 
 import argparse
 import csv
 import sys
+from pathlib import Path
 
-from reference_model.integration import COLUMNS, METHODS, Integration
+from reference_model.integration import METHODS, Integration
 from reference_model.scenario import load_scenario
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scenario", metavar="FILE.toml")
-    parser.add_argument("--output", metavar="CSV", required=True)
+    parser.add_argument("scenarios", metavar="FILE.toml", nargs="+", type=Path)
+    target = parser.add_mutually_exclusive_group(required=True)
+    target.add_argument("--output", metavar="CSV", type=Path, help="of a single scenario")
+    target.add_argument("--folder", metavar="FOLDER", type=Path)
     parser.add_argument("--rtol", type=float, default=1e-12)
     parser.add_argument("--method", choices=sorted(METHODS), default="DOP853")
     parser.add_argument("--events", action="store_true", help="list the events on standard error")
     options = parser.parse_args()
-
-    run = Integration(load_scenario(options.scenario), options.rtol, options.method).simulate()
-    with open(options.output, "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([*map(repr, row[:-1]), row[-1]] for row in run.rows)
-    if options.events:
-        for instant, name in run.events:
-            print(f"{instant:.15g} {name}", file=sys.stderr)
+    if options.output and len(options.scenarios) > 1:
+        parser.error("--output takes one scenario: use --folder for several")
+    for scenario in options.scenarios:
+        run = Integration(load_scenario(scenario), options.rtol, options.method).simulate()
+        with open(options.output or options.folder / f"{scenario.stem}.csv", "w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(run.header)
+            writer.writerows([x if isinstance(x, str) else repr(x) for x in row] for row in run.rows)
+        if options.events:
+            for instant, name in run.events:
+                print(f"{instant:.15g} {name}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -22,8 +22,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "validation"))
 
 from reference_model.integration import Integration  # noqa: E402
-from reference_model.scenario import Scenario, load_scenario  # noqa: E402
-from reference_model.solenoid import port_movements  # noqa: E402
+from reference_model.plant import Actuator  # noqa: E402
+from reference_model.scenario import load_scenario  # noqa: E402
 
 #: The paper's hanging mass under pulses: 100 psi, 25 Hz, 5 lb, two seconds, a sample every 2 ms.
 FILE = ROOT / "validation" / "reference" / "pwm-25hz-5lb.toml"
@@ -75,8 +75,8 @@ class Work:
         return float(np.max(np.abs(answer - self.truth) / ranges))
 
 
-def muscle_of(scenario: Scenario) -> Muscle:
-    braid, air, flow = scenario.braid, scenario.air, scenario.valve.flow
+def muscle_of(actuator: Actuator, gravity: float) -> Muscle:
+    braid, air, flow = actuator.muscle.braid, actuator.air, actuator.supply_law
     gamma = air.gamma
     throat = flow.area * math.sqrt(2 * gamma / (air.gas_constant * (gamma - 1)))
     return Muscle(
@@ -85,42 +85,40 @@ def muscle_of(scenario: Scenario) -> Muscle:
         min_length=braid.min_length,
         max_length=braid.max_length,
         external_volume=braid.external_volume,
-        viscous=scenario.friction.viscous,
-        coulomb_width=scenario.friction.coulomb_width,
-        stiffness=scenario.limit.stiffness,
-        damping=scenario.limit.damping,
+        viscous=actuator.muscle.viscous,
+        coulomb_width=actuator.muscle.dry.width,
+        stiffness=actuator.muscle.limit.stiffness,
+        damping=actuator.muscle.limit.damping,
         gamma=gamma,
         gas_constant=air.gas_constant,
         atmosphere=air.atmosphere,
-        supply=scenario.supply_pressure,
-        per_temperature=1 / scenario.supply_temperature,
+        supply=actuator.supply.pressure,
+        per_temperature=1 / actuator.supply.temperature,
         throat=throat,
         choked=flow.throat(flow.critical_ratio),
         critical_ratio=flow.critical_ratio,
         laminar_ratio=flow.laminar_ratio,
         laminar_slope=flow.throat(flow.laminar_ratio) / (1 - flow.laminar_ratio),
-        gravity=scenario.load.pull / scenario.load.mass,
+        gravity=gravity,
     )
 
 
 def load() -> Work:
     """The work with its truth, which takes some seconds."""
-    scenario = load_scenario(FILE)
-    integration = Integration(scenario, EXACT)
-    valve, end = scenario.valve, scenario.duration
-    moves = port_movements(valve.kind, scenario.command, valve.opening_delay, valve.closing_delay, end)
-    edges = [0.0, *(time for time, _ in moves[1:] if time < end), end]
-    open_ports = [ports for _, ports in moves]
-    spans = [(a, b, ports[0]) for a, b, ports in zip(edges, edges[1:], open_ports)]
-    _, start = integration.model.start(moves[0][1])
-    rows = integration.simulate().rows
+    experiment = load_scenario(FILE)
+    integration = Integration(experiment, EXACT)
+    plant, end = integration.plant, experiment.duration
+    run = integration.simulate()
+    # One coil: its seat is shut at first and changes over at each edge.
+    edges = [0.0, *(time for time, name in run.events if name == "valve edge" and 0 < time < end), end]
+    spans = [(a, b, index % 2 == 1) for index, (a, b) in enumerate(zip(edges, edges[1:]))]
     return Work(
-        muscle=muscle_of(scenario),
-        mass=scenario.load.mass,
-        start=np.array(start, dtype=float),
+        muscle=muscle_of(plant.actuators[0], plant.mechanism.pull / plant.mechanism.mass),
+        mass=plant.mechanism.mass,
+        start=plant.start[:4],
         spans=spans,
-        samples=np.array([row[0] for row in rows]),
-        truth=np.array([[row[1] for row in rows], [row[3] for row in rows]]),
+        samples=np.array([row[0] for row in run.rows]),
+        truth=np.array([[row[1] for row in run.rows], [row[3] for row in run.rows]]),
     )
 
 

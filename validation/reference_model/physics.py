@@ -197,3 +197,22 @@ class Iso6358Flow(FlowLaw):
         if under < 0:
             return math.nan
         return self.conductance * self.DENSITY * math.sqrt(self.TEMPERATURE * under)
+
+
+class Iec60534Flow(FlowLaw):
+    """IEC 60534-2-1: ṁ = Kv √(ρ_w/Δp₀) Y √(x P_up ρ_up), x = 1 − r, Y = 1 − x/(3 x_c), choked at x_c = (γ/1.4) x_T."""
+
+    WATER = 999.1  # kg/m³
+    DROP = 1e5  # Δp₀, Pa
+
+    def __init__(self, kv, pressure_drop_ratio, gamma, gas_constant, laminar_ratio):
+        self.kv, self.gas_constant = kv, gas_constant  # η Kv, m³/s
+        self.choked_drop = gamma / 1.4 * pressure_drop_ratio
+        self.critical_ratio, self.laminar_ratio = 1 - self.choked_drop, laminar_ratio
+
+    def throat(self, ratio):
+        x = 1 - ratio
+        if x < 0:
+            return math.nan
+        expansion = 1 - x / (3 * self.choked_drop)
+        return self.kv * math.sqrt(self.WATER / self.DROP) * expansion * math.sqrt(x / self.gas_constant)

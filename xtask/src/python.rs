@@ -14,7 +14,8 @@ pub(crate) fn reference_folder(root: &Path) -> PathBuf {
     root.join("target/reference")
 }
 
-/// Computes the reference trajectory of every scenario under `validation/reference`.
+/// Computes the reference trajectory of every scenario under `validation/reference`, and of the plants that no scenario
+/// describes.
 pub(crate) fn reference(root: &Path) -> Result<(), String> {
     let python = environment(root, "validation/requirements.txt")?;
     let folder = reference_folder(root);
@@ -26,11 +27,8 @@ pub(crate) fn reference(root: &Path) -> Result<(), String> {
         .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
         .collect();
     scenarios.sort();
-    for scenario in &scenarios {
-        let name = scenario.file_stem().unwrap_or_default();
-        let output = folder.join(name).with_extension("csv");
-        succeed(command(root, &python).arg(&script).arg(scenario).arg("--output").arg(output))?;
-    }
+    succeed(command(root, &python).arg(&script).args(&scenarios).arg("--folder").arg(&folder))?;
+    succeed(command(root, &python).arg(root.join("validation/plants.py")).arg(folder.join("plants")))?;
     println!("{} reference trajectories", scenarios.len());
     Ok(())
 }

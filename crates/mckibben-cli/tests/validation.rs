@@ -1,11 +1,13 @@
-//! The event-located engine against an independent reference: every scenario of `validation/reference`, every column.
+//! The event-located engine against an independent reference: every scenario of `validation/reference`, every column
+//! that `mckibben simulate` writes.
 //!
-//! The reference is `validation/reference.py`, written in Python from the model page without sight of this code. Its
-//! runs are computed beforehand into the folder that the environment variable `MCKIBBEN_REFERENCE` names. Without them
-//! these tests fail: a validation that is skipped in silence is none.
+//! The reference is `validation/reference.py`, written in Python from the model page and the book without sight of this
+//! code. Its runs are computed beforehand into the folder that the environment variable `MCKIBBEN_REFERENCE` names.
+//! Without them these tests fail: a validation that is skipped in silence is none.
 
-use mckibben::simulation::{Sample, simulate};
-use mckibben_scenario::Document;
+mod common;
+
+use common::{Folder, of_repository};
 use std::path::{Path, PathBuf};
 
 /// What an error may be, as a part of the column's range over the run.
@@ -13,26 +15,33 @@ const PART_OF_RANGE: f64 = 1e-6;
 /// A column whose range is below this part of its magnitude is constant, and compared relative to its magnitude.
 const CONSTANT: f64 = 1e-9;
 
-const COLUMNS: [&str; 8] = [
-    "length_m",
-    "velocity_m_s",
-    "pressure_pa",
-    "air_mass_kg",
-    "temperature_k",
-    "volume_m3",
-    "tension_n",
-    "mass_flow_kg_s",
-];
-
-fn columns(s: &Sample) -> [f64; 8] {
-    [s.length, s.velocity, s.pressure.0, s.air_mass, s.temperature, s.volume, s.tension, s.mass_flow]
+/// A run: the names of its columns, and its rows.
+struct Run {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
 }
 
-/// The reference run of a scenario.
+impl Run {
+    fn read(path: &Path) -> Self {
+        let mut reader = csv::Reader::from_path(path).unwrap_or_else(|error| {
+            panic!("{}: {error}; compute it with `python validation/reference.py FILE --output …`", path.display())
+        });
+        let header = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+        let row = |record: csv::StringRecord| record.iter().map(str::to_owned).collect();
+        Self { header, rows: reader.records().map(|record| row(record.expect("a row"))).collect() }
+    }
+
+    fn column(&self, name: &str) -> impl Iterator<Item = &str> {
+        let index = self.header.iter().position(|other| other == name).expect("a column of both runs");
+        self.rows.iter().map(move |row| row[index].as_str())
+    }
+}
+
+/// A scenario and its reference run.
 struct Reference {
     name: String,
-    document: Document,
-    rows: Vec<(f64, [f64; 8], String)>,
+    scenario: PathBuf,
+    run: Run,
 }
 
 fn references() -> Vec<Reference> {
@@ -43,67 +52,44 @@ fn references() -> Vec<Reference> {
              validation/reference/NAME.toml --output FOLDER/NAME.csv`, then set MCKIBBEN_REFERENCE=FOLDER"
         )
     });
-    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/reference");
-    let entries = std::fs::read_dir(scenarios).expect("the scenarios of the reference");
+    let entries = std::fs::read_dir(of_repository("validation/reference")).expect("the scenarios of the reference");
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("readable").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     paths.sort();
-    assert!(paths.len() >= 20, "only {} scenarios", paths.len());
-    paths.iter().map(|path| reference(path, Path::new(&folder))).collect()
-}
-
-fn reference(path: &Path, folder: &Path) -> Reference {
-    let document = Document::load(path).unwrap_or_else(|error| panic!("{error}"));
-    let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-    let run = folder.join(format!("{name}.csv"));
-    let mut reader = csv::Reader::from_path(&run).unwrap_or_else(|error| {
-        panic!(
-            "{}: {error}; compute it with `python validation/reference.py {} --output …`",
-            run.display(),
-            path.display()
-        )
-    });
-    let header: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
-    assert_eq!(header[1..9], COLUMNS, "{name}");
-    let row = |record: csv::StringRecord| {
-        let number = |column: usize| record[column].parse::<f64>().expect("a number");
-        (number(0), std::array::from_fn(|column| number(column + 1)), record[9].to_owned())
+    assert!(paths.len() >= 57, "only {} scenarios", paths.len());
+    let reference = |scenario: PathBuf| {
+        let name = scenario.file_stem().expect("a name").to_string_lossy().into_owned();
+        let run = Run::read(&Path::new(&folder).join(format!("{name}.csv")));
+        Reference { name, scenario, run }
     };
-    let rows = reader.records().map(|record| row(record.expect("a row"))).collect();
-    Reference { name, document, rows }
+    paths.into_iter().map(reference).collect()
 }
 
 impl Reference {
-    /// Our run, sampled at the reference's times.
-    fn samples(&self, relative_tolerance: f64) -> Vec<Sample> {
-        let experiment = self.document.experiment().unwrap_or_else(|error| panic!("{error}"));
-        let trajectory = simulate(&experiment.rig, experiment.start, experiment.run.duration, relative_tolerance)
-            .unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        let samples: Vec<Sample> = trajectory.samples(experiment.run.sample_interval).collect();
-        assert_eq!(samples.len(), self.rows.len(), "{}: rows", self.name);
-        samples
+    /// Our run, as `mckibben simulate` writes it.
+    fn ours(&self, folder: &Folder, relative_tolerance: f64) -> Run {
+        let mut program = folder.mckibben();
+        program.arg("simulate").arg(&self.scenario).args(["--quiet", "--output", "run.csv", "--set"]);
+        let output = program.arg(format!("run.relative_tolerance={relative_tolerance:e}")).output().expect("it runs");
+        assert!(output.status.success(), "{}: {}", self.name, String::from_utf8_lossy(&output.stderr));
+        let run = Run::read(&folder.path("run.csv"));
+        assert_eq!(run.rows.len(), self.run.rows.len(), "{}: rows", self.name);
+        run
     }
 
-    /// The magnitude, the range and the greatest error of each column.
-    fn errors(&self, samples: &[Sample]) -> [Error; 8] {
-        let mut errors = [Error { least: f64::INFINITY, greatest: f64::NEG_INFINITY, worst: 0.0, at: 0.0 }; 8];
-        for ((time, expected, _), sample) in self.rows.iter().zip(samples) {
-            for ((error, expected), found) in errors.iter_mut().zip(expected).zip(columns(sample)) {
-                error.least = error.least.min(*expected);
-                error.greatest = error.greatest.max(*expected);
-                let gap = (found - expected).abs();
-                // A NaN is the worst, and stays it.
-                if gap > error.worst || gap.is_nan() {
-                    (error.worst, error.at) = (gap, *time);
-                }
-            }
-        }
-        errors
+    /// The columns that hold numbers, without the time.
+    fn numbers(&self) -> impl Iterator<Item = &String> {
+        self.run.header.iter().filter(|name| *name != "time_s" && !name.ends_with("valve"))
+    }
+
+    /// The range and the greatest error of each column of numbers.
+    fn errors(&self, ours: &Run) -> Vec<Error> {
+        self.numbers().map(|name| Error::of(name, &self.run, ours)).collect()
     }
 }
 
-#[derive(Clone, Copy)]
 struct Error {
+    column: String,
     least: f64,
     greatest: f64,
     worst: f64,
@@ -111,6 +97,24 @@ struct Error {
 }
 
 impl Error {
+    fn of(column: &str, expected: &Run, ours: &Run) -> Self {
+        let mut error =
+            Self { column: column.to_owned(), least: f64::INFINITY, greatest: f64::NEG_INFINITY, worst: 0.0, at: 0.0 };
+        let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{column}: {text} is no number"));
+        for ((time, expected), found) in expected.column("time_s").zip(expected.column(column)).zip(ours.column(column))
+        {
+            let (expected, found) = (number(expected), number(found));
+            error.least = error.least.min(expected);
+            error.greatest = error.greatest.max(expected);
+            let gap = (found - expected).abs();
+            // A NaN is the worst, and stays it.
+            if gap > error.worst || gap.is_nan() {
+                (error.worst, error.at) = (gap, number(time));
+            }
+        }
+        error
+    }
+
     fn range(&self) -> f64 {
         self.greatest - self.least
     }
@@ -131,26 +135,39 @@ impl Error {
 
 #[test]
 fn every_column_of_every_scenario_agrees_with_the_reference() {
+    let folder = Folder::new("validation");
     let mut faults = Vec::new();
     for reference in references() {
-        let samples = reference.samples(1e-10);
-        for ((time, _, valve), sample) in reference.rows.iter().zip(&samples) {
-            assert!((time - sample.time).abs() <= 1e-12, "{}: {time} and {}", reference.name, sample.time);
-            if sample.ports.name() != valve {
-                faults.push(format!("{} at {time} s: valve {} is {valve}", reference.name, sample.ports.name()));
+        let ours = reference.ours(&folder, 1e-10);
+        let sorted = |run: &Run| {
+            let mut names = run.header.clone();
+            names.sort();
+            names
+        };
+        assert_eq!(sorted(&reference.run), sorted(&ours), "{}: columns", reference.name);
+        for (row, other) in reference.run.rows.iter().zip(&ours.rows) {
+            let (time, other) = (row[0].parse::<f64>().expect("a time"), other[0].parse::<f64>().expect("a time"));
+            assert!((time - other).abs() <= 1e-12, "{}: {time} and {other}", reference.name);
+        }
+        for name in reference.run.header.iter().filter(|name| name.ends_with("valve")) {
+            for ((row, valve), found) in
+                reference.run.rows.iter().zip(reference.run.column(name)).zip(ours.column(name))
+            {
+                if valve != found {
+                    faults.push(format!("{} at {} s: {name} {found} is {valve}", reference.name, row[0]));
+                }
             }
         }
-        for (column, error) in COLUMNS.iter().zip(reference.errors(&samples)) {
-            if !error.is_fine() {
-                faults.push(format!(
-                    "{}: {column} is off by {:.1e} at {} s, range {:.3e}, magnitude {:.3e}",
-                    reference.name,
-                    error.worst,
-                    error.at,
-                    error.range(),
-                    error.magnitude()
-                ));
-            }
+        for error in reference.errors(&ours).iter().filter(|error| !error.is_fine()) {
+            faults.push(format!(
+                "{}: {} is off by {:.1e} at {} s, range {:.3e}, magnitude {:.3e}",
+                reference.name,
+                error.column,
+                error.worst,
+                error.at,
+                error.range(),
+                error.magnitude()
+            ));
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
@@ -158,10 +175,11 @@ fn every_column_of_every_scenario_agrees_with_the_reference() {
 
 #[test]
 fn errors_fall_with_the_tolerance() {
+    let folder = Folder::new("validation-tolerance");
     let references = references();
     let root_mean_square = |tolerance: f64| {
         let worst = |reference: &Reference| {
-            let errors = reference.errors(&reference.samples(tolerance));
+            let errors = reference.errors(&reference.ours(&folder, tolerance));
             errors.iter().filter(|error| !error.is_constant()).map(|e| e.worst / e.range()).fold(0.0, f64::max)
         };
         let squares: f64 = references.iter().map(|reference| worst(reference).powi(2)).sum();

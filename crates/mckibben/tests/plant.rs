@@ -8,5 +8,6 @@ mod plant_ledger;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
+mod plant_reference;
 mod plant_sample;
 mod plant_start_friction;

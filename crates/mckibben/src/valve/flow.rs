@@ -23,7 +23,7 @@
 //! | C, b | `sonic_conductance`, `critical_ratio` | m³/(s·Pa), – |
 //! | ρ₀, T₀ | reference atmosphere, ISO 8778: 1.185 kg/m³, 293.15 K | |
 //! | Kv | `kv`, flow of water at Δp₀ = 1 bar; ρ_w = 999.1 kg/m³ | m³/s |
-//! | Cv | `cv`, flow of water in US gal/min at 1 psi; Kv = 0.865 m³/h · Cv | – |
+//! | Cv | `cv`, flow of water in US gal/min at 1 psi; Kv = 0.86498 m³/h · Cv, from the units themselves | – |
 //! | x_T, x_c | `pressure_drop_ratio` of air and of the gas at which the flow chokes | – |
 //! | Y | expansion factor, ⅔ when choked | – |
 //!
