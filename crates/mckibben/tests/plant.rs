@@ -2,6 +2,8 @@
 
 mod common;
 
+mod plant_linear;
+mod plant_linear_closed_forms;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;

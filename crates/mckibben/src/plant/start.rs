@@ -239,7 +239,7 @@ impl<R: Real> System<'_, R> {
     }
 
     /// The contacts of a mechanism in a state.
-    fn enter_contacts(&self, m: usize, state: &[R], mode: &mut PlantMode<R>) {
+    pub(crate) fn enter_contacts(&self, m: usize, state: &[R], mode: &mut PlantMode<R>) {
         let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return };
         let (angle, rate) = self.plant.places.mechanisms[m].of(state);
         let its = &mut mode.mechanisms[m];
