@@ -7,3 +7,4 @@ mod plant_linear_closed_forms;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
+mod plant_sensitivities;

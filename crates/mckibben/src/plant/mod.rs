@@ -37,7 +37,7 @@ pub use linear::{
     ValveAverage, linearize_plant,
 };
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
-pub use start::{InitialAir, PlantStart};
+pub use start::{InitialAir, PlantStart, StartNumber};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
 use crate::actuator::Actuator;

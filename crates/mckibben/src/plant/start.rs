@@ -8,7 +8,7 @@ use crate::mechanism::{Contact, Mechanism};
 use crate::network::NodeKind;
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::simulation::{Extent, Mode, Sliding};
 use crate::valve::Ports;
 use alloc::vec;
@@ -37,6 +37,43 @@ pub struct PlantStart<S = f64> {
     pub air: Vec<InitialAir<S>>,
     /// Lengths in m of actuators on a tendon; where there is none, that at which tendon and actuator balance.
     pub lengths: Vec<Option<S>>,
+}
+
+/// A number of a start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum StartNumber {
+    /// A coordinate of a mechanism, by their indices.
+    Position(usize, usize),
+    /// The rate of a coordinate of a mechanism, by their indices.
+    Rate(usize, usize),
+    /// The gauge pressure of an actuator.
+    GaugePressure(usize),
+    /// The temperature of an actuator's air.
+    Temperature(usize),
+    /// The length of an actuator on a tendon.
+    Length(usize),
+}
+
+impl<S: Scalar> PlantStart<S> {
+    /// The start over another scalar; `function` gets each number with what it is.
+    pub fn map<T: Scalar>(&self, mut function: impl FnMut(StartNumber, S) -> T) -> PlantStart<T> {
+        let mut each = |numbers: &[Vec<S>], of: fn(usize, usize) -> StartNumber| -> Vec<Vec<T>> {
+            let coordinates = numbers.iter().enumerate();
+            coordinates
+                .map(|(m, its)| its.iter().enumerate().map(|(k, it)| function(of(m, k), *it)).collect())
+                .collect()
+        };
+        let (positions, rates) = (each(&self.positions, StartNumber::Position), each(&self.rates, StartNumber::Rate));
+        let air = self.air.iter().enumerate().map(|(i, InitialAir { gauge_pressure, temperature })| InitialAir {
+            gauge_pressure: GaugePressure(function(StartNumber::GaugePressure(i), gauge_pressure.0)),
+            temperature: function(StartNumber::Temperature(i), *temperature),
+        });
+        let air = air.collect();
+        let lengths = self.lengths.iter().enumerate();
+        let lengths =
+            lengths.map(|(i, length)| length.map(|length| function(StartNumber::Length(i), length))).collect();
+        PlantStart { positions, rates, air, lengths }
+    }
 }
 
 impl<R: Real> Plant<R> {
