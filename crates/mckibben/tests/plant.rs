@@ -3,7 +3,10 @@
 mod common;
 
 mod plant_linear;
+#[cfg(feature = "analysis")]
+mod plant_linear_analysis;
 mod plant_linear_closed_forms;
+mod plant_linear_pulses;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;

@@ -387,6 +387,7 @@ fn a_joint_with_hoses_swings_as_the_simulated_joint_does() {
                     PlantState::Pressure { .. } | PlantState::NodePressure { .. } => 20.0,
                     _ => 1e-9,
                 };
+                assert_within(linear[k], simulated, 1e-3 * scale);
             }
         }
     }

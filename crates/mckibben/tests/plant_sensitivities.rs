@@ -103,10 +103,10 @@ fn masses() -> (Plant, PlantStart) {
     let source = network.node(NodeKind::Source, 5e5, ROOM);
     let spool = Spool::new(60.0, 0.7, 0.05, 0.05).expect("a spool");
     let commands = [
-        (Solenoid::proportional(spool), Command::positions(vec![0.0, 0.05, 0.1], vec![0.4, -0.3, 0.2])),
+        (Solenoid::proportional(spool), Command::positions(vec![0.0, 0.02, 0.05], vec![0.4, -0.3, 0.2])),
         (
             Solenoid::regulating(Regulator::new(0.01, 2e-3, 8e6).expect("a regulator")),
-            Command::set_points(vec![0.0, 0.06], vec![2.5e5, 1.5e5]),
+            Command::set_points(vec![0.0, 0.03], vec![2.5e5, 1.5e5]),
         ),
     ];
     for (i, (solenoid, command)) in commands.into_iter().enumerate() {
@@ -155,22 +155,29 @@ fn difference(step: f64, at: impl Fn(f64) -> Vec<f64>) -> Vec<[f64; 2]> {
 }
 
 /// Asserts that derivatives agree with differences, each measured by the largest change of that state that any number of the
-/// plant brings about.
-fn assert_alike(all: &[(String, f64, Vec<f64>, Vec<[f64; 2]>)], tolerance: f64, least: usize) {
+/// plant brings about, and a hundredth of the state itself.
+fn assert_alike(all: &[(String, f64, Vec<f64>, Vec<[f64; 2]>)], ends: &[f64], tolerance: f64, least: usize) {
     let states = all[0].2.len();
     let size: Vec<f64> = (0..states)
         .map(|k| all.iter().fold(0.0_f64, |most, (_, value, exact, _)| most.max((exact[k] * value).abs())))
         .collect();
-    let mut moved = 0;
+    let (mut moved, mut wrong) = (0, Vec::new());
     for (name, value, exact, differences) in all {
         moved += usize::from(exact.iter().any(|slope| *slope != 0.0));
         for k in 0..states {
-            let [expected, _] = differences[k];
+            // What differences of two lengths are apart is what they are good for.
+            let [expected, apart] = differences[k];
             let off = (exact[k] - expected).abs() * value;
-            let own = (expected.abs() * value).max(1e-3 * size[k]);
-            assert!(off <= tolerance * own, "{name}, state {k}: {:e} is not {expected:e}", exact[k]);
+            let own = (expected.abs() * value).max(1e-3 * size[k]) + 1e-2 * ends[k].abs();
+            if off > tolerance * own + apart * value {
+                wrong.push(format!("{name}, state {k}: {:e} is not {expected:e} ± {apart:e}", exact[k]));
+            }
+            if apart * value > 1e-2 * own {
+                wrong.push(format!("{name}, state {k}: differences are {expected:e} ± {apart:e}"));
+            }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(moved >= least, "{moved} of {} numbers move anything", all.len());
 }
 
@@ -188,24 +195,27 @@ fn numbers(plant: &Plant) -> Vec<(Option<Part>, &'static Parameter, f64)> {
 
 fn check_parameters(plant: &Plant, start: &PlantStart, time: f64, least: usize) {
     let mut all = Vec::new();
-    for (part, row, value) in numbers(plant) {
+    let all_numbers = numbers(plant);
+    for (place, &(part, row, value)) in all_numbers.iter().enumerate() {
+        // What is alike of many parts is tried for two of them.
+        let before = all_numbers[..place].iter().filter(|(_, other, _)| std::ptr::eq(*other, row)).count();
+        // What is zero may be at the end of its range.
+        if before > 1 || value == 0.0 {
+            continue;
+        }
         let is_it = |its: Option<Part>, other: &'static Parameter| its == part && std::ptr::eq(other, row);
         let seeded = plant.map(|its, other, value: f64| D { value, slope: [f64::from(u8::from(is_it(its, other)))] });
         let exact: Vec<f64> = end(&seeded, &start.map(|_, value| D::constant(value)), time, 1e-11)
             .into_iter()
             .map(|number| number.slope[0])
             .collect();
-        let size = if value == 0.0 { 1.0 } else { value.abs() };
+        let size = value.abs();
         let changed = |h: f64| {
-            end(&plant.map(|its, other, value| if is_it(its, other) { value + h } else { value }), start, time, 1e-12)
+            end(&plant.map(|its, other, value| if is_it(its, other) { value + h } else { value }), start, time, 1e-11)
         };
-        // What is zero may be at the end of its range; what nothing depends on stays.
-        if value == 0.0 {
-            continue;
-        }
-        all.push((format!("{} of {part:?}", row.key), size, exact, difference(2e-6 * size, changed)));
+        all.push((format!("{} of {part:?}", row.key), size, exact, difference(1e-4 * size, changed)));
     }
-    assert_alike(&all, 2e-4, least);
+    assert_alike(&all, &end(plant, start, time, 1e-11), 1e-4, least);
 }
 
 fn check_start(plant: &Plant, start: &PlantStart, time: f64) {
@@ -221,39 +231,39 @@ fn check_start(plant: &Plant, start: &PlantStart, time: f64) {
         let exact = end(&wide, &seeded, time, 1e-11).into_iter().map(|number| number.slope[0]).collect();
         let size = if value == 0.0 { 0.1 } else { value.abs() };
         let changed =
-            |h: f64| end(plant, &start.map(|its, value| if its == number { value + h } else { value }), time, 1e-12);
+            |h: f64| end(plant, &start.map(|its, value| if its == number { value + h } else { value }), time, 1e-11);
         // At rest a velocity of either sign begins another motion.
         if matches!(number, StartNumber::Rate(..)) && value == 0.0 {
             continue;
         }
-        all.push((format!("{number:?}"), size, exact, difference(2e-6 * size, changed)));
+        all.push((format!("{number:?}"), size, exact, difference(1e-4 * size, changed)));
     }
     let least = all.len() - 1;
-    assert_alike(&all, 2e-4, least);
+    assert_alike(&all, &end(plant, start, time, 1e-11), 1e-4, least);
 }
 
 #[test]
 fn an_arm_on_a_manifold_by_all_of_its_parameters() {
     let (plant, start) = arm();
-    check_parameters(&plant, &start, 0.12, 60);
+    check_parameters(&plant, &start, 0.036, 60);
 }
 
 #[test]
 fn an_arm_on_a_manifold_by_its_start() {
     let (plant, start) = arm();
-    check_start(&plant, &start, 0.12);
+    check_start(&plant, &start, 0.036);
 }
 
 #[test]
 fn masses_on_a_tendon_a_spool_and_a_regulator_by_all_of_their_parameters() {
     let (plant, start) = masses();
-    check_parameters(&plant, &start, 0.13, 40);
+    check_parameters(&plant, &start, 0.07, 40);
 }
 
 #[test]
 fn masses_by_their_start() {
     let (plant, start) = masses();
-    check_start(&plant, &start, 0.13);
+    check_start(&plant, &start, 0.07);
 }
 
 /// A hose is one part, whichever copies of it the network holds, and its delay goes with it.

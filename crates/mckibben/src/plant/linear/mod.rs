@@ -31,11 +31,18 @@
 //! Verhulst, Averaging Methods in Nonlinear Dynamical Systems (1985). Checked by `tests/plant_linear.rs`,
 //! `tests/plant_linear_pulses.rs` and `tests/plant_linear_closed_forms.rs`.
 
+mod air;
+#[cfg(feature = "analysis")]
+mod analysis;
+mod average;
+mod balance;
+mod begin;
+mod derivatives;
 mod frame;
 mod matrix;
-mod point;
 mod signal;
 
+pub use average::ValveAverage;
 pub use signal::{PlantInput, PlantOutput, PlantState};
 
 use super::start::PlantStart;
@@ -43,17 +50,14 @@ use super::{InitialAir, Part, Plant};
 use crate::error::Error;
 use crate::linearize::StateSpace;
 use crate::mechanism::Mechanism;
-use crate::network::{BranchKind, NodeKind};
+use crate::network::NodeKind;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Scalar;
-use crate::simulation::Actuation;
-use crate::valve::{Command, Port, Request, SeatClock, Solenoid, ValveKind, duty_range, period};
-use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
-use frame::{Drive, Fed, Frame, Instant, Quantity};
-use point::AirSolver;
+use derivatives::{derivatives, length_seed};
+use frame::{Drive, Fed, Frame, Instant};
 
 /// The linear model of a plant.
 pub type PlantStateSpace = StateSpace<PlantState, PlantInput, PlantOutput>;
@@ -96,37 +100,6 @@ pub struct PlantPoint {
     volumes: Vec<f64>,
 }
 
-/// A pulsed valve on average, and how far that holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ValveAverage {
-    /// The valve.
-    pub valve: usize,
-    /// Frequency f in Hz.
-    pub frequency: f64,
-    /// Commanded duty d.
-    pub duty: f64,
-    /// Actual duty cycles of the flow paths to supply and surroundings: mean openings over a period.
-    pub shares: [f64; 2],
-    /// Commanded duties between which every pulse and every gap moves the seats.
-    pub duty_range: (f64, f64),
-    /// Peak to peak ripple in Pa of the pressure that the valve opens into, at a fixed length.
-    pub pressure_ripple: f64,
-    /// Pressure in Pa from there to the nearest pressure beyond a path.
-    pub pressure_margin: f64,
-}
-
-impl ValveAverage {
-    /// Whether every pulse and every gap moves the seats.
-    pub fn follows(&self) -> bool {
-        (self.duty_range.0..=self.duty_range.1).contains(&self.duty)
-    }
-
-    /// Whether the ripple is smaller than the margin, so that the flow keeps its direction and about its size.
-    pub fn ripple_is_small(&self) -> bool {
-        self.pressure_ripple < self.pressure_margin
-    }
-}
-
 /// A plant near an operating point.
 #[derive(Clone, Debug)]
 pub struct PlantLinearization {
@@ -152,240 +125,16 @@ pub fn linearize_plant(
     balance: &PlantBalance,
     air: &PlantAir,
 ) -> Result<PlantLinearization, Error> {
-    let mut frame = begin(plant, start, balance, air)?;
-    check_corners(&frame)?;
-    // Rounding of what balances is no velocity.
-    for (m, here) in plant.places.mechanisms.iter().enumerate() {
-        let _ = m;
-        frame.state[here.rate(0)..here.rate(0) + here.coordinates].fill(0.0);
-    }
+    let frame = begin::begin(plant, start, balance, air)?;
+    begin::check_corners(&frame)?;
     PlantLinearization::of(plant, frame)
-}
-
-/// The plant in balance.
-fn begin(plant: &Plant, start: &PlantStart, what: &PlantBalance, air: &PlantAir) -> Result<Frame, Error> {
-    let mut state = plant.start(start)?;
-    let count = plant.actuators.len();
-    let listed = |name, given: usize| match given == count {
-        true => Ok(()),
-        false => Err(Error::Table {
-            name,
-            problem: "there is not one entry for each actuator",
-            entry: given.min(count) + 1,
-            remedy: "give as many entries as there are actuators",
-        }),
-    };
-    if let PlantAir::Temperatures(kelvin) = air {
-        listed(parameter::INITIAL_TEMPERATURE.key, kelvin.len())?;
-        kelvin.iter().try_for_each(|kelvin| parameter::INITIAL_TEMPERATURE.check(*kelvin).map(drop))?;
-    }
-    let content: Vec<[f64; 2]> =
-        plant.places.actuators.iter().map(|here| [state[here.pressure], state[here.mass()]]).collect();
-    let mut given = vec![true; count];
-    if let PlantBalance::Shut(gauges) | PlantBalance::DrivenAt(gauges) = what {
-        listed(parameter::INITIAL_GAUGE_PRESSURE.key, gauges.len())?;
-        for (i, gauge) in gauges.iter().enumerate() {
-            let of_actuator = plant.actuators[i].actuator.air();
-            parameter::INITIAL_GAUGE_PRESSURE.check(gauge.0)?;
-            let absolute = gauge.absolute(of_actuator.atmosphere()).0;
-            if absolute <= 0.0 {
-                return Err(crate::valve::below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, *gauge, of_actuator));
-            }
-            state[plant.places.actuators[i].pressure] = absolute;
-        }
-    }
-    for (i, mounted) in plant.actuators.iter().enumerate() {
-        let (here, limits) = (plant.places.actuators[i], mounted.actuator.limits());
-        if let (Some(slot), Some(tendon), None) = (here.length, &mounted.tendon, start.lengths[i]) {
-            // Without a length of its own it starts between its limits, its tendon straight.
-            let longest = limits.max_length();
-            state[slot] = (state[slot] - tendon.rest_length()).clamp(limits.min_length(), longest);
-        }
-    }
-    for here in &plant.places.mechanisms {
-        state[here.rate(0)..here.rate(0) + here.coordinates].fill(0.0);
-    }
-    let shut = matches!(what, PlantBalance::Shut(_));
-    let valves = plant.network.valves.iter().enumerate();
-    let drives: Vec<Drive> = valves.map(|(valve, actuation)| drive(plant, valve, actuation, shut, &state)).collect();
-    let mut frame = Frame::new(plant, drives, &state)?;
-    if let PlantBalance::Driven = what {
-        let fed = fed(&frame);
-        given = (0..count).map(|i| plant.actuators[i].pressure.is_some() || !fed[i]).collect();
-    }
-    let mut holders = vec![None; count];
-    if let PlantBalance::DrivenAt(_) = what {
-        holders = (0..count).map(|i| holder(&frame, i)).collect();
-        let repeats = |i: usize| holders[i].is_some() && holders[..i].contains(&holders[i]);
-        if (0..count).any(repeats) {
-            return Err(Error::NoSolution {
-                what: "one valve cannot hold the pressures of two actuators: its one command gives one pressure",
-                remedy: "give the commands instead of the pressures, or a valve to each actuator",
-            });
-        }
-    }
-    let volumes = volumes(&frame);
-    let start = content.iter().zip(&volumes).map(|([pressure, mass], volume)| [*pressure, *mass, *volume]).collect();
-    let solver = AirSolver { plant, air, start, given, holders };
-    solver.solve(&mut frame)?;
-    let temperatures: Vec<f64> = (0..count)
-        .map(|i| {
-            let here = plant.places.actuators[i];
-            volumes[i] * frame.state[here.pressure] / frame.state[here.mass()]
-        })
-        .collect();
-    point::balance(&mut frame)?;
-    frame.holds_ends = false;
-    for (i, volume) in self::volumes(&frame).into_iter().enumerate() {
-        let here = plant.places.actuators[i];
-        let pressure = frame.state[here.pressure];
-        // Flows leave a temperature, a process that is kept leaves a content.
-        frame.state[here.mass()] = match plant.places.keeps_heat[i] {
-            true => volume * pressure / temperatures[i],
-            false => solver.mass(i, pressure, volume)[0],
-        };
-    }
-    Ok(frame)
-}
-
-fn volumes(frame: &Frame) -> Vec<f64> {
-    frame.evaluate(&[]).at.chambers.iter().map(|chamber| chamber.volume.value).collect()
-}
-
-/// What drives a valve at the point.
-fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: &[f64]) -> Drive {
-    let Actuation { solenoid, command } = actuation;
-    if solenoid.regulator().is_some() {
-        let last = (0..).map_while(|index| command.set_point(index)).last();
-        let port = plant.network.nodes.iter().zip(&plant.places.nodes).find_map(|(node, place)| match node.kind {
-            NodeKind::Port { valve: its, .. } if its == valve => place.map(|place| state[place]),
-            _ => None,
-        });
-        let kept = port.map_or(0.0, |pressure| pressure - plant.network.atmosphere);
-        return Drive::SetPoint(last.map_or(kept, |(_, gauge)| gauge), !shut);
-    }
-    if shut {
-        return Drive::Openings([0.0; 2]);
-    }
-    match command {
-        Command::Pwm { duty, .. } if solenoid.has_seats() => Drive::Duty(*duty),
-        Command::Positions { .. } => {
-            let last = (0..).map_while(|index| command.position(index)).last();
-            Drive::Spool(last.map_or(0.0, |(_, position)| position))
-        }
-        Command::Constant(request) => Drive::Openings(resting(solenoid, Some(*request))),
-        _ => {
-            let last = match command {
-                Command::Table { request, .. } => request.last().copied(),
-                _ => None,
-            };
-            Drive::Openings(resting(solenoid, last))
-        }
-    }
-}
-
-/// The openings of a valve long after a request.
-fn resting(solenoid: &Solenoid, request: Option<Request>) -> [f64; 2] {
-    let mut clock = SeatClock::released();
-    let command = request.map_or(Command::nothing(), Command::Constant);
-    let late = solenoid.delays().into_iter().chain(solenoid.ramp().times()).sum::<f64>() + solenoid.transport() + 1.0;
-    clock.advance(late, solenoid, &command);
-    let ports = clock.ports(solenoid);
-    [ports.supply, ports.exhaust].map(|open| f64::from(u8::from(open)))
-}
-
-/// The node that is each actuator's chamber, with the nodes that air can come to from there.
-fn reachable(frame: &Frame, from: usize, passes: &dyn Fn(usize) -> bool) -> Vec<usize> {
-    let network = &frame.plant.network;
-    let mut reached = vec![from];
-    let mut next = 0;
-    while next < reached.len() {
-        let node = reached[next];
-        next += 1;
-        let is_fixed = !matches!(network.nodes[node].kind, NodeKind::Chamber { .. } | NodeKind::Hose(_));
-        if is_fixed {
-            continue;
-        }
-        for (index, branch) in network.branches.iter().enumerate() {
-            let is_feed = frame.plant.places.branches[index]
-                .is_some_and(|slot| frame.feeds.iter().any(|(_, feed)| *feed == slot));
-            if is_feed || !passes(index) {
-                continue;
-            }
-            for (one, other) in [(branch.from, branch.to), (branch.to, branch.from)] {
-                if one == node && !reached.contains(&other) {
-                    reached.push(other);
-                }
-            }
-        }
-    }
-    reached
-}
-
-/// Whether air comes to or goes from each actuator by way of an open path or a leak.
-fn fed(frame: &Frame) -> Vec<bool> {
-    let network = &frame.plant.network;
-    let state: Vec<frame::Number> = frame.state.iter().map(|value| Scalar::constant(*value)).collect();
-    let number = |_, value| Scalar::constant(value);
-    let openings: Vec<[frame::Number; 2]> =
-        (0..frame.drives.len()).map(|valve| frame.openings(valve, &state, &number)).collect();
-    let passes = |index: usize| match network.branches[index].kind {
-        BranchKind::Path { valve, port, .. } => openings[valve][port as usize].value > 0.0,
-        _ => true,
-    };
-    let chamber = |i: usize| frame.plant.places.chambers[i];
-    let fixed = |node: &usize| !matches!(network.nodes[*node].kind, NodeKind::Chamber { .. } | NodeKind::Hose(_));
-    (0..frame.plant.actuators.len())
-        .map(|i| chamber(i).is_some_and(|node| reachable(frame, node, &passes).iter().any(fixed)))
-        .collect()
-}
-
-/// The valve whose command can hold the pressure of an actuator.
-fn holder(frame: &Frame, i: usize) -> Option<usize> {
-    let network = &frame.plant.network;
-    let chamber = frame.plant.places.chambers[i]?;
-    let nodes = reachable(frame, chamber, &|index| !matches!(network.branches[index].kind, BranchKind::Path { .. }));
-    network.branches.iter().find_map(|branch| match branch.kind {
-        BranchKind::Path { valve, .. }
-            if nodes.contains(&branch.to) && !matches!(frame.drives[valve], Drive::Openings(_)) =>
-        {
-            Some(valve)
-        }
-        _ => None,
-    })
-}
-
-/// Refuses a point on a corner of the model.
-fn check_corners(frame: &Frame) -> Result<(), Error> {
-    let Instant { at, mode, .. } = frame.evaluate(&[]);
-    for (i, mounted) in frame.plant.actuators.iter().enumerate() {
-        let (unit, limits) = (&at.units[i], mounted.actuator.limits());
-        let moves = frame.plant.mechanisms[mounted.mechanism].is_dynamic() || mounted.tendon.is_some();
-        let shortest = limits.min_length().value;
-        let on_tendon = mounted.tendon.is_some();
-        let least = if on_tendon { f64::MIN } else { shortest * (1.0 - 1e-12) };
-        if moves && (least..=shortest * (1.0 + 1e-12)).contains(&unit.length.value) {
-            return Err(Error::NoSolution {
-                what: "an actuator is at its shortest length at this point, where it rests on the stop: nothing is linear \
-                       there",
-                remedy: "lower the pressure, or give a heavier load or a longer length",
-            });
-        }
-        if on_tendon && (mode.actuators[i].loose || unit.tension.value <= 0.0) {
-            return Err(Error::NoSolution {
-                what: "a tendon carries nothing at this point: it goes slack on one side of it",
-                remedy: "give a load above zero, a higher pressure or a shorter tendon",
-            });
-        }
-    }
-    Ok(())
 }
 
 impl PlantLinearization {
     fn of(plant: &Plant, frame: Frame) -> Result<Self, Error> {
         let system = derivatives(&frame);
         let point = point_of(plant, &frame, &system);
-        let averages = averages(plant, &frame);
+        let averages = average::averages(plant, &frame);
         Ok(Self { point, system, averages, frame })
     }
 
@@ -478,18 +227,6 @@ impl PlantLinearization {
     }
 }
 
-/// A direction in which the length of an actuator changes.
-fn length_seed(frame: &Frame, i: usize) -> Vec<(Quantity, f64)> {
-    let places = &frame.plant.places;
-    if let Some(slot) = places.actuators[i].length {
-        return vec![(Quantity::Slot(slot), 1.0)];
-    }
-    let here = places.mechanisms[frame.plant.actuators[i].mechanism];
-    let gradient = frame.evaluate(&[]).at.gradient;
-    let own = &gradient[places.actuators[i].gradient..][..here.coordinates];
-    own.iter().enumerate().map(|(k, entry)| (Quantity::Slot(here.position(k)), entry.value)).collect()
-}
-
 impl PlantPoint {
     /// Gauge pressure of an actuator.
     pub fn gauge_pressure(&self, actuator: usize) -> GaugePressure {
@@ -566,274 +303,5 @@ fn point_of(plant: &Plant, frame: &Frame, system: &PlantStateSpace) -> PlantPoin
         lengths: at.units.iter().map(|unit| unit.length.value).collect(),
         tensions: at.units.iter().map(|unit| unit.tension.value).collect(),
         volumes: at.chambers.iter().map(|chamber| chamber.volume.value).collect(),
-    }
-}
-
-/// The states of the model, each with the place of it and of its rate.
-fn states(frame: &Frame) -> Vec<(PlantState, usize)> {
-    let Plant { actuators, network, mechanisms, places } = &frame.plant;
-    let mut states = Vec::new();
-    for (m, here) in places.mechanisms.iter().enumerate().filter(|(m, _)| mechanisms[*m].is_dynamic()) {
-        states.extend(
-            (0..here.coordinates).map(|k| (PlantState::Position { mechanism: m, coordinate: k }, here.position(k))),
-        );
-        states.extend(
-            (0..here.coordinates).map(|k| (PlantState::Velocity { mechanism: m, coordinate: k }, here.rate(k))),
-        );
-    }
-    for (actuator, here) in places.actuators.iter().enumerate() {
-        if actuators[actuator].pressure.is_none() {
-            states.push((PlantState::Pressure { actuator }, here.pressure));
-            states.push((PlantState::AirMass { actuator }, here.mass()));
-        }
-        states.extend(here.length.map(|slot| (PlantState::Length { actuator }, slot)));
-        states.extend(here.bristles.map(|slot| (PlantState::Bristles { actuator }, slot)));
-    }
-    for node in 0..network.nodes.len() {
-        states.extend(places.nodes[node].map(|slot| (PlantState::NodePressure { node }, slot)));
-    }
-    for branch in 0..network.branches.len() {
-        let own = places.branches[branch].filter(|slot| !frame.feeds.iter().any(|(_, feed)| feed == slot));
-        states.extend(own.map(|slot| (PlantState::BranchFlow { branch }, slot)));
-    }
-    for &(valve, slot) in &frame.spools {
-        states.push((PlantState::SpoolPosition { valve }, slot));
-        states.push((PlantState::SpoolVelocity { valve }, slot + 1));
-    }
-    states
-}
-
-/// The inputs of the model, each with what to differentiate by; forces have a column of their own.
-fn inputs(frame: &Frame) -> Vec<(PlantInput, Option<Quantity>)> {
-    let Plant { actuators, network, mechanisms, places } = &frame.plant;
-    let mut inputs = Vec::new();
-    for (valve, drive) in frame.drives.iter().enumerate() {
-        let of_drive = |input| (input, Some(Quantity::Drive(valve)));
-        match drive {
-            Drive::Duty(_) => inputs.push(of_drive(PlantInput::Duty { valve })),
-            Drive::Spool(_) => inputs.push(of_drive(PlantInput::SpoolCommand { valve })),
-            Drive::SetPoint(..) => inputs.push(of_drive(PlantInput::SetPoint { valve })),
-            Drive::Openings(_) => {
-                let ports = match network.valves[valve].solenoid.kind() {
-                    ValveKind::TwoWay => &[Port::Supply][..],
-                    _ => &[Port::Supply, Port::Exhaust][..],
-                };
-                let of_port =
-                    |port: &Port| (PlantInput::Opening { valve, port: *port }, Some(Quantity::Opening(valve, *port)));
-                inputs.extend(ports.iter().map(of_port));
-            }
-        }
-    }
-    let is_feed = |node: usize| {
-        let of_feed = |(branch, slot): (usize, &Option<usize>)| {
-            network.branches[branch].from == node
-                && slot.is_some_and(|slot| frame.feeds.iter().any(|(_, it)| *it == slot))
-        };
-        places.branches.iter().enumerate().any(of_feed)
-    };
-    for (node, its) in network.nodes.iter().enumerate() {
-        if matches!(its.kind, NodeKind::Source | NodeKind::Outlet { .. }) && !is_feed(node) {
-            inputs.push((PlantInput::SupplyPressure { node }, Some(Quantity::Supply(node))));
-        }
-    }
-    for (whose, slot) in &frame.feeds {
-        let input = match *whose {
-            Fed::Actuator(actuator) => PlantInput::MassFlow { actuator },
-            Fed::Node(node) => PlantInput::NodeFlow { node },
-        };
-        inputs.push((input, Some(Quantity::Slot(*slot))));
-    }
-    for (mechanism, here) in places.mechanisms.iter().enumerate() {
-        for coordinate in 0..here.coordinates {
-            match &mechanisms[mechanism] {
-                Mechanism::Mass(_) | Mechanism::Chain(_) => {
-                    inputs.push((PlantInput::Force { mechanism, coordinate }, None));
-                }
-                Mechanism::External { .. } => {
-                    let (position, rate) = (here.position(coordinate), here.rate(coordinate));
-                    inputs.push((PlantInput::Motion { mechanism, coordinate }, Some(Quantity::Slot(position))));
-                    inputs.push((PlantInput::MotionRate { mechanism, coordinate }, Some(Quantity::Slot(rate))));
-                }
-                Mechanism::Prescribed(_) | Mechanism::Fixed => {}
-            }
-        }
-    }
-    for (actuator, mounted) in actuators.iter().enumerate() {
-        if mounted.pressure.is_some() {
-            let slot = places.actuators[actuator].pressure;
-            inputs.push((PlantInput::GivenPressure { actuator }, Some(Quantity::Slot(slot))));
-        }
-    }
-    inputs
-}
-
-/// The outputs of the model with their derivatives at an instant.
-fn outputs(frame: &Frame, instant: &Instant, seeds: &[(Quantity, f64)]) -> Vec<(PlantOutput, f64)> {
-    let Plant { actuators, network, mechanisms, places } = &frame.plant;
-    let of = |slot: usize| seeds.iter().filter(|(its, _)| *its == Quantity::Slot(slot)).map(|(_, slope)| slope).sum();
-    let mut outputs = Vec::new();
-    for (actuator, unit) in instant.at.units.iter().enumerate() {
-        outputs.push((PlantOutput::Length { actuator }, unit.length.slope[0]));
-        outputs.push((PlantOutput::LengthRate { actuator }, unit.velocity.slope[0]));
-        outputs.push((PlantOutput::Pressure { actuator }, of(places.actuators[actuator].pressure)));
-        outputs.push((PlantOutput::Tension { actuator }, unit.tension.slope[0]));
-    }
-    for (mechanism, here) in places.mechanisms.iter().enumerate().filter(|(m, _)| mechanisms[*m].is_dynamic()) {
-        for coordinate in 0..here.coordinates {
-            outputs.push((PlantOutput::Position { mechanism, coordinate }, of(here.position(coordinate))));
-            outputs.push((PlantOutput::Velocity { mechanism, coordinate }, of(here.rate(coordinate))));
-            let pulls = places.members[mechanism].iter().map(|&i| {
-                let along = instant.at.gradient[places.actuators[i].gradient + coordinate];
-                -(along * instant.at.units[i].tension).slope[0]
-            });
-            outputs.push((PlantOutput::ActuatorForce { mechanism, coordinate }, pulls.sum()));
-        }
-    }
-    let _ = actuators;
-    for node in 0..network.nodes.len() {
-        outputs.extend(places.nodes[node].map(|slot| (PlantOutput::NodePressure { node }, of(slot))));
-    }
-    outputs
-}
-
-/// The matrices.
-fn derivatives(frame: &Frame) -> PlantStateSpace {
-    let (states, inputs) = (states(frame), inputs(frame));
-    let none = frame.evaluate(&[]);
-    let names: Vec<PlantOutput> = outputs(frame, &none, &[]).into_iter().map(|(output, _)| output).collect();
-    let blank = |rows: usize, columns: usize| vec![vec![0.0; columns]; rows];
-    let mut system = PlantStateSpace {
-        a: blank(states.len(), states.len()),
-        b: blank(states.len(), inputs.len()),
-        c: blank(names.len(), states.len()),
-        d: blank(names.len(), inputs.len()),
-        states: states.iter().map(|(state, _)| *state).collect(),
-        inputs: inputs.iter().map(|(input, _)| *input).collect(),
-        outputs: names,
-    };
-    let actuators = frame.plant.actuators.len();
-    // How the excess force of each actuator on a tendon depends on states and inputs.
-    let mut excess = vec![[vec![0.0; states.len()], vec![0.0; inputs.len()]]; actuators];
-    let mut column = |seeds: &[(Quantity, f64)], place: usize, is_input: bool, system: &mut PlantStateSpace| {
-        let along = frame.evaluate(seeds);
-        let (rates, shown) = if is_input { (&mut system.b, &mut system.d) } else { (&mut system.a, &mut system.c) };
-        for ((_, slot), row) in states.iter().zip(rates) {
-            row[place] = along.rates[*slot].slope[0];
-        }
-        for ((_, slope), row) in outputs(frame, &along, seeds).into_iter().zip(shown) {
-            row[place] = slope;
-        }
-        for (of_actuator, number) in excess.iter_mut().zip(&along.excess) {
-            of_actuator[usize::from(is_input)][place] = number.map_or(0.0, |number| number.slope[0]);
-        }
-    };
-    for (place, (_, slot)) in states.iter().enumerate() {
-        column(&[(Quantity::Slot(*slot), 1.0)], place, false, &mut system);
-    }
-    for (place, (input, quantity)) in inputs.iter().enumerate() {
-        match (quantity, input) {
-            (Some(quantity), _) => column(&[(*quantity, 1.0)], place, true, &mut system),
-            (None, PlantInput::Force { mechanism, coordinate }) => {
-                let here = frame.plant.places.mechanisms[*mechanism];
-                let mut answer = vec![0.0; here.coordinates];
-                answer[*coordinate] = 1.0;
-                super::dense::solve(&frame.factored_mass_matrix(*mechanism), here.coordinates, &mut answer);
-                for ((state, _), row) in states.iter().zip(&mut system.b) {
-                    if let PlantState::Velocity { mechanism: its, coordinate } = state
-                        && its == mechanism
-                    {
-                        row[place] = answer[*coordinate];
-                    }
-                }
-            }
-            (None, _) => {}
-        }
-    }
-    // Without viscous friction both tensions give the length.
-    for (i, mounted) in frame.plant.actuators.iter().enumerate() {
-        if mounted.tendon.is_none() || super::tendon::is_damped(&mounted.actuator, &none.mode.actuators[i]) {
-            continue;
-        }
-        let length = PlantState::Length { actuator: i };
-        let Some(gone) = system.states.iter().position(|state| *state == length) else { continue };
-        let of = |state: PlantState| states.iter().position(|(its, _)| *its == state);
-        let own = of(length).map_or(1.0, |place| excess[i][0][place]);
-        let now = system.states.clone();
-        system = system.eliminate(
-            gone,
-            |n| of(now[n]).map_or(0.0, |place| -excess[i][0][place] / own),
-            |k| -excess[i][1][k] / own,
-        );
-    }
-    system
-}
-
-/// The pulsed valves on average, and how far that holds.
-fn averages(plant: &Plant, frame: &Frame) -> Vec<ValveAverage> {
-    let mut open = frame.clone();
-    open.drives.iter_mut().for_each(|drive| *drive = Drive::Openings([1.0; 2]));
-    let flows: Vec<f64> = open.evaluate(&[]).at.network.flows.iter().map(|flow| flow.value).collect();
-    let now = frame.evaluate(&[]);
-    let mut averages = Vec::new();
-    for (valve, drive) in frame.drives.iter().enumerate() {
-        let (Drive::Duty(duty), Actuation { solenoid, command }) = (drive, &plant.network.valves[valve]) else {
-            continue;
-        };
-        let pulses = crate::valve::with_duty(command, *duty);
-        let Some(intervals) = pulses.as_ref().and_then(|pulses| period(solenoid, pulses)) else { continue };
-        let Command::Pwm { frequency, .. } = *command else { continue };
-        let (mut ripple, mut margin) = (0.0_f64, f64::INFINITY);
-        let paths = || {
-            plant.network.branches.iter().enumerate().filter_map(move |(index, branch)| match branch.kind {
-                BranchKind::Path { valve: its, port, .. } if its == valve => Some((index, branch, port)),
-                _ => None,
-            })
-        };
-        for (_, first, _) in paths() {
-            let node = first.to;
-            let into = |openings: [f64; 2]| -> f64 {
-                paths()
-                    .filter(|(_, it, _)| it.to == node)
-                    .map(|(index, _, port)| flows[index] * openings[port as usize])
-                    .sum()
-            };
-            let mean: f64 = intervals.iter().map(|part| part.share * into(part.openings)).sum();
-            let (mut beside, mut least, mut greatest) = (0.0_f64, 0.0_f64, 0.0_f64);
-            for part in &intervals {
-                beside += (into(part.openings) - mean) * part.share / frequency;
-                (least, greatest) = (least.min(beside), greatest.max(beside));
-            }
-            ripple = ripple.max((greatest - least) * per_mass(frame, node));
-            let [here, beyond] = [node, first.from].map(|node| now.at.network.nodes[node].pressure.value);
-            margin = margin.min((here - beyond).abs());
-        }
-        let shares = [0, 1].map(|port| intervals.iter().map(|part| part.share * part.openings[port]).sum());
-        averages.push(ValveAverage {
-            valve,
-            frequency,
-            duty: *duty,
-            shares,
-            duty_range: duty_range(solenoid, command).unwrap_or((0.0, 1.0)),
-            pressure_ripple: ripple,
-            pressure_margin: margin,
-        });
-    }
-    averages
-}
-
-/// By how much the pressure of a node rises with the air that comes in, in Pa/kg, at a fixed length.
-fn per_mass(frame: &Frame, node: usize) -> f64 {
-    match &frame.plant.network.nodes[node].kind {
-        NodeKind::Chamber { actuator } => {
-            let Some(slot) = frame.feed(Fed::Actuator(*actuator)) else { return 0.0 };
-            let along = frame.evaluate(&[(Quantity::Slot(slot), 1.0)]);
-            let (unit, chamber) = (&along.at.units[*actuator], &along.at.chambers[*actuator]);
-            let air = frame.plant.actuators[*actuator].actuator.air();
-            let held = crate::air::Chamber { volume_rate: Scalar::constant(0.0), ..*chamber };
-            air.pressure_rate_by(&held, &unit.flow, || unit.warmth).slope[0]
-        }
-        NodeKind::Hose(hose) => hose.stiffness().value,
-        NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(frame::Number::constant(1.0)).value,
-        _ => 0.0,
     }
 }

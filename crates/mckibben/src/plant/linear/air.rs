@@ -1,53 +1,42 @@
-//! Where a plant is linearised: its mechanisms in balance, its air at rest or flowing through on average.
+//! The air of a plant at rest, or flowing through on average.
 //!
 //! ```text
-//! air           f(P, …) = 0        unknown: pressures and flows that are not given, or what keeps those that are
-//! mechanisms    τ(q) − Σ Jᵀ F = 0, F(L, P) = T(x, L)      unknown: coordinates, and lengths on tendons
-//! content       m = m₀ (V/V₀) (P/P₀)^(1/κ)   or   m = P V/(R T)
+//! f(P, …) = 0        unknown: pressures and flows that are not given, or what keeps those that are
+//! m = m₀ (V/V₀) (P/P₀)^(1/κ)   or   m = P V/(R T)
 //! ```
 //!
-//! Flows depend on pressures and densities alone, so the air is solved first, by implicit steps of growing length from the
-//! start (pseudo-transient continuation): they end at Newton's method and go where the air itself would. The mechanisms are
-//! solved by Newton steps that are shortened, and shifted towards stiffness, until they go downhill: the balance that a plant
-//! would creep into. A start that is in balance stays where it is, stable or not.
+//! Flows depend on pressures and densities alone, so that the air is solved before the mechanisms, by implicit steps of
+//! growing length from the start (pseudo-transient continuation): they end as Newton's method and go where the air itself
+//! would. Where a pressure is given, what holds it is unknown in its place: a command, or a mass flow from outside.
 //!
-//! Source: C. T. Kelley & D. E. Keyes, "Convergence analysis of pseudo-transient continuation" (1998); J. Nocedal &
-//! S. J. Wright, Numerical Optimization (2006), chapter 3. Checked by `tests/plant_linear.rs`.
+//! Source: C. T. Kelley & D. E. Keyes, "Convergence analysis of pseudo-transient continuation", SIAM J. Numer. Anal. 35
+//! (1998). Checked by `tests/plant_linear.rs` and `tests/plant_linear_closed_forms.rs`.
 
-use super::frame::{Drive, Fed, Frame, Instant, Quantity};
+use super::frame::{Drive, Fed, Frame, Quantity};
 use super::{PlantAir, matrix};
 use crate::air::Process;
 use crate::error::Error;
-use crate::force::Statics;
-use crate::mechanism::Mechanism;
 use crate::network::{BranchKind, NodeKind};
 use crate::plant::Plant;
 use crate::scalar::Scalar;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Steps of either solver.
+/// Steps after which there is no steady state.
 const MOST_STEPS: usize = 400;
-/// First and last step of the air in s, and how much one grows on the one before.
-const AIR_STEPS: (f64, f64, f64) = (1e-4, 1e9, 4.0);
+/// First and longest step in s, and how much one grows on the one before.
+const STEPS: (f64, f64, f64) = (1e-4, 1e9, 4.0);
 /// The part of a pressure by which one step may change it.
 const LARGEST_CHANGE: f64 = 0.3;
-/// The part of its size below which a step is rounding.
+/// The part of its size below which a step is rounding, and below which it has come close.
 const ROUNDING: f64 = 1e-14;
-/// Relative rate in 1/s below which the air stands still but for rounding.
+const CLOSE: f64 = 1e-10;
+/// Relative rate in 1/s below which the air stands still but for rounding, and above which it does not.
 const STILL: f64 = 1e-8;
-/// Usual sizes of a flow in kg/s and of a temperature change, for scaling alone.
+const MOVING: f64 = 1e-3;
+/// Usual size of a flow in kg/s, for scaling alone.
 const USUAL_FLOW: f64 = 1e-3;
-/// The largest step of an angle in rad, and of a length as a part of an actuator's longest.
-const LARGEST_STEP: (f64, f64) = (0.2, 0.05);
-/// Part of the usual force below which a residual is rounding.
-const FORCE_ROUNDING: f64 = 1e-13;
 
-const NO_BALANCE: Error = Error::NoSolution {
-    what: "the mechanisms of the plant come to no balance near their start at these pressures",
-    remedy: "give positions nearer to a balance, other pressures or another load; an actuator on its shortest length or a \
-             stop that is just touched has no linear model",
-};
 const NO_STEADY_AIR: Error = Error::NoSolution {
     what: "the air of the plant comes to no steady state under these commands",
     remedy: "give pressures that are to be held, or commands between whose fill and exhaust a balance exists",
@@ -255,7 +244,7 @@ impl AirSolver<'_> {
             unknowns.iter().map(|unknown| rates[unknown.row].value / unknown.row_size).collect()
         };
         let norm = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let (mut step, longest, growth) = AIR_STEPS;
+        let (mut step, longest, growth) = STEPS;
         let mut left = residual(frame);
         let mut settled = 0;
         for _ in 0..MOST_STEPS {
@@ -303,7 +292,7 @@ impl AirSolver<'_> {
             left = next;
             if step < longest {
                 step *= growth;
-            } else if part == 1.0 && norm(&change) < 1e-10 {
+            } else if part == 1.0 && norm(&change) < CLOSE {
                 settled += 1;
                 if settled > 2 || norm(&change) < ROUNDING {
                     return self.check(frame, &unknowns, &left);
@@ -320,182 +309,14 @@ impl AirSolver<'_> {
                 && let Drive::Duty(command) | Drive::Spool(command) | Drive::SetPoint(command, _) = frame.drives[valve]
             {
                 let [low, high] = self.command_range(valve);
-                if (command <= low || command >= high) && left.abs() > 1e-6 {
+                if (command <= low || command >= high) && left.abs() > STILL {
                     return Err(NO_COMMAND);
                 }
             }
-            if left.abs() > 1e-3 {
+            if left.abs() > MOVING {
                 return Err(NO_STEADY_AIR);
             }
         }
         Ok(())
-    }
-}
-
-/// Brings the mechanisms of a plant, and the actuators on tendons, into balance at the pressures that there are.
-pub(super) fn balance(frame: &mut Frame) -> Result<(), Error> {
-    let unknowns = Mechanical::of(frame);
-    let count = unknowns.slots.len();
-    if count == 0 {
-        return Ok(());
-    }
-    let mut instant = frame.evaluate(&[]);
-    let mut left = unknowns.residual(&instant);
-    let mut shift = 0.0;
-    for _ in 0..MOST_STEPS {
-        let mut stiffness = vec![0.0; count * count];
-        for (column, slot) in unknowns.slots.iter().enumerate() {
-            let along = frame.evaluate(&[(Quantity::Slot(*slot), 1.0)]);
-            for row in 0..count {
-                stiffness[row * count + column] = -unknowns.slope(&along, row);
-            }
-        }
-        let rests = left.iter().zip(&unknowns.usual).all(|(left, usual)| left.abs() <= FORCE_ROUNDING * usual);
-        let (change, used) = unknowns.step(&stiffness, &left, shift);
-        let part = change
-            .iter()
-            .zip(&unknowns.largest)
-            .fold(1.0_f64, |part, (change, largest)| part.min(largest / change.abs().max(1e-300)));
-        if rests {
-            // One step more takes off what rounding has left, if the balance is a firm one.
-            if used == 0.0 && part == 1.0 {
-                unknowns.shift(frame, &change, 1.0);
-            }
-            return Ok(());
-        }
-        let power = |left: &[f64]| left.iter().zip(&change).map(|(left, change)| left * change).sum::<f64>();
-        let downhill = power(&left);
-        let before = frame.state.clone();
-        let mut part = part;
-        let mut accepted = false;
-        for _ in 0..60 {
-            frame.state.clone_from(&before);
-            unknowns.shift(frame, &change, part);
-            instant = frame.evaluate(&[]);
-            let next = unknowns.residual(&instant);
-            let is_inside = unknowns.is_inside(frame, &instant);
-            if is_inside && next.iter().all(|value| value.is_finite()) && power(&next) >= -0.5 * downhill {
-                left = next;
-                accepted = true;
-                break;
-            }
-            part *= 0.5;
-        }
-        if !accepted {
-            return Err(NO_BALANCE);
-        }
-        let moved =
-            change.iter().zip(&unknowns.largest).fold(0.0_f64, |most, (by, size)| most.max((part * by / size).abs()));
-        if used == 0.0 && moved < ROUNDING {
-            return Ok(());
-        }
-        shift = if used > 1e-9 { 0.1 * used } else { 0.0 };
-    }
-    Err(NO_BALANCE)
-}
-
-/// The coordinates and lengths that balance.
-struct Mechanical {
-    slots: Vec<usize>,
-    kinds: Vec<MechanicalKind>,
-    /// Usual force along each, and the largest step of each.
-    usual: Vec<f64>,
-    largest: Vec<f64>,
-}
-
-#[derive(Clone, Copy)]
-enum MechanicalKind {
-    /// A coordinate, by its place among the forces on all.
-    Coordinate(usize),
-    /// Length of an actuator on a tendon.
-    Length(usize),
-}
-
-impl Mechanical {
-    fn of(frame: &Frame) -> Self {
-        let Plant { actuators, mechanisms, places, .. } = &frame.plant;
-        let mut these = Self { slots: vec![], kinds: vec![], usual: vec![], largest: vec![] };
-        let usual = frame.usual_forces();
-        let mut first = 0;
-        for (m, mechanism) in mechanisms.iter().enumerate() {
-            let here = places.mechanisms[m];
-            for k in (0..here.coordinates).filter(|_| mechanism.is_dynamic()) {
-                these.slots.push(here.position(k));
-                these.kinds.push(MechanicalKind::Coordinate(first + k));
-                these.usual.push(usual[m]);
-                let longest = places.members[m].iter().map(|i| actuators[*i].actuator.limits().max_length().value);
-                let longest = longest.fold(0.0, f64::max);
-                these.largest.push(match mechanism {
-                    Mechanism::Chain(_) => LARGEST_STEP.0,
-                    _ if longest > 0.0 => LARGEST_STEP.1 * longest,
-                    _ => 1.0,
-                });
-            }
-            first += here.coordinates;
-        }
-        for (i, mounted) in actuators.iter().enumerate() {
-            if let (Some(slot), Some(_)) = (places.actuators[i].length, &mounted.tendon) {
-                these.slots.push(slot);
-                these.kinds.push(MechanicalKind::Length(i));
-                these.usual.push(usual[mounted.mechanism].max(1.0));
-                these.largest.push(LARGEST_STEP.1 * mounted.actuator.limits().max_length().value);
-            }
-        }
-        these
-    }
-
-    fn number(&self, instant: &Instant, row: usize) -> super::frame::Number {
-        match self.kinds[row] {
-            MechanicalKind::Coordinate(place) => instant.forces[place],
-            MechanicalKind::Length(i) => -instant.excess[i].unwrap_or(Scalar::zero()),
-        }
-    }
-
-    fn residual(&self, instant: &Instant) -> Vec<f64> {
-        (0..self.slots.len()).map(|row| self.number(instant, row).value).collect()
-    }
-
-    fn slope(&self, instant: &Instant, row: usize) -> f64 {
-        self.number(instant, row).slope[0]
-    }
-
-    fn shift(&self, frame: &mut Frame, change: &[f64], part: f64) {
-        for (slot, change) in self.slots.iter().zip(change) {
-            frame.state[*slot] += part * change;
-        }
-    }
-
-    /// Whether no actuator is as long as its thread.
-    fn is_inside(&self, frame: &Frame, instant: &Instant) -> bool {
-        frame
-            .plant
-            .actuators
-            .iter()
-            .zip(&instant.at.units)
-            .all(|(mounted, unit)| unit.length.value < mounted.actuator.law().law.end_length().value)
-    }
-
-    /// The step of a stiffness that is shifted, if it must be, until it is positive; and by how much it was.
-    fn step(&self, stiffness: &[f64], left: &[f64], mut shift: f64) -> (Vec<f64>, f64) {
-        let count = left.len();
-        let size: Vec<f64> =
-            (0..count).map(|k| stiffness[k * count + k].abs().max(1e-3 * self.usual[k] / self.largest[k])).collect();
-        loop {
-            let mut shifted = stiffness.to_vec();
-            for k in 0..count {
-                shifted[k * count + k] += shift * size[k];
-            }
-            let mut symmetric: Vec<f64> =
-                (0..count * count).map(|n| 0.5 * (shifted[n] + shifted[(n % count) * count + n / count])).collect();
-            crate::plant::dense::factor(&mut symmetric, count);
-            let is_positive = (0..count).all(|k| symmetric[k * count + k] > 1e-12 * size[k]);
-            if is_positive && let Some(change) = matrix::solve(shifted, left.to_vec()) {
-                return (change, shift);
-            }
-            if shift > 1e12 {
-                return (vec![0.0; count], shift);
-            }
-            shift = (10.0 * shift).max(1e-3);
-        }
     }
 }
