@@ -16,69 +16,81 @@ const ALL_STAGES: usize = 16;
 
 /// A stage: its node, the first stage other than the zeroth that it uses, and the weights of the zeroth and of the stages from
 /// that one up to itself.
-struct Stage {
+struct Stage<const N: usize> {
     node: f64,
     from: usize,
-    weights: &'static [f64],
+    weights: [f64; N],
 }
 
 /// Stages 1 to 15; the twelfth is the solution itself.
 #[rustfmt::skip]
-const TABLEAU: [Stage; ALL_STAGES - 1] = [
-    Stage { node: 0.05260015195876773, from: 1, weights: &[
+const STAGE_1: Stage<1> = Stage { node: 0.05260015195876773, from: 1, weights: [
         0.05260015195876773,
-    ] },
-    Stage { node: 0.0789002279381516, from: 1, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_2: Stage<2> = Stage { node: 0.0789002279381516, from: 1, weights: [
         0.0197250569845379, 0.0591751709536137,
-    ] },
-    Stage { node: 0.1183503419072274, from: 2, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_3: Stage<2> = Stage { node: 0.1183503419072274, from: 2, weights: [
         0.02958758547680685, 0.08876275643042054,
-    ] },
-    Stage { node: 0.2816496580927726, from: 2, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_4: Stage<3> = Stage { node: 0.2816496580927726, from: 2, weights: [
         0.2413651341592667, -0.8845494793282861, 0.924834003261792,
-    ] },
-    Stage { node: 0.3333333333333333, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_5: Stage<3> = Stage { node: 0.3333333333333333, from: 3, weights: [
         0.037037037037037035, 0.17082860872947386, 0.12546768756682242,
-    ] },
-    Stage { node: 0.25, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_6: Stage<4> = Stage { node: 0.25, from: 3, weights: [
         0.037109375, 0.17025221101954405, 0.06021653898045596, -0.017578125,
-    ] },
-    Stage { node: 0.3076923076923077, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_7: Stage<5> = Stage { node: 0.3076923076923077, from: 3, weights: [
         0.03709200011850479, 0.17038392571223998, 0.10726203044637328, -0.015319437748624402, 0.008273789163814023,
-    ] },
-    Stage { node: 0.6512820512820513, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_8: Stage<6> = Stage { node: 0.6512820512820513, from: 3, weights: [
         0.6241109587160757, -3.3608926294469414, -0.868219346841726, 27.59209969944671, 20.154067550477894,
         -43.48988418106996,
-    ] },
-    Stage { node: 0.6, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_9: Stage<7> = Stage { node: 0.6, from: 3, weights: [
         0.47766253643826434, -2.4881146199716677, -0.590290826836843, 21.230051448181193, 15.279233632882423,
         -33.28821096898486, -0.020331201708508627,
-    ] },
-    Stage { node: 0.8571428571428571, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_10: Stage<8> = Stage { node: 0.8571428571428571, from: 3, weights: [
         -0.9371424300859873, 5.186372428844064, 1.0914373489967295, -8.149787010746927, -18.52006565999696,
         22.739487099350505, 2.4936055526796523, -3.0467644718982196,
-    ] },
-    Stage { node: 1.0, from: 3, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_11: Stage<9> = Stage { node: 1.0, from: 3, weights: [
         2.273310147516538, -10.53449546673725, -2.0008720582248625, -17.9589318631188, 27.94888452941996,
         -2.8589982771350235, -8.87285693353063, 12.360567175794303, 0.6433927460157636,
-    ] },
-    Stage { node: 1.0, from: 5, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_12: Stage<8> = Stage { node: 1.0, from: 5, weights: [
         0.054293734116568765, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
         -0.1521609496625161, 0.20136540080403034, 0.04471061572777259,
-    ] },
-    Stage { node: 0.1, from: 6, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_13: Stage<8> = Stage { node: 0.1, from: 6, weights: [
         0.056167502283047954, 0.25350021021662483, -0.2462390374708025, -0.12419142326381637, 0.15329179827876568,
         0.00820105229563469, 0.007567897660545699, -0.008298,
-    ] },
-    Stage { node: 0.2, from: 5, weights: &[
+] };
+#[rustfmt::skip]
+const STAGE_14: Stage<10> = Stage { node: 0.2, from: 5, weights: [
         0.03183464816350214, 0.028300909672366776, 0.053541988307438566, -0.05492374857139099, 0.0, 0.0,
         -0.00010834732869724932, 0.0003825710908356584, -0.00034046500868740456, 0.1413124436746325,
-    ] },
-    Stage { node: 0.7777777777777778, from: 5, weights: &[
-        -0.42889630158379194, -4.697621415361164, 7.683421196062599, 4.06898981839711, 0.3567271874552811, 0.0,
-        0.0, 0.0, -0.0013990241651590145, 2.9475147891527724, -9.15095847217987,
-    ] },
-];
+] };
+#[rustfmt::skip]
+const STAGE_15: Stage<11> = Stage { node: 0.7777777777777778, from: 5, weights: [
+        -0.42889630158379194, -4.697621415361164, 7.683421196062599, 4.06898981839711, 0.3567271874552811, 0.0, 0.0,
+        0.0, -0.0013990241651590145, 2.9475147891527724, -9.15095847217987,
+] };
 
 /// Error estimate of order 5: weights of stage 0 and of stages 5 to 11.
 #[rustfmt::skip]
@@ -130,14 +142,17 @@ type Weights = [[f64; TERMS]; 4];
 /// Evaluations of an attempted step, of its end, and of its dense output.
 pub(super) const EVALUATIONS: [u64; 3] = [11, 1, 3];
 
+/// Rates of [`LANES`] states at all stages.
+type Block<R> = [[R; LANES]; ALL_STAGES];
+
 /// An attempted step; kept from step to step, so that nothing is moved.
 #[derive(Clone, Debug)]
 pub(super) struct Attempt<R> {
-    /// Rates of the stages, each in a row of `stride`.
-    stages: Vec<R>,
-    stride: usize,
+    blocks: Vec<Block<R>>,
+    /// The states of a stage and their rates, padded to whole lanes.
     stage: Vec<R>,
-    /// The states at the end of the step.
+    rates: Vec<R>,
+    /// The states at the end of the step, padded likewise.
     pub(super) end: Vec<R>,
     /// Error over the tolerance; at most 1 for a step that may be kept. NaN when the step is not physical.
     pub(super) error: f64,
@@ -214,88 +229,115 @@ fn weights() -> Weights {
     core::array::from_fn(|i| form.points[i + 2])
 }
 
+/// `w₀ k₀ + Σ wᵢ kᵢ`, the sum over the stages from `from` on.
+#[inline(always)]
+fn weighted<R: Real, const N: usize>(block: &Block<R>, from: usize, weights: &[f64; N]) -> [R; LANES] {
+    core::array::from_fn(|n| {
+        // Two sums, so that one need not wait for the other.
+        let mut sums = [R::constant(weights[0]) * block[0][n], R::zero()];
+        for i in 1..N {
+            sums[i % 2] = sums[i % 2] + R::constant(weights[i]) * block[from + i - 1][n];
+        }
+        sums[0] + sums[1]
+    })
+}
+
+/// `start + step · slope` of each block.
+#[inline(always)]
+fn combine<R: Real, const N: usize>(blocks: &[Block<R>], start: &[R], step: R, stage: &Stage<N>, into: &mut [R]) {
+    for ((block, start), into) in blocks.iter().zip(start.chunks_exact(LANES)).zip(into.chunks_exact_mut(LANES)) {
+        let slope = weighted(block, stage.from, &stage.weights);
+        for n in 0..LANES {
+            into[n] = start[n] + step * slope[n];
+        }
+    }
+}
+
+/// Keeps rates as those of a stage.
+#[inline(always)]
+fn keep<R: Real>(blocks: &mut [Block<R>], index: usize, rates: &[R]) {
+    for (block, rates) in blocks.iter_mut().zip(rates.chunks_exact(LANES)) {
+        block[index].copy_from_slice(rates);
+    }
+}
+
+/// A step: where it starts, and its length.
+#[derive(Clone, Copy)]
+struct Step<'s, R> {
+    time: R,
+    start: &'s [R],
+    length: R,
+    states: usize,
+}
+
 impl<R: Real> Attempt<R> {
     /// Room for so many states.
     pub(super) fn new(states: usize) -> Self {
-        let stride = states.div_ceil(LANES) * LANES;
-        let zeros = || vec![R::zero(); stride];
+        let blocks = states.div_ceil(LANES);
+        let zeros = || vec![R::zero(); blocks * LANES];
         Self {
-            stages: vec![R::zero(); ALL_STAGES * stride],
-            stride,
+            blocks: vec![[[R::zero(); LANES]; ALL_STAGES]; blocks],
             stage: zeros(),
+            rates: zeros(),
             end: zeros(),
             error: f64::NAN,
             weights: weights(),
         }
     }
 
-    /// Rates at the end of the step, which are those of the next step's start.
-    pub(super) fn last(&self) -> &[R] {
-        &self.stages[(STAGES) * self.stride..(STAGES + 1) * self.stride]
-    }
-
-    /// `w₀ k₀ + Σ wᵢ kᵢ` for [`LANES`] states from `lane` on, the sum over the stages from `from` on.
-    #[inline(always)]
-    fn weighted(&self, lane: usize, from: usize, weights: &[f64]) -> [R; LANES] {
-        let row = |stage: usize| &self.stages[stage * self.stride + lane..stage * self.stride + lane + LANES];
-        let (first, weight) = (row(0), R::constant(weights[0]));
-        let mut even: [R; LANES] = core::array::from_fn(|n| weight * first[n]);
-        let mut odd = [R::zero(); LANES];
-        let mut stage = from;
-        for pair in weights[1..].chunks(2) {
-            let (near, weight) = (row(stage), R::constant(pair[0]));
-            for n in 0..LANES {
-                even[n] = even[n] + weight * near[n];
-            }
-            if let [_, weight] = pair {
-                let (next, weight) = (row(stage + 1), R::constant(*weight));
-                for n in 0..LANES {
-                    odd[n] = odd[n] + weight * next[n];
-                }
-            }
-            stage += 2;
-        }
-        core::array::from_fn(|n| even[n] + odd[n])
-    }
-
-    /// The states at a stage, from `start`.
-    #[inline(always)]
-    fn combine(&mut self, start: &[R], step: R, stage: &Stage, is_end: bool) {
-        for lane in (0..self.stride).step_by(LANES) {
-            let slope = self.weighted(lane, stage.from, stage.weights);
-            let into = if is_end { &mut self.end } else { &mut self.stage };
-            for n in 0..LANES {
-                into[lane + n] = start[lane + n] + step * slope[n];
-            }
+    /// Copies the rates at the end of the step, which are those of the next step's start.
+    pub(super) fn last(&self, into: &mut [R]) {
+        for (block, into) in self.blocks.iter().zip(into.chunks_exact_mut(LANES)) {
+            into.copy_from_slice(&block[STAGES]);
         }
     }
 
-    /// Attempts a step of length `step` from `start`, where the rates are `slope`; `allowed` are the errors that the states
-    /// may have. `rates` computes the rates of a stage into its row.
-    #[inline]
+    /// Computes the rates of a stage.
+    #[inline(always)]
+    fn stage<const N: usize>(
+        &mut self,
+        Step { time, start, length, states }: Step<'_, R>,
+        index: usize,
+        stage: &Stage<N>,
+        rates: &mut impl FnMut(R, &[R], &mut [R]),
+    ) {
+        combine(&self.blocks, start, length, stage, &mut self.stage);
+        rates(time + length * R::constant(stage.node), &self.stage[..states], &mut self.rates[..states]);
+        keep(&mut self.blocks, index, &self.rates);
+    }
+
+    /// Attempts a step of length `length` from `start`, where the rates are `slope`; `allowed` are the errors that the states
+    /// may have. `rates` computes the rates of a stage.
     pub(super) fn attempt(
         &mut self,
         time: R,
         start: &[R],
         slope: &[R],
-        step: R,
+        length: R,
         allowed: &[f64],
         mut rates: impl FnMut(R, &[R], &mut [R]),
     ) {
-        self.stages[..slope.len()].copy_from_slice(slope);
         let states = allowed.len();
-        for (index, stage) in (1..STAGES).zip(&TABLEAU) {
-            self.combine(start, step, stage, false);
-            let row = index * self.stride;
-            rates(time + step * R::constant(stage.node), &self.stage[..states], &mut self.stages[row..row + states]);
-        }
-        self.combine(start, step, &TABLEAU[STAGES - 1], true);
+        keep(&mut self.blocks, 0, slope);
+        let step = Step { time, start, length, states };
+        self.stage(step, 1, &STAGE_1, &mut rates);
+        self.stage(step, 2, &STAGE_2, &mut rates);
+        self.stage(step, 3, &STAGE_3, &mut rates);
+        self.stage(step, 4, &STAGE_4, &mut rates);
+        self.stage(step, 5, &STAGE_5, &mut rates);
+        self.stage(step, 6, &STAGE_6, &mut rates);
+        self.stage(step, 7, &STAGE_7, &mut rates);
+        self.stage(step, 8, &STAGE_8, &mut rates);
+        self.stage(step, 9, &STAGE_9, &mut rates);
+        self.stage(step, 10, &STAGE_10, &mut rates);
+        self.stage(step, 11, &STAGE_11, &mut rates);
+        combine(&self.blocks, start, length, &STAGE_12, &mut self.end);
         let (mut fifth, mut third) = (0.0, 0.0);
-        for lane in (0..self.stride).step_by(LANES) {
-            let five = self.weighted(lane, LATE, &ORDER_5);
-            let three = self.weighted(lane, LATE, &ORDER_3);
-            for n in 0..LANES.min(states - lane) {
-                let (five, three) = (five[n].value() / allowed[lane + n], three[n].value() / allowed[lane + n]);
+        for (block, allowed) in self.blocks.iter().zip(allowed.chunks(LANES)) {
+            let five = weighted(block, LATE, &ORDER_5);
+            let three = weighted(block, LATE, &ORDER_3);
+            for ((five, three), allowed) in five.iter().zip(&three).zip(allowed) {
+                let (five, three) = (five.value() / allowed, three.value() / allowed);
                 fifth += five * five;
                 third += three * three;
             }
@@ -304,58 +346,55 @@ impl<R: Real> Attempt<R> {
         self.error = if denominator == 0.0 {
             0.0
         } else {
-            step.value().abs() * fifth / Scalar::sqrt(denominator * states as f64)
+            length.value().abs() * fifth / Scalar::sqrt(denominator * states as f64)
         };
     }
 
     /// Computes the rates at the end of the step.
-    #[inline]
-    pub(super) fn finish(&mut self, time: R, step: R, states: usize, mut rates: impl FnMut(R, &[R], &mut [R])) {
-        let row = STAGES * self.stride;
-        rates(time + step, &self.end[..states], &mut self.stages[row..row + states]);
+    pub(super) fn finish(&mut self, time: R, length: R, states: usize, mut rates: impl FnMut(R, &[R], &mut [R])) {
+        rates(time + length, &self.end[..states], &mut self.rates[..states]);
+        keep(&mut self.blocks, STAGES, &self.rates);
     }
 
     /// The dense output.
-    #[inline]
     pub(super) fn dense(
         &mut self,
         time: R,
         start: &[R],
-        step: R,
+        length: R,
         arc: &mut Arc<R>,
         mut rates: impl FnMut(R, &[R], &mut [R]),
     ) {
         let states = arc.points.len() / POINTS;
-        for (index, stage) in (STAGES + 1..ALL_STAGES).zip(&TABLEAU[STAGES..]) {
-            self.combine(start, step, stage, false);
-            let row = index * self.stride;
-            rates(time + step * R::constant(stage.node), &self.stage[..states], &mut self.stages[row..row + states]);
-        }
-        (arc.start, arc.step) = (time, step);
-        let seventh = step * R::constant(1.0 / 7.0);
-        let last = STAGES * self.stride;
-        for n in 0..states {
-            let (from, to) = (start[n], self.end[n]);
-            arc.points[n] = from;
-            arc.points[states + n] = from + seventh * self.stages[n];
-            arc.points[6 * states + n] = to - seventh * self.stages[last + n];
-            arc.points[7 * states + n] = to;
-        }
-        for point in 0..4 {
-            let weights = self.weights[point];
-            for lane in (0..self.stride).step_by(LANES) {
+        let step = Step { time, start, length, states };
+        self.stage(step, 13, &STAGE_13, &mut rates);
+        self.stage(step, 14, &STAGE_14, &mut rates);
+        self.stage(step, 15, &STAGE_15, &mut rates);
+        (arc.start, arc.step) = (time, length);
+        let seventh = length * R::constant(1.0 / 7.0);
+        let ends = start.chunks_exact(LANES).zip(self.end.chunks_exact(LANES));
+        for (lane, (block, (start, end))) in self.blocks.iter().zip(ends).enumerate() {
+            let mut points = [[R::zero(); LANES]; POINTS];
+            for n in 0..LANES {
+                points[0][n] = start[n];
+                points[1][n] = start[n] + seventh * block[0][n];
+                points[6][n] = end[n] - seventh * block[STAGES][n];
+                points[7][n] = end[n];
+            }
+            for (point, weights) in points[2..6].iter_mut().zip(&self.weights) {
                 let dense: [f64; 12] =
                     core::array::from_fn(|i| if i == 0 { weights[4] + weights[2] } else { weights[4 + i] });
-                let mut sum = self.weighted(lane, LATE, &dense);
-                let row = &self.stages[last + lane..last + lane + LANES];
+                let sum = weighted(block, LATE, &dense);
                 for n in 0..LANES {
-                    sum[n] = sum[n] + R::constant(weights[3]) * row[n];
+                    let sum = sum[n] + R::constant(weights[3]) * block[STAGES][n];
+                    let between = R::constant(weights[0]) * start[n] + R::constant(weights[1]) * (end[n] - start[n]);
+                    point[n] = between + length * sum;
                 }
-                for n in 0..LANES.min(states.saturating_sub(lane)) {
-                    let (from, to) = (start[lane + n], self.end[lane + n]);
-                    let ends = R::constant(weights[0]) * from + R::constant(weights[1]) * (to - from);
-                    arc.points[(point + 2) * states + lane + n] = ends + step * sum[n];
-                }
+            }
+            let from = lane * LANES;
+            let count = LANES.min(states - from);
+            for (place, point) in points.iter().enumerate() {
+                arc.points[place * states + from..place * states + from + count].copy_from_slice(&point[..count]);
             }
         }
     }

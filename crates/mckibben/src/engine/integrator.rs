@@ -253,7 +253,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.step = if self.fresh { first } else { Scalar::smaller(self.step, first) };
         self.fresh = false;
         if !self.is_implicit {
-            let settling = self.system.settling_rate(self.time, &self.state[..states], &self.mode, &self.work);
+            let settling = self.system.settling_rate(self.time, &self.state[..states], &self.mode, &mut self.work);
             self.step = Scalar::smaller(self.step, SETTLING.0 / settling);
         }
     }
@@ -287,7 +287,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.explicit.finish(self.time, length, states, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[1];
         let end = &self.explicit.end[..states];
-        let settling = self.system.settling_rate(self.time + length, end, &self.mode, &self.work);
+        let settling = self.system.settling_rate(self.time + length, end, &self.mode, &mut self.work);
         let bound = SETTLING.0 / settling;
         if length.value() * settling > SETTLING.1 {
             self.step = bound;
@@ -378,7 +378,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         // The rates at the end are the next step's first; what was projected has moved by no more than the tolerance.
         self.has_slope = used_explicit;
         if used_explicit {
-            self.slope[..states].copy_from_slice(&self.explicit.last()[..states]);
+            self.explicit.last(&mut self.slope);
             self.enter_scales();
         }
         Ok(())

@@ -26,7 +26,7 @@ pub(crate) struct NodeState<T> {
     pub(crate) per_pressure: T,
     /// `1/√T` of its air in 1/√K, where it does not change.
     per_root_temperature: T,
-    /// What flows in and out in kg/s.
+    /// What flows in and out in kg/s; zero for a source and the atmosphere.
     pub(crate) inward: T,
     pub(crate) outward: T,
     /// `Σ ṁ_in T` of what flows in, in kg·K/s.
@@ -72,20 +72,36 @@ impl<T: Scalar> NetworkState<T> {
     }
 }
 
+/// What the pressure of a node that changes is: that of an actuator's air, or a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Varying {
+    /// Of which actuator.
+    Chamber(usize),
+    /// At which place.
+    State(usize),
+}
+
 /// What a network takes from the rest of the plant: the chambers of the actuators, and which state is which pressure or flow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surroundings<'a, T> {
     pub(crate) chambers: &'a [Chamber<T>],
     /// Whether the air of each actuator keeps an energy balance, for which the temperature of what flows in counts.
     pub(crate) keeps_heat: &'a [bool],
+    /// Whether any does.
+    pub(crate) any_keeps_heat: bool,
+    /// Outlets that a node feeds, and that node.
+    pub(crate) drawn: &'a [[usize; 2]],
     pub(crate) state: &'a [T],
-    /// Place of each node's pressure among the states, and of each branch's flow.
-    pub(crate) nodes: &'a [Option<usize>],
+    /// The nodes whose pressure changes, and for each branch whether what flows at its ends counts there.
+    pub(crate) varying: &'a [(usize, Varying)],
+    pub(crate) counts: &'a [[bool; 2]],
+    /// Place of each branch's flow among the states.
     pub(crate) branches: &'a [Option<usize>],
 }
 
 impl<R: Real> Network<R> {
     /// Computes all flows at a time in s.
+    #[inline(always)]
     pub(crate) fn flows<T: Over<R>>(
         &self,
         time: T,
@@ -94,54 +110,121 @@ impl<R: Real> Network<R> {
         mode: &NetworkMode<R>,
         at: &mut NetworkState<T>,
     ) {
-        self.enter_pressures(around, at);
-        for flow in &mut at.flows {
-            *flow = T::zero();
+        let NetworkState { nodes, flows } = at;
+        self.enter_nodes(around, nodes);
+        let count = self.branches.len();
+        let (branches, modes, flows) = (&self.branches[..count], &mode.branches[..count], &mut flows[..count]);
+        let counts = &around.counts[..count];
+        for index in 0..count {
+            let (branch, of_branch, into) = (&branches[index], &modes[index], &mut flows[index]);
+            let Branch { from, to, kind } = branch;
+            let (near, far) = (&nodes[*from], &nodes[*to]);
+            // A piece of an orifice's law says which way its air goes, also a little beyond its ends.
+            let (flow, heading) = match kind {
+                BranchKind::Path { law, valve, port, ambient, .. } => {
+                    let Some(zone) = of_branch.zone else {
+                        *into = T::zero();
+                        continue;
+                    };
+                    let is_inward = zone.is_inward();
+                    let drive = || match (is_inward, *ambient) {
+                        (true, _) => self.drive(*from, around, air, near),
+                        (false, true) => far.pressure * far.per_root_temperature,
+                        (false, false) => self.drive(*to, around, air, far),
+                    };
+                    let flow = orifice(law, zone, near, far, drive);
+                    let flow = match mode.valves[*valve].openings.at(time) {
+                        Some(shares) => flow * shares[*port as usize],
+                        None => flow,
+                    };
+                    (flow, Some(is_inward))
+                }
+                BranchKind::Check { law } => match of_branch.zone {
+                    Some(zone) => {
+                        (orifice(law, zone, near, far, || self.drive(*from, around, air, near)), Some(zone.is_inward()))
+                    }
+                    None => (T::zero(), Some(true)),
+                },
+                BranchKind::Loss(hose) => (hose.tube().flow_in(of_branch.regime, near.pressure, far.pressure), None),
+                BranchKind::Inertia(_) => (around.branches[index].map_or(T::zero(), |place| around.state[place]), None),
+                BranchKind::Leak(leakage) => {
+                    let outwards = near.pressure.lt(far.pressure);
+                    let upstream = T::select(
+                        outwards,
+                        self.temperature(*to, around.chambers, air),
+                        T::of(self.nodes[*from].temperature),
+                    );
+                    (leakage.between(near.pressure, far.pressure, T::of(air.gas_constant()) * upstream), None)
+                }
+                BranchKind::Compressor => match &self.nodes[*to].kind {
+                    NodeKind::Reservoir(reservoir) if of_branch.runs => (reservoir.delivery(far.pressure), Some(true)),
+                    _ => (T::zero(), Some(true)),
+                },
+            };
+            *into = flow;
+            let [forward, back] = match heading {
+                Some(true) => [flow, T::zero()],
+                Some(false) => [T::zero(), -flow],
+                None => {
+                    let backwards = flow.lt(T::zero());
+                    [T::select(backwards, T::zero(), flow), T::select(backwards, -flow, T::zero())]
+                }
+            };
+            let copies = match kind {
+                BranchKind::Path { copies, .. } => T::of(*copies),
+                _ => T::one(),
+            };
+            let [at_source, at_end] = counts[index];
+            if at_end {
+                self.deliver((*to, *from), [forward, back], around, air, nodes);
+            }
+            if at_source {
+                self.deliver((*from, *to), [back * copies, forward * copies], around, air, nodes);
+            }
         }
-        for &index in &mode.open {
-            let index = usize::from(index);
-            let flow = self.flow(index, time, around, air, mode, at);
-            at.flows[index] = flow;
-            self.deliver(index, flow, around, air, at);
+        for &[outlet, inlet] in around.drawn {
+            let drawn = nodes[outlet].net();
+            nodes[inlet].inward = nodes[inlet].inward + drawn;
         }
-        for index in (0..self.nodes.len()).rev() {
-            if let NodeKind::Outlet { inlet: Some(inlet), .. } = self.nodes[index].kind {
-                let drawn = at.nodes[index].net();
-                at.nodes[inlet].inward = at.nodes[inlet].inward + drawn;
+    }
+
+    /// Sets the pressures of the nodes that change, and their sums to zero.
+    #[inline(always)]
+    fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {
+        for &(node, varying) in around.varying {
+            let of_node = &mut nodes[node];
+            (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());
+            match varying {
+                Varying::Chamber(actuator) => {
+                    let chamber = &around.chambers[actuator];
+                    (of_node.pressure, of_node.per_pressure) = (chamber.pressure, chamber.per_pressure);
+                }
+                Varying::State(place) => {
+                    of_node.pressure = around.state[place];
+                    of_node.per_pressure = T::one() / of_node.pressure;
+                }
             }
         }
     }
 
-    /// Sets the pressures of all nodes, and their sums to zero.
-    pub(crate) fn enter_pressures<T: Over<R>>(&self, around: Surroundings<'_, T>, at: &mut NetworkState<T>) {
-        for (index, node) in self.nodes.iter().enumerate() {
-            let of_node = &mut at.nodes[index];
-            (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());
-            match node.kind {
-                NodeKind::Atmosphere | NodeKind::Source => {}
-                NodeKind::Chamber { actuator } => {
-                    let chamber = &around.chambers[actuator];
-                    (of_node.pressure, of_node.per_pressure) = (chamber.pressure, chamber.per_pressure);
-                }
-                _ => {
-                    if let Some(place) = around.nodes[index] {
-                        of_node.pressure = around.state[place];
-                        of_node.per_pressure = T::one() / of_node.pressure;
-                    }
-                }
+    /// Sets the pressures of the nodes for which `pressure` gives one in Pa; those of the others do not change.
+    pub(crate) fn enter_pressures<T: Over<R>>(&self, at: &mut NetworkState<T>, pressure: impl Fn(usize) -> Option<T>) {
+        for (node, of_node) in at.nodes.iter_mut().enumerate() {
+            if let Some(pressure) = pressure(node) {
+                of_node.pressure = pressure;
             }
         }
     }
 
     /// `P/√T` of the air of a node in Pa/√K.
     #[inline(always)]
-    fn drive<T: Over<R>>(&self, node: usize, around: Surroundings<'_, T>, air: &Air<R>, at: &NetworkState<T>) -> T {
+    fn drive<T: Over<R>>(&self, node: usize, around: Surroundings<'_, T>, air: &Air<R>, at: &NodeState<T>) -> T {
         match self.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
                 let chamber = &around.chambers[actuator];
                 (T::of(air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
             }
-            _ => at.nodes[node].pressure * at.nodes[node].per_root_temperature,
+            _ => at.pressure * at.per_root_temperature,
         }
     }
 
@@ -154,87 +237,26 @@ impl<R: Real> Network<R> {
         }
     }
 
-    /// Flow through a branch in kg/s.
-    #[inline(always)]
-    pub(crate) fn flow<T: Over<R>>(
-        &self,
-        index: usize,
-        time: T,
-        around: Surroundings<'_, T>,
-        air: &Air<R>,
-        mode: &NetworkMode<R>,
-        at: &NetworkState<T>,
-    ) -> T {
-        let Branch { from, to, kind } = &self.branches[index];
-        let (near, far) = (&at.nodes[*from], &at.nodes[*to]);
-        let of_branch = &mode.branches[index];
-        match kind {
-            BranchKind::Path { law, valve, port, ambient, .. } => {
-                let Some(zone) = of_branch.zone else { return T::zero() };
-                let drive = || match (zone.is_inward(), *ambient) {
-                    (true, _) => self.drive(*from, around, air, at),
-                    (false, true) => far.pressure * far.per_root_temperature,
-                    (false, false) => self.drive(*to, around, air, at),
-                };
-                let flow = orifice(law, zone, near, far, drive);
-                match mode.valves[*valve].openings.at(time) {
-                    Some(shares) => flow * shares[*port as usize],
-                    None => flow,
-                }
-            }
-            BranchKind::Check { law } => match of_branch.zone {
-                Some(zone) => orifice(law, zone, near, far, || self.drive(*from, around, air, at)),
-                None => T::zero(),
-            },
-            BranchKind::Loss(hose) => hose.tube().flow_in(of_branch.regime, near.pressure, far.pressure),
-            BranchKind::Inertia(_) => around.branches[index].map_or(T::zero(), |place| around.state[place]),
-            BranchKind::Leak(leakage) => {
-                let outwards = near.pressure.lt(far.pressure);
-                let upstream = T::select(
-                    outwards,
-                    self.temperature(*to, around.chambers, air),
-                    T::of(self.nodes[*from].temperature),
-                );
-                leakage.between(near.pressure, far.pressure, T::of(air.gas_constant()) * upstream)
-            }
-            BranchKind::Compressor => match &self.nodes[*to].kind {
-                NodeKind::Reservoir(reservoir) if of_branch.runs => reservoir.delivery(far.pressure),
-                _ => T::zero(),
-            },
-        }
-    }
-
-    /// Adds a flow to the sums of its two ends.
+    /// Adds what comes into a node from another, and what leaves it, to its sums.
     #[inline(always)]
     fn deliver<T: Over<R>>(
         &self,
-        index: usize,
-        flow: T,
+        (node, other): (usize, usize),
+        [inward, outward]: [T; 2],
         around: Surroundings<'_, T>,
         air: &Air<R>,
-        at: &mut NetworkState<T>,
+        nodes: &mut [NodeState<T>],
     ) {
-        let Branch { from, to, kind } = &self.branches[index];
-        let backwards = flow.lt(T::zero());
-        let forward = T::select(backwards, T::zero(), flow);
-        let back = T::select(backwards, -flow, T::zero());
-        let copies = match kind {
-            BranchKind::Path { copies, .. } => T::of(*copies),
-            _ => T::one(),
-        };
-        for (node, other, inward, outward) in
-            [(*to, *from, forward, back), (*from, *to, back * copies, forward * copies)]
+        let of_node = &mut nodes[node];
+        of_node.inward = of_node.inward + inward;
+        of_node.outward = of_node.outward + outward;
+        if around.any_keeps_heat
+            && let NodeKind::Chamber { actuator } = self.nodes[node].kind
+            && around.keeps_heat[actuator]
         {
-            let of_node = &mut at.nodes[node];
-            of_node.inward = of_node.inward + inward;
-            of_node.outward = of_node.outward + outward;
-            if let NodeKind::Chamber { actuator } = self.nodes[node].kind
-                && around.keeps_heat[actuator]
-            {
-                let temperature = self.temperature(other, around.chambers, air);
-                let of_node = &mut at.nodes[node];
-                of_node.warmth = of_node.warmth + inward * temperature;
-            }
+            let temperature = self.temperature(other, around.chambers, air);
+            let of_node = &mut nodes[node];
+            of_node.warmth = of_node.warmth + inward * temperature;
         }
     }
 

@@ -227,7 +227,6 @@ impl<R: Real> Network<R> {
                     }
                     None => Some(FlowZone::LaminarIn),
                 };
-                self.list_open(mode);
                 EventKind::Flow
             }
             NetworkGuard::Regime { branch, up } => {
@@ -238,7 +237,6 @@ impl<R: Real> Network<R> {
             }
             NetworkGuard::Switch { branch } => {
                 mode.branches[branch].runs = !mode.branches[branch].runs;
-                self.list_open(mode);
                 EventKind::Compressor
             }
             NetworkGuard::Poppet { node, up } => {

@@ -49,8 +49,6 @@ pub struct NetworkMode<R> {
     pub nodes: Vec<NodeMode>,
     /// Of each valve.
     pub valves: Vec<ValveMode<R>>,
-    /// The branches that let air through, in order.
-    pub(crate) open: Vec<u16>,
 }
 
 impl<R: Real> Network<R> {
@@ -66,7 +64,6 @@ impl<R: Real> Network<R> {
             branches: self.branches.iter().map(|_| BranchMode::AT_REST).collect(),
             nodes: self.nodes.iter().map(|_| NodeMode::AT_REST).collect(),
             valves: self.valves.iter().map(valve).collect(),
-            open: Vec::new(),
         }
     }
 
@@ -91,7 +88,6 @@ impl<R: Real> Network<R> {
                 of_node.poppet = Poppet::Rests;
             }
         }
-        self.list_open(mode);
     }
 
     /// Enters the piece of a branch's law.
@@ -120,22 +116,6 @@ impl<R: Real> Network<R> {
                 }
             }
             BranchKind::Inertia(_) | BranchKind::Leak(_) => {}
-        }
-    }
-
-    /// Lists the branches that let air through.
-    pub(crate) fn list_open(&self, mode: &mut NetworkMode<R>) {
-        mode.open.clear();
-        for (index, branch) in self.branches.iter().enumerate() {
-            let of_branch = &mode.branches[index];
-            let lets_through = match branch.kind {
-                BranchKind::Path { .. } | BranchKind::Check { .. } => of_branch.zone.is_some(),
-                BranchKind::Compressor => of_branch.runs,
-                BranchKind::Loss(_) | BranchKind::Inertia(_) | BranchKind::Leak(_) => true,
-            };
-            if lets_through {
-                mode.open.push(index as u16);
-            }
         }
     }
 

@@ -109,8 +109,7 @@ impl<R: Real> System<'_, R> {
     /// Enters the zones of a valve's flow paths, and decides poppets whose flow has jumped.
     fn enter_valve(&self, valve: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         let network = &self.plant.network;
-        self.enter_distances(time, state, mode, at);
-        network.enter_pressures(self.around(&at.chambers, state), &mut at.network);
+        self.enter_pressures(state, &mut at.network);
         let pressures: alloc::vec::Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
         for (index, branch) in network.branches.iter().enumerate() {
             if let BranchKind::Path { valve: its, .. } = branch.kind
@@ -123,7 +122,6 @@ impl<R: Real> System<'_, R> {
                 }
             }
         }
-        network.list_open(&mut mode.network);
         self.enter_poppets(time, state, mode, at);
     }
 

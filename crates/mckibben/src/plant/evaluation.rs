@@ -11,12 +11,14 @@
 //!
 //! It is done once for rates, samples, guards and audits alike, by the formulas of a [`PlantMode`], over any scalar.
 
-use super::mode::{ActuatorMode, PlantMode};
+use super::mode::{ActuatorMode, MechanismMode, PlantMode};
+use super::wire::{Span, Wire};
 use super::{Mounted, Plant};
 use crate::air::{Chamber, Flow};
 use crate::line::split;
-use crate::mechanism::chain::Contacts;
+use crate::mechanism::chain::{Chain, Contacts};
 use crate::mechanism::{Coupling, Mechanism};
+use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::member::Member;
@@ -54,6 +56,8 @@ pub(crate) struct Evaluation<T> {
     /// Forces on the coordinates of one mechanism, and its mass matrix.
     pub(crate) force: Vec<T>,
     pub(crate) matrix: Vec<T>,
+    /// How fast the pressure of each node settles, in 1/s.
+    pub(crate) settling: Vec<f64>,
 }
 
 impl<T: Scalar> Evaluation<T> {
@@ -77,14 +81,22 @@ impl<T: Scalar> Evaluation<T> {
         let actuators = plant.actuators.len();
         let coordinates = plant.places.mechanisms.iter().map(|places| places.coordinates);
         let most = coordinates.clone().max().unwrap_or(0);
+        // The gradient of a coordinate itself does not change.
+        let mut gradient = vec![zero; plant.places.gradients];
+        for (mounted, here) in plant.actuators.iter().zip(&plant.places.actuators) {
+            if let Coupling::Direct { coordinate } = mounted.coupling {
+                gradient[here.gradient + coordinate] = T::one();
+            }
+        }
         Self {
             units: vec![unit; actuators],
             chambers: vec![Chamber::new(T::one(), T::one(), T::one(), zero); actuators],
             network: NetworkState::new(&plant.network),
-            gradient: vec![zero; plant.places.gradients],
+            gradient,
             acceleration: vec![zero; coordinates.sum()],
             force: vec![zero; most],
             matrix: vec![zero; most * most],
+            settling: vec![0.0; plant.network.nodes.len()],
         }
     }
 }
@@ -94,6 +106,7 @@ impl<T: Scalar> Evaluation<T> {
 pub(crate) struct System<'a, R: Real> {
     pub(crate) plant: &'a Plant<R>,
     pub(crate) members: Vec<Member<'a, R>>,
+    pub(crate) wires: Vec<Wire<'a, R>>,
     /// First acceleration of each mechanism among those of all.
     pub(crate) first_coordinate: Vec<usize>,
     /// Relative width of a border between agreeing formulas.
@@ -126,17 +139,22 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
+        self.evaluate_here(time, state, mode, at);
+    }
+
+    /// The body of [`System::evaluate`], a part of the rates as of nothing else: what is computed need not be stored first.
+    #[inline(always)]
+    fn evaluate_here<T: Differentiable<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         self.enter_distances(time, state, mode, at);
         self.enter_air(time, state, mode, at);
-        for i in 0..self.members.len() {
-            self.enter_actuator(i, time, state, mode, at);
-        }
+        self.enter_actuators(time, state, mode, at);
         for mechanism in 0..self.plant.mechanisms.len() {
             self.accelerate(mechanism, time, state, mode, at);
         }
     }
 
     /// Computes distances and chambers.
+    #[inline(always)]
     pub(crate) fn enter_distances<T: Over<R>>(
         &self,
         time: T,
@@ -144,46 +162,86 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
+        for i in 0..self.wires.len() {
+            let [length, velocity] = self.enter_ends_of(i, time, state, mode, at);
+            let wire = &self.wires[i];
+            let air = &state[wire.pressure..wire.pressure + 2];
+            let slack = mode.actuators[i].mode.extent == Extent::Slack;
+            at.chambers[i] = wire.actuator.chamber(length, velocity, air[0], air[1], slack);
+        }
+    }
+
+    /// Computes distance, length and their rates of an actuator; returns the last two.
+    #[inline(always)]
+    pub(crate) fn enter_ends_of<T: Over<R>>(
+        &self,
+        i: usize,
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) -> [T; 2] {
+        let wire = &self.wires[i];
+        let of_mechanism = &mode.mechanisms[wire.mechanism];
+        let [distance, rate] = match wire.span {
+            Span::Direct { position, rate } => {
+                [state[position], if of_mechanism.frozen { T::zero() } else { state[rate] }]
+            }
+            Span::Fixed { position } => [state[position], T::zero()],
+            Span::Prescribed => self.prescribed(wire.mechanism, time, of_mechanism),
+            Span::Coupled => self.span(i, state, mode, &mut at.gradient),
+        };
+        let (length, velocity) = match wire.length {
+            Some(place) => (state[place], T::zero()),
+            None if mode.actuators[i].mode.sliding == Sliding::Stuck => (distance, T::zero()),
+            None => (distance, rate),
+        };
+        let unit = &mut at.units[i];
+        (unit.distance, unit.rate, unit.length, unit.velocity) = (distance, rate, length, velocity);
+        [length, velocity]
+    }
+
+    /// Enters the pressures of all nodes of the network, without their flows.
+    pub(crate) fn enter_pressures<T: Over<R>>(&self, state: &[T], at: &mut NetworkState<T>) {
+        let places = &self.plant.places;
+        self.plant.network.enter_pressures(at, |node| match self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => Some(state[places.actuators[actuator].pressure]),
+            _ => places.nodes[node].map(|place| state[place]),
+        });
+    }
+
+    /// Length and velocity of a prescribed motion.
+    #[inline(never)]
+    fn prescribed<T: Over<R>>(&self, m: usize, time: T, of_mechanism: &MechanismMode) -> [T; 2] {
+        match &self.plant.mechanisms[m] {
+            Mechanism::Prescribed(motion) => {
+                let [length, velocity, _] = motion.at(time, of_mechanism.corners_passed);
+                [length, velocity]
+            }
+            _ => [T::zero(); 2],
+        }
+    }
+
+    /// Distance and its rate of an actuator that spans joints; its gradient is written.
+    #[inline(never)]
+    fn span<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, gradients: &mut [T]) -> [T; 2] {
         let Plant { actuators, mechanisms, places, .. } = self.plant;
-        for (m, mechanism) in mechanisms.iter().enumerate() {
-            let (position, rates) = places.mechanisms[m].of(state);
-            let of_mechanism = &mode.mechanisms[m];
-            let given = match mechanism {
-                Mechanism::Prescribed(motion) => Some(motion.at(time, of_mechanism.corners_passed)),
-                _ => None,
-            };
-            let chain = match mechanism {
-                Mechanism::Chain(chain) => Some(chain),
-                _ => None,
-            };
-            let at_rest = of_mechanism.frozen || matches!(mechanism, Mechanism::Fixed);
-            for &i in &places.members[m] {
-                let Mounted { actuator, coupling, .. } = &actuators[i];
-                let here = &places.actuators[i];
-                let pieces = &mode.arms[here.arms..here.arms + coupling.arm_count()];
-                let gradient = &mut at.gradient[here.gradient..here.gradient + position.len()];
-                let mut distance = coupling.distance(chain, position, pieces, gradient);
-                let mut rate = T::zero();
-                if let Some([length, velocity, _]) = given {
-                    (distance, rate) = (length, velocity);
-                } else if !at_rest {
-                    for (entry, velocity) in gradient.iter().zip(rates) {
-                        rate = rate + *entry * *velocity;
-                    }
-                }
-                let of_actuator = &mode.actuators[i].mode;
-                let (length, velocity) = match here.length {
-                    Some(place) => (state[place], T::zero()),
-                    None if of_actuator.sliding == Sliding::Stuck => (distance, T::zero()),
-                    None => (distance, rate),
-                };
-                let slack = of_actuator.extent == Extent::Slack;
-                let (pressure, mass) = (state[here.pressure], state[here.pressure + 1]);
-                at.chambers[i] = actuator.chamber(length, velocity, pressure, mass, slack);
-                let unit = &mut at.units[i];
-                (unit.distance, unit.rate, unit.length, unit.velocity) = (distance, rate, length, velocity);
+        let (mounted, here) = (&actuators[i], &places.actuators[i]);
+        let (position, rates) = places.mechanisms[mounted.mechanism].of(state);
+        let chain = match &mechanisms[mounted.mechanism] {
+            Mechanism::Chain(chain) => Some(chain),
+            _ => None,
+        };
+        let pieces = &mode.arms[here.arms..here.arms + mounted.coupling.arm_count()];
+        let gradient = &mut gradients[here.gradient..here.gradient + position.len()];
+        let distance = mounted.coupling.distance(chain, position, pieces, gradient);
+        let mut rate = T::zero();
+        if !mode.mechanisms[mounted.mechanism].frozen {
+            for (entry, velocity) in gradient.iter().zip(rates) {
+                rate = rate + *entry * *velocity;
             }
         }
+        [distance, rate]
     }
 
     /// What the network sees of the rest.
@@ -193,22 +251,28 @@ impl<'a, R: Real> System<'a, R> {
         Surroundings {
             chambers,
             keeps_heat: &places.keeps_heat,
+            any_keeps_heat: places.any_keeps_heat,
+            drawn: &places.drawn,
             state,
-            nodes: &places.nodes,
+            varying: &places.varying,
+            counts: &places.counts,
             branches: &places.branches,
         }
     }
 
     /// Computes the flows, and those into each chamber.
+    #[inline(always)]
     pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
-        let Some(first) = self.plant.actuators.first() else { return };
-        let air = first.actuator.air();
+        let Some(first) = self.wires.first() else { return };
         let network = &self.plant.network;
-        network.flows(time, self.around(&at.chambers, state), air, &mode.network, &mut at.network);
-        for (unit, chamber) in at.units.iter_mut().zip(&self.plant.places.chambers) {
-            (unit.flow, unit.warmth) = match chamber {
+        network.flows(time, self.around(&at.chambers, state), first.actuator.air(), &mode.network, &mut at.network);
+        let count = self.wires.len();
+        let (wires, units) = (&self.wires[..count], &mut at.units[..count]);
+        for i in 0..count {
+            let unit = &mut units[i];
+            (unit.flow, unit.warmth) = match wires[i].chamber {
                 Some(node) => {
-                    let node = &at.network.nodes[*node];
+                    let node = &at.network.nodes[node];
                     (Flow { inward: node.inward, outward: node.outward }, node.warmth)
                 }
                 None => (Flow::none(), T::zero()),
@@ -216,45 +280,71 @@ impl<'a, R: Real> System<'a, R> {
         }
     }
 
-    /// Computes tension and air of an actuator.
-    fn enter_actuator<T: Differentiable<R>>(
+    /// Computes tensions and air of all actuators.
+    #[inline(always)]
+    fn enter_actuators<T: Differentiable<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+        let count = self.wires.len();
+        let (wires, members, modes) = (&self.wires[..count], &self.members[..count], &mode.actuators[..count]);
+        let (units, chambers) = (&mut at.units[..count], &mut at.chambers[..count]);
+        for i in 0..count {
+            let (wire, member, of_actuator) = (&wires[i], &members[i], &modes[i]);
+            let (unit, chamber) = (&mut units[i], &mut chambers[i]);
+            if wire.length.is_some() {
+                self.enter_end(i, state, of_actuator, unit, chamber);
+            } else {
+                let ends = [unit.length, unit.velocity, chamber.pressure];
+                let bristles = wire.bristles.map(|place| state[place]);
+                unit.tension = match of_actuator.mode.sliding {
+                    Sliding::Stuck => T::zero(),
+                    _ => member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bristles)),
+                };
+            }
+            if wire.is_given {
+                self.enter_given(i, time, of_actuator, unit, chamber);
+            } else {
+                unit.pressure_rate = wire.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
+            }
+            unit.mass_rate = unit.flow.net();
+        }
+    }
+
+    /// Computes velocity and tension of an actuator on a tendon.
+    #[inline(never)]
+    fn enter_end<T: Differentiable<R>>(
+        &self,
+        i: usize,
+        state: &[T],
+        of_actuator: &ActuatorMode<R>,
+        unit: &mut Unit<T>,
+        chamber: &mut Chamber<T>,
+    ) {
+        let mounted = &self.plant.actuators[i];
+        let Some(tendon) = &mounted.tendon else { return };
+        unit.velocity = self.end_velocity(i, tendon, of_actuator, (unit, chamber), self.bristles(i, state));
+        unit.tension = super::tendon::tension(tendon, of_actuator, unit.distance, unit.length);
+        *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
+    }
+
+    /// Computes the rate of a pressure that is given over time, and the flow that it takes.
+    #[inline(never)]
+    fn enter_given<T: Over<R>>(
         &self,
         i: usize,
         time: T,
-        state: &[T],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<T>,
+        of_actuator: &ActuatorMode<R>,
+        unit: &mut Unit<T>,
+        chamber: &Chamber<T>,
     ) {
-        let (mounted, of_actuator) = (&self.plant.actuators[i], &mode.actuators[i]);
-        let bristles = self.bristles(i, state);
-        if let Some(tendon) = &mounted.tendon {
-            let velocity = self.end_velocity(i, tendon, of_actuator, (&at.units[i], &at.chambers[i]), bristles);
-            let unit = &mut at.units[i];
-            unit.velocity = velocity;
-            unit.tension = super::tendon::tension(tendon, of_actuator, unit.distance, unit.length);
-            let Chamber { pressure, mass, .. } = at.chambers[i];
-            at.chambers[i] = mounted.actuator.chamber(unit.length, velocity, pressure, mass, false);
-        } else {
-            let unit = &mut at.units[i];
-            let ends = [unit.length, unit.velocity, state[self.plant.places.actuators[i].pressure]];
-            unit.tension = match of_actuator.mode.sliding {
-                Sliding::Stuck => T::zero(),
-                _ => self.members[i].tension(ends, &of_actuator.mode, (&of_actuator.trace, bristles)),
-            };
-        }
-        let (unit, chamber) = (&mut at.units[i], &at.chambers[i]);
-        let air = mounted.actuator.air();
+        let mounted = &self.plant.actuators[i];
         if let Some(course) = &mounted.pressure {
             let [_, rate] = course.at(time, of_actuator.rows_passed);
             unit.pressure_rate = rate;
-            unit.flow = split(air.flow_for(chamber, rate));
-        } else {
-            unit.pressure_rate = air.pressure_rate_by(chamber, &unit.flow, || unit.warmth);
+            unit.flow = split(mounted.actuator.air().flow_for(chamber, rate));
         }
-        unit.mass_rate = unit.flow.net();
     }
 
     /// Computes the accelerations of a mechanism.
+    #[inline(always)]
     fn accelerate<T: Differentiable<R>>(
         &self,
         m: usize,
@@ -263,41 +353,53 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        let places = &self.plant.places.mechanisms[m];
-        let first = self.first_coordinate[m];
-        let accelerations = first..first + places.coordinates;
-        let of_mechanism = &mode.mechanisms[m];
-        if of_mechanism.frozen {
-            return at.acceleration[accelerations].fill(T::zero());
-        }
+        let (places, first) = (&self.plant.places.mechanisms[m], self.first_coordinate[m]);
         match &self.plant.mechanisms[m] {
+            _ if mode.mechanisms[m].frozen => at.acceleration[first..first + places.coordinates].fill(T::zero()),
             Mechanism::Mass(mass) => {
-                self.enter_force(m, state, mode, at);
-                at.acceleration[first] = at.force[0] * T::of(mass.per_mass());
-            }
-            Mechanism::Chain(chain) => {
-                self.enter_force(m, state, mode, at);
-                let count = places.coordinates;
-                let (position, _) = places.of(state);
-                let matrix = &mut at.matrix[..count * count];
-                chain.mass_matrix(position, matrix);
-                if let [inertia] = matrix {
-                    at.acceleration[first] = at.force[0] / *inertia;
-                } else {
-                    super::dense::factor(matrix, count);
-                    let acceleration = &mut at.acceleration[accelerations];
-                    acceleration.copy_from_slice(&at.force[..count]);
-                    super::dense::solve(&at.matrix[..count * count], count, acceleration);
-                    if !of_mechanism.basis.is_empty() {
-                        self.hold(m, state, mode, at);
-                    }
+                let mut force = mass.force(state[places.first]);
+                for &i in &self.plant.places.members[m] {
+                    force = force - at.units[i].tension;
                 }
+                at.acceleration[first] = force * T::of(mass.per_mass());
             }
+            Mechanism::Chain(chain) => self.accelerate_chain(m, chain, state, mode, at),
             Mechanism::Prescribed(motion) => {
-                let [_, _, acceleration] = motion.at(time, of_mechanism.corners_passed);
+                let [_, _, acceleration] = motion.at(time, mode.mechanisms[m].corners_passed);
                 at.acceleration[first] = acceleration;
             }
-            Mechanism::Fixed | Mechanism::External { .. } => at.acceleration[accelerations].fill(T::zero()),
+            Mechanism::Fixed | Mechanism::External { .. } => {
+                at.acceleration[first..first + places.coordinates].fill(T::zero());
+            }
+        }
+    }
+
+    /// Computes the accelerations of a chain.
+    #[inline(never)]
+    fn accelerate_chain<T: Differentiable<R>>(
+        &self,
+        m: usize,
+        chain: &Chain<R>,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) {
+        let (places, first) = (&self.plant.places.mechanisms[m], self.first_coordinate[m]);
+        let count = places.coordinates;
+        self.enter_force(m, state, mode, at);
+        let (position, _) = places.of(state);
+        let matrix = &mut at.matrix[..count * count];
+        chain.mass_matrix(position, matrix);
+        if let [inertia] = matrix {
+            at.acceleration[first] = at.force[0] / *inertia;
+            return;
+        }
+        super::dense::factor(matrix, count);
+        let acceleration = &mut at.acceleration[first..first + count];
+        acceleration.copy_from_slice(&at.force[..count]);
+        super::dense::solve(&at.matrix[..count * count], count, acceleration);
+        if !mode.mechanisms[m].basis.is_empty() {
+            self.hold(m, state, mode, at);
         }
     }
 
@@ -388,40 +490,40 @@ impl<'a, R: Real> System<'a, R> {
         at: &mut Evaluation<T>,
         rates: &mut [T],
     ) {
-        self.evaluate(time, state, mode, at);
+        self.evaluate_here(time, state, mode, at);
         let Plant { mechanisms, network, places, .. } = self.plant;
+        let mut coordinate = 0;
         for (m, mechanism) in mechanisms.iter().enumerate() {
-            let here = &places.mechanisms[m];
+            let (of_mechanism, here) = (&mode.mechanisms[m], &places.mechanisms[m]);
             for k in 0..here.coordinates {
                 rates[here.position(k)] = match mechanism {
-                    _ if mode.mechanisms[m].frozen => T::zero(),
+                    _ if of_mechanism.frozen => T::zero(),
                     Mechanism::Fixed => T::zero(),
-                    Mechanism::Prescribed(_) => at.units[places.members[m][0]].rate,
+                    Mechanism::Prescribed(motion) => motion.at(time, of_mechanism.corners_passed)[1],
                     _ => state[here.rate(k)],
                 };
-                rates[here.rate(k)] = at.acceleration[self.first_coordinate[m] + k];
+                rates[here.rate(k)] = at.acceleration[coordinate];
+                coordinate += 1;
             }
         }
-        for (i, here) in places.actuators.iter().enumerate() {
-            let unit = &at.units[i];
-            rates[here.pressure] = unit.pressure_rate;
-            rates[here.pressure + 1] = unit.mass_rate;
-            if let Some(place) = here.length {
+        let count = self.wires.len();
+        let (wires, units) = (&self.wires[..count], &at.units[..count]);
+        for i in 0..count {
+            let (wire, unit) = (&wires[i], &units[i]);
+            rates[wire.pressure] = unit.pressure_rate;
+            rates[wire.pressure + 1] = unit.mass_rate;
+            if let Some(place) = wire.length {
                 rates[place] = unit.velocity;
             }
-            if let Some(place) = here.bristles {
+            if let Some(place) = wire.bristles {
                 rates[place] = self.bristle_rate(i, state[place], unit.velocity, &mode.actuators[i]);
             }
         }
-        for (node, place) in places.nodes.iter().enumerate() {
-            if let Some(place) = place {
-                rates[*place] = network.node_rate(node, &mode.network, &at.network);
-            }
+        for &[node, place] in &places.state_nodes {
+            rates[place] = network.node_rate(node, &mode.network, &at.network);
         }
-        for (branch, place) in places.branches.iter().enumerate() {
-            if let Some(place) = place {
-                rates[*place] = network.branch_rate(branch, &at.network);
-            }
+        for &[branch, place] in &places.state_branches {
+            rates[place] = network.branch_rate(branch, &at.network);
         }
     }
 

@@ -292,17 +292,24 @@ impl<R: Real> System<'_, R> {
                 }
             }
             PlantGuard::Network(guard) => {
-                self.enter_distances(time, state, mode, at);
-                self.enter_air(time, state, mode, at);
+                if let NetworkGuard::Poppet { .. } = guard {
+                    self.enter_distances(time, state, mode, at);
+                    self.enter_air(time, state, mode, at);
+                } else {
+                    self.enter_pressures(state, &mut at.network);
+                }
                 self.plant.network.guard(guard, &mode.network, self.band, &at.network)
             }
-            PlantGuard::Of(i, guard) => {
-                self.enter_distances(time, state, mode, at);
-                match &self.plant.actuators[i].tendon {
-                    Some(tendon) => self.tendon_guard(i, tendon, guard, time, state, mode, at),
-                    None => self.member_guard(i, guard, state, mode, at),
+            PlantGuard::Of(i, guard) => match &self.plant.actuators[i].tendon {
+                Some(tendon) => {
+                    self.enter_distances(time, state, mode, at);
+                    self.tendon_guard(i, tendon, guard, time, state, mode, at)
                 }
-            }
+                None => {
+                    self.enter_ends_of(i, time, state, mode, at);
+                    self.member_guard(i, guard, state, mode, at)
+                }
+            },
         }
     }
 

@@ -24,7 +24,8 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         Evaluation::new(self.plant)
     }
 
-    #[inline]
+    // The stages of a step call it in as many places.
+    #[inline(never)]
     fn rates<T: Differentiable<R>>(
         &self,
         time: T,
@@ -36,8 +37,8 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         System::rates(self, time, state, mode, work, rates);
     }
 
-    fn settling_rate(&self, time: R, state: &[R], mode: &PlantMode<R>, work: &Evaluation<R>) -> f64 {
-        System::settling_rate(self, time, state, mode, work)
+    fn settling_rate(&self, _time: R, state: &[R], mode: &PlantMode<R>, work: &mut Evaluation<R>) -> f64 {
+        System::settling_rate(self, state, mode, work)
     }
 
     fn scales(&self, state: &[R], mode: &PlantMode<R>, scales: &mut [f64]) {

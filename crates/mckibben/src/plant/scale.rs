@@ -3,6 +3,7 @@
 use super::dense;
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
+use super::wire::Wire;
 use super::{Mounted, Plant, tendon};
 use crate::dual::Dual;
 use crate::mechanism::{Contact, Mechanism};
@@ -43,7 +44,9 @@ impl<'a, R: Real> System<'a, R> {
             })
             .collect();
         let band = members.first().map_or(relative_tolerance, |member| member.band);
-        let mut system = Self { plant, members, first_coordinate, band, usual_torque: Vec::new(), arms: Vec::new() };
+        let wires = Wire::all(plant);
+        let mut system =
+            Self { plant, members, wires, first_coordinate, band, usual_torque: Vec::new(), arms: Vec::new() };
         system.enter_usual();
         system
     }
@@ -131,8 +134,8 @@ impl<'a, R: Real> System<'a, R> {
     }
 
     /// The fastest rate in 1/s at which a state settles by itself, zero when none does; `at` is evaluated at the state.
-    pub(crate) fn settling_rate(&self, time: R, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
-        let mut fastest = self.network_settling(time, state, mode, at);
+    pub(crate) fn settling_rate(&self, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> f64 {
+        let mut fastest = self.network_settling(mode, at);
         for m in 0..self.plant.mechanisms.len() {
             fastest = fastest.max(self.mechanism_settling(m, state, mode, at));
         }
@@ -246,11 +249,12 @@ impl<'a, R: Real> System<'a, R> {
     }
 
     /// How fast the pressures of nodes settle against each other: each with the sum of its branches' conductances.
-    fn network_settling(&self, time: R, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+    fn network_settling(&self, mode: &PlantMode<R>, at: &mut Evaluation<R>) -> f64 {
         let network = &self.plant.network;
         if network.branches.is_empty() {
             return 0.0;
         }
+        let settling = core::mem::take(&mut at.settling);
         // By how much the pressure of each node rises with what flows in, in Pa/kg.
         let answer = |node: usize| match &network.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
@@ -266,7 +270,8 @@ impl<'a, R: Real> System<'a, R> {
             NodeKind::Chamber { actuator } => at.units[*actuator].pressure_rate.value(),
             _ => network.node_rate(node, &mode.network, &at.network).value(),
         };
-        let mut sums = vec![0.0; network.nodes.len()];
+        let mut sums = settling;
+        sums.fill(0.0);
         let mut fastest: f64 = 0.0;
         for (node, kind) in network.nodes.iter().enumerate() {
             match &kind.kind {
@@ -285,13 +290,11 @@ impl<'a, R: Real> System<'a, R> {
                 _ => {}
             }
         }
-        let _ = (time, state);
-        for &index in &mode.network.open {
-            let branch = &network.branches[usize::from(index)];
+        for (index, (branch, of_branch)) in network.branches.iter().zip(&mode.network.branches).enumerate() {
             let (from, to) = (branch.from, branch.to);
             let [near, far] = [from, to].map(|node| at.network.nodes[node].pressure.value());
-            let flow = at.network.flows[usize::from(index)].value();
-            let zone = mode.network.branches[usize::from(index)].zone;
+            let flow = at.network.flows[index].value();
+            let zone = of_branch.zone;
             let gap = near - far;
             let closing = rate(to) - rate(from);
             let conductance = match &branch.kind {
@@ -306,7 +309,7 @@ impl<'a, R: Real> System<'a, R> {
                     _ => 0.0,
                 },
                 BranchKind::Loss(_) => {
-                    if mode.network.branches[usize::from(index)].regime != crate::line::FlowRegime::Laminar {
+                    if of_branch.regime != crate::line::FlowRegime::Laminar {
                         let squares = near * near - far * far;
                         let closing = 2.0 * (near * rate(from) - far * rate(to));
                         fastest = fastest.max((MEETING * closing / squares).abs());
@@ -321,12 +324,12 @@ impl<'a, R: Real> System<'a, R> {
                 sums[to] += conductance * answer(to);
             }
         }
-        for &index in &mode.network.open {
-            let branch = &network.branches[usize::from(index)];
+        for branch in &network.branches {
             if !matches!(branch.kind, BranchKind::Inertia(_)) {
                 fastest = fastest.max(sums[branch.from] + sums[branch.to]);
             }
         }
+        at.settling = sums;
         fastest
     }
 }

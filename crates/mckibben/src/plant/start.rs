@@ -249,7 +249,7 @@ impl<R: Real> System<'_, R> {
             its.trace = member.trace(member.actuator.limits().actuator_length(length));
         }
         let network = &plant.network;
-        network.enter_pressures(self.around(&at.chambers, state), &mut at.network);
+        self.enter_pressures(state, &mut at.network);
         let pressures: Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
         network.enter(&pressures, &mut mode.network);
         for (node, place) in plant.places.nodes.iter().enumerate() {
