@@ -162,7 +162,7 @@ impl PlantLinearization {
                     if along.at.units[i].length.slope[0] == 0.0 {
                         per_length = 0.0;
                     } else {
-                        per_length = per_length / along.at.units[i].length.slope[0];
+                        per_length /= along.at.units[i].length.slope[0];
                     }
                 }
                 let (by_states, by_inputs) = (system.c[row].clone(), system.d[row].clone());
