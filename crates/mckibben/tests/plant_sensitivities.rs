@@ -154,15 +154,12 @@ fn difference(step: f64, at: impl Fn(f64) -> Vec<f64>) -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// A number's name and size, and how each state at the end changes with it: exactly, and by differences with their spread.
+type Compared = (String, f64, Vec<f64>, Vec<[f64; 2]>);
+
 /// Asserts that derivatives agree with differences, each measured by the largest change of that state that any number of the
 /// plant brings about, and a part of the state itself: what the tolerance of the runs leaves of a difference.
-fn assert_alike(
-    plant: &Plant,
-    all: &[(String, f64, Vec<f64>, Vec<[f64; 2]>)],
-    ends: &[f64],
-    tolerance: f64,
-    least: usize,
-) {
+fn assert_alike(plant: &Plant, all: &[Compared], ends: &[f64], tolerance: f64, least: usize) {
     let states = all[0].2.len();
     let size: Vec<f64> = (0..states)
         .map(|k| all.iter().fold(0.0_f64, |most, (_, value, exact, _)| most.max((exact[k] * value).abs())))
