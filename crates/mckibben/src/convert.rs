@@ -5,6 +5,8 @@
 //! derivatives with respect to a parameter pass through them, or carried over as they are.
 
 use crate::parameter::Parameter;
+#[cfg(feature = "alloc")]
+use crate::plant::Part;
 use crate::scalar::Scalar;
 
 /// Turns numbers of `S` into numbers of `T`.
@@ -15,30 +17,33 @@ pub(crate) trait Convert<S, T> {
     /// How numbers that follow from parameters are carried over; `None` when they are to be computed anew.
     fn carry(&mut self) -> Option<impl FnMut(S) -> T>;
 
-    /// What follows is of this actuator of a joint, 0 or 1, or of neither.
-    fn turn_to(&mut self, _actuator: Option<usize>) {}
+    /// What follows belongs to this part, or to none.
+    #[cfg(feature = "alloc")]
+    fn turn_to(&mut self, _part: Option<Part>) {}
 }
 
 /// A function of parameters; what follows from them is computed anew.
 pub(crate) struct Anew<F>(pub(crate) F);
 
-/// The same of a joint, with the actuator that a parameter is of, 0 or 1, or neither.
+/// The same of a plant or a joint, with the part that a parameter belongs to.
+#[cfg(feature = "alloc")]
 pub(crate) struct AnewOfEach<F> {
     pub(crate) function: F,
-    pub(crate) actuator: Option<usize>,
+    pub(crate) part: Option<Part>,
 }
 
-impl<S, T: Scalar, F: FnMut(Option<usize>, &'static Parameter, S) -> T> Convert<S, T> for AnewOfEach<F> {
+#[cfg(feature = "alloc")]
+impl<S, T: Scalar, F: FnMut(Option<Part>, &'static Parameter, S) -> T> Convert<S, T> for AnewOfEach<F> {
     fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T {
-        (self.function)(self.actuator, parameter, value)
+        (self.function)(self.part, parameter, value)
     }
 
     fn carry(&mut self) -> Option<impl FnMut(S) -> T> {
         None::<fn(S) -> T>
     }
 
-    fn turn_to(&mut self, actuator: Option<usize>) {
-        self.actuator = actuator;
+    fn turn_to(&mut self, part: Option<Part>) {
+        self.part = part;
     }
 }
 

@@ -66,6 +66,14 @@ pub enum Error {
         /// What to ask for instead.
         remedy: &'static str,
     },
+    /// What is asked for has no solution, such as an equilibrium of a plant that has none.
+    #[error("{what}; {remedy}")]
+    NoSolution {
+        /// What was asked for and why there is none.
+        what: &'static str,
+        /// What to ask for instead.
+        remedy: &'static str,
+    },
     /// The simulation stopped before its end.
     #[error("the simulation stopped at t = {time} s: {reason} ({quantity} = {value} {unit}); {remedy}")]
     Stopped {

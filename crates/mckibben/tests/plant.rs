@@ -5,9 +5,15 @@ mod common;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ledger;
+mod plant_linear;
+#[cfg(feature = "analysis")]
+mod plant_linear_analysis;
+mod plant_linear_closed_forms;
+mod plant_linear_pulses;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
 mod plant_reference;
 mod plant_sample;
+mod plant_sensitivities;
 mod plant_start_friction;

@@ -113,9 +113,7 @@ fn join(
     command: Command,
     hose: Option<Hose>,
 ) {
-    // What a valve does is seen at the end of a lumped hose as much later as sound takes.
-    let late = hose.map_or(0.0, |hose| hose.transport_delay());
-    let solenoid = Solenoid::new(kind, paper.delays.0 + late, paper.delays.1 + late).expect("a solenoid");
+    let solenoid = Solenoid::new(kind, paper.delays.0, paper.delays.1).expect("a solenoid");
     let valve = network.valve(Actuation { solenoid, command });
     let outside = network.node(NodeKind::Atmosphere, 0.0, ROOM);
     let chamber = network.chamber(index, ROOM);

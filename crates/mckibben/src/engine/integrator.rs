@@ -466,11 +466,26 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         Ok(())
     }
 
+    /// Goes on to an instant that has come. Two instants of one value may differ in their derivatives: between them the state
+    /// moves by its rates, as it would between instants that are apart.
+    fn go_to(&mut self, instant: R) {
+        if R::HAS_DERIVATIVES {
+            let states = self.states;
+            let (system, mode) = (self.system, &self.mode);
+            system.rates(self.time, &self.state[..states], mode, &mut self.work, &mut self.slope[..states]);
+            let apart = instant - self.time;
+            for n in 0..states {
+                self.state[n] = self.state[n] + self.slope[n] * apart;
+            }
+        }
+        self.time = instant;
+    }
+
     /// Passes the instant at the current time.
     fn pass_instant(&mut self) -> Result<(), Error> {
         let (before, states) = (self.time.value(), self.states);
         if let Some(instant) = self.instant {
-            self.time = instant;
+            self.go_to(instant);
         }
         let kind = self.system.pass_instant(self.time, &mut self.state[..states], &mut self.mode, &mut self.work)?;
         self.count_event(before)?;

@@ -22,7 +22,7 @@
 //! Emami-Naeini, Feedback Control of Dynamic Systems. Checked by `tests/linearize_analysis.rs`: closed forms, the
 //! characteristic polynomial, ring-downs in simulation.
 
-use super::{JointLinearization, Linearization, StateSpace};
+use super::{JointLinearization, Linearization, Signal, StateSpace};
 use crate::error::Error;
 use crate::simulation::JointState;
 use alloc::vec::Vec;
@@ -100,11 +100,11 @@ const ROUNDING: f64 = 1e-12;
 const STEPS: usize = 1000;
 
 /// Whether a state is the rate of another.
-fn is_velocity(name: &str) -> bool {
-    ["velocity", "load_velocity", "angular_velocity"].contains(&name)
+fn is_velocity(signal: &Signal) -> bool {
+    ["velocity", "load_velocity", "angular_velocity"].contains(&signal.name)
 }
 
-impl StateSpace {
+impl<X, U, Y> StateSpace<X, U, Y> {
     /// `A`, and the sizes that balance it: `x = sizes · z`.
     fn balanced(&self) -> (DMatrix<f64>, DVector<f64>) {
         let n = self.states.len();
@@ -151,12 +151,17 @@ impl StateSpace {
         value.is_finite().then_some(Phasor { real: value.re, imaginary: value.im })
     }
 
-    /// What one input reaches, with the usual size of each state.
-    fn controllability(&self, input: usize, usual: &[f64]) -> Result<Controllability, Error> {
+    /// What one input reaches, with the usual size of each state and whether it is the rate of another.
+    pub(crate) fn controllability(
+        &self,
+        input: usize,
+        usual: &[f64],
+        is_velocity: impl Fn(&X) -> bool,
+    ) -> Result<Controllability, Error> {
         let n = self.states.len();
         let fastest = self.poles()?.first().map_or(0.0, Pole::natural_frequency);
         let rate = if fastest > 0.0 { fastest } else { 1.0 };
-        let size = |state: usize| if is_velocity(self.states[state].name) { usual[state] * rate } else { usual[state] };
+        let size = |state: usize| if is_velocity(&self.states[state]) { usual[state] * rate } else { usual[state] };
         let a = DMatrix::from_fn(n, n, |row, column| self.a[row][column] * size(column) / (size(row) * rate));
         let mut column = DVector::from_fn(n, |row, _| self.b[row][input] / size(row));
         let mut reach = DMatrix::zeros(n, n);
@@ -198,7 +203,7 @@ impl JointLinearization {
             _ => 1.0,
         };
         let sizes: Vec<f64> = system.states.iter().map(|signal| usual(signal.name)).collect();
-        system.controllability(input, &sizes)
+        system.controllability(input, &sizes, is_velocity)
     }
 }
 
@@ -217,7 +222,7 @@ impl Linearization {
             _ => state.length,
         };
         let sizes: Vec<f64> = system.states.iter().map(|signal| usual(signal.name)).collect();
-        system.controllability(input, &sizes)
+        system.controllability(input, &sizes, is_velocity)
     }
 
     /// How far one output swings, peak to peak, under the valve's switching: by the fundamental of its flow through the

@@ -28,15 +28,17 @@
 use super::Linearization;
 use super::point::{self, Balance, Content, OperatingPoint};
 use super::rates::mean_flow;
-use super::seats::{Interval, duty_range, period};
+
 use crate::air::{Chamber, Flow, Process};
+use crate::convert::Anew;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::parameter;
 use crate::pressure::AbsolutePressure;
 use crate::root;
+use crate::scalar::Scalar;
 use crate::simulation::{Actuation, Rig};
-use crate::valve::{Command, Port, Ports, Valve};
+use crate::valve::{Command, Interval, Port, Ports, Valve, duty_range, period, with_duty};
 use alloc::vec::Vec;
 
 /// A valve under PWM, on average.
@@ -67,7 +69,7 @@ impl Averaged {
         let flow = mean_flow(actuator, &chamber, &intervals);
         // The air mass beside its mean, at the ends of the intervals.
         let (mut beside, mut least, mut greatest) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for Interval { ports, share } in &intervals {
+        for Interval { ports, share, .. } in &intervals {
             let net = actuator.flow(&chamber, ports.supply, ports.exhaust).net();
             beside += (net - flow.net()) * share / pwm.frequency;
             (least, greatest) = (least.min(beside), greatest.max(beside));
@@ -100,7 +102,7 @@ impl Averaged {
         let actuator = point.rig.actuator();
         let chamber = point.chamber();
         let (mut cosine, mut sine, mut from) = (0.0, 0.0, 0.0);
-        for Interval { ports, share } in &self.intervals {
+        for Interval { ports, share, .. } in &self.intervals {
             let net = actuator.flow(&chamber, ports.supply, ports.exhaust).net();
             let (begin, end) = (TAU * from, TAU * (from + share));
             cosine += net * (end.sin() - begin.sin()) / PI;
@@ -123,7 +125,9 @@ impl Averaged {
 
     /// The same period with the slopes of its shares by the duty, which is the direction `duty` of a differentiation.
     pub(super) fn seats<const N: usize>(&self, duty: usize) -> Vec<Interval<Dual<f64, N>>> {
-        period(&self.actuation, Dual::variable(self.duty, duty)).unwrap_or_default()
+        let solenoid = self.actuation.solenoid.convert(&mut Anew(|_: &'static _, value| Dual::constant(value)));
+        let pulses = with_duty(&self.actuation.command, Dual::variable(self.duty, duty));
+        pulses.and_then(|pulses| period(&solenoid, &pulses)).unwrap_or_default()
     }
 }
 
@@ -185,7 +189,8 @@ impl<'a> Pwm<'a> {
             });
         }
         if let (Some(actuation), Some(valve)) = (rig.actuation(), rig.actuator().valve())
-            && let (Command::Pwm { frequency, .. }, Some(duty_range)) = (&actuation.command, duty_range(actuation))
+            && let (Command::Pwm { frequency, .. }, Some(duty_range)) =
+                (&actuation.command, duty_range(&actuation.solenoid, &actuation.command))
         {
             return Ok(Self { rig, actuation, valve, frequency: *frequency, duty_range });
         }
@@ -196,7 +201,8 @@ impl<'a> Pwm<'a> {
     }
 
     fn seats(&self, duty: f64) -> Vec<Interval> {
-        period(self.actuation, duty).unwrap_or_default()
+        let pulses = with_duty(&self.actuation.command, duty);
+        pulses.and_then(|pulses| period(&self.actuation.solenoid, &pulses)).unwrap_or_default()
     }
 
     /// The air at a pressure in Pa.

@@ -41,16 +41,15 @@ mod averaged;
 mod joint;
 mod point;
 mod rates;
-mod seats;
 mod state_space;
 mod tendon;
 
+pub use crate::valve::Interval;
 #[cfg(feature = "analysis")]
 pub use analysis::{Controllability, Phasor, Pole};
 pub use averaged::{Aim, Averaged, average};
 pub use joint::{JointBalance, JointLinearization, average_joint, linearize_joint};
 pub use point::{Balance, Content, OperatingPoint};
-pub use seats::Interval;
 pub use state_space::{Signal, StateSpace};
 
 use crate::dual::Dual;
@@ -133,7 +132,7 @@ impl Linearization {
     }
 }
 
-static AMPLITUDE: Parameter = Parameter {
+pub(crate) static AMPLITUDE: Parameter = Parameter {
     key: "linearize.amplitude",
     symbol: "X",
     unit: "m",
@@ -144,7 +143,7 @@ static AMPLITUDE: Parameter = Parameter {
     remedy: "give an amplitude above zero",
 };
 
-static ANGULAR_FREQUENCY: Parameter = Parameter {
+pub(crate) static ANGULAR_FREQUENCY: Parameter = Parameter {
     key: "linearize.angular_frequency",
     symbol: "ω",
     unit: "rad/s",

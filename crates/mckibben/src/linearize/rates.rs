@@ -1,7 +1,7 @@
 //! The rates of the rig under the valve's mean flow and the inputs, and their derivatives.
 
 use super::point::OperatingPoint;
-use super::seats::Interval;
+
 use super::state_space::{Signal, StateSpace};
 use super::tendon::near_on_tendon;
 use crate::actuator::Actuator;
@@ -11,6 +11,7 @@ use crate::friction::{Memory, Rubbing};
 use crate::load::Load;
 use crate::scalar::{Over, Scalar};
 use crate::simulation::{Held, Rig};
+use crate::valve::Interval;
 use alloc::vec::Vec;
 
 /// The directions of differentiation: four states, a load's distance, then three inputs.
@@ -42,7 +43,7 @@ const INPUTS: [Signal; 3] = [
 
 /// Flow through the valve, averaged over the intervals of a period by the part of it that each lasts.
 pub(super) fn mean_flow<T: Over<f64>>(actuator: &Actuator, chamber: &Chamber<T>, seats: &[Interval<T>]) -> Flow<T> {
-    seats.iter().fold(Flow::none(), |sum, Interval { ports, share }| {
+    seats.iter().fold(Flow::none(), |sum, Interval { ports, share, .. }| {
         let flow = actuator.flow(chamber, ports.supply, ports.exhaust);
         sum.and(Flow { inward: flow.inward * *share, outward: flow.outward * *share })
     })

@@ -13,15 +13,16 @@ pub struct Signal {
     pub unit: &'static str,
 }
 
-/// `dx/dt = A x + B u`, `y = C x + D u`, each matrix as its rows.
+/// `dx/dt = A x + B u`, `y = C x + D u`, each matrix as its rows. What the entries are is said by signals with names, or by
+/// the identities of a plant's states, inputs and outputs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StateSpace {
+pub struct StateSpace<X = Signal, U = Signal, Y = Signal> {
     /// What x holds.
-    pub states: Vec<Signal>,
+    pub states: Vec<X>,
     /// What u holds.
-    pub inputs: Vec<Signal>,
+    pub inputs: Vec<U>,
     /// What y holds.
-    pub outputs: Vec<Signal>,
+    pub outputs: Vec<Y>,
     /// One row for each state, one column for each state.
     pub a: Vec<Vec<f64>>,
     /// One row for each state, one column for each input.
@@ -43,19 +44,35 @@ impl StateSpace {
         self.outputs.iter().position(|signal| signal.name == name)
     }
 
-    /// The same without one state that is a linear function of the others, `Σ per_state(name) · x`.
+    /// The model without one state that is a linear function of the others, `Σ per_state(name) · x`.
     pub(super) fn without(&self, name: &str, per_state: impl Fn(&str) -> f64) -> Self {
         let Some(gone) = self.states.iter().position(|signal| signal.name == name) else { return self.clone() };
+        self.eliminate(gone, |n| per_state(self.states[n].name), |_| 0.0)
+    }
+}
+
+impl<X: Clone, U: Clone, Y: Clone> StateSpace<X, U, Y> {
+    /// The model without one state that is a linear function of the others and of the inputs,
+    /// `Σ per_state(n) · x_n + Σ per_input(k) · u_k`.
+    pub(crate) fn eliminate(
+        &self,
+        gone: usize,
+        per_state: impl Fn(usize) -> f64,
+        per_input: impl Fn(usize) -> f64,
+    ) -> Self {
         let kept = || (0..self.states.len()).filter(|n| *n != gone);
-        let fold = |row: &Vec<f64>| kept().map(|n| row[n] + row[gone] * per_state(self.states[n].name)).collect();
+        let by_states = |row: &Vec<f64>| -> Vec<f64> { kept().map(|n| row[n] + row[gone] * per_state(n)).collect() };
+        let by_inputs = |row: &Vec<f64>, inputs: &Vec<f64>| -> Vec<f64> {
+            inputs.iter().enumerate().map(|(k, entry)| entry + row[gone] * per_input(k)).collect()
+        };
         Self {
-            states: kept().map(|n| self.states[n]).collect(),
+            states: kept().map(|n| self.states[n].clone()).collect(),
             inputs: self.inputs.clone(),
             outputs: self.outputs.clone(),
-            a: kept().map(|n| fold(&self.a[n])).collect(),
-            b: kept().map(|n| self.b[n].clone()).collect(),
-            c: self.c.iter().map(fold).collect(),
-            d: self.d.clone(),
+            a: kept().map(|n| by_states(&self.a[n])).collect(),
+            b: kept().map(|n| by_inputs(&self.a[n], &self.b[n])).collect(),
+            c: self.c.iter().map(by_states).collect(),
+            d: self.c.iter().zip(&self.d).map(|(row, inputs)| by_inputs(row, inputs)).collect(),
         }
     }
 }

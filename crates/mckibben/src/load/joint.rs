@@ -173,11 +173,13 @@ impl<S: Scalar> Joint<S> {
             },
             tendons: core::array::from_fn(|i| {
                 let Tendon { arm, rest_length } = &self.tendons[i];
-                convert.turn_to(Some(i));
+                #[cfg(feature = "alloc")]
+                convert.turn_to(Some(crate::plant::Part::Actuator(i)));
                 let arm = arm.convert(convert);
                 Tendon { arm, rest_length: convert.parameter(&parameter::REST_LENGTH, *rest_length) }
             }),
             torque: {
+                #[cfg(feature = "alloc")]
                 convert.turn_to(None);
                 convert.parameter(&parameter::JOINT_TORQUE, self.torque)
             },

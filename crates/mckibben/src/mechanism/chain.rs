@@ -32,6 +32,7 @@ use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::load::leg::parameter as leg;
 use crate::parameter;
+use crate::plant::Part;
 use crate::scalar::{Over, Real, Scalar};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -252,28 +253,32 @@ impl<S: Scalar> Chain<S> {
         Self { segments, joints, gravity, hanging_angle, belt, couplings, weights }
     }
 
-    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Chain<T> {
+    pub(crate) fn convert<T: Scalar>(&self, index: usize, convert: &mut impl Convert<S, T>) -> Chain<T> {
+        let (mut segments, mut joints) = (Vec::new(), Vec::new());
+        for (place, (segment, joint)) in self.segments.iter().zip(&self.joints).enumerate() {
+            convert.turn_to(Some(Part::Joint(index, place)));
+            let mut number = |row, value| convert.parameter(row, value);
+            segments.push(ChainSegment {
+                length: number(&leg::SEGMENT_LENGTH, segment.length),
+                mass: number(&parameter::MASS, segment.mass),
+                distance: number(&parameter::LIMB_DISTANCE, segment.distance),
+                inertia: number(&parameter::LIMB_INERTIA, segment.inertia),
+            });
+            joints.push(Revolute {
+                torque: number(&parameter::JOINT_TORQUE, joint.torque),
+                damping: number(&parameter::JOINT_DAMPING, joint.damping),
+                stops: JointStops {
+                    ends: [
+                        joint.stops.ends[0].map(|angle| number(&parameter::MIN_ANGLE, angle)),
+                        joint.stops.ends[1].map(|angle| number(&parameter::MAX_ANGLE, angle)),
+                    ],
+                    stiffness: number(&parameter::STOP_STIFFNESS, joint.stops.stiffness),
+                    damping: number(&parameter::STOP_DAMPING, joint.stops.damping),
+                },
+            });
+        }
+        convert.turn_to(Some(Part::Mechanism(index)));
         let mut number = |row, value| convert.parameter(row, value);
-        let segments = self.segments.iter().map(|segment| ChainSegment {
-            length: number(&leg::SEGMENT_LENGTH, segment.length),
-            mass: number(&parameter::MASS, segment.mass),
-            distance: number(&parameter::LIMB_DISTANCE, segment.distance),
-            inertia: number(&parameter::LIMB_INERTIA, segment.inertia),
-        });
-        let segments = segments.collect();
-        let joints = self.joints.iter().map(|joint| Revolute {
-            torque: number(&parameter::JOINT_TORQUE, joint.torque),
-            damping: number(&parameter::JOINT_DAMPING, joint.damping),
-            stops: JointStops {
-                ends: [
-                    joint.stops.ends[0].map(|angle| number(&parameter::MIN_ANGLE, angle)),
-                    joint.stops.ends[1].map(|angle| number(&parameter::MAX_ANGLE, angle)),
-                ],
-                stiffness: number(&parameter::STOP_STIFFNESS, joint.stops.stiffness),
-                damping: number(&parameter::STOP_DAMPING, joint.stops.damping),
-            },
-        });
-        let joints = joints.collect();
         let base = [number(&parameter::GRAVITY, self.gravity), number(&parameter::HANGING_ANGLE, self.hanging_angle)];
         let belt = self.belt.map(|belt| Belt {
             depth: number(&leg::BELT_DEPTH, belt.depth),

@@ -30,6 +30,7 @@ pub use coupling::{Arm, Attachment, Coupling};
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter as table;
+use crate::plant::Part;
 use crate::scalar::{Over, Scalar};
 
 /// What pulls the attachments of a mass apart, other than a spring.
@@ -175,11 +176,12 @@ impl<S: Scalar> Mechanism<S> {
         matches!(self, Self::Mass(_) | Self::Chain(_))
     }
 
-    /// The mechanism over another scalar.
-    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Mechanism<T> {
+    /// The mechanism over another scalar; `index` is its own in the plant.
+    pub(crate) fn convert<T: Scalar>(&self, index: usize, convert: &mut impl Convert<S, T>) -> Mechanism<T> {
+        convert.turn_to(Some(Part::Mechanism(index)));
         match self {
             Self::Mass(mass) => Mechanism::Mass(mass.convert(convert)),
-            Self::Chain(chain) => Mechanism::Chain(chain.convert(convert)),
+            Self::Chain(chain) => Mechanism::Chain(chain.convert(index, convert)),
             Self::Prescribed(motion) => Mechanism::Prescribed(motion.convert(convert)),
             Self::Fixed => Mechanism::Fixed,
             Self::External { distances } => Mechanism::External { distances: *distances },

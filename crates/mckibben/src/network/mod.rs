@@ -34,7 +34,8 @@ use crate::air::Air;
 use crate::convert::Convert;
 use crate::line::{self, Hose, Leakage, Reservoir};
 use crate::parameter;
-use crate::scalar::{Mask, Scalar};
+use crate::plant::Part;
+use crate::scalar::Scalar;
 use crate::simulation::Actuation;
 use crate::valve::{self, FlowLaw, Port};
 use alloc::vec::Vec;
@@ -199,33 +200,60 @@ impl<S: Scalar> Network<S> {
         first
     }
 
-    /// The network over another scalar. Its parts of an actuator are given out as that actuator's.
+    /// The network over another scalar. A hose is given out as its first node, whichever node or branch holds a copy of it.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Network<T> {
-        let mut converted = Network {
-            nodes: self.nodes.iter().map(|node| node.convert(convert)).collect(),
-            branches: self.branches.iter().map(|branch| branch.convert(convert)).collect(),
-            valves: self.valves.iter().map(|valve| valve.convert(convert)).collect(),
-            atmosphere: convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmosphere),
-        };
-        for (index, valve) in self.valves.iter().enumerate() {
-            // By how much a hose lets its valve be seen late follows from the hose.
-            if S::zero().lt(valve.solenoid.transport()).any()
-                && let Some(delay) = converted.hose_of(index).map(Hose::transport_delay)
-            {
-                let solenoid = &mut converted.valves[index].solenoid;
-                *solenoid = solenoid.seen_late(delay);
-            }
-        }
-        converted
+        let nodes = self.nodes.iter().enumerate().map(|(index, node)| {
+            let part = if matches!(node.kind, NodeKind::Hose(_)) { self.hose_start(index) } else { index };
+            convert.turn_to(Some(Part::Node(part)));
+            node.convert(convert)
+        });
+        let nodes = nodes.collect();
+        let branches = self.branches.iter().enumerate().map(|(index, branch)| {
+            convert.turn_to(Some(match branch.kind {
+                BranchKind::Loss(_) | BranchKind::Inertia(_) => Part::Node(self.hose_start(branch.from)),
+                _ => Part::Branch(index),
+            }));
+            branch.convert(convert)
+        });
+        let branches = branches.collect();
+        let valves = self.valves.iter().enumerate().map(|(index, valve)| {
+            convert.turn_to(Some(Part::Valve(index)));
+            valve.convert(convert)
+        });
+        let valves = valves.collect();
+        convert.turn_to(None);
+        let atmosphere = convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmosphere);
+        Network { nodes, branches, valves, atmosphere }.seen_late()
     }
 
-    /// The hose that a valve opens into, if it does.
-    fn hose_of(&self, valve: usize) -> Option<&Hose<S>> {
-        let its = |branch: &&Branch<S>| matches!(branch.kind, BranchKind::Path { valve: its, .. } if its == valve);
-        self.branches.iter().filter(its).find_map(|branch| match &self.nodes[branch.to].kind {
-            NodeKind::Hose(hose) => Some(hose),
-            _ => None,
-        })
+    /// The first node of the hose that a node belongs to: at the end that its valve opens into.
+    fn hose_start(&self, mut node: usize) -> usize {
+        for _ in 0..self.nodes.len() {
+            // The cells of a hose lie one behind the other.
+            let is_before = |branch: &Branch<S>| {
+                matches!(branch.kind, BranchKind::Inertia(_)) && branch.to == node && branch.from + 1 == node
+            };
+            if !self.branches.iter().any(is_before) {
+                break;
+            }
+            node -= 1;
+        }
+        node
+    }
+
+    /// Lets the valves that open into a lumped hose take effect by its delay later: a lumped hose has none of its own. Of
+    /// several such hoses behind one valve, the longest delay counts.
+    pub(crate) fn seen_late(mut self) -> Self {
+        for branch in &self.branches {
+            if let BranchKind::Path { valve, .. } = branch.kind
+                && let NodeKind::Hose(hose) = &self.nodes[branch.to].kind
+                && let Some(actuation) = self.valves.get_mut(valve)
+            {
+                let late = actuation.solenoid.transport().larger(hose.transport_delay());
+                actuation.solenoid = actuation.solenoid.seen_late(late);
+            }
+        }
+        self
     }
 }
 

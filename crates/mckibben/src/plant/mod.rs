@@ -25,6 +25,7 @@ mod guard;
 mod holding;
 mod hybrid;
 mod ledger;
+mod linear;
 mod measure;
 mod mode;
 mod of_rig;
@@ -44,10 +45,14 @@ pub use guard::{PlantGuard, Touching};
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
 };
+pub use linear::{
+    PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantPoint, PlantState, PlantStateSpace,
+    ValveAverage, linearize_plant,
+};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
-pub use start::{InitialAir, PlantStart};
+pub use start::{InitialAir, PlantStart, StartNumber};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
 use crate::actuator::Actuator;
@@ -217,20 +222,29 @@ impl Plant {
             }
         }
         network.valves.iter().try_for_each(|valve| valve.solenoid.check(&valve.command))?;
+        let network = network.seen_late();
         let places = Places::new(&actuators, &network, &mechanisms);
         Ok(Self { actuators, network, mechanisms, places })
     }
 }
 
 impl<S: Scalar> Plant<S> {
-    /// The plant over another scalar; `function` gets each parameter with the actuator that it belongs to, if it is one's.
-    pub fn map<T: Scalar>(&self, function: impl FnMut(Option<usize>, &'static Parameter, S) -> T) -> Plant<T> {
-        self.convert(&mut AnewOfEach { function, actuator: None })
+    /// The plant over another scalar; `function` gets each parameter with the part that it belongs to, none for the
+    /// atmosphere of the whole network.
+    ///
+    /// Moment arms, attachments and tendons belong to their actuator; segment and joint of a chain to [`Part::Joint`]; of a
+    /// chain what all joints share, its gravity and belt, to the mechanism. A hose belongs to its first node, at the valve's
+    /// end, whichever cell, node or branch holds a copy of it.
+    ///
+    /// Over [`Dual`](crate::Dual) numbers a run of the plant carries its derivatives with respect to every seeded parameter,
+    /// through all events: see [`simulate_plant`].
+    pub fn map<T: Scalar>(&self, function: impl FnMut(Option<Part>, &'static Parameter, S) -> T) -> Plant<T> {
+        self.convert(&mut AnewOfEach { function, part: None })
     }
 
     fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
         let actuators = self.actuators.iter().enumerate().map(|(index, mounted)| {
-            convert.turn_to(Some(index));
+            convert.turn_to(Some(Part::Actuator(index)));
             Mounted {
                 actuator: mounted.actuator.convert(convert),
                 mechanism: mounted.mechanism,
@@ -240,13 +254,9 @@ impl<S: Scalar> Plant<S> {
             }
         });
         let actuators = actuators.collect();
-        convert.turn_to(None);
-        Plant {
-            actuators,
-            network: self.network.convert(convert),
-            mechanisms: self.mechanisms.iter().map(|mechanism| mechanism.convert(convert)).collect(),
-            places: self.places.clone(),
-        }
+        let network = self.network.convert(convert);
+        let mechanisms = self.mechanisms.iter().enumerate().map(|(index, mechanism)| mechanism.convert(index, convert));
+        Plant { actuators, network, mechanisms: mechanisms.collect(), places: self.places.clone() }
     }
 
     /// The actuators with their couplings.

@@ -10,7 +10,7 @@ use crate::mechanism::{Contact, Mechanism};
 use crate::network::NodeKind;
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::simulation::{Extent, Mode, Sliding};
 use crate::valve::Ports;
 use alloc::vec;
@@ -47,6 +47,52 @@ impl<S> Default for PlantStart<S> {
     /// The start of a plant without parts; what a start says of each part is added.
     fn default() -> Self {
         Self { positions: Vec::new(), rates: Vec::new(), air: Vec::new(), lengths: Vec::new(), friction: Vec::new() }
+    }
+}
+
+/// A number of a start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum StartNumber {
+    /// A coordinate of a mechanism, by their indices.
+    Position(usize, usize),
+    /// The rate of a coordinate of a mechanism, by their indices.
+    Rate(usize, usize),
+    /// The gauge pressure of an actuator.
+    GaugePressure(usize),
+    /// The temperature of an actuator's air.
+    Temperature(usize),
+    /// The length of an actuator on a tendon.
+    Length(usize),
+    /// The force that the hysteresis of an actuator holds.
+    Friction(usize),
+}
+
+impl<S: Scalar> PlantStart<S> {
+    /// The start over another scalar; `function` gets each number with what it is.
+    pub fn map<T: Scalar>(&self, mut function: impl FnMut(StartNumber, S) -> T) -> PlantStart<T> {
+        let mut each = |numbers: &[Vec<S>], of: fn(usize, usize) -> StartNumber| -> Vec<Vec<T>> {
+            let coordinates = numbers.iter().enumerate();
+            coordinates
+                .map(|(m, its)| its.iter().enumerate().map(|(k, it)| function(of(m, k), *it)).collect())
+                .collect()
+        };
+        let (positions, rates) = (each(&self.positions, StartNumber::Position), each(&self.rates, StartNumber::Rate));
+        let air = self.air.iter().enumerate().map(|(i, InitialAir { gauge_pressure, temperature })| InitialAir {
+            gauge_pressure: GaugePressure(function(StartNumber::GaugePressure(i), gauge_pressure.0)),
+            temperature: function(StartNumber::Temperature(i), *temperature),
+        });
+        let air = air.collect();
+        let lengths = self.lengths.iter().enumerate();
+        let lengths =
+            lengths.map(|(i, length)| length.map(|length| function(StartNumber::Length(i), length))).collect();
+        let friction = self.friction.iter().enumerate().map(|(i, friction)| match *friction {
+            InitialFriction::Relaxed => InitialFriction::Relaxed,
+            InitialFriction::Loading => InitialFriction::Loading,
+            InitialFriction::Unloading => InitialFriction::Unloading,
+            InitialFriction::Held(force) => InitialFriction::Held(function(StartNumber::Friction(i), force)),
+        });
+        let friction = friction.collect();
+        PlantStart { positions, rates, air, lengths, friction }
     }
 }
 
@@ -275,7 +321,7 @@ impl<R: Real> System<'_, R> {
     }
 
     /// The contacts of a mechanism in a state.
-    fn enter_contacts(&self, m: usize, state: &[R], mode: &mut PlantMode<R>) {
+    pub(crate) fn enter_contacts(&self, m: usize, state: &[R], mode: &mut PlantMode<R>) {
         let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return };
         let (angle, rate) = self.plant.places.mechanisms[m].of(state);
         let its = &mut mode.mechanisms[m];

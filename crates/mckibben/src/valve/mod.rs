@@ -15,6 +15,8 @@
 
 mod command;
 mod demand;
+#[cfg(feature = "alloc")]
+mod duty_cycle;
 mod five_way;
 mod flow;
 mod opening;
@@ -30,6 +32,10 @@ mod spool_clock;
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
 pub use demand::Demand;
+#[cfg(feature = "alloc")]
+pub use duty_cycle::{Interval, actual_duty_cycle};
+#[cfg(feature = "alloc")]
+pub(crate) use duty_cycle::{duty_range, period, with_duty};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone};
 pub use opening::Openings;
@@ -144,7 +150,7 @@ pub enum ExhaustTemperature {
 }
 
 /// One side of the valve: what lies beyond the passage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Port {
     /// The supply.
     Supply,

@@ -68,6 +68,7 @@ use crate::error::{Error, Requirement};
 use crate::force::Statics;
 use crate::load::{Joint, SIGN};
 use crate::parameter::{self, Parameter};
+use crate::plant::Part;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
@@ -243,12 +244,16 @@ impl<S: Scalar> JointRig<S> {
     /// the antagonist, `None` for the joint itself. What leads a tendon over the joint is of its actuator.
     pub fn map_of_each<T: Scalar>(
         &self,
-        function: impl FnMut(Option<usize>, &'static Parameter, S) -> T,
+        mut function: impl FnMut(Option<usize>, &'static Parameter, S) -> T,
     ) -> JointRig<T> {
-        let convert = &mut AnewOfEach { function, actuator: None };
+        let function = move |part, parameter, value| match part {
+            Some(Part::Actuator(i)) => function(Some(i), parameter, value),
+            _ => function(None, parameter, value),
+        };
+        let convert = &mut AnewOfEach { function, part: None };
         let driven = core::array::from_fn(|i| {
             let Driven { actuator, actuation } = &self.driven[i];
-            convert.turn_to(Some(i));
+            convert.turn_to(Some(Part::Actuator(i)));
             let actuator = actuator.convert(convert);
             Driven { actuator, actuation: actuation.as_ref().map(|actuation| actuation.convert(convert)) }
         });

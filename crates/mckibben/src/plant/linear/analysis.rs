@@ -1,0 +1,81 @@
+//! What a plant's linear model does: what its inputs reach, and how far an output swings under pulses.
+//!
+//! Poles and frequency responses are those of every [`StateSpace`](crate::linearize::StateSpace).
+
+use super::derivatives::derivatives;
+use super::frame::Drive;
+use super::{PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace};
+use crate::error::Error;
+use crate::linearize::{Controllability, Phasor};
+use crate::mechanism::Mechanism;
+use crate::network::BranchKind;
+use crate::valve::{Port, period, with_duty};
+use alloc::vec::Vec;
+use core::f64::consts::{PI, TAU};
+
+impl PlantLinearization {
+    /// What one input of a model of this linearisation reaches: [`PlantLinearization::system`] or
+    /// [`PlantLinearization::minimal`]. The usual size of a pressure, a mass of air or a length is its value at the operating
+    /// point, that of an angle a radian, that of a distance the length of an actuator there, and that of a flow what a wave
+    /// of the pressure's own size drives through the hose.
+    ///
+    /// # Errors
+    /// As [`PlantStateSpace::poles`](crate::linearize::StateSpace::poles).
+    pub fn controllability(&self, system: &PlantStateSpace, input: usize) -> Result<Controllability, Error> {
+        let (plant, state, lengths) = (&self.point.plant, &self.point.state, &self.point.lengths);
+        let places = plant.places();
+        let coordinate = |mechanism: usize| match (&plant.mechanisms()[mechanism], places.members[mechanism].first()) {
+            (Mechanism::Chain(_), _) | (_, None) => 1.0,
+            (_, Some(first)) => lengths[*first],
+        };
+        let node = |node: usize| places.nodes[node].map_or(1.0, |slot| state[slot]);
+        let size = |of: &PlantState| match *of {
+            PlantState::Position { mechanism, .. } | PlantState::Velocity { mechanism, .. } => coordinate(mechanism),
+            PlantState::Pressure { actuator } => state[places.actuators[actuator].pressure],
+            PlantState::AirMass { actuator } => state[places.actuators[actuator].mass()],
+            PlantState::Length { actuator } | PlantState::Bristles { actuator } => lengths[actuator],
+            PlantState::NodePressure { node: its } => node(its),
+            PlantState::BranchFlow { branch } => {
+                let branch = &plant.network().branches[branch];
+                match &branch.kind {
+                    BranchKind::Inertia(hose) => node(branch.from) * hose.tube().area() / hose.wave_speed(),
+                    _ => 1.0,
+                }
+            }
+            PlantState::SpoolPosition { .. } | PlantState::SpoolVelocity { .. } => 1.0,
+        };
+        let sizes: Vec<f64> = system.states.iter().map(size).collect();
+        system.controllability(input, &sizes, PlantState::is_rate)
+    }
+
+    /// How far one output swings, peak to peak, under the switching of a pulsed valve: by the fundamental of its openings
+    /// through the model. `None` for a valve that is not averaged, or an output that the model has not.
+    pub fn ripple(&self, valve: usize, output: PlantOutput) -> Option<f64> {
+        let average = self.averages.iter().find(|average| average.valve == valve)?;
+        let actuation = &self.point.plant.network().valves[valve];
+        let intervals = period(&actuation.solenoid, &with_duty(&actuation.command, average.duty)?)?;
+        let mut frame = self.frame.clone();
+        frame.drives[valve] = Drive::Openings(average.shares);
+        let system = derivatives(&frame);
+        let output = system.outputs.iter().position(|its| *its == output)?;
+        let mut swing = Phasor { real: 0.0, imaginary: 0.0 };
+        for port in [Port::Supply, Port::Exhaust] {
+            let Some(input) = system.inputs.iter().position(|its| *its == PlantInput::Opening { valve, port }) else {
+                continue;
+            };
+            let (mut cosine, mut sine, mut from) = (0.0, 0.0, 0.0);
+            for part in &intervals {
+                let (begin, end) = (TAU * from, TAU * (from + part.share));
+                let opening = part.openings[port as usize];
+                cosine += opening * (end.sin() - begin.sin()) / PI;
+                sine += opening * (begin.cos() - end.cos()) / PI;
+                from += part.share;
+            }
+            // cos and sin of a real signal are the parts of cosine − j sine.
+            let Phasor { real, imaginary } = system.response(input, output, TAU * average.frequency)?;
+            swing.real += real * cosine + imaginary * sine;
+            swing.imaginary += imaginary * cosine - real * sine;
+        }
+        Some(2.0 * swing.magnitude())
+    }
+}

@@ -1,0 +1,308 @@
+//! A plant near an operating point: `dx/dt = A x + B u`, `y = C x + D u`, by exact derivatives.
+//!
+//! ```text
+//! x = every state that is independent      u = commands, supply pressures, mass flows, forces      y = what is measured
+//!
+//! A = ∂f/∂x, B = ∂f/∂u of the rates f of the simulation        C = ∂g/∂x, D = ∂g/∂u of the outputs g
+//!
+//! pulsed valve     ṁ = s(d) ṁ(open)        s the actual duty cycle of each flow path: the mean flow over a period
+//! spool            ẍ = ω² (u − x) − 2ζω ẋ,  ṁ = λ(x) ṁ(open)
+//! regulator        ṗ = (u − p)/τ
+//! ```
+//!
+//! Flows add up, and each is proportional to its own opening, so the mean over several pulsed valves of any frequencies is
+//! that of each valve over its own period.
+//!
+//! | state | where it is none |
+//! |---|---|
+//! | coordinates and rates of masses and chains | a fixed length is at rest; a given motion is an input |
+//! | pressure and mass of an actuator's air | a pressure that is given is an input; [`PlantLinearization::minimal`] ties the mass by `P (V/m)^κ` |
+//! | length on a tendon | without viscous friction both tensions give it: it is eliminated, exactly |
+//! | bristles of LuGre's law | [`PlantLinearization::minimal`]: at rest they follow the length |
+//! | pressures of hoses, reservoirs, outlets, ports; flows in cells of hoses; spools | – |
+//!
+//! Valid near the point, in the mode that holds there: flow zones, taut and slack actuators, pressed stops. The plant slides
+//! without Coulomb friction: within ± Q k_sec an actuator sticks and no linear model moves it
+//! ([`PlantLinearization::coulomb_bound`]); [`PlantLinearization::with_equivalent_damping`] puts in its place the viscous
+//! damping with the same loss. Hysteresis is relaxed at the point. A compressor rests, and what it delivers on average is an
+//! input; so is what keeps a leaking actuator or a bottle at the pressure that is given. Dead times are left out.
+//!
+//! Source: differentiation of (12) to (21) of Colbrunn, Nelson & Quinn (2001) and of the components; averaging: Sanders &
+//! Verhulst, Averaging Methods in Nonlinear Dynamical Systems (1985). Checked by `tests/plant_linear.rs`,
+//! `tests/plant_linear_pulses.rs` and `tests/plant_linear_closed_forms.rs`.
+
+mod air;
+#[cfg(feature = "analysis")]
+mod analysis;
+mod average;
+mod balance;
+mod begin;
+mod derivatives;
+mod frame;
+mod matrix;
+mod signal;
+
+pub use average::ValveAverage;
+pub use signal::{PlantInput, PlantOutput, PlantState};
+
+use super::start::PlantStart;
+use super::{InitialAir, Part, Plant};
+use crate::error::Error;
+use crate::linearize::StateSpace;
+use crate::mechanism::Mechanism;
+use crate::network::NodeKind;
+use crate::parameter;
+use crate::pressure::{AbsolutePressure, GaugePressure};
+use crate::scalar::Scalar;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+use derivatives::{derivatives, length_seed};
+use frame::{Drive, Fed, Frame, Instant};
+
+/// The linear model of a plant.
+pub type PlantStateSpace = StateSpace<PlantState, PlantInput, PlantOutput>;
+
+/// What determines the pressures at the operating point; the mechanisms come to balance at them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlantBalance {
+    /// The gauge pressure of each actuator, with all valves held shut. Openings of flow paths are inputs.
+    Shut(Vec<GaugePressure>),
+    /// The commands: the duty of a PWM on average, the last position of a spool, the last set point of a regulator, the last
+    /// request of a schedule. An actuator that nothing feeds keeps the pressure of the start.
+    Driven,
+    /// The gauge pressure of each actuator, with commands of the pulsed and proportional valves that hold them.
+    DrivenAt(Vec<GaugePressure>),
+}
+
+/// How much air each actuator has at the operating point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlantAir {
+    /// As much as has a temperature in K. Air that exchanges heat with a wall and is at rest has the wall's.
+    Temperatures(Vec<f64>),
+    /// As much as its process leaves, coming from the start.
+    Start,
+}
+
+/// Where a plant is linearised.
+#[derive(Clone, Debug)]
+pub struct PlantPoint {
+    /// The plant; a motion that is given is held where it starts.
+    pub plant: Plant,
+    /// Its states, as [`Plant::places`] orders them.
+    pub state: Vec<f64>,
+    /// The values of the inputs in the order of the model's, those that keep given pressures included.
+    pub inputs: Vec<(PlantInput, f64)>,
+    /// Length in m of each actuator.
+    pub lengths: Vec<f64>,
+    /// Tension in N of each actuator, without friction.
+    pub tensions: Vec<f64>,
+    /// Volume of the air of each actuator in m³.
+    volumes: Vec<f64>,
+}
+
+/// A plant near an operating point.
+#[derive(Clone, Debug)]
+pub struct PlantLinearization {
+    /// Where.
+    pub point: PlantPoint,
+    /// The model with every state but lengths that both tensions give.
+    pub system: PlantStateSpace,
+    /// The pulsed valves that the model averages.
+    pub averages: Vec<ValveAverage>,
+    frame: Frame,
+}
+
+/// Linearises a plant at the operating point that a balance determines, looked for from a start: positions of what is fixed
+/// or given, and the first guess for masses, chains and tendons.
+///
+/// # Errors
+/// As [`Plant::start`]; [`Error::Table`] unless there is one pressure or temperature for each actuator;
+/// [`Error::OutOfRange`] or [`Error::Inconsistent`] for one that is not physical; [`Error::NoSolution`] when there is no
+/// balance, when no command holds a pressure, or when the point lies on a corner of the model.
+pub fn linearize_plant(
+    plant: &Plant,
+    start: &PlantStart,
+    balance: &PlantBalance,
+    air: &PlantAir,
+) -> Result<PlantLinearization, Error> {
+    let frame = begin::begin(plant, start, balance, air)?;
+    begin::check_corners(&frame)?;
+    PlantLinearization::of(plant, frame)
+}
+
+impl PlantLinearization {
+    fn of(plant: &Plant, frame: Frame) -> Result<Self, Error> {
+        let system = derivatives(&frame);
+        let point = point_of(plant, &frame, &system);
+        let averages = average::averages(plant, &frame);
+        Ok(Self { point, system, averages, frame })
+    }
+
+    /// The model without the states that follow from others: the air mass of an actuator whose process keeps `P (V/m)^κ`, and
+    /// the bristles of LuGre's law, which follow the length at rest. The inputs, outputs and poles are those of
+    /// [`PlantLinearization::system`], less the poles at zero of what is kept, which no input reaches.
+    pub fn minimal(&self) -> PlantStateSpace {
+        let mut system = self.system.clone();
+        for (i, mounted) in self.frame.plant.actuators.iter().enumerate() {
+            let here = self.frame.plant.places.actuators[i];
+            let Some(row) = system.outputs.iter().position(|it| *it == PlantOutput::Length { actuator: i }) else {
+                continue;
+            };
+            let ties_mass = !self.frame.plant.places.keeps_heat[i];
+            for which in [PlantState::AirMass { actuator: i }, PlantState::Bristles { actuator: i }] {
+                let is_mass = matches!(which, PlantState::AirMass { .. });
+                let gone = system.states.iter().position(|it| *it == which);
+                let Some(gone) = gone.filter(|_| !is_mass || ties_mass) else { continue };
+                let [mut per_length, mut per_pressure] = [1.0, 0.0];
+                if is_mass {
+                    let mass = self.frame.state[here.mass()];
+                    let along = self.frame.evaluate(&length_seed(&self.frame, i));
+                    per_length = mass * along.at.chambers[i].volume.slope[0] / along.at.chambers[i].volume.value;
+                    per_pressure = mass / (mounted.actuator.air().index().value * self.frame.state[here.pressure]);
+                    if along.at.units[i].length.slope[0] == 0.0 {
+                        per_length = 0.0;
+                    } else {
+                        per_length /= along.at.units[i].length.slope[0];
+                    }
+                }
+                let (by_states, by_inputs) = (system.c[row].clone(), system.d[row].clone());
+                let pressure = PlantState::Pressure { actuator: i };
+                let states = system.states.clone();
+                system = system.eliminate(
+                    gone,
+                    |n| per_length * by_states[n] + if states[n] == pressure { per_pressure } else { 0.0 },
+                    |k| per_length * by_inputs[k],
+                );
+            }
+        }
+        system
+    }
+
+    /// Coulomb friction `Q k_sec` of an actuator in N: at rest it sticks while its tension lies within ± this of the
+    /// balance.
+    pub fn coulomb_bound(&self, actuator: usize) -> f64 {
+        let PlantPoint { plant, state, lengths, .. } = &self.point;
+        let pressure = state[plant.places.actuators[actuator].pressure];
+        plant.actuators[actuator].actuator.coulomb_bound(lengths[actuator], pressure)
+    }
+
+    /// The viscous damping in N·s/m that takes as much energy from an actuator's oscillation of `amplitude` (m) at
+    /// `angular_frequency` (rad/s), both above zero, as its Coulomb friction: `c_eq = 4 Q k_sec/(π ω X)`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number outside its range.
+    pub fn equivalent_damping(&self, actuator: usize, amplitude: f64, angular_frequency: f64) -> Result<f64, Error> {
+        let amplitude = crate::linearize::AMPLITUDE.check(amplitude)?;
+        let frequency = crate::linearize::ANGULAR_FREQUENCY.check(angular_frequency)?;
+        Ok(4.0 * self.coulomb_bound(actuator) / (PI * frequency * amplitude))
+    }
+
+    /// The model with Coulomb friction replaced by the viscous damping of the same loss, for an oscillation of `amplitudes`
+    /// (m, one for each actuator) at `angular_frequency` (rad/s), all above zero.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number outside its range; [`Error::Table`] unless there is one amplitude for each
+    /// actuator.
+    pub fn with_equivalent_damping(&self, amplitudes: &[f64], angular_frequency: f64) -> Result<Self, Error> {
+        if amplitudes.len() != self.point.lengths.len() {
+            return Err(Error::Table {
+                name: crate::linearize::AMPLITUDE.key,
+                problem: "there is not one entry for each actuator",
+                entry: amplitudes.len().min(self.point.lengths.len()) + 1,
+                remedy: "give as many entries as there are actuators",
+            });
+        }
+        let dampings = amplitudes.iter().enumerate();
+        let dampings: Vec<f64> = dampings
+            .map(|(i, amplitude)| self.equivalent_damping(i, *amplitude, angular_frequency))
+            .collect::<Result<_, _>>()?;
+        let mut frame = self.frame.clone();
+        frame.plant = frame.plant.map(|part, row, value: frame::Number| match part {
+            Some(Part::Actuator(i)) if core::ptr::eq(row, &raw const parameter::VISCOUS) => {
+                value + Scalar::constant(dampings[i])
+            }
+            _ => value,
+        });
+        Self::of(&self.point.plant, frame)
+    }
+}
+
+impl PlantPoint {
+    /// Gauge pressure of an actuator.
+    pub fn gauge_pressure(&self, actuator: usize) -> GaugePressure {
+        let air = self.plant.actuators[actuator].actuator.air();
+        AbsolutePressure(self.state[self.plant.places.actuators[actuator].pressure]).gauge(air.atmosphere())
+    }
+
+    /// Temperature in K of the air of an actuator.
+    pub fn temperature(&self, actuator: usize) -> f64 {
+        let (here, air) = (self.plant.places.actuators[actuator], self.plant.actuators[actuator].actuator.air());
+        self.state[here.pressure] * self.volumes[actuator] / (self.state[here.mass()] * air.gas_constant())
+    }
+
+    /// Whether the taut braid of an actuator carries a part of its tension.
+    pub fn is_taut(&self, actuator: usize) -> bool {
+        self.lengths[actuator] > self.plant.actuators[actuator].actuator.limits().max_length()
+    }
+
+    /// The start of a run from the point. Air in hoses starts at rest, at the pressure of their actuators.
+    pub fn start(&self) -> PlantStart {
+        let mechanisms = self.plant.places.mechanisms.iter();
+        let slice = |from: usize, count: usize| self.state[from..from + count].to_vec();
+        let air = |i: usize| InitialAir { gauge_pressure: self.gauge_pressure(i), temperature: self.temperature(i) };
+        PlantStart {
+            positions: mechanisms.clone().map(|here| slice(here.first, here.coordinates)).collect(),
+            rates: mechanisms.map(|here| slice(here.rate(0), here.coordinates)).collect(),
+            air: (0..self.lengths.len()).map(air).collect(),
+            lengths: self.plant.places.actuators.iter().map(|here| here.length.map(|slot| self.state[slot])).collect(),
+            friction: Vec::new(),
+        }
+    }
+
+    /// The value of an input at the point.
+    pub fn input(&self, input: PlantInput) -> Option<f64> {
+        self.inputs.iter().find(|(its, _)| *its == input).map(|(_, value)| *value)
+    }
+}
+
+/// The point as its users see it.
+fn point_of(plant: &Plant, frame: &Frame, system: &PlantStateSpace) -> PlantPoint {
+    let Instant { at, .. } = frame.evaluate(&[]);
+    let value = |input: &PlantInput| match *input {
+        PlantInput::Duty { valve } | PlantInput::SetPoint { valve } | PlantInput::SpoolCommand { valve } => {
+            match frame.drives[valve] {
+                Drive::Duty(command) | Drive::Spool(command) | Drive::SetPoint(command, _) => command,
+                Drive::Openings(_) => 0.0,
+            }
+        }
+        PlantInput::Opening { valve, port } => match frame.drives[valve] {
+            Drive::Openings(openings) => openings[port as usize],
+            _ => 0.0,
+        },
+        PlantInput::SupplyPressure { node } => match &frame.plant.network.nodes[node].kind {
+            NodeKind::Outlet { set, .. } => set.value + plant.network.atmosphere,
+            _ => frame.plant.network.nodes[node].gauge.value + plant.network.atmosphere,
+        },
+        PlantInput::MassFlow { actuator } => frame.feed(Fed::Actuator(actuator)).map_or(0.0, |slot| frame.state[slot]),
+        PlantInput::NodeFlow { node } => frame.feed(Fed::Node(node)).map_or(0.0, |slot| frame.state[slot]),
+        PlantInput::Force { .. } | PlantInput::MotionRate { .. } => 0.0,
+        PlantInput::Motion { mechanism, coordinate } => {
+            frame.state[plant.places.mechanisms[mechanism].position(coordinate)]
+        }
+        PlantInput::GivenPressure { actuator } => frame.state[plant.places.actuators[actuator].pressure],
+    };
+    let mut whole = plant.clone();
+    for mechanism in &mut whole.mechanisms {
+        if let Mechanism::Prescribed(_) = mechanism {
+            *mechanism = Mechanism::External { distances: 1 };
+        }
+    }
+    PlantPoint {
+        plant: whole,
+        state: frame.state[..plant.places.states].to_vec(),
+        inputs: system.inputs.iter().map(|input| (*input, value(input))).collect(),
+        lengths: at.units.iter().map(|unit| unit.length.value).collect(),
+        tensions: at.units.iter().map(|unit| unit.tension.value).collect(),
+        volumes: at.chambers.iter().map(|chamber| chamber.volume.value).collect(),
+    }
+}

@@ -1,0 +1,96 @@
+//! The actual duty cycle of pulsed valves: the paper's formula, its ends, seats that take their time, two coils, derivatives.
+
+use crate::common::{Paper, assert_close, assert_within, slope};
+use mckibben::Dual;
+use mckibben::network::Network;
+use mckibben::plant::Plant;
+use mckibben::simulation::Actuation;
+use mckibben::valve::{Command, Ramp, Request, Solenoid, ValveKind, actual_duty_cycle};
+
+const DELAYS: (f64, f64) = (4e-3, 1e-3);
+
+fn solenoid(kind: ValveKind) -> Solenoid {
+    Solenoid::new(kind, DELAYS.0, DELAYS.1).expect("a solenoid")
+}
+
+fn pulses(frequency: f64, duty: f64, rest: Request) -> Command {
+    Command::pwm(frequency, duty, Request::Fill, rest).expect("a command")
+}
+
+/// `d − (t_open − t_close) f` between `t_open f` and `1 − t_close f`: 42.5 % at 25 Hz and 35 % at 50 Hz for 50 %.
+#[test]
+fn a_three_way_valve_has_the_papers_duty_cycle() {
+    for frequency in [5.0, 25.0, 50.0] {
+        for duty in [0.0, 0.05, 0.19, 0.21, 0.3, 0.5, 0.7, 0.94, 0.96, 0.99, 1.0] {
+            let literal = if duty < DELAYS.0 * frequency {
+                0.0
+            } else if duty > 1.0 - DELAYS.1 * frequency {
+                1.0
+            } else {
+                duty - (DELAYS.0 - DELAYS.1) * frequency
+            };
+            let [supply, exhaust] =
+                actual_duty_cycle(&solenoid(ValveKind::ThreeWay), &pulses(frequency, duty, Request::Exhaust))
+                    .expect("pulses");
+            assert_within(supply, literal, 1e-11);
+            assert_within(supply + exhaust, 1.0, 1e-11);
+            let two_way = actual_duty_cycle(&solenoid(ValveKind::TwoWay), &pulses(frequency, duty, Request::Hold));
+            assert_within(two_way.expect("pulses")[0], literal, 1e-11);
+            assert_eq!(two_way.expect("pulses")[1], 0.0);
+        }
+    }
+    let of = |frequency| {
+        actual_duty_cycle(&solenoid(ValveKind::ThreeWay), &pulses(frequency, 0.5, Request::Exhaust)).expect("pulses")[0]
+    };
+    assert_close(of(25.0), 0.425, 1e-12);
+    assert_close(of(50.0), 0.35, 1e-12);
+}
+
+/// Each coil of a pair of two-way valves opens late and shuts late: paths overlap, and neither sum is one.
+#[test]
+fn two_coils_have_a_duty_cycle_each() {
+    let (frequency, duty) = (40.0, 0.5);
+    let valve = Solenoid::new(ValveKind::FillHoldExhaust, 2e-3, 3e-3).expect("a solenoid");
+    let [supply, exhaust] = actual_duty_cycle(&valve, &pulses(frequency, duty, Request::Exhaust)).expect("pulses");
+    assert_close(supply, 0.5 + 1e-3 * frequency, 1e-11);
+    assert_close(exhaust, 0.5 + 1e-3 * frequency, 1e-11);
+}
+
+/// A seat that opens in `t_rise` and shuts in `t_fall` passes as much as one that jumps half of each later.
+#[test]
+fn a_seat_that_takes_its_time_passes_the_area_of_its_strokes() {
+    let (frequency, rise, fall) = (20.0, 3e-3, 5e-3);
+    let valve = solenoid(ValveKind::ThreeWay).with_ramp(Ramp::new(rise, fall).expect("a ramp"));
+    let of = |duty| actual_duty_cycle(&valve, &pulses(frequency, duty, Request::Exhaust)).expect("pulses")[0];
+    for duty in [0.3, 0.5, 0.7] {
+        let expected = duty - (DELAYS.0 - DELAYS.1 + 0.5 * (rise - fall)) * frequency;
+        assert_close(of(duty), expected, 1e-11);
+    }
+    // A pulse that ends while the seat is under way: two lines up to λ = w/t_rise, and their areas.
+    let duty: f64 = 0.1;
+    let open = duty / frequency - DELAYS.0 + DELAYS.1;
+    let top = open / rise;
+    assert!(top < 1.0);
+    assert_close(of(duty), (0.5 * top * open + 0.5 * top * top * fall) * frequency, 1e-10);
+}
+
+/// Over dual numbers it carries its derivative with respect to the commanded duty.
+#[test]
+fn its_derivative_is_exact() {
+    type D = Dual<f64, 1>;
+    let valve = solenoid(ValveKind::ThreeWay);
+    let frequency = 25.0;
+    for (duty, expected) in [(0.05, 0.0), (0.4, 1.0), (0.99, 0.0)] {
+        let measured = slope(1e-5, |by| {
+            actual_duty_cycle(&valve, &pulses(frequency, duty + by, Request::Exhaust)).expect("pulses")[0]
+        });
+        assert_within(measured, expected, 1e-8);
+        let mut network = Network::new(&Paper::sealed().air());
+        network.valve(Actuation { solenoid: valve, command: pulses(frequency, duty, Request::Exhaust) });
+        let plant = Plant::new(vec![], network, vec![]).expect("a plant");
+        let wide = plant.map(|_, row, value| D { value, slope: [f64::from(u8::from(row.key == "command.duty"))] });
+        let Actuation { solenoid, command } = &wide.network().valves[0];
+        assert_within(actual_duty_cycle(solenoid, command).expect("pulses")[0].slope[0], expected, 1e-12);
+    }
+    assert_eq!(actual_duty_cycle(&valve, &Command::Constant(Request::Fill)), None);
+}
