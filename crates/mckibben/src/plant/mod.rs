@@ -32,6 +32,7 @@ mod trajectory;
 pub use crossing::{Part, PlantEventKind};
 pub use guard::{PlantGuard, Touching};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
+pub use of_rig::SupplyNodes;
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
