@@ -5,3 +5,4 @@ mod common;
 mod plant_of_joint;
 mod plant_of_rig;
 mod plant_pairs;
+mod plant_sample;

@@ -23,7 +23,9 @@ mod holding;
 mod hybrid;
 mod mode;
 mod of_rig;
+mod sample;
 mod scale;
+mod shares;
 mod sliding;
 mod start;
 mod tendon;
@@ -33,6 +35,7 @@ pub use crossing::{Part, PlantEventKind};
 pub use guard::{PlantGuard, Touching};
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use of_rig::SupplyNodes;
+pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 

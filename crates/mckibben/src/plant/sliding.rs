@@ -32,11 +32,11 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Facet {
     /// Sticking actuators of the block whose gradients are independent.
-    span: Vec<usize>,
+    pub(super) span: Vec<usize>,
     /// Those in whose directions the facet lies: one fewer.
     along: Vec<usize>,
     /// All sticking actuators of the block.
-    block: Vec<usize>,
+    pub(super) block: Vec<usize>,
 }
 
 impl<R: Real> System<'_, R> {
@@ -113,7 +113,9 @@ impl<R: Real> System<'_, R> {
         // What cannot hold pulls with its force at rest.
         for &i in &places.members[m] {
             let friction = self.members[i].actuator.friction();
-            if mode.actuators[i].mode.sliding == Sliding::Stuck && !resting.contains(&i) {
+            // An end on a tendon sticks or slides whatever the mechanism does.
+            let is_own = places.actuators[i].length.is_none();
+            if is_own && mode.actuators[i].mode.sliding == Sliding::Stuck && !resting.contains(&i) {
                 mode.actuators[i].mode.sliding =
                     if friction.has_direction() { Sliding::Held } else { Sliding::Frictionless };
             }
@@ -414,7 +416,7 @@ impl<R: Real> System<'_, R> {
     }
 
     /// Tension of an actuator that rests and holds nothing; zero for one that does.
-    fn unstuck_tension<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> T {
+    pub(super) fn unstuck_tension<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> T {
         let of_actuator = &mode.actuators[i];
         let m = self.plant.actuators[i].mechanism;
         if mode.mechanisms[m].facets.iter().any(|facet| facet.block.contains(&i)) {

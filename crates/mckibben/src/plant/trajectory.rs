@@ -135,22 +135,48 @@ impl<R: Real> PlantTrajectory<R> {
     /// The states at `time` in s, by dense output, with the mode that holds; at the instant of an event, after it. Times before
     /// the start and after the end give the first and the last state.
     pub fn at(&self, time: R) -> (Vec<R>, &PlantMode<R>) {
-        let (end, last, mode) = &self.last;
-        if time.value() >= end.value() * (1.0 - SIMULTANEOUS) {
-            return (last.clone(), mode);
-        }
-        let begun = self.pieces.partition_point(|piece| begins_by(piece, time.value()));
-        let index = begun.saturating_sub(1);
-        let Some(piece) = self.pieces.get(index) else { return (last.clone(), mode) };
+        let system = System::new(&self.plant, self.relative_tolerance);
         let mut state = vec![R::zero(); self.plant.places().states];
+        let begun = self.begun(0, time.value());
+        let (_, mode) = self.read(&system, begun, time, &mut state, &mut Evaluation::new(&self.plant));
+        (state, mode)
+    }
+
+    /// How many pieces have begun by a time in s; `near` is a guess.
+    pub(crate) fn begun(&self, near: usize, time: f64) -> usize {
+        let has_begun = |index: usize| self.pieces.get(index).is_none_or(|piece| begins_by(piece, time));
+        let near = near.min(self.pieces.len());
+        // From one sample to the next there are few.
+        for begun in near..(near + 4).min(self.pieces.len()) {
+            if (begun == 0 || has_begun(begun - 1)) && !has_begun(begun) {
+                return begun;
+            }
+        }
+        self.pieces.partition_point(|piece| begins_by(piece, time))
+    }
+
+    /// Reads the states at a time in s by which so many pieces have begun; the time kept within the run, and the mode.
+    pub(crate) fn read(
+        &self,
+        system: &System<'_, R>,
+        begun: usize,
+        time: R,
+        state: &mut [R],
+        work: &mut Evaluation<R>,
+    ) -> (R, &PlantMode<R>) {
+        let (end, last, mode) = &self.last;
+        let piece = self.pieces.get(begun.saturating_sub(1));
+        let Some(piece) = piece.filter(|_| time.value() < end.value() * (1.0 - SIMULTANEOUS)) else {
+            state.copy_from_slice(last);
+            return (*end, mode);
+        };
         let time = R::constant(time.value().clamp(piece.start.value(), piece.end.value().max(piece.start.value())));
         let size = arc_size(state.len());
-        let points = &self.points[index * size..(index + 1) * size];
-        arc::at(points, (time - piece.start) / piece.step, &mut state);
-        let system = System::new(&self.plant, self.relative_tolerance);
+        let first = begun.saturating_sub(1) * size;
+        arc::at(&self.points[first..first + size], (time - piece.start) / piece.step, state);
         let mode = &self.segments[piece.segment];
-        system.project(time, &mut state, mode, &mut Evaluation::new(&self.plant));
-        (state, mode)
+        system.project(time, state, mode, work);
+        (time, mode)
     }
 }
 
