@@ -65,7 +65,8 @@ mod write;
 pub use assumed::Assumed;
 pub use choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, ProcessKind, RecordKind, SetPointTable, Spacing, ValveKind, ValveOutput,
+    HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, ProcessKind, RecordKind, SetPointTable,
+    Spacing, ValveKind, ValveOutput,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};

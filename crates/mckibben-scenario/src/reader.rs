@@ -210,10 +210,11 @@ impl<'d> Reader<'d> {
         self.note(meant.into_iter().fold(diagnostic, Diagnostic::help).help(valid));
     }
 
-    /// Takes over the mistakes of the reading of a part.
-    pub(crate) fn take(&mut self, part: Reader<'_>) -> bool {
+    /// Takes over the mistakes of the reading of a part, with the paths that they have in the whole file; says whether there is
+    /// none.
+    pub(crate) fn take(&mut self, part: Reader<'_>, name: impl Fn(&str) -> Option<String>) -> bool {
         let sound = part.found.is_empty();
-        self.found.extend(part.found);
+        self.found.extend(part.found.into_iter().map(|diagnostic| diagnostic.renamed(&name)));
         sound
     }
 

@@ -6,8 +6,9 @@
 
 use crate::choice::{Choice, Spacing};
 use crate::keys::{
-    ACTUATORS, ANTAGONIST, COUNT, FACTOR, KEYS, Key, Kind, MECHANISM, MECHANISMS, OF_ACTUATOR, OF_SUPPLY, SECTIONS, SUPPLIES,
-    SWEEP, Section, VARY, all_keys, all_sections, is_of_antagonist, is_section_of_antagonist, key_at, section_at,
+    ACTUATORS, ANTAGONIST, COUNT, FACTOR, KEYS, Key, Kind, MECHANISM, MECHANISMS, OF_ACTUATOR, OF_SUPPLY, SECTIONS,
+    SUPPLIES, SWEEP, Section, VARY, all_keys, all_sections, is_of_antagonist, is_section_of_antagonist, key_at,
+    section_at,
 };
 use crate::starter::{default_of, preset_may_give};
 use mckibben::parameter::{Parameter, Range};
@@ -49,6 +50,7 @@ pub fn schema() -> Value {
         "then": { "required": ["actuators", "run"] },
         "else": {
             "properties": properties,
+            "not": { "required": ["coupling"] },
             "required": required,
             "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"], "hose": ["valve"] },
         },
@@ -66,9 +68,7 @@ const NAME: &str = "^[A-Za-z_][A-Za-z0-9_-]*$";
 /// The sections of a plant.
 fn of_plant() -> Map<String, Value> {
     let one = |path: &str| section_at(path).map_or_else(|| json!({}), in_plant);
-    let object = |meaning: &str, properties: Map<String, Value>| {
-        json!({ "description": meaning, "type": "object", "properties": properties, "additionalProperties": false })
-    };
+    let object = |meaning: &str, properties: Map<String, Value>| json!({ "description": meaning, "type": "object", "properties": properties, "additionalProperties": false });
     let named = |path: &str, entry: Value| {
         let meaning = section_at(path).map_or("", |section| section.meaning);
         json!({

@@ -60,7 +60,11 @@ pub(crate) static HANGING_ANGLE: Parameter = meaning(
     "Angle of the first joint at which the first segment points where gravity pulls.",
 );
 pub(crate) static SEGMENT_LENGTH: Parameter = meaning(
-    Parameter { default: Some(0.0), range: Range::NON_NEGATIVE, ..at("mechanism.joints.*.length", &leg::SEGMENT_LENGTH) },
+    Parameter {
+        default: Some(0.0),
+        range: Range::NON_NEGATIVE,
+        ..at("mechanism.joints.*.length", &leg::SEGMENT_LENGTH)
+    },
     "Length of the segment that the joint moves, to the next joint or to the foot; only the last may have none.",
 );
 pub(crate) static SEGMENT_MASS: Parameter = meaning(at("mechanism.joints.*.mass", &p::MASS), "Mass of that segment.");
@@ -72,8 +76,10 @@ pub(crate) static SEGMENT_INERTIA: Parameter = meaning(
     at("mechanism.joints.*.inertia", &p::LIMB_INERTIA),
     "Moment of inertia of the segment about its centre of mass.",
 );
-pub(crate) static TORQUE: Parameter =
-    meaning(at("mechanism.joints.*.torque", &p::JOINT_TORQUE), "Constant torque about the joint towards greater angles.");
+pub(crate) static TORQUE: Parameter = meaning(
+    at("mechanism.joints.*.torque", &p::JOINT_TORQUE),
+    "Constant torque about the joint towards greater angles.",
+);
 pub(crate) static DAMPING: Parameter = at("mechanism.joints.*.damping", &p::JOINT_DAMPING);
 pub(crate) static MIN_ANGLE: Parameter = at("mechanism.joints.*.min_angle", &p::MIN_ANGLE);
 pub(crate) static MAX_ANGLE: Parameter = at("mechanism.joints.*.max_angle", &p::MAX_ANGLE);
@@ -83,12 +89,9 @@ pub(crate) static ANGLE: Parameter = meaning(
     Parameter { default: Some(0.0), ..at("mechanism.joints.*.angle", &p::INITIAL_ANGLE) },
     "Angle of the joint at the start.",
 );
-pub(crate) static ANGULAR_VELOCITY: Parameter =
-    at("mechanism.joints.*.angular_velocity", &p::INITIAL_ANGULAR_VELOCITY);
-pub(crate) static BELT_DEPTH: Parameter = meaning(
-    at("mechanism.belt.depth", &leg::BELT_DEPTH),
-    "How far the belt is under the first joint.",
-);
+pub(crate) static ANGULAR_VELOCITY: Parameter = at("mechanism.joints.*.angular_velocity", &p::INITIAL_ANGULAR_VELOCITY);
+pub(crate) static BELT_DEPTH: Parameter =
+    meaning(at("mechanism.belt.depth", &leg::BELT_DEPTH), "How far the belt is under the first joint.");
 pub(crate) static BELT_VELOCITY: Parameter = meaning(
     at("mechanism.belt.velocity", &leg::BELT_VELOCITY),
     "Velocity of the belt, positive the way in which positive angles swing.",
@@ -280,8 +283,12 @@ pub(crate) fn stands_for(path: &str) -> String {
         [SUPPLIES, _, rest @ ..] if !rest.is_empty() => format!("supply.{}", rest.join(".")),
         [MECHANISMS, _] => MECHANISM.to_owned(),
         [MECHANISMS, _, rest @ ..] if !rest.is_empty() => stands_for(&format!("{MECHANISM}.{}", rest.join("."))),
-        [MECHANISM, "joints", _, rest @ ..] => ["mechanism.joints.*"].into_iter().chain(rest.iter().copied()).collect::<Vec<_>>().join("."),
-        ["coupling", "arms", _, rest @ ..] => ["coupling.arms.*"].into_iter().chain(rest.iter().copied()).collect::<Vec<_>>().join("."),
+        [MECHANISM, "joints", _, rest @ ..] => {
+            ["mechanism.joints.*"].into_iter().chain(rest.iter().copied()).collect::<Vec<_>>().join(".")
+        }
+        ["coupling", "arms", _, rest @ ..] => {
+            ["coupling.arms.*"].into_iter().chain(rest.iter().copied()).collect::<Vec<_>>().join(".")
+        }
         _ => path.to_owned(),
     }
 }

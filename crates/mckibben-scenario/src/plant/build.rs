@@ -27,7 +27,8 @@ impl Document {
             parts.start.rates.push(rates.clone());
             names.mechanisms.push(MechanismNames { name: Some(name.clone()), joints: joints.clone() });
         }
-        let mut network = core_air(&of.air).and_then(|air| Builder::new(&of, &air, &mut names)).map_err(|error| whole(&error))?;
+        let mut network =
+            core_air(&of.air).and_then(|air| Builder::new(&of, &air, &mut names)).map_err(|error| whole(&error))?;
         for (index, member) in of.members.iter().enumerate() {
             let in_its_part = |error: &Error| -> Diagnostics {
                 let diagnostic = self.of_actuator(&member.name).diagnose(error);
@@ -82,8 +83,10 @@ impl Parts {
         let tendon = alone.tendon.map(|of| SeriesTendon::new(of.stiffness, of.rest_length)).transpose()?;
         let pressure = alone.pressure.as_ref().map(|course| PressureCourse::new(&course.time, &course.gauge_pressure));
         let pressure = pressure.transpose()?;
-        let mut initial =
-            InitialAir { gauge_pressure: GaugePressure(alone.initial.gauge_pressure), temperature: alone.initial.temperature };
+        let mut initial = InitialAir {
+            gauge_pressure: GaugePressure(alone.initial.gauge_pressure),
+            temperature: alone.initial.temperature,
+        };
         let (mechanism, coupling, length);
         match &member.mount {
             Mount::Own => {
@@ -104,7 +107,9 @@ impl Parts {
                     Load::HangingMass { mass, gravity } => {
                         Mechanism::Mass(Mass::new(*mass, Pull::Gravity(*gravity), None)?)
                     }
-                    Load::ConstantForce { mass, force } => Mechanism::Mass(Mass::new(*mass, Pull::Force(*force), None)?),
+                    Load::ConstantForce { mass, force } => {
+                        Mechanism::Mass(Mass::new(*mass, Pull::Force(*force), None)?)
+                    }
                     Load::Isometric => Mechanism::Fixed,
                     Load::Prescribed(motion) => Mechanism::Prescribed(motion.clone()),
                 });

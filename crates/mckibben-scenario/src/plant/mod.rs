@@ -141,7 +141,9 @@ pub(crate) struct PlantScenario {
 impl Document {
     /// Whether the file describes a plant: it names actuators, supplies or mechanisms.
     pub fn is_plant(&self) -> bool {
-        [keys::ACTUATORS, keys::SUPPLIES, keys::MECHANISM, keys::MECHANISMS].iter().any(|section| self.contains(section))
+        [keys::ACTUATORS, keys::SUPPLIES, keys::MECHANISM, keys::MECHANISMS]
+            .iter()
+            .any(|section| self.contains(section))
     }
 
     /// Reads the plant that the document describes and builds it, or `None` when it describes no plant.

@@ -110,7 +110,6 @@ impl Document {
             "actuator.force" => table.get("law").is_some(),
             "actuator.bladder" => table.get("form").is_some(),
             "coupling.arms" => true,
-            "coupling" => ["arms", "origin", "insertion"].iter().any(|name| table.get(name).is_some()),
             "load" => table.get("kind").is_some(),
             _ => false,
         };
@@ -119,6 +118,14 @@ impl Document {
             self.remove(section);
         } else if section == "load" && names_arm {
             for path in ARM {
+                self.remove(path);
+            }
+        } else if section == "coupling" && table.get("arms").is_some() {
+            for path in ["coupling.origin", "coupling.insertion"] {
+                self.remove(path);
+            }
+        } else if section == "coupling" && (table.get("origin").is_some() || table.get("insertion").is_some()) {
+            for path in ["coupling.arms", "coupling.rest_length"] {
                 self.remove(path);
             }
         } else if section == "valve" && states_passage(table) {

@@ -60,7 +60,8 @@ fn frame(document: &Document, r: &mut Reader<'_>, name: Option<&str>, place: &Pl
     for section in ["joints", "belt"] {
         let path = format!("mechanism.{section}");
         if let Some(place) = of.key_place(&path).filter(|_| kind.is_some_and(|kind| kind != MechanismKind::Chain)) {
-            let title = format!("`{path}` has no meaning with `mechanism.kind` = \"{}\"", kind.map_or("", MechanismKind::name));
+            let title =
+                format!("`{path}` has no meaning with `mechanism.kind` = \"{}\"", kind.map_or("", MechanismKind::name));
             of.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .help("remove it, or set `mechanism.kind` to `chain`"),
@@ -116,7 +117,8 @@ fn frame(document: &Document, r: &mut Reader<'_>, name: Option<&str>, place: &Pl
         let title = error.to_string();
         of.note(Diagnostic::at(Class::Inconsistent, place.clone(), title, "in this mechanism"));
     }
-    r.take(part).then_some(frame)
+    let named = |path: &str| Some(format!("{MECHANISMS}.{}{}", name?, path.strip_prefix(MECHANISM)?));
+    r.take(part, named).then_some(frame)
 }
 
 /// The joints and segments of a chain, in its order.
@@ -186,7 +188,7 @@ fn chain(document: &Document, r: &mut Reader<'_>, frame: &mut Frame, place: &Pla
         frame.joints.push(name.to_owned());
         frame.segments.push(segment);
         segments.push(numbers);
-        r.take(part);
+        r.take(part, |path| path.strip_prefix("mechanism.joints.*").map(|key| format!("mechanism.joints.{name}{key}")));
     }
     let belt = r.has("mechanism.belt").then(|| Belt {
         depth: r.value(&keys::BELT_DEPTH, None),
@@ -226,11 +228,11 @@ fn order(r: &mut Reader<'_>, named: &[(&str, &Place)]) -> Vec<usize> {
     }
     if order.len() < names.len() && !r.has_mistakes() {
         let left = (0..names.len()).find(|index| !order.contains(index)).unwrap_or(0);
-        let title = format!("the joint `{}` is not in the chain: two joints are behind the same, or in a circle", names[left]);
-        r.note(
-            Diagnostic::at(Class::Inconsistent, named[left].1.clone(), title, "a chain does not branch")
-                .help("name in `after` the one joint before each; a joint without it is behind the one above it in the file"),
-        );
+        let title =
+            format!("the joint `{}` is not in the chain: two joints are behind the same, or in a circle", names[left]);
+        r.note(Diagnostic::at(Class::Inconsistent, named[left].1.clone(), title, "a chain does not branch").help(
+            "name in `after` the one joint before each; a joint without it is behind the one above it in the file",
+        ));
     }
     order
 }
@@ -266,7 +268,8 @@ pub(super) fn mount(
     if !matches!(frame.mechanism, Mechanism::Chain(_)) {
         for path in ways.into_iter().chain([keys::REST_LENGTH.key]) {
             if let Some(place) = r.key_place(path) {
-                let title = format!("`{path}` is for a chain: `{}` has one distance, which is the actuator's", frame.name);
+                let title =
+                    format!("`{path}` is for a chain: `{}` has one distance, which is the actuator's", frame.name);
                 r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
             }
         }
@@ -275,8 +278,11 @@ pub(super) fn mount(
     match alternative(r, &[&ways[..1], &ways[1..]]) {
         None => {
             let title = format!("nothing says how `{actuator}` spans `{}`", frame.name);
-            let help = format!("add a section `[actuators.{actuator}.coupling]` with `rest_length` and for instance \
-                                `arms.{} = \"15 mm\"`, or with `origin` and `insertion`", frame.joints[0]);
+            let help = format!(
+                "add a section `[actuators.{actuator}.coupling]` with `rest_length` and for instance \
+                                `arms.{} = \"15 mm\"`, or with `origin` and `insertion`",
+                frame.joints[0]
+            );
             r.note(Diagnostic::at(Class::Missing, place.clone(), title, "a coupling is expected").help(help));
             None
         }
@@ -315,7 +321,7 @@ fn arms(r: &mut Reader<'_>, document: &Document, mechanism: usize, frame: &Frame
                 ));
             }
         }
-        if r.take(part) {
+        if r.take(part, |path| path.strip_prefix("coupling.arms.*").map(|key| format!("coupling.arms.{name}{key}"))) {
             arms.push((joint, angle, arm));
         }
     }
@@ -349,7 +355,10 @@ fn points(r: &mut Reader<'_>, mechanism: usize, frame: &Frame) -> Option<Mount> 
         }
         end.1 = [r.value(&rows[0], None), r.value(&rows[1], None)];
     }
-    if ends[0].0 == ends[1].0 && !r.has_mistakes() && let Some(place) = r.key_place("coupling.insertion") {
+    if ends[0].0 == ends[1].0
+        && !r.has_mistakes()
+        && let Some(place) = r.key_place("coupling.insertion")
+    {
         let title = "the actuator begins and ends on the same segment, so nothing that moves changes its length";
         r.note(
             Diagnostic::at(Class::Inconsistent, place, title, "on the same segment")

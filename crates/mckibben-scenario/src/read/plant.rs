@@ -174,7 +174,9 @@ impl Document {
         for (path, what) in passes {
             if let Some(place) = of.key_place(path).filter(|_| feeder.is_none() || !stored) {
                 let (title, help) = match feeder {
-                    None => (format!("the supply `{name}` has {what} but nothing feeds it"), "name its feeder in `from`"),
+                    None => {
+                        (format!("the supply `{name}` has {what} but nothing feeds it"), "name its feeder in `from`")
+                    }
                     Some(_) => (
                         format!("the supply `{name}` has {what} and no volume that it leads to"),
                         "give `reservoir_volume`; a regulator alone is fed directly",
@@ -195,12 +197,10 @@ impl Document {
             let has_way = inlet.is_some() || of.has("supplies.*.inlet") || of.has("valve");
             if !stored && !regulated {
                 let title = format!("the supply `{name}` is neither reservoir nor regulator");
-                of.note(
-                    Diagnostic::at(Class::Missing, place.clone(), title, "nothing that air could be in").help(
-                        "add `reservoir_volume = \"50 cm^3\"` for a manifold or `lag = \"20 ms\"` for a regulator, or let \
+                of.note(Diagnostic::at(Class::Missing, place.clone(), title, "nothing that air could be in").help(
+                    "add `reservoir_volume = \"50 cm^3\"` for a manifold or `lag = \"20 ms\"` for a regulator, or let \
                          the actuators draw from what feeds it",
-                    ),
-                );
+                ));
             } else if stored && !has_way {
                 let title = format!("nothing leads air into the supply `{name}`");
                 of.note(
@@ -210,7 +210,12 @@ impl Document {
             }
         }
         let valve = valve.zip(command);
-        if !r.take(part) {
+        let named = |path: &str| {
+            let own = path.strip_prefix("supplies.*.").or_else(|| path.strip_prefix("supply."));
+            let own = own.or_else(|| Some(path).filter(|path| keys::OF_SUPPLY.iter().any(|of| path.starts_with(of))));
+            own.filter(|_| name != SUPPLY).map(|own| format!("{SUPPLIES}.{name}.{own}"))
+        };
+        if !r.take(part, named) {
             return None;
         }
         let name = name.to_owned();
@@ -227,7 +232,8 @@ impl Document {
         let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
         let mut document = self.of_actuator(name);
         let mut supply = None;
-        let has_own = matches!(r.entry(&own(SUPPLY)).map(|entry| &entry.node.value), Some(value) if value.noun() == "a section");
+        let has_own =
+            matches!(r.entry(&own(SUPPLY)).map(|entry| &entry.node.value), Some(value) if value.noun() == "a section");
         if has_own {
             // Told from the others by having no name yet.
             supply = Some(String::new());
@@ -279,7 +285,9 @@ impl Document {
             Some(ValveOutput::B) => 1,
             _ => 0,
         };
-        if let Some(place) = of.key_place("valve.output").filter(|_| valve.is_some_and(|valve| !valve.kind.has_two_outputs())) {
+        if let Some(place) =
+            of.key_place("valve.output").filter(|_| valve.is_some_and(|valve| !valve.kind.has_two_outputs()))
+        {
             let title = "`valve.output` is for a five-way valve";
             of.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
         }
@@ -288,7 +296,9 @@ impl Document {
             load = course::load(of, &air);
             initial = course::initial(of, load.as_ref(), &air);
             mount = Some(Mount::Own);
-            if matches!(load, Some(Load::AntagonisticJoint(_))) && let Some(place) = of.value_place("load.kind") {
+            if matches!(load, Some(Load::AntagonisticJoint(_)))
+                && let Some(place) = of.value_place("load.kind")
+            {
                 let title = "an antagonistic joint is the load of two actuators";
                 of.note(
                     Diagnostic::at(Class::NotApplicable, place, title, "not of one")
@@ -301,7 +311,12 @@ impl Document {
             initial = on_mechanism(of, tendon.is_some(), &air);
             mount = mechanism::mount(of, &document, name, place, frames);
         }
-        let sound = r.take(part);
+        // What is the actuator's own has its name; what is of all has not.
+        let named = |path: &str| {
+            let path = format!("{ACTUATORS}.{name}.{}", path.strip_prefix("actuator.").unwrap_or(path));
+            self.contains(&path).then_some(path)
+        };
+        let sound = r.take(part, named);
         let run = crate::scenario::Run {
             duration: 1.0,
             sample_interval: 1.0,
@@ -348,12 +363,7 @@ fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, air: &Air) -> Initial {
 }
 
 /// The supply that an actuator's valve draws from.
-fn feeder<'s>(
-    r: &mut Reader<'_>,
-    path: &str,
-    (name, place): (&str, &Place),
-    stores: &'s [Store],
-) -> Option<&'s Store> {
+fn feeder<'s>(r: &mut Reader<'_>, path: &str, (name, place): (&str, &Place), stores: &'s [Store]) -> Option<&'s Store> {
     let known: Vec<&str> = stores.iter().map(|store| store.name.as_str()).collect();
     let find = |name: &str| stores.iter().find(|store| store.name == name);
     if r.has(path) {
@@ -364,12 +374,19 @@ fn feeder<'s>(
         }
         return found;
     }
-    let one = if let [only] = stores { Some(only) } else { find(SUPPLY) };
+    // The end of the line, where there is one line.
+    let feeds = |index: usize| stores.iter().any(|store| store.from == Some(index));
+    let mut ends = stores.iter().enumerate().filter(|(index, _)| !feeds(*index)).map(|(_, store)| store);
+    let one = find(SUPPLY).or_else(|| ends.next().filter(|_| ends.next().is_none()));
     if one.is_none() {
         let title = format!("nothing says which supply feeds the valve of `{name}`");
         let help = match known.as_slice() {
             [] => "add a section [supply]".to_owned(),
-            known => format!("add `supply = \"{}\"` to [actuators.{name}]; known: {}", known[known.len() - 1], known.join(", ")),
+            known => format!(
+                "add `supply = \"{}\"` to [actuators.{name}]; known: {}",
+                known[known.len() - 1],
+                known.join(", ")
+            ),
         };
         r.note(Diagnostic::at(Class::Missing, place.clone(), title, "draws from none").help(help));
     }
@@ -382,10 +399,9 @@ fn inlet(r: &mut Reader<'_>) -> Option<Inlet> {
     let passage = passage::passage(r, &INLET, None);
     if passage.is_none() {
         let title = "the inlet does not say how much it lets through";
-        r.note(
-            Diagnostic::at(Class::Missing, place, title, "`flow_area` is expected here")
-                .help("add for instance `flow_area = \"10 mm^2\"`; the other ways to state a valve's passage would do as well"),
-        );
+        r.note(Diagnostic::at(Class::Missing, place, title, "`flow_area` is expected here").help(
+            "add for instance `flow_area = \"10 mm^2\"`; the other ways to state a valve's passage would do as well",
+        ));
     }
     let efficiency = r.value(&keys::INLET_EFFICIENCY, None);
     let laminar_ratio = r.value(&keys::INLET_LAMINAR_RATIO, None);

@@ -37,7 +37,7 @@ pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use of_rig::SupplyNodes;
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart};
-pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
+pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant, simulate_plant_watched};
 
 use crate::actuator::Actuator;
 use crate::air::Process;

@@ -59,9 +59,23 @@ pub fn simulate_plant<R: Real>(
     duration: R,
     relative_tolerance: f64,
 ) -> Result<PlantTrajectory<R>, Error> {
+    simulate_plant_watched(plant, start, duration, relative_tolerance, |_| Ok(()))
+}
+
+/// The same; `watch` is called with the time in s now and then, and may end the run by an error.
+///
+/// # Errors
+/// As [`simulate_plant`], and those of `watch`.
+pub fn simulate_plant_watched<R: Real>(
+    plant: &Plant<R>,
+    start: &PlantStart<R>,
+    duration: R,
+    relative_tolerance: f64,
+    mut watch: impl FnMut(f64) -> Result<(), Error>,
+) -> Result<PlantTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     let state = plant.start(start)?;
-    PlantTrajectory::run(plant.clone(), state, duration, relative_tolerance, &mut |_| Ok(()))
+    PlantTrajectory::run(plant.clone(), state, duration, relative_tolerance, &mut watch)
 }
 
 impl<R: Real> PlantTrajectory<R> {
