@@ -88,7 +88,7 @@ fn columns_carry_the_names() {
     }
     let log = std::fs::read_to_string(folder.path("events.csv")).expect("written");
     assert!(log.starts_with("time_s,event,part,valve,extent,sliding,tension_clamped\n"), "{log}");
-    assert!(log.lines().any(|line| line.contains(",valve,biceps,supply,")), "{log}");
+    assert!(log.lines().any(|line| line.contains(",valve,deltoid,supply,")), "{log}");
 }
 
 /// The joint of older files, as a chain of one joint.
@@ -235,7 +235,7 @@ fn a_mistake_is_shown_where_it_stands() {
     }
     // Values are set by the paths of the file.
     let file = example("plant/arm");
-    run(&folder, &["simulate", &file, "--set", "actuators.biceps.command.duty=0.2", "--set", "run.duration=\"50 ms\""]);
+    run(&folder, &["simulate", &file, "--set", "actuators.biceps.turns=2.2", "--set", "run.duration=\"50 ms\""]);
     let output =
         folder.mckibben().args(["simulate", &file, "--over", "length", "-p", "a.svg"]).output().expect("it runs");
     assert_eq!(output.status.code(), Some(2));

@@ -36,7 +36,7 @@ impl Document {
         let mut all: Vec<Assumed> = Vec::new();
         for (name, _) in self.named(keys::ACTUATORS) {
             for assumed in self.of_actuator(name).assumed_of_one() {
-                if !all.contains(&assumed) {
+                if all.iter().all(|known| known.parameter.key != assumed.parameter.key) {
                     all.push(assumed);
                 }
             }

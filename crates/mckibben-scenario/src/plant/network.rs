@@ -54,15 +54,18 @@ impl<'s> Builder<'s> {
         let nodes = self.network.supply(numbers, reservoir, regulator, feeder, outside);
         if let (Some(feeder), Some(tank)) = (feeder, nodes.reservoir) {
             let start = supply.reservoir.and_then(|of| of.gauge_pressure).unwrap_or(supply.gauge_pressure);
+            let hose = hose.map(|hose| core_hose(&hose, temperature, air)).transpose()?;
+            let transport = hose.map_or(0.0, |hose| hose.transport_delay());
             let into = match hose {
-                Some(hose) => self.network.hose(core_hose(hose, temperature, air)?, tank, start),
+                Some(hose) => self.network.hose(hose, tank, start),
                 None => tank,
             };
             match (inlet, valve) {
                 (Some(inlet), _) => self.inlet(inlet, [feeder, into], air)?,
                 (None, Some((valve, command))) => {
                     let built = core_valve(valve, supply, air)?;
-                    let its = self.network.valve(core_actuation(valve, command, 0)?);
+                    let Actuation { solenoid, command } = core_actuation(valve, command, 0)?;
+                    let its = self.network.valve(Actuation { solenoid: solenoid.seen_late(transport), command });
                     let ambient = built.exhaust_temperature == ExhaustTemperature::Ambient;
                     for (from, port) in [(feeder, Port::Supply), (outside, Port::Exhaust)] {
                         let law = *built.law_of(port);

@@ -90,7 +90,9 @@ impl Network {
         let temperature = self.nodes[outside].temperature;
         let mut drawn = None;
         if let (Some(valve), Some(Actuation { solenoid, command })) = (actuator.valve(), actuation) {
-            let its = self.valve(Actuation { solenoid: *solenoid, command: command.clone() });
+            // A lumped hose lets the valve's seats take effect later by its delay.
+            let transport = line.hose.as_ref().map_or(0.0, |hose| hose.transport_delay());
+            let its = self.valve(Actuation { solenoid: solenoid.seen_late(transport), command: command.clone() });
             if let Some(regulator) = solenoid.regulator() {
                 let gauge = valve.supply.gauge_pressure().0;
                 let kind = NodeKind::Port { regulator: *regulator, valve: its, feed: gauge };

@@ -269,7 +269,7 @@ impl<S: Scalar> Solenoid<S> {
     }
 
     /// The same valve at the far end of a line: coil and seats are seen `transport` s late.
-    pub(crate) fn seen_late(self, transport: S) -> Self {
+    pub fn seen_late(self, transport: S) -> Self {
         Self { transport, ..self }
     }
 
