@@ -208,17 +208,32 @@ fn chain(document: &Document, r: &mut Reader<'_>, frame: &mut Frame, place: &Pla
 /// The order of joints from the fixed axis on: each behind the one that it names, else behind the one above it in the file.
 fn order(r: &mut Reader<'_>, named: &[(&str, &Place)]) -> Vec<usize> {
     let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
-    let mut before: Vec<Option<usize>> = Vec::new();
-    for (index, name) in names.iter().enumerate() {
+    let mut said: Vec<Option<usize>> = Vec::new();
+    for name in &names {
         let path = format!("mechanism.joints.{name}.after");
-        let said = r.name(&path);
-        let found = said.and_then(|said| names.iter().position(|name| *name == said));
-        if let (Some(said), None, Some(place)) = (said, found, r.value_place(&path)) {
-            r.no_such(place, said, "joint", &names);
+        let before = r.name(&path);
+        let found = before.and_then(|before| names.iter().position(|name| *name == before));
+        if let (Some(before), None, Some(place)) = (before, found, r.value_place(&path)) {
+            r.no_such(place, before, "joint", &names);
         }
-        before.push(found.or_else(|| index.checked_sub(1).filter(|_| said.is_none())));
+        said.push(found);
     }
-    // Where a joint names what is behind the first, that one has none before it.
+    // A joint that says nothing is behind the one above it in the file, unless that is behind it.
+    let mut before = said.clone();
+    for index in 1..names.len() {
+        let mut at = index - 1;
+        let leads_back = said[index].is_some()
+            || names.iter().any(|_| match before[at] {
+                Some(next) => {
+                    at = next;
+                    at == index
+                }
+                None => false,
+            });
+        if !leads_back {
+            before[index] = Some(index - 1);
+        }
+    }
     let mut order: Vec<usize> = before.iter().position(Option::is_none).into_iter().collect();
     while let Some(next) = order.last().and_then(|last| before.iter().position(|before| *before == Some(*last))) {
         if order.contains(&next) {
