@@ -381,8 +381,11 @@ fn every_key_of_a_plant_has_an_effect() {
             &format!("[mechanisms.right]\nkind = \"fixed\"\nposition = \"{name}\"\n[actuators.flexor]\ncoupling.mechanism = \"left\""),
         )
     };
-    let ordered = |first: &str| {
-        file("arms").replace("[mechanism.joints.shoulder]", &format!("[mechanism.joints.wrist]\nafter = \"{first}\"\nlength = \"3 cm\"\nmass = \"1 kg\"\ndistance = \"1 cm\"\n[mechanism.joints.shoulder]"))
+    let ordered = |elbow: &str, wrist: &str| {
+        let elbow = format!("segment = \"forearm\"\nlength = \"20 cm\"\n{elbow}");
+        let wrist =
+            format!("[mechanism.joints.wrist]\nlength = \"3 cm\"\nmass = \"1 kg\"\ndistance = \"1 cm\"\n{wrist}");
+        document(&format!("{}{wrist}", file("arms").replace("segment = \"forearm\"\n", &elbow)))
     };
     let set = |file: &str, path: &str, value: &str| {
         let mut document = document(file);
@@ -517,16 +520,8 @@ fn every_key_of_a_plant_has_an_effect() {
     };
     differs("mechanism.time", points("1 s", "8 cm"), points("2 s", "8 cm"));
     differs("mechanism.table_length", points("1 s", "8 cm"), points("1 s", "7 cm"));
-    differs(
-        "mechanism.joints.*.after",
-        document(&ordered("elbow")),
-        document(
-            &ordered("elbow").replace(
-                "[mechanism.joints.elbow]",
-                "[mechanism.joints.elbow]\nafter = \"shoulder\"\nlength = \"1 cm\"",
-            ),
-        ),
-    );
+    let swapped = ordered("after = \"wrist\"\n", "after = \"shoulder\"\n");
+    differs("mechanism.joints.*.after", ordered("", ""), swapped);
     for (path, value) in [
         ("length", "\"20 cm\""),
         ("mass", "\"1 kg\""),
