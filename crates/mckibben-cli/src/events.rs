@@ -3,13 +3,14 @@
 //! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
 //! of the event they say what holds from then on.
 //!
-//! [`Log`] holds the same in memory, of an actuator or a joint.
+//! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
 
 use crate::engine::Outcome;
 use crate::failure::Failure;
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{Event, EventKind, Extent, Mode, Sliding};
 use mckibben::valve::FlowZone;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -59,14 +60,15 @@ pub struct Log {
     /// The times of the events in s, in order.
     pub times: Vec<f64>,
     /// The words of each event.
-    pub rows: Vec<Vec<&'static str>>,
+    pub rows: Vec<Vec<Cow<'static, str>>>,
 }
 
 impl Log {
     /// The log of an actuator's run.
     pub fn new(events: &[Event]) -> Self {
         let columns = ["event"].into_iter().chain(OF_ACTUATOR).map(str::to_owned).collect();
-        let row = |event: &Event| [event.kind.name()].into_iter().chain(words(&event.after)).collect();
+        let row =
+            |event: &Event| [event.kind.name()].into_iter().chain(words(&event.after)).map(Cow::Borrowed).collect();
         let times = events.iter().map(|event| event.time).collect();
         Self { columns, times, rows: events.iter().map(row).collect() }
     }
@@ -82,7 +84,7 @@ impl Log {
         writer.write_record(["time_s"].into_iter().chain(columns)).map_err(failed)?;
         for (time, words) in self.times.iter().zip(&self.rows) {
             let time = format!("{time:?}");
-            writer.write_record([time.as_str()].into_iter().chain(words.iter().copied())).map_err(failed)?;
+            writer.write_record([time.as_str()].into_iter().chain(words.iter().map(AsRef::as_ref))).map_err(failed)?;
         }
         writer.flush().map_err(|error| Failure::output(path, error))
     }

@@ -6,6 +6,7 @@
 //! | the same under a controller | [`closed_loop`] |
 //! | a joint of two actuators | [`joint::outcome`] |
 //! | the same under a controller | [`joint::control`] |
+//! | a plant of several actuators | [`plant`] |
 //!
 //! Every command and every other host that runs whole scenarios does so here. Checked by `tests/simulate.rs`.
 
@@ -15,12 +16,15 @@ use crate::events::{self, Log};
 use crate::failure::Failure;
 use crate::joint;
 use crate::observation::{Observation, Observer};
+use crate::plant::{self, PlantRun};
 use crate::plot::Figure;
 use crate::portrait::{self, Over};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
+use mckibben::plant::{PlantReader, PlantSample};
 use mckibben::simulation::{JointRig, JointSample, Readable, Reading, Sample, SampleTimes};
 use mckibben_scenario::{
-    ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, Run,
+    ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, PlantExperiment,
+    Run,
 };
 use std::io::Write;
 use std::path::Path;
@@ -36,6 +40,8 @@ pub enum Ready {
     Joint(Box<JointExperiment>),
     /// Two actuators that turn a joint, under a controller.
     ControlledJoint(Box<ControlledJointExperiment>),
+    /// Several actuators on their mechanisms and supplies.
+    Plant(Box<PlantExperiment>),
 }
 
 /// A finished run.
@@ -45,6 +51,8 @@ pub enum Finished {
     Actuator(Box<ActuatorRun>),
     /// Of a joint.
     Joint(Box<JointRun>),
+    /// Of a plant.
+    Plant(Box<PlantRun>),
 }
 
 /// The run of an actuator on a load.
@@ -76,6 +84,8 @@ pub enum Figures {
     Actuator(Box<ActuatorFigures>),
     /// Of a joint.
     Joint(Box<JointFigures>),
+    /// Of a plant, which is kept.
+    Plant(Box<PlantRun>),
 }
 
 /// The figures of the run of an actuator on a load.
@@ -109,6 +119,9 @@ impl Ready {
     /// # Errors
     /// Every mistake in the file; then the first contradiction that the model finds, shown in the file.
     pub fn of(document: &Document) -> Result<Self, Failure> {
+        if let Some(plant) = document.plant_experiment()? {
+            return Ok(Self::Plant(Box::new(plant)));
+        }
         if let Some(controlled) = document.controlled_joint_experiment()? {
             return Ok(Self::ControlledJoint(Box::new(controlled)));
         }
@@ -128,12 +141,13 @@ impl Ready {
             Self::Controlled(of) => &of.experiment.run,
             Self::Joint(of) => &of.run,
             Self::ControlledJoint(of) => &of.experiment.run,
+            Self::Plant(of) => &of.run,
         }
     }
 
-    /// Whether two actuators turn a joint.
-    pub fn is_joint(&self) -> bool {
-        matches!(self, Self::Joint(_) | Self::ControlledJoint(_))
+    /// Whether there is more than one actuator, and so more than one length to draw over.
+    pub fn has_several(&self) -> bool {
+        matches!(self, Self::Joint(_) | Self::ControlledJoint(_) | Self::Plant(_))
     }
 
     /// Whether the run will have a log of events.
@@ -219,6 +233,14 @@ impl Ready {
                 let observation = observer.finish(&end);
                 Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: Some(closed) })))
             }
+            // Every step of a plant is kept.
+            Self::Plant(of) => {
+                let run = plant::run(*of, &mut |_| Ok(())).map_err(shown)?;
+                if let Some(target) = target {
+                    record::write(&plant::columns::fields(&run.experiment), &mut |each| run.each_sample(each), target)?;
+                }
+                Ok(Figures::Plant(Box::new(run)))
+            }
         }
     }
 
@@ -254,6 +276,7 @@ impl Ready {
                 let (outcome, closed) = joint::control::close(&of, None, watch)?;
                 Finished::Joint(Box::new(JointRun { run, outcome, control: Some(closed) }))
             }
+            Self::Plant(of) => Finished::Plant(Box::new(plant::run(*of, reached)?)),
         })
     }
 }
@@ -320,6 +343,7 @@ impl Finished {
         match self {
             Self::Actuator(of) => &of.experiment.run,
             Self::Joint(of) => &of.run,
+            Self::Plant(of) => &of.experiment.run,
         }
     }
 
@@ -339,6 +363,7 @@ impl Finished {
                     &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
                 filled(of.fields(), rows)
             }
+            Self::Plant(of) => filled(plant::columns::fields(&of.experiment), &mut |each| of.each_sample(each)),
         }
     }
 
@@ -367,6 +392,12 @@ impl Finished {
                     &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
                 filled(of.fields(), rows)
             }
+            Self::Plant(of) => {
+                let mut reader = PlantReader::new(&of.trajectory);
+                let rows: record::Rows<'_, PlantSample> =
+                    &mut |each| times.iter().try_for_each(|time| each(&reader.read(*time)));
+                filled(plant::columns::fields(&of.experiment), rows)
+            }
         }
     }
 
@@ -375,6 +406,7 @@ impl Finished {
         match self {
             Self::Actuator(of) => events::of(&of.outcome).map(Log::new),
             Self::Joint(of) => of.outcome.located().map(|trajectory| joint::events::log(trajectory.events())),
+            Self::Plant(of) => Some(plant::events::log(of)),
         }
     }
 
@@ -383,6 +415,7 @@ impl Finished {
         match self {
             Self::Actuator(of) => events::of(&of.outcome).map(events::table),
             Self::Joint(of) => of.outcome.located().map(|trajectory| joint::events::table(trajectory.events())),
+            Self::Plant(of) => Some(plant::events::table(of)),
         }
     }
 
@@ -407,6 +440,10 @@ impl Finished {
                     &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
                 record::write(&of.fields(), rows, Target { provenance, path, format, out })
             }
+            Self::Plant(of) => {
+                let target = Target { provenance, path, format, out };
+                record::write(&plant::columns::fields(&of.experiment), &mut |each| of.each_sample(each), target)
+            }
         }
     }
 
@@ -430,10 +467,11 @@ impl Finished {
                 let (rig, control) = (outcome.rig().clone(), control.clone());
                 Figures::Joint(Box::new(JointFigures { rig, observation, control }))
             }
+            Self::Plant(of) => Figures::Plant(of.clone()),
         })
     }
 
-    /// The figure of the run; that of a joint is always over time.
+    /// The figure of the run; that of several actuators is always over time.
     ///
     /// # Errors
     /// What the core finds when a fixed-step run is repeated to be read.
@@ -441,6 +479,7 @@ impl Finished {
         match self {
             Self::Actuator(of) => Ok(portrait::figure(&of.experiment, &of.outcome, of.goals(), over, title)?),
             Self::Joint(of) => Ok(joint::portrait::figure(&of.outcome, of.goals(), of.run.sample_interval, title)),
+            Self::Plant(of) => Ok(plant::portrait::figure(of, title)),
         }
     }
 }

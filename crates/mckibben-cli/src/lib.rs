@@ -32,6 +32,7 @@ pub mod interrupt;
 pub mod joint;
 pub mod observation;
 pub mod output;
+pub mod plant;
 pub mod plot;
 pub mod portrait;
 pub mod progress;

@@ -17,6 +17,7 @@ use mckibben_cli::record::{Format, Provenance};
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -35,8 +36,8 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResu
     let columns = columns.into_iter().map(of_column).collect::<PyResult<_>>()?;
     let events = log.map(|log| {
         let columns: Arc<[String]> = log.columns.into();
-        let event = |(time, words): (f64, Vec<&'static str>)| {
-            let words = words.into_iter().map(str::to_owned).collect();
+        let event = |(time, words): (f64, Vec<Cow<'static, str>>)| {
+            let words = words.into_iter().map(Cow::into_owned).collect();
             Event { time, columns: columns.clone(), words }
         };
         log.times.into_iter().zip(log.rows).map(event).collect()
@@ -175,7 +176,7 @@ impl Trajectory {
         let (finished, scenario) = (self.finished(py)?, self.scenario.get());
         py.detach(|| {
             let set = scenario.settings();
-            let (document, scenario) = (&scenario.document, &scenario.understood);
+            let (document, scenario) = (&scenario.document, Some(&scenario.understood));
             let mut file = output::Pending::create(&path)?;
             finished.write(&Provenance { document, set: &set, scenario }, (&path, format), file.writer())?;
             file.commit()

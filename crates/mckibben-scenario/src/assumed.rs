@@ -29,6 +29,22 @@ impl Document {
     /// The assumed numbers that are in force, in the order of the table of keys. Of a document that has mistakes, as far
     /// as it can be read.
     pub fn assumed(&self) -> Vec<Assumed> {
+        if !self.is_plant() {
+            return self.assumed_of_one();
+        }
+        // Of a plant those of any of its actuators, each once.
+        let mut all: Vec<Assumed> = Vec::new();
+        for (name, _) in self.named(keys::ACTUATORS) {
+            for assumed in self.of_actuator(name).assumed_of_one() {
+                if all.iter().all(|known| known.parameter.key != assumed.parameter.key) {
+                    all.push(assumed);
+                }
+            }
+        }
+        all
+    }
+
+    fn assumed_of_one(&self) -> Vec<Assumed> {
         KEYS.iter().filter(|key| self.is_left_out(key)).filter_map(|key| self.stand_in(key.parameter()?)).collect()
     }
 

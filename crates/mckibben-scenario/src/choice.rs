@@ -50,6 +50,23 @@ words! {
         Polytropic = "polytropic", "Between the two, with an exponent of its own.";
         EnergyBalance = "energy-balance", "The first law, with the supply's temperature and heat through the wall.";
     }
+    /// What the actuators of a plant move.
+    MechanismKind {
+        Mass = "mass", "A mass in translation, which all its actuators pull the same way.";
+        Chain = "chain", "Revolute joints in a planar chain of segments.";
+        Prescribed = "prescribed", "A distance between the attachments that is given over time.";
+        Fixed = "fixed", "A distance between the attachments that stays.";
+    }
+    /// What a supply is fed through.
+    InletKind {
+        Open = "open", "An orifice that lets air through both ways.";
+        Check = "check-valve", "A check valve: air comes in and does not go back.";
+    }
+    /// The output of a five-way valve.
+    ValveOutput {
+        A = "a", "The output that the command fills.";
+        B = "b", "The other, which is filled where the command exhausts.";
+    }
     /// The law of hysteresis.
     HysteresisLaw {
         MaxwellSlip = "maxwell-slip", "Elastic elements that slip: the stop operators of Prandtl and Ishlinskii.";

@@ -183,6 +183,19 @@ impl Diagnostic {
         self
     }
 
+    /// The same with each path between backticks as `name` has it.
+    pub(crate) fn renamed(mut self, name: impl Fn(&str) -> Option<String>) -> Self {
+        let texts = [&mut self.title, &mut self.label].into_iter().chain(&mut self.help);
+        for text in texts {
+            let words = text.split('`').enumerate().map(|(index, word)| match index % 2 {
+                1 => name(word).unwrap_or_else(|| word.to_owned()),
+                _ => word.to_owned(),
+            });
+            *text = words.collect::<Vec<_>>().join("`");
+        }
+        self
+    }
+
     /// What sort of mistake it is.
     pub fn class(&self) -> Class {
         self.class

@@ -7,6 +7,8 @@
 //!
 //! Checked by `tests/tables.rs`: every row of the core's table has its key, and every example is accepted.
 
+mod plant;
+
 use crate::choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
     HoseKind, HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, ValveKind,
@@ -14,6 +16,8 @@ use crate::choice::{
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
 use mckibben::parameter::{self as p, Parameter, Range};
+pub(crate) use plant::*;
+pub use plant::{PLANT_KEYS, PLANT_SECTIONS};
 
 /// What a key holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +36,8 @@ pub enum Kind {
     Course(&'static Parameter),
     /// A quantity in the unit of what the controller regulates.
     Regulated,
+    /// The name of another part of the file.
+    Name,
     /// One of these words.
     Choice(&'static [Choice]),
     /// A list of these words.
@@ -85,7 +91,7 @@ impl Key {
             | Kind::Quantities(row)
             | Kind::Whole(row)
             | Kind::Course(row) => Some(row),
-            Kind::Regulated | Kind::Unit(_) | Kind::Choice(_) | Kind::Choices(_) => None,
+            Kind::Regulated | Kind::Unit(_) | Kind::Name | Kind::Choice(_) | Kind::Choices(_) => None,
         }
     }
 
@@ -628,28 +634,38 @@ pub static KEYS: &[Key] = &[
     whole(&PART_ROWS, "4096"),
 ];
 
-/// The row of a key.
+/// The row of a key, of one actuator or of a plant.
 pub fn key_at(path: &str) -> Option<&'static Key> {
-    KEYS.iter().find(|key| key.path == path)
+    all_keys().find(|key| key.path == path)
 }
 
-/// The row of a section.
+/// The row of a section, of one actuator or of a plant.
 pub fn section_at(path: &str) -> Option<&'static Section> {
-    SECTIONS.iter().find(|section| section.path == path)
+    all_sections().find(|section| section.path == path)
 }
 
-/// The keys and subsections that may stand in a section (`""` for the file itself), by name.
+/// Every key, those of a plant last.
+pub(crate) fn all_keys() -> impl Iterator<Item = &'static Key> {
+    KEYS.iter().chain(PLANT_KEYS)
+}
+
+/// Every section, those of a plant last.
+pub(crate) fn all_sections() -> impl Iterator<Item = &'static Section> {
+    SECTIONS.iter().chain(PLANT_SECTIONS)
+}
+
+/// The keys and subsections that may stand in a section (`""` for the file itself) of a file of one actuator, by name.
 pub fn names_in(section: &str) -> impl Iterator<Item = &'static str> {
     let of_second = section == ANTAGONIST || in_antagonist(section).is_some();
     let section = if of_second { in_antagonist(section).unwrap_or("") } else { section };
     let keys = KEYS.iter().map(|key| key.path).filter(move |path| !of_second || is_of_antagonist(path));
     let sections = SECTIONS.iter().map(|section| section.path);
     let sections = sections.filter(move |path| !of_second || is_section_of_antagonist(path));
+    names_among(keys.chain(sections), section).into_iter()
+}
+
+/// The last names of paths that lie in a section.
+fn names_among(paths: impl Iterator<Item = &'static str>, section: &str) -> Vec<&'static str> {
     let parent = |path: &'static str| path.rsplit_once('.').unwrap_or(("", path));
-    keys.chain(sections)
-        .map(parent)
-        .filter(move |(of, _)| *of == section)
-        .map(|(_, name)| name)
-        .collect::<Vec<_>>()
-        .into_iter()
+    paths.map(parent).filter(|(of, name)| *of == section && *name != "*").map(|(_, name)| name).collect()
 }

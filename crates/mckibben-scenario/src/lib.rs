@@ -50,6 +50,7 @@ pub mod keys;
 mod model;
 mod nearest;
 mod place;
+mod plant;
 pub mod presets;
 pub mod quantity;
 mod read;
@@ -64,7 +65,8 @@ mod write;
 pub use assumed::Assumed;
 pub use choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HoseKind, HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, Spacing, ValveKind,
+    HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, ProcessKind, RecordKind, SetPointTable,
+    Spacing, ValveKind, ValveOutput,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};
@@ -73,6 +75,7 @@ pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use place::{Place, PlaceError, Seeds};
+pub use plant::{MechanismNames, PlantExperiment, PlantNames};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
     Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage, PressureCourse,

@@ -317,17 +317,10 @@ impl Scenario {
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.
-    fn core_line(&self, air: &air::Air) -> Result<Line, Error> {
+    pub(crate) fn core_line(&self, air: &air::Air) -> Result<Line, Error> {
         let room = mckibben::parameter::SUPPLY_TEMPERATURE.default.unwrap_or_default();
         let temperature = self.supply.map_or(room, |supply| supply.temperature);
-        let hose = self.hose.map(|hose| {
-            let kind = match hose.kind {
-                HoseKind::Lumped => line::HoseKind::Lumped,
-                HoseKind::Distributed => line::HoseKind::Distributed { cells: hose.cells },
-            };
-            let gas = [hose.viscosity, temperature, hose.polytropic_index];
-            line::Hose::new(kind, [hose.length, hose.diameter], gas, air)
-        });
+        let hose = self.hose.map(|hose| core_hose(&hose, temperature, air));
         let supply = self.supply.filter(|_| self.valve.is_some()).map(|supply| core_supply_line(&supply, air));
         Ok(Line {
             hose: hose.transpose()?,
@@ -345,8 +338,8 @@ impl Scenario {
     }
 
     /// The same by one output of the valve, 0 or 1: only a five-way valve has the second.
-    fn driven_by(&self, output: usize) -> Result<Driven, Error> {
-        let air = self.core_air()?;
+    pub(crate) fn driven_by(&self, output: usize) -> Result<Driven, Error> {
+        let air = core_air(&self.air)?;
         let mut actuator = self.core_actuator(air)?;
         let mut actuation = None;
         if let (Some(valve), Some(supply), Some(command)) = (&self.valve, &self.supply, &self.command) {
@@ -375,19 +368,6 @@ impl Scenario {
     fn has_line(&self) -> bool {
         let changes = |supply: &Supply| supply.reservoir.is_some() || supply.regulator.is_some();
         self.hose.is_some() || self.actuator.leakage.is_some() || self.supply.as_ref().is_some_and(changes)
-    }
-
-    fn core_air(&self) -> Result<air::Air, Error> {
-        let process = match self.air.process {
-            Process::Isentropic => air::Process::Isentropic,
-            Process::Isothermal => air::Process::Isothermal,
-            Process::Polytropic { index } => air::Process::Polytropic { index },
-            Process::EnergyBalance { heat_transfer, wall_temperature } => {
-                air::Process::EnergyBalance { heat_transfer, wall_temperature }
-            }
-        };
-        let atmosphere = AbsolutePressure(self.air.atmospheric_pressure);
-        air::Air::new(self.air.gas_constant, self.air.heat_capacity_ratio, atmosphere, process)
     }
 
     fn core_actuator(&self, air: air::Air) -> Result<Actuator, Error> {
@@ -451,18 +431,13 @@ impl Scenario {
         Ok(characteristic.with_bladder(force::Bladder::new(form, longest, bladder.force, bladder.scale)?))
     }
 
-    fn core_load(&self, end_length: f64) -> Result<load::Load, Error> {
+    pub(crate) fn core_load(&self, end_length: f64) -> Result<load::Load, Error> {
         match &self.load {
             Load::HangingMass { mass, gravity } => load::Load::hanging_mass(*mass, *gravity),
             Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
             // A joint is no load of one actuator: `rig` has refused it.
             Load::Isometric | Load::AntagonisticJoint(_) => Ok(load::Load::Isometric),
-            Load::PrescribedMotion(Motion::Sinusoid { length, amplitude, frequency, phase }) => {
-                load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, end_length).map(load::Load::Prescribed)
-            }
-            Load::PrescribedMotion(Motion::Table { time, length }) => {
-                load::Motion::table(time.clone(), length.clone(), end_length).map(load::Load::Prescribed)
-            }
+            Load::PrescribedMotion(motion) => core_motion(motion, end_length).map(load::Load::Prescribed),
         }
     }
 
@@ -482,8 +457,42 @@ impl Scenario {
     }
 }
 
+/// The air as the core has it.
+pub(crate) fn core_air(of: &scenario::Air) -> Result<air::Air, Error> {
+    let process = match of.process {
+        Process::Isentropic => air::Process::Isentropic,
+        Process::Isothermal => air::Process::Isothermal,
+        Process::Polytropic { index } => air::Process::Polytropic { index },
+        Process::EnergyBalance { heat_transfer, wall_temperature } => {
+            air::Process::EnergyBalance { heat_transfer, wall_temperature }
+        }
+    };
+    let atmosphere = AbsolutePressure(of.atmospheric_pressure);
+    air::Air::new(of.gas_constant, of.heat_capacity_ratio, atmosphere, process)
+}
+
+/// A hose whose air is near a temperature in K.
+pub(crate) fn core_hose(hose: &scenario::Hose, temperature: f64, air: &air::Air) -> Result<line::Hose, Error> {
+    let kind = match hose.kind {
+        HoseKind::Lumped => line::HoseKind::Lumped,
+        HoseKind::Distributed => line::HoseKind::Distributed { cells: hose.cells },
+    };
+    let gas = [hose.viscosity, temperature, hose.polytropic_index];
+    line::Hose::new(kind, [hose.length, hose.diameter], gas, air)
+}
+
+/// A motion whose lengths are below `end_length` m.
+pub(crate) fn core_motion(motion: &Motion, end_length: f64) -> Result<load::Motion, Error> {
+    match motion {
+        Motion::Sinusoid { length, amplitude, frequency, phase } => {
+            load::Motion::sinusoid(*length, *amplitude, *frequency, *phase, end_length)
+        }
+        Motion::Table { time, length } => load::Motion::table(time.clone(), length.clone(), end_length),
+    }
+}
+
 /// What makes a supply change, if anything does.
-fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::SupplyLine>, Error> {
+pub(crate) fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::SupplyLine>, Error> {
     let reservoir = supply.reservoir.map(|reservoir| {
         let compressor = reservoir.compressor.map(|compressor| {
             let switch = [compressor.cut_in, compressor.cut_out].map(GaugePressure);
@@ -500,7 +509,7 @@ fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option<line::Supp
 }
 
 /// What drives one output of a valve.
-fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
+pub(crate) fn core_actuation(valve: &Valve, command: &Command, output: usize) -> Result<Actuation, Error> {
     let command = core_command(command)?;
     let (opening, closing) = (valve.opening_delay, valve.closing_delay);
     let ramp = valve::Ramp::new(valve.opening_time, valve.closing_time)?;
@@ -548,7 +557,7 @@ fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
     valve::Regulator::new(time_constant, valve.dead_time, rate_limit).map(valve::Solenoid::regulating)
 }
 
-fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
+pub(crate) fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
     let law = |port, passage: Passage| {
         valve::FlowLaw::of_passage(port, passage.standard(), valve.efficiency, valve.laminar_ratio, air)
     };

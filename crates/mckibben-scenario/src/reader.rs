@@ -26,20 +26,30 @@ pub(crate) struct Reader<'d> {
     found: Vec<Diagnostic>,
     /// Paths that misspelt keys stand for; their absence is no second mistake.
     meant: Vec<String>,
+    /// Whether the document is of a plant, which has more sections.
+    of_plant: bool,
 }
 
 impl<'d> Reader<'d> {
     /// Starts a reading: checks that every section and key is known, then that every key applies.
     pub(crate) fn new(document: &'d Document) -> Self {
-        let mut reader = Self { document, found: Vec::new(), meant: Vec::new() };
+        let mut reader = Self { document, found: Vec::new(), meant: Vec::new(), of_plant: document.is_plant() };
         reader.known(document.root(), "");
+        reader.applies(|_| true);
+        reader
+    }
+
+    /// Starts a reading of what a document says of one part of a plant: `whole` has checked that every key is known.
+    pub(crate) fn of_part(document: &'d Document, whole: &Reader<'_>) -> Self {
+        let meant = whole.meant.iter().map(|path| keys::stands_for(path)).collect();
+        let mut reader = Self { document, found: Vec::new(), meant, of_plant: true };
         reader.applies(|_| true);
         reader
     }
 
     /// Starts a reading of one section: checks its keys and no others.
     pub(crate) fn of_section(document: &'d Document, section: &str) -> Self {
-        let mut reader = Self { document, found: Vec::new(), meant: Vec::new() };
+        let mut reader = Self { document, found: Vec::new(), meant: Vec::new(), of_plant: false };
         if let Some(Value::Table(table)) = reader.entry(section).map(|entry| &entry.node.value) {
             reader.known(table, section);
         }
@@ -172,6 +182,45 @@ impl<'d> Reader<'d> {
     /// The value of a key whose absence the caller has noted.
     pub(crate) fn noted(&mut self, row: &'static Parameter) -> f64 {
         self.number(row).unwrap_or(STAND_IN)
+    }
+
+    /// The name of a part of the file, or `None` when it is absent or is no string.
+    pub(crate) fn name(&mut self, path: &str) -> Option<&'d str> {
+        let node = &self.entry(path)?.node;
+        match &node.value {
+            Value::String(name) => Some(name),
+            other => {
+                let title = format!("`{path}` is a name, not {}", other.noun());
+                let help = "write the name in quotes";
+                self.note(Diagnostic::at(Class::WrongType, node.place.clone(), title, "a name is expected").help(help));
+                None
+            }
+        }
+    }
+
+    /// Notes a name that no part of the file has; `what` is what it should be the name of.
+    pub(crate) fn no_such(&mut self, place: Place, name: &str, what: &str, known: &[&str]) {
+        let title = format!("there is no {what} `{name}`");
+        let diagnostic = Diagnostic::at(Class::InvalidChoice, place, title, "unknown name");
+        let meant = nearest(name, known.iter().copied()).map(|name| format!("did you mean \"{name}\"?"));
+        let valid = match known {
+            [] => format!("the file names no {what}"),
+            known => format!("known: {}", list_of(known.iter().copied())),
+        };
+        self.note(meant.into_iter().fold(diagnostic, Diagnostic::help).help(valid));
+    }
+
+    /// Takes over the mistakes of the reading of a part, with the paths that they have in the whole file; says whether there is
+    /// none.
+    pub(crate) fn take(&mut self, part: Reader<'_>, name: impl Fn(&str) -> Option<String>) -> bool {
+        let sound = part.found.is_empty();
+        self.found.extend(part.found.into_iter().map(|diagnostic| diagnostic.renamed(&name)));
+        sound
+    }
+
+    /// Whether a mistake has been noted.
+    pub(crate) fn has_mistakes(&self) -> bool {
+        !self.found.is_empty()
     }
 
     /// A list of quantities, or `None` when it is absent or has a mistake.

@@ -6,8 +6,9 @@
 
 use crate::choice::{Choice, Spacing};
 use crate::keys::{
-    ANTAGONIST, COUNT, FACTOR, KEYS, Key, Kind, SECTIONS, SWEEP, Section, VARY, is_of_antagonist,
-    is_section_of_antagonist,
+    ACTUATORS, ANTAGONIST, COUNT, FACTOR, KEYS, Key, Kind, MECHANISM, MECHANISMS, OF_ACTUATOR, OF_SUPPLY, SECTIONS,
+    SUPPLIES, SWEEP, Section, VARY, all_keys, all_sections, is_of_antagonist, is_section_of_antagonist, key_at,
+    section_at,
 };
 use crate::starter::{default_of, preset_may_give};
 use mckibben::parameter::{Parameter, Range};
@@ -31,17 +32,97 @@ pub fn schema() -> Value {
             required.push(section.path);
         }
     }
+    let mut names = Map::new();
+    for section in SECTIONS.iter().filter(|section| !section.path.contains('.')) {
+        // A plant's file may say in a section what only some of its actuators have.
+        let strict = [SWEEP, ANTAGONIST].contains(&section.path);
+        names.insert(section.path.to_owned(), if strict { of_section(section) } else { in_plant(section) });
+    }
+    names.extend(of_plant());
+    let is_plant: Vec<Value> = PLANT.iter().map(|section| json!({ "required": [section] })).collect();
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "mckibben scenario",
-        "description": "One experiment with a braided pneumatic actuator. Quantities are strings with units.",
+        "description": "One experiment with braided pneumatic actuators. Quantities are strings with units.",
         "type": "object",
-        "properties": properties,
-        "required": required,
-        "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"], "hose": ["valve"] },
+        "properties": names,
+        "if": { "anyOf": is_plant },
+        "then": { "required": ["actuators", "run"] },
+        "else": {
+            "properties": properties,
+            "not": { "required": ["coupling"] },
+            "required": required,
+            "dependentRequired": { "valve": ["supply", "command"], "command": ["valve"], "hose": ["valve"] },
+        },
         "additionalProperties": false,
         "$defs": definitions,
     })
+}
+
+/// The sections that make a file one of a plant.
+const PLANT: [&str; 4] = [ACTUATORS, SUPPLIES, MECHANISM, MECHANISMS];
+
+/// A name that the file chooses.
+const NAME: &str = "^[A-Za-z_][A-Za-z0-9_-]*$";
+
+/// The sections of a plant.
+fn of_plant() -> Map<String, Value> {
+    let one = |path: &str| section_at(path).map_or_else(|| json!({}), in_plant);
+    let object = |meaning: &str, properties: Map<String, Value>| json!({ "description": meaning, "type": "object", "properties": properties, "additionalProperties": false });
+    let named = |path: &str, entry: Value| {
+        let meaning = section_at(path).map_or("", |section| section.meaning);
+        json!({
+            "description": meaning,
+            "type": "object",
+            "propertyNames": { "pattern": NAME },
+            "additionalProperties": entry,
+        })
+    };
+    let meaning = |path: &str| section_at(path).map_or("", |section| section.meaning);
+    let mut coupling = properties_in_plant("coupling");
+    let arm = key_at("coupling.arms.*").map_or_else(|| json!({}), of_key);
+    coupling.insert("arms".to_owned(), named("coupling.arms", json!({ "anyOf": [arm, one("coupling.arms.*")] })));
+    let coupling = object(meaning("coupling"), coupling);
+    let mut mechanism = properties_in_plant(MECHANISM);
+    mechanism.insert("joints".to_owned(), named("mechanism.joints", one("mechanism.joints.*")));
+    let mechanism = object(meaning(MECHANISM), mechanism);
+    let mut supply = properties_in_plant("supply");
+    supply.extend(properties_in_plant("supplies.*"));
+    supply.extend(OF_SUPPLY.iter().map(|path| ((*path).to_owned(), one(path))));
+    let supply = object(meaning("supplies.*"), supply);
+    let mut actuator = properties_in_plant("actuator");
+    actuator.extend(OF_ACTUATOR.iter().map(|path| ((*path).to_owned(), one(path))));
+    actuator.insert("coupling".to_owned(), coupling.clone());
+    let name = key_at("actuators.*.supply").map_or_else(|| json!({}), of_key);
+    actuator.insert("supply".to_owned(), json!({ "anyOf": [name, one("supply")] }));
+    let actuator = object(meaning("actuators.*"), actuator);
+    [
+        (ACTUATORS, named(ACTUATORS, actuator)),
+        ("coupling", coupling),
+        (SUPPLIES, named(SUPPLIES, supply)),
+        (MECHANISM, mechanism.clone()),
+        (MECHANISMS, named(MECHANISMS, mechanism)),
+    ]
+    .map(|(name, schema)| (name.to_owned(), schema))
+    .into_iter()
+    .collect()
+}
+
+/// A section of which a part may be said: each key may be left out.
+fn in_plant(section: &Section) -> Value {
+    let properties = properties_in_plant(section.path);
+    json!({ "description": section.meaning, "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+fn properties_in_plant(path: &str) -> Map<String, Value> {
+    let keys = all_keys().filter(|key| key.section() == path && key.name() != "*");
+    let mut properties: Map<String, Value> = keys.map(|key| (key.name().to_owned(), of_key(key))).collect();
+    for inner in all_sections() {
+        if let Some((_, name)) = inner.path.rsplit_once('.').filter(|(above, name)| *above == path && *name != "*") {
+            properties.insert(name.to_owned(), in_plant(inner));
+        }
+    }
+    properties
 }
 
 /// What a key takes in `[sweep.vary]`: a list, and if it is a quantity a range or a distribution.
@@ -199,6 +280,7 @@ fn of_key(key: &Key) -> Value {
         Kind::Regulated => json!({ "type": "string", "pattern": WITH_UNIT }),
         Kind::Whole(row) => of_whole(row),
         Kind::Unit(_) => json!({ "type": "string", "pattern": UNIT }),
+        Kind::Name => json!({ "type": "string", "pattern": NAME }),
         Kind::Choice(choices) => of_words(choices),
         Kind::Choices(choices) => json!({ "type": "array", "minItems": 1, "items": of_words(choices) }),
     };

@@ -88,7 +88,7 @@ fn remark(key: &Key) -> String {
         | Kind::Quantities(row)
         | Kind::Whole(row)
         | Kind::Course(row) => notes.push(row.symbol.to_owned()),
-        Kind::Regulated | Kind::Unit(_) => {}
+        Kind::Regulated | Kind::Unit(_) | Kind::Name => {}
     }
     if let Some(when) = key.when {
         notes.push(format!("with {} = {}", when.key, when.words.join(" or ")));

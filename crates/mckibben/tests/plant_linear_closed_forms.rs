@@ -34,7 +34,7 @@ fn start(positions: Vec<Vec<f64>>, gauges: &[f64]) -> PlantStart {
         positions,
         air: gauges.iter().map(air).collect(),
         lengths: vec![None; gauges.len()],
-        ..PlantStart::default()..PlantStart::default()
+        ..PlantStart::default()
     }
 }
 

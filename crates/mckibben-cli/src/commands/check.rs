@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::quantities::{count, given};
 use crate::terminal::{self, GOOD, styled};
 use mckibben_scenario::diagnostic::Class;
-use mckibben_scenario::{Diagnostic, Diagnostics, Document, Scenario, Style, Sweep};
+use mckibben_scenario::{Diagnostic, Diagnostics, Document, PlantExperiment, Scenario, Style, Sweep};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben check` is asked.
@@ -52,6 +52,9 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
     let document = Document::load(path).map_err(listed)?;
+    if let Some(plant) = document.plant_experiment().map_err(listed)? {
+        return Ok(told_of_plant(&plant));
+    }
     let single = document.scenario().and_then(|scenario| {
         let controlled =
             document.controlled_joint_experiment()?.is_some() || document.controlled_experiment()?.is_some();
@@ -83,6 +86,12 @@ fn told(scenario: &Scenario) -> String {
     let (load, drive) = (describe::load(&scenario.load), describe::drive(scenario));
     let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(&scenario.run)));
     format!("{load}; {drive}; {duration}, {rows} samples")
+}
+
+fn told_of_plant(plant: &PlantExperiment) -> String {
+    let actuators = plant.names.actuators.join(", ");
+    let (duration, rows) = (given(plant.run.duration, "s"), count(engine::rows(&plant.run)));
+    format!("a plant of {actuators}; {duration}, {rows} samples")
 }
 
 fn told_of(sweep: &Sweep) -> String {

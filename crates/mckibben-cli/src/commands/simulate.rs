@@ -9,6 +9,7 @@ use crate::finished::{Figures, Finished, Ready};
 use crate::joint;
 use crate::observation::Observer;
 use crate::output::{self, Pending};
+use crate::plant;
 use crate::portrait;
 use crate::progress::Progress;
 use crate::record::{self, Provenance, Target};
@@ -75,11 +76,11 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     for setting in &arguments.set {
         setting.apply(&mut document)?;
     }
-    let scenario = document.scenario()?;
+    let scenario = if document.is_plant() { None } else { Some(document.scenario()?) };
     let ready = Ready::of(&document)?;
-    if ready.is_joint() && arguments.over != portrait::Over::Time {
+    if ready.has_several() && arguments.over != portrait::Over::Time {
         return Err(Failure::input(
-            "--over: an antagonistic joint has two lengths, so it is drawn over time",
+            "--over: several actuators have several lengths, so they are drawn over time",
             "leave --over out, and take the columns of --output for another figure",
         ));
     }
@@ -93,7 +94,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
     let (name, set) = (arguments.file.display().to_string(), arguments.set.iter().map(Setting::to_string));
     let (assumed, set): (_, Vec<String>) = (document.assumed(), set.collect());
-    let provenance = Provenance { document: &document, set: &set, scenario: &scenario };
+    let provenance = Provenance { document: &document, set: &set, scenario: scenario.as_ref() };
     let rows = engine::rows(ready.plan());
 
     let started = Instant::now();
@@ -122,7 +123,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
     let mut text = String::new();
     if !arguments.quiet {
-        text.push_str(&summary(&figures, &name, &scenario, elapsed, &assumed)?);
+        text.push_str(&summary(&figures, &name, scenario.as_ref(), elapsed, &assumed)?);
     }
     // The files take their names when nothing can fail any more.
     pending.into_iter().try_for_each(Pending::commit)?;
@@ -143,16 +144,19 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 fn summary(
     figures: &Figures,
     name: &str,
-    scenario: &Scenario,
+    scenario: Option<&Scenario>,
     elapsed: Duration,
     assumed: &[Assumed],
 ) -> Result<String, Failure> {
-    match figures {
-        Figures::Actuator(of) => {
+    match (figures, scenario) {
+        (Figures::Plant(run), _) => plant::summary::Summary { name, run, elapsed, assumed }.render(),
+        // Not reached: what is no plant has been read as a scenario. Said rather than assumed.
+        (_, None) => Err(Failure::stopped("the run has no scenario")),
+        (Figures::Actuator(of), Some(scenario)) => {
             let (experiment, observation, control) = (&of.experiment, &of.observation, of.control.as_ref());
             Summary { name, scenario, experiment, control, observation, elapsed, assumed }.render()
         }
-        Figures::Joint(of) => {
+        (Figures::Joint(of), Some(scenario)) => {
             let antagonist = scenario.of_antagonist();
             let scenarios = [scenario, antagonist.as_ref().unwrap_or(scenario)];
             let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());

@@ -8,6 +8,7 @@ use super::NAMES;
 use crate::events::{Log, OF_ACTUATOR, extent, words, zone};
 use crate::terminal::{FAINT, styled};
 use mckibben::simulation::{Contact, End, JointEvent, JointMode, Turning};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 /// The log as a table for people.
@@ -41,7 +42,7 @@ pub fn log(events: &[JointEvent]) -> Log {
         let after = &event.after;
         let whose = event.kind.actuator.map_or("", |index| NAMES[index]);
         let own = [event.kind.kind.name(), whose, turning(after.turning), contact(after.contact)];
-        own.into_iter().chain(after.actuators.iter().flat_map(words)).collect()
+        own.into_iter().chain(after.actuators.iter().flat_map(words)).map(Cow::Borrowed).collect()
     };
     Log {
         columns: own.into_iter().chain(names).collect(),

@@ -1,4 +1,4 @@
-//! The columns of a file as functions of a sample, for an actuator and for a joint.
+//! The columns of a file as functions of a sample, for an actuator, and for each of several.
 
 use super::{COLUMNS, VALVE};
 use crate::closed_loop::{Goal, Goals};
@@ -101,37 +101,36 @@ fn of_goals<S: 'static>(goals: &Goals, time_of: fn(&S) -> f64) -> Vec<Field<S>> 
 
 /// The columns of a joint in their order, then its goals.
 pub(crate) fn of_joint(goals: &Goals) -> Vec<Field<JointSample>> {
-    let mut fields = member(0, "");
+    let mut fields = member("", |sample: &JointSample| sample.actuators[0]);
     fields.extend([
         number("angle_rad", "rad", |sample: &JointSample| sample.angle),
         number("angular_velocity_rad_s", "rad/s", |sample: &JointSample| sample.angular_velocity),
         number("torque_n_m", "N*m", |sample: &JointSample| sample.torque),
     ]);
     // The time stands in front already.
-    fields.extend(member(1, "antagonist_").into_iter().skip(1));
+    let second = |sample: &JointSample| sample.actuators[1];
+    fields.extend(member("antagonist_", second).into_iter().skip(1));
     fields.extend(of_goals(goals, |sample: &JointSample| sample.time));
     fields
 }
 
-/// The columns of one actuator of a joint, their names with a prefix.
-fn member(index: usize, prefix: &str) -> Vec<Field<JointSample>> {
+/// The columns of one actuator of several, which `its` takes out of a sample of all; their names with a prefix.
+pub(crate) fn member<S>(prefix: &str, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<Field<S>> {
     let of = move |field: Field<Sample>| Field {
         name: format!("{prefix}{}", field.name),
         unit: field.unit,
         value: match field.value {
-            Value::Number(value) => {
-                Value::Number(Box::new(move |sample: &JointSample| value(&sample.actuators[index])))
-            }
-            Value::Word(value) => Value::Word(Box::new(move |sample: &JointSample| value(&sample.actuators[index]))),
+            Value::Number(value) => Value::Number(Box::new(move |sample: &S| value(&its(sample)))),
+            Value::Word(value) => Value::Word(Box::new(move |sample: &S| value(&its(sample)))),
         },
     };
     of_actuator(None).into_iter().map(of).collect()
 }
 
-fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {
+pub(crate) fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {
     Field { name: name.to_owned(), unit, value: Value::Number(Box::new(value)) }
 }
 
-fn word<S>(name: &str, value: impl Fn(&S) -> &'static str + 'static) -> Field<S> {
+pub(crate) fn word<S>(name: &str, value: impl Fn(&S) -> &'static str + 'static) -> Field<S> {
     Field { name: name.to_owned(), unit: "", value: Value::Word(Box::new(value)) }
 }

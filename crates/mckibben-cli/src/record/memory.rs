@@ -67,7 +67,7 @@ mod tests {
     fn a_number_that_is_not_finite_is_an_error_in_every_form() {
         let text = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"3.5 in\"\n[run]\nduration = \"1 s\"";
         let document = Document::parse(text, "muscle.toml").unwrap();
-        let provenance = Provenance { document: &document, set: &[], scenario: &document.scenario().unwrap() };
+        let provenance = Provenance { document: &document, set: &[], scenario: Some(&document.scenario().unwrap()) };
         for bad in [f64::NAN, f64::INFINITY] {
             let mut rows = |each: &mut dyn FnMut(&f64) -> Result<(), Failure>| [1.0, bad].iter().try_for_each(each);
             let path = Path::new("run.csv");

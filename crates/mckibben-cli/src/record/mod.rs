@@ -6,7 +6,7 @@ mod memory;
 mod parquet;
 
 use crate::failure::Failure;
-pub(crate) use field::{Field, Value, of_controlled, of_joint};
+pub(crate) use field::{Field, Value, member, number, of_controlled, of_joint, word};
 use mckibben::simulation::Sample;
 use mckibben_scenario::{Document, Scenario};
 pub(crate) use memory::filled;
@@ -84,8 +84,8 @@ pub struct Provenance<'a> {
     pub document: &'a Document,
     /// What was set on the command line, as `KEY=VALUE`.
     pub set: &'a [String],
-    /// The scenario as it was understood.
-    pub scenario: &'a Scenario,
+    /// The scenario as it was understood; none of a plant.
+    pub scenario: Option<&'a Scenario>,
 }
 
 /// Hands every sample of a run to what it is given.

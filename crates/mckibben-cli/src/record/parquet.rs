@@ -7,7 +7,7 @@
 //! | `mckibben.scenario_file` | name of the scenario file |
 //! | `mckibben.scenario` | its text |
 //! | `mckibben.set` | JSON: what was set on the command line beside it |
-//! | `mckibben.resolved` | the scenario as it was understood: every value in SI, no preset, no default |
+//! | `mckibben.resolved` | the scenario as it was understood: every value in SI, no preset, no default; not of a plant |
 //!
 //! Nothing in a file depends on the clock or the machine: the same run gives the same bytes.
 
@@ -139,7 +139,7 @@ fn metadata<S>(fields: &[Field<S>], provenance: &Provenance<'_>) -> Vec<KeyValue
         ("mckibben.scenario_file", name),
         ("mckibben.scenario", source.text().to_owned()),
         ("mckibben.set", serde_json::Value::from(provenance.set).to_string()),
-        ("mckibben.resolved", provenance.scenario.to_toml()),
     ];
-    pairs.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect()
+    let resolved = provenance.scenario.map(|scenario| ("mckibben.resolved", scenario.to_toml()));
+    pairs.into_iter().chain(resolved).map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect()
 }

@@ -10,7 +10,7 @@ use crate::keys::EQUILIBRIUM;
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
 use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureCourse, Run, SeriesTendon};
-use mckibben::parameter as p;
+use mckibben::parameter::{self as p, Parameter};
 
 /// The pressure over time, if the file gives it: then there is no valve, and the start follows.
 pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureCourse> {
@@ -64,14 +64,39 @@ pub(super) fn load(r: &mut Reader<'_>, air: &Air) -> Option<Load> {
 }
 
 fn motion(r: &mut Reader<'_>) -> Motion {
-    let wave = [&p::MOTION_LENGTH, &p::MOTION_AMPLITUDE, &p::MOTION_FREQUENCY, &p::MOTION_PHASE].map(|row| row.key);
-    let table = [p::MOTION_TIME.key, p::MOTION_TABLE_LENGTH.key];
+    motion_of(r, &OF_LOAD)
+}
+
+/// The rows that state a motion.
+pub(super) struct MotionRows {
+    pub(super) length: &'static Parameter,
+    pub(super) amplitude: &'static Parameter,
+    pub(super) frequency: &'static Parameter,
+    pub(super) phase: &'static Parameter,
+    pub(super) time: &'static Parameter,
+    pub(super) table_length: &'static Parameter,
+}
+
+/// Of a load.
+static OF_LOAD: MotionRows = MotionRows {
+    length: &p::MOTION_LENGTH,
+    amplitude: &p::MOTION_AMPLITUDE,
+    frequency: &p::MOTION_FREQUENCY,
+    phase: &p::MOTION_PHASE,
+    time: &p::MOTION_TIME,
+    table_length: &p::MOTION_TABLE_LENGTH,
+};
+
+/// A motion, of a load or of a mechanism.
+pub(super) fn motion_of(r: &mut Reader<'_>, rows: &MotionRows) -> Motion {
+    let wave = [rows.length, rows.amplitude, rows.frequency, rows.phase].map(|row| row.key);
+    let table = [rows.time.key, rows.table_length.key];
     // The phase has a default, so the alternative is told by the other three and completed by `value`.
     let wave_keys = if wave[..3].iter().any(|path| r.has(path)) { &wave[..3] } else { &wave[..] };
     if alternative(r, &[wave_keys, &table]) == Some(1) {
-        let time = r.list(&p::MOTION_TIME);
-        let length = r.list(&p::MOTION_TABLE_LENGTH);
-        let (time, length) = columns(r, &p::MOTION_TIME, time, p::MOTION_TABLE_LENGTH.key, length);
+        let time = r.list(rows.time);
+        let length = r.list(rows.table_length);
+        let (time, length) = columns(r, rows.time, time, rows.table_length.key, length);
         return Motion::Table { time, length };
     }
     let missing = wave[..3].iter().all(|path| !r.has(path)) && !r.has(wave[3]);
@@ -79,14 +104,13 @@ fn motion(r: &mut Reader<'_>) -> Motion {
         r.missing(wave[0], ", with `amplitude` and `frequency`; `time` and `table_length` would do as well");
         return Motion::Table { time: Vec::new(), length: Vec::new() };
     }
-    let [length, amplitude, frequency] =
-        [&p::MOTION_LENGTH, &p::MOTION_AMPLITUDE, &p::MOTION_FREQUENCY].map(|row| r.noted(row));
-    let phase = r.value(&p::MOTION_PHASE, None);
+    let [length, amplitude, frequency] = [rows.length, rows.amplitude, rows.frequency].map(|row| r.noted(row));
+    let phase = r.value(rows.phase, None);
     let both = r.has(wave[0]) && r.has(wave[1]);
     if let Some(place) = r.value_place(wave[1]).filter(|_| both && amplitude >= length) {
         let mean = r.value_place(wave[0]);
         let bound = format!("less than {}, the mean length", quantity::format(length, "m"));
-        r.note(out_of_range(place, &p::MOTION_AMPLITUDE, amplitude, &bound).related(mean, "mean length"));
+        r.note(out_of_range(place, rows.amplitude, amplitude, &bound).related(mean, "mean length"));
     }
     Motion::Sinusoid { length, amplitude, frequency, phase }
 }

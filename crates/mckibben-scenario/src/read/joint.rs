@@ -6,6 +6,7 @@
 //! names its `law`, a bladder its `form`; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
 use super::{alternative, body, columns, drive, gauge_pressure, passage};
+use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED};
 use crate::presets;
@@ -85,25 +86,31 @@ impl Document {
             && let Value::Table(table) = &node.value
         {
             document.lay_over(table, "");
-            // Where the first is the default preset for want of a word, the second is that with its own keys.
-            let unnamed = !self.contains("actuator.preset") && !body::GEOMETRY.iter().any(|row| self.contains(row.key));
-            if let Some(preset) =
-                presets::ACTUATORS.first().filter(|_| unnamed && !document.contains("actuator.preset"))
-            {
-                let value = Value::String(preset.name.to_owned());
-                document.put("actuator.preset", key, &Node { place: key.clone(), value });
-            }
+            document.name_default_preset(self, key);
         }
         document
     }
 
-    fn lay_over(&mut self, table: &Table, section: &str) {
+    /// Where the actuator of the whole file is the default preset for want of a word, one with keys of its own is that preset
+    /// with its own keys. `place` is where those are.
+    pub(crate) fn name_default_preset(&mut self, whole: &Self, place: &Place) {
+        let unnamed = !whole.contains("actuator.preset") && !body::GEOMETRY.iter().any(|row| whole.contains(row.key));
+        if let Some(preset) = presets::ACTUATORS.first().filter(|_| unnamed && !self.contains("actuator.preset")) {
+            let value = Value::String(preset.name.to_owned());
+            self.put("actuator.preset", place, &Node { place: place.clone(), value });
+        }
+    }
+
+    /// Lays the keys of a table over those of a section (`""` for the file itself).
+    pub(crate) fn lay_over(&mut self, table: &Table, section: &str) {
         let whole = match section {
             "actuator.effectiveness" | "valve.exhaust" => true,
             "valve" | "command" => table.get("kind").is_some() || table.get("preset").is_some(),
             "actuator" => table.get("preset").is_some(),
             "actuator.force" => table.get("law").is_some(),
             "actuator.bladder" => table.get("form").is_some(),
+            "coupling.arms" => true,
+            "load" => table.get("kind").is_some(),
             _ => false,
         };
         let names_arm = ARM.iter().filter_map(|path| path.strip_prefix("load.")).any(|name| table.get(name).is_some());
@@ -111,6 +118,14 @@ impl Document {
             self.remove(section);
         } else if section == "load" && names_arm {
             for path in ARM {
+                self.remove(path);
+            }
+        } else if section == "coupling" && table.get("arms").is_some() {
+            for path in ["coupling.origin", "coupling.insertion"] {
+                self.remove(path);
+            }
+        } else if section == "coupling" && (table.get("origin").is_some() || table.get("insertion").is_some()) {
+            for path in ["coupling.arms", "coupling.rest_length"] {
                 self.remove(path);
             }
         } else if section == "valve" && states_passage(table) {

@@ -20,6 +20,12 @@ pub(super) fn hose(r: &mut Reader<'_>) -> Option<Hose> {
                 .help("add a section `[valve]`, or remove `[hose]` to seal the actuator"),
         );
     }
+    hose_of_any(r)
+}
+
+/// The hose of an actuator or a supply.
+pub(super) fn hose_of_any(r: &mut Reader<'_>) -> Option<Hose> {
+    r.key_place("hose")?;
     let kind = r.word("hose.kind").unwrap_or(HoseKind::Lumped);
     let cells = match kind {
         HoseKind::Lumped => 1,

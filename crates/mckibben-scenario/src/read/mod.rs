@@ -12,6 +12,8 @@
 //! | `passage` | how much the valve's passages let through |
 //! | `course` | pressure, tendon, load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
+//! | `plant` | actuators and supplies of a plant |
+//! | `mechanism` | its mechanisms, and how actuators span them |
 //!
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
 
@@ -22,13 +24,16 @@ mod drive;
 mod friction;
 mod joint;
 mod line;
+mod mechanism;
 pub(crate) mod passage;
+mod plant;
 
 pub(crate) use body::GEOMETRY;
 pub(crate) use drive::SEATS;
 
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
+use crate::keys;
 use crate::quantity;
 use crate::reader::{Reader, list_of, out_of_range, required_sections};
 use crate::scenario::{Air, Scenario};
@@ -40,6 +45,15 @@ impl Document {
     /// # Errors
     /// Every mistake that can be found in one reading.
     pub fn scenario(&self) -> Result<Scenario, Diagnostics> {
+        if let Some(place) = [keys::ACTUATORS, keys::SUPPLIES, keys::MECHANISM, keys::MECHANISMS]
+            .iter()
+            .find_map(|section| self.place(section))
+        {
+            let title = "this file describes a plant of several actuators, where one actuator or joint is due";
+            return Err(Diagnostic::at(Class::NotApplicable, place.clone(), title, "says so")
+                .help("run it by `mckibben simulate`, or write a file of one actuator or one antagonistic joint")
+                .into());
+        }
         let mut reader = Reader::new(self);
         let r = &mut reader;
         for section in required_sections().filter(|section| !self.contains(section)) {

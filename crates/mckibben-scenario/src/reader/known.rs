@@ -17,9 +17,22 @@ impl<'d> Reader<'d> {
                     keys::key_at(of_first).is_some() && keys::is_of_antagonist(of_first),
                     keys::section_at(of_first).filter(|_| keys::is_section_of_antagonist(of_first)),
                 ),
-                None => (keys::key_at(&child).is_some(), keys::section_at(&child)),
+                None => {
+                    let is_table = matches!(entry.node.value, Value::Table(_));
+                    let path = match self.of_plant {
+                        true if is_table => keys::section_for(&child),
+                        true => keys::stands_for(&child),
+                        false => child.clone(),
+                    };
+                    let (key, section) = (keys::key_at(&path), keys::section_at(&path));
+                    let own = |path: &str| self.of_plant || !keys::is_of_plant(path);
+                    (key.is_some() && own(&path) && !(is_table && section.is_some()), section.filter(|_| own(&path)))
+                }
             };
             if is_key {
+                continue;
+            }
+            if self.of_plant && keys::names_its_entries(&keys::stands_for(path)) && !self.may_name(entry) {
                 continue;
             }
             match (section, &entry.node.value) {
@@ -37,6 +50,19 @@ impl<'d> Reader<'d> {
         }
     }
 
+    /// Whether a name that the file chooses is one that columns can carry.
+    fn may_name(&mut self, entry: &Entry) -> bool {
+        let mut letters = entry.name.chars();
+        let begins = letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_');
+        let sound = begins && letters.all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-'));
+        if !sound {
+            let title = format!("`{}` is no name", entry.name);
+            let help = "begin with a letter and go on with letters, digits, `_` or `-`";
+            self.note(Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "not a name").help(help));
+        }
+        sound
+    }
+
     fn unknown(&mut self, entry: &Entry, section: &str) {
         let name = entry.name.as_str();
         let is_section = matches!(entry.node.value, Value::Table(_));
@@ -46,7 +72,10 @@ impl<'d> Reader<'d> {
             (_, true) => (format!("there is no section [{section}.{name}]"), "unknown section"),
             (_, false) => (format!("`{name}` is not a key of [{section}]"), "unknown key"),
         };
-        let valid: Vec<&str> = keys::names_in(section).collect();
+        let valid: Vec<&str> = match self.of_plant {
+            true => keys::names_in_plant(section),
+            false => keys::names_in(section).collect(),
+        };
         let within = valid.iter().copied().find(|known| known.len() > 3 && name.len() > 3 && known.contains(name));
         let elsewhere: Vec<String> =
             KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
@@ -75,7 +104,7 @@ impl<'d> Reader<'d> {
                     .help(format!("remove it, or set `load.kind` to `{joint}`")),
             );
         }
-        for key in KEYS.iter().filter(|key| asked(key)) {
+        for key in keys::all_keys().filter(|key| asked(key)) {
             let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
             let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
                 Some(Value::String(word)) => Some(word.as_str()),

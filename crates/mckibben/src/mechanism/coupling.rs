@@ -17,6 +17,7 @@
 //!
 //! Source: virtual work.
 
+use super::Mechanism;
 use super::chain::Chain;
 use super::parameter::ATTACHMENT;
 use crate::convert::Convert;
@@ -24,6 +25,7 @@ use crate::error::Error;
 use crate::load::MomentArm;
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// A moment arm about one joint.
@@ -77,6 +79,14 @@ impl Coupling {
             arm.check()?;
         }
         Ok(Self::Arms { rest_length, arms })
+    }
+
+    /// Distance in m between the attachments with a mechanism at coordinates in m or rad, as many as it has.
+    pub fn span(&self, mechanism: &Mechanism, position: &[f64]) -> f64 {
+        let mut pieces = vec![0; self.arm_count()];
+        self.pieces(position, &mut pieces);
+        let chain = if let Mechanism::Chain(chain) = mechanism { Some(chain) } else { None };
+        self.distance(chain, position, &pieces, &mut vec![0.0; position.len()])
     }
 }
 

@@ -4,7 +4,7 @@ use super::start::{InitialAir, PlantStart};
 use super::{Mounted, Plant};
 use crate::actuator::Actuator;
 use crate::error::Error;
-use crate::line::Line;
+use crate::line::{Line, Regulator, Reservoir};
 use crate::load::Load;
 use crate::mechanism::{Arm, Chain, ChainSegment, Coupling, JointStops, Mass, Mechanism, Pull, Revolute};
 use crate::network::{BranchKind, Network, NodeKind};
@@ -16,33 +16,83 @@ use alloc::vec;
 /// Temperature in K of the surroundings of an actuator without a supply.
 const ROOM: f64 = 293.15;
 
+/// Where a supply lies in a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupplyNodes {
+    /// The reservoir, if it has one.
+    pub reservoir: Option<usize>,
+    /// What valves draw from: the regulator's outlet, else the reservoir, else a source without end.
+    pub outlet: usize,
+}
+
 impl Network {
     /// Adds what feeds an actuator: its valve with the paths to supply and surroundings, its hose, its leak, and the
     /// reservoir and regulator of its own supply.
     pub fn feed(&mut self, index: usize, actuator: &Actuator, actuation: Option<&Actuation>, line: &Line) {
         let temperature = actuator.valve().map_or(ROOM, |valve| valve.supply.temperature());
         let outside = self.node(NodeKind::Atmosphere, 0.0, temperature);
-        if let (Some(valve), Some(Actuation { solenoid, command })) = (actuator.valve(), actuation) {
+        let mut feed = outside;
+        let mut copies = 1.0;
+        if let Some(valve) = actuator.valve().filter(|_| actuation.is_some()) {
             let gauge = valve.supply.gauge_pressure().0;
-            let its = self.valve(Actuation { solenoid: *solenoid, command: command.clone() });
-            let mut feed = self.node(NodeKind::Source, gauge, temperature);
-            let mut copies = 1.0;
-            if let Some(supply) = &line.supply {
-                copies = supply.actuators();
-                let mut inlet = None;
-                if let Some(reservoir) = supply.reservoir() {
-                    let tank = self.node(NodeKind::Reservoir(*reservoir), 0.0, temperature);
-                    if reservoir.compressor().is_some() {
-                        self.branch(outside, tank, BranchKind::Compressor);
-                    }
-                    (inlet, feed) = (Some(tank), tank);
+            let (reservoir, regulator) = match &line.supply {
+                Some(supply) => {
+                    copies = supply.actuators();
+                    (supply.reservoir(), supply.regulator())
                 }
-                if let Some(regulator) = supply.regulator() {
-                    let kind = NodeKind::Outlet { regulator: *regulator, set: gauge, inlet };
-                    feed = self.node(kind, gauge, temperature);
-                }
+                None => (None, None),
+            };
+            feed = self.supply([gauge, temperature], reservoir, regulator, None, outside).outlet;
+        }
+        self.draw(index, actuator, actuation, line, [feed, outside], copies);
+    }
+
+    /// Adds a supply at a gauge pressure (Pa) and a temperature (K): a source without end, or a reservoir, a regulator or both.
+    /// A regulator without a reservoir draws from `inlet`, a node that stands before it, or from mains without end. `outside` is
+    /// the atmosphere that a compressor draws from.
+    pub fn supply(
+        &mut self,
+        [gauge, temperature]: [f64; 2],
+        reservoir: Option<&Reservoir>,
+        regulator: Option<&Regulator>,
+        inlet: Option<usize>,
+        outside: usize,
+    ) -> SupplyNodes {
+        let reservoir = reservoir.map(|reservoir| {
+            let tank = self.node(NodeKind::Reservoir(*reservoir), 0.0, temperature);
+            if reservoir.compressor().is_some() {
+                self.branch(outside, tank, BranchKind::Compressor);
             }
+            tank
+        });
+        let outlet = match (regulator, reservoir) {
+            (Some(regulator), _) => {
+                let kind = NodeKind::Outlet { regulator: *regulator, set: gauge, inlet: reservoir.or(inlet) };
+                self.node(kind, gauge, temperature)
+            }
+            (None, Some(tank)) => tank,
+            (None, None) => self.node(NodeKind::Source, gauge, temperature),
+        };
+        SupplyNodes { reservoir, outlet }
+    }
+
+    /// Adds what an actuator draws from a node: its valve with the paths from that node and to `outside`, its hose and its leak.
+    /// `copies` actuators alike draw the same. The valve and the node that it opens into, if there is one.
+    pub fn draw(
+        &mut self,
+        index: usize,
+        actuator: &Actuator,
+        actuation: Option<&Actuation>,
+        line: &Line,
+        [mut feed, outside]: [usize; 2],
+        copies: f64,
+    ) -> Option<[usize; 2]> {
+        let temperature = self.nodes[outside].temperature;
+        let mut drawn = None;
+        if let (Some(valve), Some(Actuation { solenoid, command })) = (actuator.valve(), actuation) {
+            let its = self.valve(Actuation { solenoid: *solenoid, command: command.clone() });
             if let Some(regulator) = solenoid.regulator() {
+                let gauge = valve.supply.gauge_pressure().0;
                 let kind = NodeKind::Port { regulator: *regulator, valve: its, feed: gauge };
                 feed = self.node(kind, 0.0, temperature);
             }
@@ -57,11 +107,13 @@ impl Network {
                 let copies = if port == Port::Supply { copies } else { 1.0 };
                 self.branch(from, into, BranchKind::Path { law, valve: its, port, ambient, copies });
             }
+            drawn = Some([its, into]);
         }
         if let Some(leakage) = &line.leakage {
             let chamber = self.chamber(index, temperature);
             self.branch(outside, chamber, BranchKind::Leak(*leakage));
         }
+        drawn
     }
 }
 

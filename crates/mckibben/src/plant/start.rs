@@ -204,11 +204,13 @@ impl<R: Real> Plant<R> {
         Ok((state, memories))
     }
 
-    /// The actuator whose chamber branches lead to from a node.
+    /// The actuator whose chamber branches lead to from a node, without a reservoir between.
     fn chamber_behind(&self, mut node: usize) -> Option<usize> {
         for _ in 0..=self.network.branches.len() {
-            if let NodeKind::Chamber { actuator } = self.network.nodes[node].kind {
-                return Some(actuator);
+            match self.network.nodes[node].kind {
+                NodeKind::Chamber { actuator } => return Some(actuator),
+                NodeKind::Reservoir(_) => return None,
+                _ => {}
             }
             node = self.network.branches.iter().find(|branch| branch.from == node)?.to;
         }

@@ -1,0 +1,187 @@
+//! From what a file says of a plant to the core's plant and its start.
+
+use super::network::Builder;
+use super::{Frame, MechanismNames, Member, Mount, PlantExperiment, PlantNames, PlantScenario};
+use crate::choice::Engine;
+use crate::diagnostic::Diagnostics;
+use crate::document::Document;
+use crate::model::{core_air, core_motion};
+use crate::scenario::{InitialLength, Run};
+use mckibben::force::Statics;
+use mckibben::load::{Load, MomentArm, SeriesTendon};
+use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
+use mckibben::plant::{InitialAir, Mounted, Plant, PlantStart};
+use mckibben::simulation::{Driven, PressureCourse, Rig};
+use mckibben::{Actuator, Error, GaugePressure};
+
+impl Document {
+    pub(super) fn build_plant(&self, of: PlantScenario) -> Result<PlantExperiment, Diagnostics> {
+        let mut names = PlantNames::default();
+        let whole = |error: &Error| -> Diagnostics { self.diagnose(error).into() };
+        of.run.check_counts().map_err(|error| whole(&error))?;
+        check_engine(&of.run).map_err(|error| whole(&error))?;
+        let mut parts = Parts { mounted: Vec::new(), mechanisms: Vec::new(), start: PlantStart::default() };
+        for Frame { name, mechanism, joints, positions, rates, .. } in &of.frames {
+            parts.mechanisms.push(mechanism.clone());
+            parts.start.positions.push(positions.clone());
+            parts.start.rates.push(rates.clone());
+            names.mechanisms.push(MechanismNames { name: Some(name.clone()), joints: joints.clone() });
+        }
+        let mut network =
+            core_air(&of.air).and_then(|air| Builder::new(&of, &air, &mut names)).map_err(|error| whole(&error))?;
+        for (index, member) in of.members.iter().enumerate() {
+            let in_its_part = |error: &Error| -> Diagnostics {
+                let diagnostic = self.of_actuator(&member.name).diagnose(error);
+                diagnostic.help(format!("this is of the actuator `{}`", member.name)).into()
+            };
+            let drawn = parts.add(member, index, &of, &mut network).map_err(|error| in_its_part(&error))?;
+            names.actuators.push(member.name.clone());
+            names.valves.push(drawn.map(|[valve, _]| valve));
+            names.hoses.push(drawn.filter(|_| member.alone.hose.is_some()).map(|[_, node]| node));
+            if matches!(member.mount, Mount::Own) {
+                names.mechanisms.push(MechanismNames::default());
+            }
+        }
+        let Parts { mounted, mechanisms, start } = parts;
+        let plant = Plant::new(mounted, network.network, mechanisms).map_err(|error| whole(&error))?;
+        // What the start refuses is refused before anything is simulated.
+        plant.start(&start).map_err(|error| whole(&error))?;
+        Ok(PlantExperiment { plant, start, run: of.run, names })
+    }
+}
+
+/// The parts of a plant beside its network.
+struct Parts {
+    mounted: Vec<Mounted>,
+    mechanisms: Vec<Mechanism>,
+    start: PlantStart,
+}
+
+impl Parts {
+    /// Adds an actuator; its valve and the node that the valve opens into.
+    fn add(
+        &mut self,
+        member: &Member,
+        index: usize,
+        of: &PlantScenario,
+        network: &mut Builder<'_>,
+    ) -> Result<Option<[usize; 2]>, Error> {
+        let alone = &member.alone;
+        let driven = alone.driven_by(member.output)?;
+        if let Some(actuation) = &driven.actuation {
+            actuation.check_counts(of.run.duration)?;
+        }
+        let air = *driven.actuator.air();
+        let line = alone.core_line(&air)?;
+        let line = mckibben::line::Line { supply: None, ..line };
+        let drawn = network.draw(index, &driven, &line, alone, member.supply.as_deref())?;
+        let bare = driven.actuator.clone().without_valve();
+        let tendon = alone.tendon.map(|of| SeriesTendon::new(of.stiffness, of.rest_length)).transpose()?;
+        let pressure = alone.pressure.as_ref().map(|course| PressureCourse::new(&course.time, &course.gauge_pressure));
+        let pressure = pressure.transpose()?;
+        let mut initial = InitialAir {
+            gauge_pressure: GaugePressure(alone.initial.gauge_pressure),
+            temperature: alone.initial.temperature,
+        };
+        let (mechanism, coupling, length);
+        match &member.mount {
+            Mount::Own => {
+                let Driven { actuator, actuation } = driven;
+                let load = alone.core_load(actuator.law().law.end_length())?;
+                let mut rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
+                if let Some(tendon) = tendon {
+                    rig = rig.with_tendon(tendon)?;
+                }
+                if let Some(course) = &pressure {
+                    rig = rig.with_pressure(course.clone())?;
+                }
+                let state = rig.start(&alone.initial())?;
+                let start = Plant::start_of_rig(&rig, &state);
+                mechanism = self.mechanisms.len();
+                coupling = Coupling::Direct { coordinate: 0 };
+                self.mechanisms.push(match rig.load() {
+                    Load::HangingMass { mass, gravity } => {
+                        Mechanism::Mass(Mass::new(*mass, Pull::Gravity(*gravity), None)?)
+                    }
+                    Load::ConstantForce { mass, force } => {
+                        Mechanism::Mass(Mass::new(*mass, Pull::Force(*force), None)?)
+                    }
+                    Load::Isometric => Mechanism::Fixed,
+                    Load::Prescribed(motion) => Mechanism::Prescribed(motion.clone()),
+                });
+                self.start.positions.extend(start.positions);
+                self.start.rates.extend(start.rates);
+                initial = start.air[0];
+                length = start.lengths[0];
+            }
+            mount => {
+                (mechanism, coupling) = mounted_on(mount)?;
+                let frame = &of.frames[mechanism];
+                let end = bare.law().law.end_length();
+                if let (Some(motion), None) = (&frame.motion, tendon) {
+                    core_motion(motion, end)?;
+                }
+                length = match (tendon, alone.initial.length) {
+                    (Some(_), InitialLength::At(length)) => Some(length),
+                    (Some(tendon), _) => {
+                        let distance = coupling.span(&frame.mechanism, &frame.positions);
+                        let gauge = pressure.as_ref().map_or(initial.gauge_pressure.0, |course| course.at(0.0, 0)[0]);
+                        Some(balanced(&bare, gauge, |length| tendon.tension(distance - length)))
+                    }
+                    (None, _) => None,
+                };
+            }
+        }
+        self.mounted.push(Mounted { actuator: bare, mechanism, coupling, tendon, pressure });
+        self.start.air.push(initial);
+        self.start.lengths.push(length);
+        Ok(drawn)
+    }
+}
+
+fn mounted_on(mount: &Mount) -> Result<(usize, Coupling), Error> {
+    match mount {
+        Mount::Own => Ok((0, Coupling::Direct { coordinate: 0 })),
+        Mount::Direct { mechanism } => Ok((*mechanism, Coupling::Direct { coordinate: 0 })),
+        Mount::Arms { mechanism, rest_length, arms } => {
+            let arms = arms.iter().map(|(joint, angle, arm)| {
+                let back = arm.iter().any(|arm| *arm < 0.0);
+                let sizes: Vec<f64> = arm.iter().map(|arm| arm.abs()).collect();
+                let arm = match (angle.as_slice(), sizes.as_slice()) {
+                    ([], [radius]) => MomentArm::pulley(*radius)?,
+                    (angle, sizes) => MomentArm::table(angle, sizes)?,
+                };
+                Ok(Arm { joint: *joint, sign: if back { -1.0 } else { 1.0 }, arm })
+            });
+            Ok((*mechanism, Coupling::arms(*rest_length, arms.collect::<Result<_, Error>>()?)?))
+        }
+        Mount::Points { mechanism, ends } => {
+            let ends = ends.map(|(segment, place)| Attachment { segment, place });
+            Ok((*mechanism, Coupling::Points(ends)))
+        }
+    }
+}
+
+/// The length in m at which an actuator at a gauge pressure (Pa) balances what pulls on it, a tension in N that falls with its
+/// length; its shortest or longest where it balances nowhere between.
+fn balanced(actuator: &Actuator, gauge: f64, pull: impl Fn(f64) -> f64) -> f64 {
+    let pressure = GaugePressure(gauge).absolute(actuator.air().atmosphere()).0;
+    let (mut low, mut high) = (actuator.limits().min_length(), actuator.limits().max_length());
+    // Halving a length of a metre so often leaves less than rounding.
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if pull(middle) > actuator.static_force(middle, pressure).max(0.0) { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// The plant runs by the event-located engine.
+fn check_engine(run: &Run) -> Result<(), Error> {
+    match run.engine {
+        Engine::EventLocated => Ok(()),
+        Engine::FixedStep => Err(Error::Unsupported {
+            what: "a plant of several actuators runs by the event-located engine alone yet",
+            remedy: "leave out run.engine, or set it to \"event-located\"",
+        }),
+    }
+}

@@ -1,0 +1,160 @@
+//! A plant of several actuators as a file says it.
+//!
+//! ```text
+//! [supplies.tank]                  a tree of air: sources, reservoirs, regulators, manifolds, each fed by one before it
+//! [mechanism] [mechanism.joints.elbow]
+//! [valve] [command] [coupling] …   what every actuator has unless its own say otherwise
+//! [actuators.biceps]               keys of [actuator], and below it sections of its own
+//! ```
+//!
+//! | file | its idea |
+//! |---|---|
+//! | `parts` | the document as it stands for one actuator, one supply, one mechanism |
+//! | `read::plant`, `read::mechanism` | what the file says, as plain values |
+//! | `network` | the supplies and what the actuators draw from them |
+//! | `build` | from those to the core's plant and its start |
+//!
+//! Checked by `tests/plant.rs`.
+
+mod build;
+mod network;
+pub(crate) mod parts;
+
+use crate::diagnostic::Diagnostics;
+use crate::document::Document;
+use crate::keys;
+use crate::scenario::{Air, Command, Hose, Motion, Passage, Run, Scenario, Supply, Valve};
+use mckibben::mechanism::Mechanism;
+use mckibben::plant::{Plant, PlantStart};
+
+/// A plant ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlantExperiment {
+    /// Actuators, air and mechanisms.
+    pub plant: Plant,
+    /// The state at the start.
+    pub start: PlantStart,
+    /// How long to simulate and what to record.
+    pub run: Run,
+    /// What the file calls the parts.
+    pub names: PlantNames,
+}
+
+/// What a file calls the parts of a plant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlantNames {
+    /// Each actuator's.
+    pub actuators: Vec<String>,
+    /// The valve of each actuator in the network, where it has one.
+    pub valves: Vec<Option<usize>>,
+    /// The hose of each actuator: the node that its valve opens into, where it has one.
+    pub hoses: Vec<Option<usize>>,
+    /// Each mechanism's and, of a chain, its joints'; no name where it is the load of one actuator alone.
+    pub mechanisms: Vec<MechanismNames>,
+    /// The nodes of the network that are supplies; of one with reservoir and regulator both, the reservoir as `NAME.reservoir`.
+    pub nodes: Vec<(String, usize)>,
+    /// The valves of supplies.
+    pub supply_valves: Vec<(String, usize)>,
+}
+
+/// What a file calls a mechanism and its parts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MechanismNames {
+    /// Its name.
+    pub name: Option<String>,
+    /// Those of its joints.
+    pub joints: Vec<String>,
+}
+
+/// What a file says of one actuator of a plant.
+#[derive(Clone, Debug)]
+pub(crate) struct Member {
+    pub(crate) name: String,
+    /// Actuator, valve, hose, command and start as if it were alone; its load, where it has one of its own.
+    pub(crate) alone: Scenario,
+    /// The supply that its valve draws from.
+    pub(crate) supply: Option<String>,
+    /// Which output of a five-way valve drives it.
+    pub(crate) output: usize,
+    pub(crate) mount: Mount,
+}
+
+/// What an actuator pulls on.
+#[derive(Clone, Debug)]
+pub(crate) enum Mount {
+    /// A load of its own.
+    Own,
+    /// A mechanism, whose coordinate is its distance.
+    Direct { mechanism: usize },
+    /// A chain, by moment arms: the joint, the angles and the arms, one arm alone where it is a pulley's.
+    Arms { mechanism: usize, rest_length: f64, arms: Vec<(usize, Vec<f64>, Vec<f64>)> },
+    /// A chain, between two points: the segment, if it is not the ground, along and across.
+    Points { mechanism: usize, ends: [(Option<usize>, [f64; 2]); 2] },
+}
+
+/// What a file says of one supply.
+#[derive(Clone, Debug)]
+pub(crate) struct Store {
+    pub(crate) name: String,
+    pub(crate) supply: Supply,
+    /// The supply that feeds it, by its index, which is less than its own.
+    pub(crate) from: Option<usize>,
+    pub(crate) inlet: Option<Inlet>,
+    /// A valve in its place, and what that is told.
+    pub(crate) valve: Option<(Valve, Command)>,
+    /// A hose behind either.
+    pub(crate) hose: Option<Hose>,
+}
+
+/// A fixed passage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inlet {
+    pub(crate) one_way: bool,
+    pub(crate) passage: Passage,
+    pub(crate) efficiency: f64,
+    pub(crate) laminar_ratio: f64,
+}
+
+/// What a file says of one mechanism.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    pub(crate) name: String,
+    pub(crate) mechanism: Mechanism,
+    /// Its motion, where that is given; the actuators say how long it may become.
+    pub(crate) motion: Option<Motion>,
+    pub(crate) joints: Vec<String>,
+    pub(crate) segments: Vec<String>,
+    pub(crate) positions: Vec<f64>,
+    pub(crate) rates: Vec<f64>,
+}
+
+/// A plant as a file says it.
+#[derive(Clone, Debug)]
+pub(crate) struct PlantScenario {
+    pub(crate) members: Vec<Member>,
+    pub(crate) stores: Vec<Store>,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) air: Air,
+    pub(crate) run: Run,
+}
+
+impl Document {
+    /// Whether the file describes a plant: it names actuators, supplies or mechanisms.
+    pub fn is_plant(&self) -> bool {
+        [keys::ACTUATORS, keys::SUPPLIES, keys::MECHANISM, keys::MECHANISMS]
+            .iter()
+            .any(|section| self.contains(section))
+    }
+
+    /// Reads the plant that the document describes and builds it, or `None` when it describes no plant.
+    ///
+    /// # Errors
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    pub fn plant_experiment(&self) -> Result<Option<PlantExperiment>, Diagnostics> {
+        if !self.is_plant() {
+            return Ok(None);
+        }
+        let scenario = self.read_plant()?;
+        self.build_plant(scenario).map(Some)
+    }
+}

@@ -1,0 +1,426 @@
+//! Actuators and supplies of a plant.
+//!
+//! Each is read from the document as it stands for it. What feeds what is a tree: a supply is fed by at most one, and none by
+//! itself.
+
+use super::{body, course, drive, gauge_pressure, line, mechanism, passage};
+use crate::choice::{InletKind, ValveOutput};
+use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
+use crate::document::Document;
+use crate::keys::{self, ACTUATORS, SUPPLIES};
+use crate::plant::parts::SUPPLY;
+use crate::plant::{Frame, Inlet, Member, Mount, PlantScenario, Store};
+use crate::reader::Reader;
+use crate::scenario::{Air, Initial, InitialLength, Load, Scenario, Supply};
+use mckibben::parameter as p;
+use std::collections::HashMap;
+
+/// The passage of an inlet.
+static INLET: passage::Rows = passage::Rows {
+    flow_area: &keys::INLET_FLOW_AREA,
+    sonic_conductance: &keys::INLET_SONIC_CONDUCTANCE,
+    critical_ratio: &keys::INLET_CRITICAL_RATIO,
+    kv: &keys::INLET_KV,
+    cv: &keys::INLET_CV,
+    pressure_drop_ratio: &keys::INLET_DROP,
+};
+
+impl Document {
+    /// Reads the plant that the document describes.
+    pub(crate) fn read_plant(&self) -> Result<PlantScenario, Diagnostics> {
+        let mut reader = Reader::new(self);
+        let r = &mut reader;
+        for section in ["antagonist", "controller", "sweep"] {
+            refuse(r, section, &format!("[{section}] is not for a plant yet"), "remove it");
+        }
+        let actuators = self.named(ACTUATORS);
+        if actuators.is_empty() {
+            let because = "a plant has one actuator or more";
+            r.note(
+                Diagnostic::whole(Class::Missing, self.source().name(), format!("no actuator is named: {because}"))
+                    .help("add a section such as `[actuators.flexor]`"),
+            );
+        }
+        self.distinct_names(r);
+        let air = body::air(r);
+        let run = if r.has("run") {
+            Some(course::run(r))
+        } else {
+            r.missing_section("run", None);
+            None
+        };
+        let stores = self.read_stores(r, &air);
+        let frames = mechanism::frames(self, r);
+        let (Some(stores), Some(frames)) = (stores, frames) else { return Err(of_mistakes(reader)) };
+        let members: Vec<Option<Member>> =
+            actuators.iter().map(|(name, place)| self.read_member(r, (name, place), &stores, &frames)).collect();
+        let members: Option<Vec<Member>> = members.into_iter().collect();
+        match (members, run) {
+            (Some(members), Some(run)) if !r.has_mistakes() => {
+                let mut members = members;
+                members.iter_mut().for_each(|member| member.alone.run = run);
+                // Supplies that are an actuator's own stand behind the named ones.
+                let mut stores = stores;
+                for member in &mut members {
+                    if member.supply.as_deref() == Some("") {
+                        let name = format!("{}.supply", member.name);
+                        if let Some(supply) = member.alone.supply {
+                            let (name, from, inlet) = (name.clone(), None, None);
+                            stores.push(Store { name, supply, from, inlet, valve: None, hose: None });
+                        }
+                        member.supply = Some(name);
+                    }
+                }
+                Ok(PlantScenario { members, stores, frames, air, run })
+            }
+            _ => Err(of_mistakes(reader)),
+        }
+    }
+
+    /// Columns carry names, so no two parts may share one.
+    fn distinct_names(&self, r: &mut Reader<'_>) {
+        let mut known: HashMap<&str, &Place> = self.place(SUPPLY).map(|place| (SUPPLY, place)).into_iter().collect();
+        let mut sections = vec![ACTUATORS.to_owned(), SUPPLIES.to_owned(), keys::MECHANISMS.to_owned()];
+        sections.push("mechanism.joints".to_owned());
+        sections.extend(self.named(keys::MECHANISMS).iter().map(|(name, _)| format!("mechanisms.{name}.joints")));
+        for (name, place) in sections.iter().flat_map(|section| self.named(section)) {
+            if let Some(first) = known.insert(name, place) {
+                let title = format!("two parts are called `{name}`, and columns are named by them");
+                r.note(
+                    Diagnostic::at(Class::Conflict, place.clone(), title, "second of that name")
+                        .related(Some(first.clone()), "first of that name")
+                        .help("give each actuator, supply, mechanism and joint a name of its own"),
+                );
+            }
+        }
+    }
+
+    /// The supplies, each behind what feeds it; `None` when there is a mistake, which has been noted.
+    fn read_stores(&self, r: &mut Reader<'_>, air: &Air) -> Option<Vec<Store>> {
+        let mut named = self.named(SUPPLIES);
+        if let Some(place) = self.place(SUPPLY) {
+            named.insert(0, (SUPPLY, place));
+        }
+        let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
+        let mut from: Vec<Option<usize>> = Vec::new();
+        let mut sound = true;
+        for name in &names {
+            let path = format!("{SUPPLIES}.{name}.from");
+            let feeder = r.name(&path);
+            let index = feeder.and_then(|feeder| names.iter().position(|name| *name == feeder));
+            if let (Some(feeder), None, Some(place)) = (feeder, index, r.value_place(&path)) {
+                r.no_such(place, feeder, "supply", &names);
+                sound = false;
+            }
+            from.push(index);
+        }
+        // In the order of the air; what is left feeds itself.
+        let mut order: Vec<usize> = Vec::new();
+        while let Some(next) =
+            (0..names.len()).find(|i| !order.contains(i) && from[*i].is_none_or(|feeder| order.contains(&feeder)))
+        {
+            order.push(next);
+        }
+        if let Some(left) = (0..names.len()).find(|i| !order.contains(i)) {
+            if let Some(place) = r.value_place(&format!("{SUPPLIES}.{}.from", names[left])) {
+                let title = format!("the supply `{}` is fed by itself", names[left]);
+                r.note(
+                    Diagnostic::at(Class::Inconsistent, place, title, "leads round in a circle")
+                        .help("let the first of them be fed by none, or by another"),
+                );
+            }
+            return None;
+        }
+        let mut stores: Vec<Store> = Vec::new();
+        for index in order.iter().copied() {
+            let (name, place) = named[index];
+            let feeder = from[index].and_then(|index| order.iter().position(|i| *i == index));
+            let feeder = feeder.and_then(|feeder| Some((feeder, stores.get(feeder)?.supply)));
+            match self.read_store(r, (name, place), feeder, air) {
+                Some(store) => stores.push(store),
+                None => return None,
+            }
+        }
+        sound.then_some(stores)
+    }
+
+    fn read_store(
+        &self,
+        r: &mut Reader<'_>,
+        (name, place): (&str, &Place),
+        feeder: Option<(usize, Supply)>,
+        air: &Air,
+    ) -> Option<Store> {
+        let mut document = self.of_supply(name);
+        if let Some((_, feeder)) = feeder {
+            // What is not said of it is as of what feeds it.
+            for (row, value) in
+                [(&p::SUPPLY_GAUGE_PRESSURE, feeder.gauge_pressure), (&p::SUPPLY_TEMPERATURE, feeder.temperature)]
+            {
+                if !document.contains(row.key) {
+                    document.put_value(row.key, place, value, row.unit);
+                }
+            }
+        }
+        let mut part = Reader::of_part(&document, r);
+        let of = &mut part;
+        let (supply, valve, command) = drive::drive(of, air);
+        refuse(of, p::ACTUATORS.key, "the actuators of a plant are those that the file names", "remove it");
+        let hose = line::hose_of_any(of);
+        let inlet = inlet(of);
+        let passes = [("supplies.*.inlet", "an inlet"), ("valve", "a valve"), ("hose", "a hose")];
+        let stored = supply.is_some_and(|supply| supply.reservoir.is_some());
+        let regulated = supply.is_some_and(|supply| supply.regulator.is_some());
+        for (path, what) in passes {
+            if let Some(place) = of.key_place(path).filter(|_| feeder.is_none() || !stored) {
+                let (title, help) = match feeder {
+                    None => {
+                        (format!("the supply `{name}` has {what} but nothing feeds it"), "name its feeder in `from`")
+                    }
+                    Some(_) => (
+                        format!("the supply `{name}` has {what} and no volume that it leads to"),
+                        "give `reservoir_volume`; a regulator alone is fed directly",
+                    ),
+                };
+                of.note(Diagnostic::at(Class::NotApplicable, place, title, "leads nowhere").help(help));
+            }
+        }
+        if let (Some(place), Some(second)) = (of.key_place("supplies.*.inlet"), of.key_place("valve")) {
+            let title = format!("the supply `{name}` is fed through an inlet and through a valve");
+            of.note(
+                Diagnostic::at(Class::Conflict, second, title, "second way")
+                    .related(Some(place), "first way")
+                    .help("keep one of the two"),
+            );
+        }
+        if feeder.is_some() {
+            let has_way = inlet.is_some() || of.has("supplies.*.inlet") || of.has("valve");
+            if !stored && !regulated {
+                let title = format!("the supply `{name}` is neither reservoir nor regulator");
+                of.note(Diagnostic::at(Class::Missing, place.clone(), title, "nothing that air could be in").help(
+                    "add `reservoir_volume = \"50 cm^3\"` for a manifold or `lag = \"20 ms\"` for a regulator, or let \
+                         the actuators draw from what feeds it",
+                ));
+            } else if stored && !has_way {
+                let title = format!("nothing leads air into the supply `{name}`");
+                of.note(
+                    Diagnostic::at(Class::Missing, place.clone(), title, "an inlet is expected")
+                        .help(format!("add for instance `inlet.flow_area = \"10 mm^2\"` to [supplies.{name}]")),
+                );
+            }
+        }
+        let valve = valve.zip(command);
+        let named = |path: &str| {
+            let own = path.strip_prefix("supplies.*.").or_else(|| path.strip_prefix("supply."));
+            let own = own.or_else(|| Some(path).filter(|path| keys::OF_SUPPLY.iter().any(|of| path.starts_with(of))));
+            own.filter(|_| name != SUPPLY).map(|own| format!("{SUPPLIES}.{name}.{own}"))
+        };
+        if !r.take(part, named) {
+            return None;
+        }
+        let name = name.to_owned();
+        Some(Store { name, supply: supply?, from: feeder.map(|(index, _)| index), inlet, valve, hose })
+    }
+
+    fn read_member(
+        &self,
+        r: &mut Reader<'_>,
+        (name, place): (&str, &Place),
+        stores: &[Store],
+        frames: &[Frame],
+    ) -> Option<Member> {
+        let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
+        let mut document = self.of_actuator(name);
+        let mut supply = None;
+        let has_own =
+            matches!(r.entry(&own(SUPPLY)).map(|entry| &entry.node.value), Some(value) if value.noun() == "a section");
+        if has_own {
+            // Told from the others by having no name yet.
+            supply = Some(String::new());
+        } else if document.contains("valve") {
+            let store = feeder(r, &own(SUPPLY), (name, place), stores)?;
+            document.remove(SUPPLY);
+            let at = r.value_place(&own(SUPPLY)).unwrap_or_else(|| place.clone());
+            document.put_value(p::SUPPLY_GAUGE_PRESSURE.key, &at, store.supply.gauge_pressure, "Pa");
+            document.put_value(p::SUPPLY_TEMPERATURE.key, &at, store.supply.temperature, "K");
+            supply = Some(store.name.clone());
+        } else {
+            document.remove(SUPPLY);
+            // What no valve obeys is said of the others.
+            for section in ["command", "hose"].into_iter().filter(|section| !r.has(&own(section))) {
+                document.remove(section);
+            }
+        }
+        // The whole plant has one atmosphere and one gas; each actuator its own process.
+        for row in [&p::ATMOSPHERIC_PRESSURE, &p::GAS_CONSTANT, &p::HEAT_CAPACITY_RATIO] {
+            let path = format!("{ACTUATORS}.{name}.{}", row.key);
+            refuse(r, &path, "the gas and the surroundings are those of the whole plant", "give it in [air]");
+        }
+        let has_load = r.has(&own("load")) || frames.is_empty();
+        if has_load && !document.contains("load") {
+            r.missing_section("load", None);
+            return None;
+        }
+        if let (true, Some(place)) = (has_load, r.key_place(&own("coupling"))) {
+            let title = format!("the actuator `{name}` has a load of its own and spans no mechanism");
+            r.note(
+                Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
+                    .help("remove it, or the load and name a mechanism in [mechanism]"),
+            );
+        }
+        if has_load {
+            document.remove("coupling");
+        } else {
+            document.remove("load");
+        }
+        let mut part = Reader::of_part(&document, r);
+        let of = &mut part;
+        let actuator = body::actuator(of);
+        let air = body::air(of);
+        let (supplied, valve, command) = drive::drive(of, &air);
+        let hose = line::hose(of);
+        let pressure = course::pressure(of);
+        let tendon = course::tendon(of);
+        let output = match of.word("valve.output") {
+            Some(ValveOutput::B) => 1,
+            _ => 0,
+        };
+        if let Some(place) =
+            of.key_place("valve.output").filter(|_| valve.is_some_and(|valve| !valve.kind.has_two_outputs()))
+        {
+            let title = "`valve.output` is for a five-way valve";
+            of.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
+        }
+        let (load, initial, mount);
+        if has_load {
+            load = course::load(of, &air);
+            initial = course::initial(of, load.as_ref(), &air);
+            mount = Some(Mount::Own);
+            if matches!(load, Some(Load::AntagonisticJoint(_)))
+                && let Some(place) = of.value_place("load.kind")
+            {
+                let title = "an antagonistic joint is the load of two actuators";
+                of.note(
+                    Diagnostic::at(Class::NotApplicable, place, title, "not of one")
+                        .help("write it as [mechanism] with kind = \"chain\" and one joint"),
+                );
+            }
+        } else {
+            // It stands in for the mechanism, of which nothing here asks.
+            load = Some(Load::Isometric);
+            initial = on_mechanism(of, tendon.is_some(), &air);
+            mount = mechanism::mount(of, &document, name, place, frames);
+        }
+        // What is the actuator's own has its name; what is of all has not.
+        let named = |path: &str| {
+            let path = format!("{ACTUATORS}.{name}.{}", path.strip_prefix("actuator.").unwrap_or(path));
+            self.contains(&path).then_some(path)
+        };
+        let sound = r.take(part, named);
+        let run = crate::scenario::Run {
+            duration: 1.0,
+            sample_interval: 1.0,
+            engine: crate::choice::Engine::EventLocated,
+            relative_tolerance: 1e-8,
+            method: crate::choice::Method::Stable,
+            step: None,
+            accuracy: 1e-3,
+        };
+        let alone = Scenario {
+            actuator,
+            air,
+            supply: supplied,
+            valve,
+            hose,
+            command,
+            pressure,
+            tendon,
+            load: load?,
+            initial,
+            run,
+        };
+        let (name, mount) = (name.to_owned(), mount?);
+        sound.then_some(Member { name, alone, supply, output, mount })
+    }
+}
+
+/// The start of an actuator whose mechanism says how long it is.
+fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, air: &Air) -> Initial {
+    let path = p::INITIAL_LENGTH.key;
+    for row in [&p::INITIAL_VELOCITY, &p::INITIAL_ANGLE, &p::INITIAL_ANGULAR_VELOCITY] {
+        let help = "give it of the mechanism or its joints";
+        refuse(r, row.key, "the start of the mechanism is said there", help);
+    }
+    let mut length = InitialLength::Equilibrium;
+    if has_tendon && r.has(path) && !r.says(path, keys::EQUILIBRIUM.name) {
+        let given = r.number_or(&p::INITIAL_LENGTH, keys::EQUILIBRIUM.name);
+        length = given.map_or(InitialLength::Equilibrium, InitialLength::At);
+    } else if !has_tendon {
+        refuse(r, path, "without an elastic tendon the mechanism says how long the actuator is", "remove it");
+    }
+    let gauge_pressure = gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air);
+    Initial { gauge_pressure, temperature: r.value(&p::INITIAL_TEMPERATURE, None), length, velocity: 0.0 }
+}
+
+/// The supply that an actuator's valve draws from.
+fn feeder<'s>(r: &mut Reader<'_>, path: &str, (name, place): (&str, &Place), stores: &'s [Store]) -> Option<&'s Store> {
+    let known: Vec<&str> = stores.iter().map(|store| store.name.as_str()).collect();
+    let find = |name: &str| stores.iter().find(|store| store.name == name);
+    if r.has(path) {
+        let said = r.name(path)?;
+        let found = find(said);
+        if let (None, Some(place)) = (found, r.value_place(path)) {
+            r.no_such(place, said, "supply", &known);
+        }
+        return found;
+    }
+    // The end of the line, where there is one line.
+    let feeds = |index: usize| stores.iter().any(|store| store.from == Some(index));
+    let mut ends = stores.iter().enumerate().filter(|(index, _)| !feeds(*index)).map(|(_, store)| store);
+    let one = find(SUPPLY).or_else(|| ends.next().filter(|_| ends.next().is_none()));
+    if one.is_none() {
+        let title = format!("nothing says which supply feeds the valve of `{name}`");
+        let help = match known.as_slice() {
+            [] => "add a section [supply]".to_owned(),
+            known => format!(
+                "add `supply = \"{}\"` to [actuators.{name}]; known: {}",
+                known[known.len() - 1],
+                known.join(", ")
+            ),
+        };
+        r.note(Diagnostic::at(Class::Missing, place.clone(), title, "draws from none").help(help));
+    }
+    one
+}
+
+fn inlet(r: &mut Reader<'_>) -> Option<Inlet> {
+    let place = r.key_place("supplies.*.inlet")?;
+    let kind: InletKind = r.word("supplies.*.inlet.kind").unwrap_or(InletKind::Open);
+    let passage = passage::passage(r, &INLET, None);
+    if passage.is_none() {
+        let title = "the inlet does not say how much it lets through";
+        r.note(Diagnostic::at(Class::Missing, place, title, "`flow_area` is expected here").help(
+            "add for instance `flow_area = \"10 mm^2\"`; the other ways to state a valve's passage would do as well",
+        ));
+    }
+    let efficiency = r.value(&keys::INLET_EFFICIENCY, None);
+    let laminar_ratio = r.value(&keys::INLET_LAMINAR_RATIO, None);
+    Some(Inlet { one_way: kind == InletKind::Check, passage: passage?, efficiency, laminar_ratio })
+}
+
+/// Notes a key or section that has no place here.
+fn refuse(r: &mut Reader<'_>, path: &str, title: &str, help: &str) {
+    if let Some(place) = r.key_place(path) {
+        r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help(help));
+    }
+}
+
+/// What was noted; at least one mistake.
+fn of_mistakes(reader: Reader<'_>) -> Diagnostics {
+    let name = reader.document().source().name().to_owned();
+    match reader.finish() {
+        Err(found) => found,
+        // Not reached: a part that could not be read has been noted. Said rather than assumed.
+        Ok(()) => Diagnostic::whole(Class::Missing, name, "the plant is incomplete").into(),
+    }
+}

@@ -1,0 +1,592 @@
+//! Files of many actuators: what is said once holds of all, what is said of one of that one, and names lead where they say.
+
+use mckibben::network::{BranchKind, NodeKind};
+use mckibben::plant::{Plant, simulate_plant};
+use mckibben_scenario::keys::PLANT_KEYS;
+use mckibben_scenario::{Document, PlantExperiment, schema};
+use std::path::Path;
+
+fn document(text: &str) -> Document {
+    Document::parse(text, "plant.toml").expect("TOML")
+}
+
+fn plant(text: &str) -> PlantExperiment {
+    match document(text).plant_experiment() {
+        Ok(Some(plant)) => plant,
+        Ok(None) => panic!("no plant"),
+        Err(found) => panic!("{found}\n{text}"),
+    }
+}
+
+fn mistakes(text: &str) -> String {
+    document(text).plant_experiment().expect_err(text).to_string()
+}
+
+/// What every actuator has, in the tests below.
+const ALL: &str = r#"
+[actuator]
+turns = 2.4
+thread_length = "11 cm"
+max_length = "97 mm"
+[actuator.friction]
+viscous = "4 N*s/m"
+coulomb_width = "0.1 mm"
+[supply]
+gauge_pressure = "5 bar"
+[valve]
+kind = "three-way"
+flow_area = "1.5 mm^2"
+opening_delay = "4 ms"
+[hose]
+length = "60 cm"
+diameter = "2.5 mm"
+[command]
+kind = "pwm"
+frequency = "20 Hz"
+duty = 0.4
+[initial]
+gauge_pressure = "1 bar"
+[run]
+duration = "0.2 s"
+"#;
+
+const CHAIN: &str = r#"
+[mechanism]
+kind = "chain"
+[mechanism.joints.shoulder]
+segment = "upper-arm"
+length = "28 cm"
+mass = "0.8 kg"
+distance = "12 cm"
+[mechanism.joints.elbow]
+segment = "forearm"
+mass = "0.5 kg"
+distance = "10 cm"
+angle = "20 deg"
+[coupling]
+rest_length = "88 mm"
+"#;
+
+#[test]
+fn six_alike_are_the_same_short_as_long() {
+    let arms = ["a", "b", "c", "d", "e", "f"].into_iter().zip(["shoulder", "elbow"].into_iter().cycle());
+    let (mut short, mut long) = (format!("{ALL}{CHAIN}"), CHAIN.replace("[coupling]\nrest_length = \"88 mm\"\n", ""));
+    // What belongs to the whole plant stays at the top of the long file.
+    let own = ALL.split("[supply]").collect::<Vec<_>>();
+    let whole = "[supply]\ngauge_pressure = \"5 bar\"\n[run]\nduration = \"0.2 s\"\n";
+    long.push_str(whole);
+    let sections = own[1].replace("\ngauge_pressure = \"5 bar\"\n", "").replace("[run]\nduration = \"0.2 s\"\n", "");
+    for (index, (name, joint)) in arms.enumerate() {
+        let arm = if index % 2 == 0 { "14 mm" } else { "-14 mm" };
+        short.push_str(&format!("[actuators.{name}]\ncoupling.arms.{joint} = \"{arm}\"\n"));
+        let of_actuator = own[0].replace("[actuator", &format!("[actuators.{name}"));
+        let of_sections = sections.replace('[', &format!("[actuators.{name}."));
+        long.push_str(&of_actuator);
+        long.push_str(&of_sections);
+        long.push_str(&format!("[actuators.{name}.coupling]\nrest_length = \"88 mm\"\narms.{joint} = \"{arm}\"\n"));
+    }
+    let (short, long) = (plant(&short), plant(&long));
+    assert_eq!(short, long);
+    let end = |of: &PlantExperiment| {
+        let run = simulate_plant(&of.plant, &of.start, of.run.duration, 1e-8).expect("a run");
+        run.at(of.run.duration).0.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+    };
+    assert_eq!(end(&short), end(&long));
+}
+
+/// Every shipped file of one actuator, with a name for it and nothing else added, is the plant of its rig to the last bit.
+#[test]
+fn one_actuator_is_what_it_is_without_a_name() {
+    let mut tried = 0;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    for below in ["", "paper", "laws", "line", "valves", "friction"] {
+        for entry in std::fs::read_dir(folder.join(below)).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_none_or(|ending| ending != "toml") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).expect("a file");
+            let Ok(old) = document(&text).experiment() else { continue };
+            if text.contains("[sweep]") || text.contains("\nactuators = ") {
+                continue;
+            }
+            let new = plant(&format!("{text}\n[actuators.muscle]\n"));
+            assert_eq!(new.plant, Plant::of_rig(&old.rig).expect("a plant"), "{}", path.display());
+            assert_eq!(new.start, Plant::start_of_rig(&old.rig, &old.start), "{}", path.display());
+            assert_eq!(new.run, old.run);
+            tried += 1;
+        }
+    }
+    assert!(tried > 30, "{tried}");
+}
+
+#[test]
+fn what_is_said_of_one_is_of_that_one() {
+    let text = format!(
+        "{ALL}[load]\nkind = \"hanging-mass\"\nmass = \"2 kg\"\n[actuators.first]\n[actuators.second]\nturns = 2.0\n\
+         load.mass = \"3 kg\"\ncommand.duty = 0.6\n[actuators.third]\nvalve = {{ preset = \"matrix-eight-channel\", kind = \
+         \"fill-hold-exhaust\" }}\n[actuators.third.command]\nkind = \"hold\"\n"
+    );
+    let of = plant(&text);
+    assert_eq!(of.names.actuators, ["first", "second", "third"]);
+    let turns: Vec<f64> = of.plant.actuators().iter().map(|its| its.actuator.law().law.braid.turns()).collect();
+    assert_eq!(turns, [2.4, 2.0, 2.4]);
+    let valves = &of.plant.network().valves;
+    assert_eq!(valves.len(), 3);
+    assert_eq!(valves[0].solenoid, valves[1].solenoid);
+    assert_ne!(valves[0].command, valves[1].command);
+    assert_ne!(valves[0].solenoid, valves[2].solenoid);
+    // All three hang from the one supply.
+    let sources = of.plant.network().nodes.iter().filter(|node| matches!(node.kind, NodeKind::Source)).count();
+    assert_eq!((sources, of.names.nodes.len()), (1, 1));
+}
+
+#[test]
+fn air_comes_by_the_tree_that_is_named() {
+    let supplies = r#"
+[supplies.manifold]
+from = "regulator"
+reservoir_volume = "50 cm^3"
+inlet = { flow_area = "10 mm^2", kind = "check-valve" }
+hose = { length = "1 m", diameter = "6 mm" }
+[supplies.tank]
+gauge_pressure = "7 bar"
+reservoir_volume = "2 L"
+compressor_displacement = "40 L/min"
+cut_in_gauge_pressure = "6 bar"
+cut_out_gauge_pressure = "8 bar"
+[supplies.regulator]
+from = "tank"
+gauge_pressure = "4 bar"
+lag = "20 ms"
+"#;
+    let base = ALL
+        .replace("[supply]\ngauge_pressure = \"5 bar\"\n", "")
+        .replace("[hose]\nlength = \"60 cm\"\ndiameter = \"2.5 mm\"\n", "");
+    let load = "[load]\nkind = \"isometric\"\n[actuators.one]\nsupply = \"manifold\"\ninitial.length = \"90 mm\"\n";
+    let of = plant(&format!("{base}{supplies}{load}"));
+    let network = of.plant.network();
+    let node = |name: &str| of.names.nodes.iter().find(|(its, _)| its == name).expect(name).1;
+    let [tank, regulator, manifold] = ["tank", "regulator", "manifold"].map(node);
+    assert!(matches!(network.nodes[regulator].kind, NodeKind::Outlet { inlet: Some(inlet), .. } if inlet == tank));
+    // The manifold starts at what feeds it, and its hose is behind the check valve.
+    let check = network.branches.iter().find(|branch| matches!(branch.kind, BranchKind::Check { .. })).expect("one");
+    assert_eq!(check.from, regulator);
+    assert!(matches!(network.nodes[check.to].kind, NodeKind::Hose(_)));
+    assert!(network.branches.iter().any(|branch| branch.from == check.to && branch.to == manifold));
+    let fed = network.branches.iter().filter(|branch| branch.from == manifold);
+    assert_eq!(fed.filter(|branch| matches!(branch.kind, BranchKind::Path { .. })).count(), 1);
+    let start = of.plant.start(&of.start).expect("a start");
+    let pressure = |node: usize| start[of.plant.places().nodes[node].expect("a state")];
+    assert_eq!([tank, regulator, manifold].map(pressure), [801_325.0, 501_325.0, 501_325.0]);
+    assert_eq!(pressure(check.to), 501_325.0);
+    let run = simulate_plant(&of.plant, &of.start, 0.2, 1e-8).expect("a run");
+    let filling = run.sample(0.015);
+    let [tank_now, manifold_now] = [tank, manifold].map(|node| filling.nodes[node].pressure.0);
+    assert!(filling.actuators[0].pressure.0 > 210_000.0 && manifold_now < 501_325.0, "{manifold_now}");
+    assert!(tank_now != 801_325.0);
+}
+
+#[test]
+fn joints_stand_in_the_order_that_they_name() {
+    let joint = |name: &str, after: &str| {
+        let after = if after.is_empty() { String::new() } else { format!("after = \"{after}\"\n") };
+        let numbers = format!("length = \"20 cm\"\nmass = \"{} kg\"\ndistance = \"5 cm\"\n", name.len());
+        format!("[mechanism.joints.{name}]\n{after}{numbers}")
+    };
+    let with = |joints: &[String]| {
+        let rest = "[coupling]\nrest_length = \"88 mm\"\n[actuators.one]\ncoupling.arms.wrist = \"1 cm\"\n";
+        format!("{ALL}[mechanism]\nkind = \"chain\"\n{}{rest}", joints.concat())
+    };
+    let plain = plant(&with(&[joint("shoulder", ""), joint("elbow", ""), joint("wrist", "")]));
+    assert_eq!(plain.names.mechanisms[0].joints, ["shoulder", "elbow", "wrist"]);
+    for joints in [
+        [joint("wrist", "elbow"), joint("elbow", "shoulder"), joint("shoulder", "")],
+        [joint("elbow", "shoulder"), joint("wrist", ""), joint("shoulder", "")],
+        [joint("shoulder", ""), joint("wrist", "elbow"), joint("elbow", "shoulder")],
+    ] {
+        assert_eq!(plant(&with(&joints)), plain);
+    }
+    let branch = with(&[joint("shoulder", ""), joint("elbow", ""), joint("wrist", "shoulder")]);
+    assert!(mistakes(&branch).contains("the joint `wrist` is not in the chain"), "{}", mistakes(&branch));
+    let circle = with(&[joint("shoulder", "wrist"), joint("elbow", "shoulder"), joint("wrist", "elbow")]);
+    assert!(mistakes(&circle).contains("is not in the chain"));
+    let nowhere = with(&[joint("shoulder", ""), joint("elbow", "sholder"), joint("wrist", "")]);
+    assert!(mistakes(&nowhere).contains("did you mean \"shoulder\"?"));
+}
+
+#[test]
+fn names_that_there_are_not_are_met_with_the_nearest() {
+    let base = format!("{ALL}{CHAIN}[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n");
+    plant(&base);
+    for (text, expected) in [
+        (base.replace("arms.elbow", "arms.elbwo"), ["there is no joint `elbwo`", "did you mean \"elbow\"?"]),
+        (format!("{base}supply = \"suply\"\n"), ["there is no supply `suply`", "did you mean \"supply\"?"]),
+        (
+            format!("{base}coupling.mechanism = \"mechanisms\"\n"),
+            ["there is no mechanism `mechanisms`", "did you mean \"mechanism\"?"],
+        ),
+        (
+            base.replace(
+                "coupling.arms.elbow = \"1 cm\"",
+                "coupling.origin.along = \"1 cm\"\ncoupling.insertion = { along = \"1 cm\", segment = \"forarm\" }",
+            )
+            .replace("[coupling]\nrest_length = \"88 mm\"\n", ""),
+            ["there is no segment `forarm`", "did you mean \"forearm\"?"],
+        ),
+        (
+            format!("{base}[supplies.tank]\nfrom = \"suppl\"\nlag = \"1 s\"\n"),
+            ["there is no supply `suppl`", "did you mean \"supply\"?"],
+        ),
+        (base.replace("[hose]", "[hoes]"), ["there is no section [hoes]", "did you mean `hose`?"]),
+        (
+            format!("{base}[actuators.flexor.valv]\nefficiency = 1.0\n"),
+            ["there is no section [actuators.flexor.valv]", "did you mean `valve`?"],
+        ),
+        (
+            format!("{base}[actuators.flexor.hose]\nlenght = \"1 m\"\n"),
+            ["`lenght` is not a key of [actuators.flexor.hose]", "did you mean `length`?"],
+        ),
+        (
+            base.replace("damping", "damping").replace("segment = \"forearm\"", "dampin = \"1 N*m*s/rad\""),
+            ["`dampin` is not a key of [mechanism.joints.elbow]", "did you mean `damping`?"],
+        ),
+        (
+            base.replace("[actuators.flexor]", "[actuators.\"2nd one\"]"),
+            ["`2nd one` is no name", "begin with a letter"],
+        ),
+        (
+            format!("{base}[actuators.elbow]\ncoupling.arms.elbow = \"1 cm\"\n"),
+            ["two parts are called `elbow`", "first of that name"],
+        ),
+    ] {
+        let error = mistakes(&text);
+        for words in expected {
+            assert!(error.contains(words), "{words}\n{error}");
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_its_reason() {
+    let base = format!("{ALL}{CHAIN}[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n");
+    for (text, expected) in [
+        (base.replace("coupling.arms.elbow = \"1 cm\"", ""), "nothing says how `flexor` spans `mechanism`"),
+        (base.replace("coupling.arms.elbow = \"1 cm\"", "coupling.arms.elbow = \"0 cm\""), "above zero, or below it"),
+        (format!("{base}initial.length = \"9 cm\"\n"), "the mechanism says how long the actuator is"),
+        (format!("{base}air.gas_constant = \"300 J/(kg*K)\"\n"), "those of the whole plant"),
+        (format!("{base}[load]\nkind = \"isometric\"\n"), "[load] and a mechanism both say"),
+        (format!("{base}load.kind = \"isometric\"\n"), "has a load of its own and spans no mechanism"),
+        (
+            base.replace("[supply]\ngauge_pressure = \"5 bar\"\n", ""),
+            "nothing says which supply feeds the valve of `flexor`",
+        ),
+        (
+            format!("{base}[supplies.m]\nfrom = \"supply\"\nreservoir_volume = \"1 L\"\n"),
+            "nothing leads air into the supply `m`",
+        ),
+        (format!("{base}[supplies.m]\nfrom = \"supply\"\n"), "neither reservoir nor regulator"),
+        (format!("{base}[supplies.m]\nfrom = \"m\"\nlag = \"1 s\"\n"), "is fed by itself"),
+        (format!("{base}[supplies.m]\ngauge_pressure = \"1 bar\"\ninlet.flow_area = \"1 mm^2\"\n"), "nothing feeds it"),
+        (
+            base.replace("kind = \"chain\"", "kind = \"fixed\"\nposition = \"9 cm\""),
+            "has no meaning with `mechanism.kind`",
+        ),
+        (base.replace("length = \"28 cm\"\n", ""), "`mechanism.joints.shoulder.length`"),
+        (base.replace("[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n", ""), "no actuator is named"),
+        (format!("{base}valve.output = \"b\"\n"), "for a five-way valve"),
+        (base.replace("[run]", "[run]\nengine = \"fixed-step\""), "event-located engine alone"),
+        (format!("{base}[sweep]\nrows = 3\n"), "not for a plant yet"),
+        (
+            base.replace(
+                "flow_area = \"1.5 mm^2\"\nopening_delay = \"4 ms\"",
+                "flow_area = \"1.5 mm^2\"\ntime_constant = \"30 ms\"\nrate_limit = \"9 bar/s\"",
+            )
+            .replace("three-way", "pressure-regulator")
+            .replace(
+                "kind = \"pwm\"\nfrequency = \"20 Hz\"\nduty = 0.4",
+                "kind = \"set-points\"\ntime = [\"0 s\"]\ngauge_pressure = [\"1 bar\"]",
+            )
+            .replace("gauge_pressure = \"5 bar\"", "gauge_pressure = \"5 bar\"\nreservoir_volume = \"1 L\""),
+            "draws from a source without end",
+        ),
+    ] {
+        let error = mistakes(&text);
+        assert!(error.contains(expected), "{expected}\n{error}\n{text}");
+    }
+}
+
+/// A mistake in what all actuators share is told once, and where it stands.
+#[test]
+fn a_mistake_of_all_is_one_mistake() {
+    let text = format!(
+        "{ALL}{CHAIN}[actuators.a]\ncoupling.arms.elbow = \"1 cm\"\n[actuators.b]\ncoupling.arms.elbow = \"-1 cm\"\n"
+    );
+    let text = text.replace("opening_delay = \"4 ms\"", "opening_delay = \"4 mm\"");
+    let found = document(&text).plant_experiment().expect_err("a mistake");
+    assert_eq!(found.count(), 1, "{found}");
+    let line = text.lines().position(|line| line.contains("4 mm")).expect("a line") + 1;
+    assert_eq!(found.iter().next().and_then(|one| one.line()), Some(line));
+}
+
+#[test]
+fn a_plant_is_no_scenario_of_one_actuator() {
+    let text = format!("{ALL}{CHAIN}[actuators.a]\ncoupling.arms.elbow = \"1 cm\"\n");
+    let error = document(&text).scenario().expect_err("a plant").to_string();
+    assert!(error.contains("a plant of several actuators") && error.contains("mckibben simulate"), "{error}");
+    let single = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"1 s\"\n";
+    assert!(document(single).plant_experiment().expect("a file").is_none());
+    // What only plants have is no key of a file of one.
+    assert!(document(&format!("{single}[coupling]\nrest_length = \"1 cm\"\n")).scenario().is_err());
+}
+
+/// Files in which the keys of plants apply.
+fn files() -> [(&'static str, String); 6] {
+    let arms = format!("{ALL}{CHAIN}[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n");
+    let table = arms.replace(
+        "arms.elbow = \"1 cm\"",
+        "arms.elbow = { angle = [\"-1 rad\", \"2 rad\"], arm = [\"1 cm\", \"2 cm\"] }",
+    );
+    let points = format!("{ALL}{CHAIN}[actuators.flexor.coupling]\norigin.along = \"-3 cm\"\ninsertion.along = \"5 cm\"\ninsertion.segment = \"upper-arm\"\n")
+        .replace("[coupling]\nrest_length = \"88 mm\"\n", "");
+    let belt = format!(
+        "{arms}[mechanism.belt]\ndepth = \"50 cm\"\nvelocity = \"1 m/s\"\nstiffness = \"1 N/mm\"\ndamping = \"1 N*s/m\"\nfriction = 0.5\nslipping_speed = \"1 cm/s\"\n"
+    );
+    let mass = format!(
+        "{ALL}[mechanism]\nkind = \"mass\"\nmass = \"2 kg\"\nposition = \"9 cm\"\nspring_stiffness = \"1 N/mm\"\nspring_rest_length = \"1 cm\"\n[actuators.flexor]\n[actuators.twin]\n"
+    );
+    let motion = format!(
+        "{ALL}[mechanism]\nkind = \"prescribed\"\nlength = \"9 cm\"\namplitude = \"5 mm\"\nfrequency = \"1 Hz\"\n[actuators.flexor]\n"
+    );
+    [("arms", arms), ("table", table), ("points", points), ("belt", belt), ("mass", mass), ("motion", motion)]
+}
+
+/// Each key has an effect on the plant or its start, in a file in which it applies.
+#[test]
+fn every_key_of_a_plant_has_an_effect() {
+    let files = files();
+    let file = |name: &str| &files.iter().find(|(its, _)| *its == name).expect(name).1;
+    let tree =
+        |more: &str| format!("{}[supplies.m]\nfrom = \"supply\"\nreservoir_volume = \"1 L\"\n{more}", file("arms"));
+    let area = "inlet.flow_area = \"9 mm^2\"\n";
+    let iso = "inlet.sonic_conductance = \"30 L/(min*bar) ANR\"\ninlet.critical_ratio = 0.4\n";
+    let five_way = |output: &str| {
+        file("arms")
+            .replace("three-way", "five-way")
+            .replace("[actuators.flexor]", &format!("[actuators.flexor]\nvalve.output = \"{output}\""))
+    };
+    let two = |name: &str| {
+        file("arms").replace("[mechanism]", "[mechanisms.left]").replace("[mechanism.", "[mechanisms.left.").replace(
+            "[actuators.flexor]",
+            &format!("[mechanisms.right]\nkind = \"fixed\"\nposition = \"{name}\"\n[actuators.flexor]\ncoupling.mechanism = \"left\""),
+        )
+    };
+    let ordered = |elbow: &str, wrist: &str| {
+        let elbow = format!("segment = \"forearm\"\nlength = \"20 cm\"\n{elbow}");
+        let wrist =
+            format!("[mechanism.joints.wrist]\nlength = \"3 cm\"\nmass = \"1 kg\"\ndistance = \"1 cm\"\n{wrist}");
+        document(&format!("{}{wrist}", file("arms").replace("segment = \"forearm\"\n", &elbow)))
+    };
+    let set = |file: &str, path: &str, value: &str| {
+        let mut document = document(file);
+        document.set_text(path, value).expect("a path");
+        document
+    };
+    let mut tried = Vec::new();
+    let mut differs = |key: &'static str, first: Document, second: Document| {
+        let [first, second] = [first, second].map(|document| match document.plant_experiment() {
+            Ok(Some(plant)) => plant,
+            other => panic!("{key}: {other:?}"),
+        });
+        assert!(first.plant != second.plant || first.start != second.start, "{key} has no effect");
+        tried.push(key);
+    };
+    let of_actuator = |path: &str| format!("actuators.flexor.{path}");
+    let joint = |path: &str| format!("mechanism.joints.elbow.{path}");
+    differs(
+        "actuators.*.supply",
+        document(
+            &format!(
+                "{}supply = \"m\"\n",
+                tree(area).replace("[supplies.m]", "[supplies.n]\ngauge_pressure = \"1 bar\"\n[supplies.m]").replace(
+                    "[actuators.flexor]",
+                    "[actuators.other]\ncoupling.arms.elbow = \"1 cm\"\n[actuators.flexor]\nsupply = \"n\""
+                )
+            )
+            .replace("supply = \"m\"\n", ""),
+        ),
+        document(
+            &tree(area).replace("[supplies.m]", "[supplies.n]\ngauge_pressure = \"1 bar\"\n[supplies.m]").replace(
+                "[actuators.flexor]",
+                "[actuators.other]\ncoupling.arms.elbow = \"1 cm\"\n[actuators.flexor]\nsupply = \"m\"",
+            ),
+        ),
+    );
+    differs("valve.output", document(&five_way("a")), document(&five_way("b")));
+    differs(
+        "coupling.mechanism",
+        document(&two("9 cm")),
+        document(
+            &two("9 cm")
+                .replace(
+                    "coupling.mechanism = \"left\"\ncoupling.arms.elbow = \"1 cm\"",
+                    "coupling.mechanism = \"right\"",
+                )
+                .replace("[coupling]\nrest_length = \"88 mm\"\n", ""),
+        ),
+    );
+    differs(
+        "coupling.rest_length",
+        document(file("arms")),
+        set(file("arms"), &of_actuator("coupling.rest_length"), "\"80 mm\""),
+    );
+    differs(
+        "coupling.arms.*",
+        document(file("arms")),
+        set(file("arms"), &of_actuator("coupling.arms.elbow"), "\"-1 cm\""),
+    );
+    differs(
+        "coupling.arms.*.angle",
+        document(file("table")),
+        set(file("table"), &of_actuator("coupling.arms.elbow.angle"), "[\"-1 rad\", \"1 rad\"]"),
+    );
+    differs(
+        "coupling.arms.*.arm",
+        document(file("table")),
+        set(file("table"), &of_actuator("coupling.arms.elbow.arm"), "[\"-1 cm\", \"-2 cm\"]"),
+    );
+    for (key, value) in [
+        ("coupling.origin.segment", "\"forearm\""),
+        ("coupling.origin.along", "\"-2 cm\""),
+        ("coupling.origin.across", "\"1 cm\""),
+        ("coupling.insertion.segment", "\"forearm\""),
+        ("coupling.insertion.along", "\"4 cm\""),
+        ("coupling.insertion.across", "\"1 cm\""),
+    ] {
+        differs(key, document(file("points")), set(file("points"), &of_actuator(key), value));
+    }
+    differs(
+        "supplies.*.from",
+        document(&tree(area).replace("[supplies.m]", "[supplies.n]\ngauge_pressure = \"5 bar\"\n[supplies.m]")),
+        document(&tree(area).replace(
+            "[supplies.m]\nfrom = \"supply\"",
+            "[supplies.n]\ngauge_pressure = \"5 bar\"\n[supplies.m]\nfrom = \"n\"",
+        )),
+    );
+    for (key, base, value) in [
+        ("supplies.*.inlet.kind", area, "\"check-valve\""),
+        ("supplies.*.inlet.flow_area", area, "\"8 mm^2\""),
+        ("supplies.*.inlet.sonic_conductance", iso, "\"20 L/(min*bar) ANR\""),
+        ("supplies.*.inlet.critical_ratio", iso, "0.3"),
+        ("supplies.*.inlet.kv", "inlet.kv = \"0.05 m^3/h\"\n", "\"0.06 m^3/h\""),
+        ("supplies.*.inlet.cv", "inlet.cv = 0.06\n", "0.07"),
+        ("supplies.*.inlet.pressure_drop_ratio", "inlet.cv = 0.06\n", "0.6"),
+        ("supplies.*.inlet.efficiency", area, "0.8"),
+        ("supplies.*.inlet.laminar_ratio", area, "0.99"),
+    ] {
+        differs(key, document(&tree(base)), set(&tree(base), &key.replace('*', "m"), value));
+    }
+    differs(
+        "mechanism.kind",
+        document(file("mass")),
+        document(
+            &file("mass")
+                .replace("kind = \"mass\"\nmass = \"2 kg\"", "kind = \"fixed\"")
+                .replace("spring_stiffness = \"1 N/mm\"\nspring_rest_length = \"1 cm\"\n", ""),
+        ),
+    );
+    for (key, base, value) in [
+        ("mechanism.mass", "mass", "\"3 kg\""),
+        ("mechanism.gravity", "arms", "\"1 m/s^2\""),
+        ("mechanism.force", "mass", "\"3 N\""),
+        ("mechanism.spring_stiffness", "mass", "\"2 N/mm\""),
+        ("mechanism.spring_rest_length", "mass", "\"2 cm\""),
+        ("mechanism.position", "mass", "\"8 cm\""),
+        ("mechanism.velocity", "mass", "\"1 cm/s\""),
+        ("mechanism.length", "motion", "\"8 cm\""),
+        ("mechanism.amplitude", "motion", "\"4 mm\""),
+        ("mechanism.frequency", "motion", "\"2 Hz\""),
+        ("mechanism.phase", "motion", "\"20 deg\""),
+        ("mechanism.hanging_angle", "arms", "\"90 deg\""),
+    ] {
+        differs(key, document(file(base)), set(file(base), key, value));
+    }
+    let points = |time: &str, length: &str| {
+        let wave = "length = \"9 cm\"\namplitude = \"5 mm\"\nfrequency = \"1 Hz\"";
+        document(
+            &file("motion")
+                .replace(wave, &format!("time = [\"0 s\", \"{time}\"]\ntable_length = [\"9 cm\", \"{length}\"]")),
+        )
+    };
+    differs("mechanism.time", points("1 s", "8 cm"), points("2 s", "8 cm"));
+    differs("mechanism.table_length", points("1 s", "8 cm"), points("1 s", "7 cm"));
+    let swapped = ordered("after = \"wrist\"\n", "after = \"shoulder\"\n");
+    differs("mechanism.joints.*.after", ordered("", ""), swapped);
+    for (path, value) in [
+        ("length", "\"20 cm\""),
+        ("mass", "\"1 kg\""),
+        ("distance", "\"11 cm\""),
+        ("inertia", "\"1e-3 kg*m^2\""),
+        ("torque", "\"1 N*m\""),
+        ("damping", "\"1 N*m*s/rad\""),
+        ("min_angle", "\"-1 rad\""),
+        ("max_angle", "\"1 rad\""),
+        ("stop_stiffness", "\"50 N*m/rad\""),
+        ("stop_damping", "\"2 N*m*s/rad\""),
+        ("angle", "\"10 deg\""),
+        ("angular_velocity", "\"1 rad/s\""),
+    ] {
+        let key = PLANT_KEYS.iter().find(|key| key.path == format!("mechanism.joints.*.{path}")).expect(path).path;
+        differs(key, document(file("arms")), set(file("arms"), &joint(path), value));
+    }
+    for (path, value) in [
+        ("depth", "\"40 cm\""),
+        ("velocity", "\"2 m/s\""),
+        ("stiffness", "\"2 N/mm\""),
+        ("damping", "\"2 N*s/m\""),
+        ("friction", "0.6"),
+        ("slipping_speed", "\"2 cm/s\""),
+    ] {
+        let key = PLANT_KEYS.iter().find(|key| key.path == format!("mechanism.belt.{path}")).expect(path).path;
+        differs(key, document(file("belt")), set(file("belt"), key, value));
+    }
+    // The name of a segment is what attachments go by.
+    let renamed = file("points").replace("insertion.segment = \"upper-arm\"", "insertion.segment = \"other\"");
+    assert!(mistakes(&renamed).contains("there is no segment `other`"));
+    plant(&renamed.replace("segment = \"upper-arm\"", "segment = \"other\""));
+    tried.push("mechanism.joints.*.segment");
+    for key in PLANT_KEYS {
+        assert!(tried.contains(&key.path), "{} is not tried", key.path);
+    }
+}
+
+/// Each example is accepted in a file where it applies, by the reading and by the schema.
+#[test]
+fn the_schema_accepts_what_the_reading_accepts() {
+    let mut schemas = boon::Schemas::new();
+    let mut compiler = boon::Compiler::new();
+    compiler.add_resource("http://localhost/scenario.json", schema()).expect("a JSON document");
+    let index = compiler.compile("http://localhost/scenario.json", &mut schemas).expect("a schema");
+    let accepts = |text: &str| {
+        let file: toml::Table = text.parse().expect("TOML");
+        let file = serde_json::to_value(file).expect("JSON");
+        schemas.validate(&file, index).map_err(|error| format!("{error:#}"))
+    };
+    for (name, text) in files() {
+        plant(&text);
+        assert_eq!(accepts(&text), Ok(()), "{name}");
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/plant");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let text = std::fs::read_to_string(entry.expect("an entry").path()).expect("a file");
+        plant(&text);
+        assert_eq!(accepts(&text), Ok(()));
+        seen += 1;
+    }
+    assert!(seen >= 4);
+    let text = &files()[0].1;
+    assert!(accepts(&text.replace("elbow]", "elbow]\nanlge = \"1 deg\"")).is_err());
+    assert!(accepts(&text.replace("[actuators.flexor]", "[actuators.\"a b\"]")).is_err());
+    assert!(accepts(&text.replace("[actuators.flexor]", "[actuator.flexor]")).is_err());
+}
