@@ -248,7 +248,7 @@ fn names_that_there_are_not_are_met_with_the_nearest() {
             ["`lenght` is not a key of [actuators.flexor.hose]", "did you mean `length`?"],
         ),
         (
-            base.replace("damping", "damping").replace("segment = \"forearm\"", "dampin = \"1 N*m*s/rad\""),
+            base.replace("segment = \"forearm\"", "dampin = \"1 N*m*s/rad\""),
             ["`dampin` is not a key of [mechanism.joints.elbow]", "did you mean `damping`?"],
         ),
         (

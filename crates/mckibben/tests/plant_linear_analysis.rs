@@ -54,7 +54,7 @@ fn a_triple_pendulum_has_the_roots_of_laguerres_polynomial() {
     let network = Network::new(&Paper::sealed().air());
     let plant = Plant::new(vec![], network, vec![Mechanism::Chain(chain)]).expect("a plant");
     let start =
-        PlantStart { positions: vec![vec![0.2, -0.1, 0.3]], rates: vec![vec![0.0; 3]], air: vec![], lengths: vec![] };
+        PlantStart { positions: vec![vec![0.2, -0.1, 0.3]], rates: vec![vec![0.0; 3]], ..PlantStart::default() };
     let shut = PlantBalance::Shut(vec![]);
     let model = linearize_plant(&plant, &start, &shut, &PlantAir::Temperatures(vec![])).expect("a model");
     let poles = model.system.poles().expect("poles");

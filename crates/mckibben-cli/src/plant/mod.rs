@@ -125,5 +125,7 @@ pub(crate) fn name_of(of: &PlantExperiment, part: Part) -> &str {
         },
         Part::Node(index) => node(index),
         Part::Branch(index) => network.branches.get(index).map_or("", |branch| node(branch.to)),
+        // A file of a plant has none.
+        Part::Driver(_) => "",
     }
 }

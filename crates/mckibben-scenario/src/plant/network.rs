@@ -55,7 +55,6 @@ impl<'s> Builder<'s> {
         if let (Some(feeder), Some(tank)) = (feeder, nodes.reservoir) {
             let start = supply.reservoir.and_then(|of| of.gauge_pressure).unwrap_or(supply.gauge_pressure);
             let hose = hose.map(|hose| core_hose(&hose, temperature, air)).transpose()?;
-            let transport = hose.map_or(0.0, |hose| hose.transport_delay());
             let into = match hose {
                 Some(hose) => self.network.hose(hose, tank, start),
                 None => tank,
@@ -64,8 +63,7 @@ impl<'s> Builder<'s> {
                 (Some(inlet), _) => self.inlet(inlet, [feeder, into], air)?,
                 (None, Some((valve, command))) => {
                     let built = core_valve(valve, supply, air)?;
-                    let Actuation { solenoid, command } = core_actuation(valve, command, 0)?;
-                    let its = self.network.valve(Actuation { solenoid: solenoid.seen_late(transport), command });
+                    let its = self.network.valve(core_actuation(valve, command, 0)?);
                     let ambient = built.exhaust_temperature == ExhaustTemperature::Ambient;
                     for (from, port) in [(feeder, Port::Supply), (outside, Port::Exhaust)] {
                         let law = *built.law_of(port);
