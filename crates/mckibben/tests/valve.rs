@@ -2,7 +2,7 @@
 
 use crate::common::{ATMOSPHERE, INCH, LB, LBF, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};
-use mckibben::valve::{ExhaustTemperature, FlowLaw, FlowStandard, FlowZone, Port, Supply};
+use mckibben::valve::{ExhaustTemperature, FlowLaw, FlowStandard, FlowZone, Port, Supply, flow_parameter};
 use mckibben::{AbsolutePressure, Dual, Error, GaugePressure};
 
 const GAMMAS: [f64; 6] = [1.05, 1.1, 1.3, 1.4, 5.0 / 3.0, 2.0];
@@ -56,10 +56,30 @@ fn the_orifice_is_equation_23() {
     }
 }
 
+/// The documented literal form is the transcription, and the law that runs evaluate is the literal form to 1e-13 where
+/// that does not cancel.
+#[test]
+fn the_fast_form_is_the_literal_form_of_equation_23() {
+    for gamma in GAMMAS {
+        let law = orifice(gamma, 0.9999);
+        for step in 0..=999 {
+            let r = f64::from(step) / 1000.0;
+            let literal = flow_parameter(gamma, R, r);
+            // Powers differ by roundings, which cancelling enlarges as above.
+            let own = f64::EPSILON * gamma / (gamma - 1.0) / (1.0 - r);
+            assert_close(literal, c_m(gamma, r), 4e-15 + 2.0 * own);
+            assert_close(law.conductance() * law.ratio_function::<f64>(r), 0.85 * AREA * literal, 5e-15 + 2.0 * own);
+        }
+        assert_eq!(flow_parameter(gamma, R, 1.0), 0.0);
+    }
+    // 0.04042 s·√K/m for choked air.
+    assert_within(flow_parameter(1.4, R, 0.0), 0.04042, 5e-6);
+}
+
 #[test]
 fn choked_air_flows_by_the_constant_of_the_model() {
     let law = orifice(1.4, 0.999);
-    // MODEL §5: 0.04042 s·√K/m, and r_c = 0.52828.
+    // 0.04042 s·√K/m, and r_c = 0.52828.
     assert_within(law.conductance() / (0.85 * AREA), 0.04042, 5e-6);
     assert_within(law.critical_ratio(), 0.52828, 5e-6);
     for r in [0.0, 0.2, 0.5, 0.528] {

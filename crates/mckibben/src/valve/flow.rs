@@ -40,6 +40,8 @@
 //! ψ = √x′·g·min(1, x/x_lam)        x = 1 − r = (P_up − P_down)/P_up        x′ = max(x_lam, min(x, x_c))
 //! ```
 //!
+//! [`flow_parameter`] is (23) as the paper writes it, in powers: what a reader compares, not what a run evaluates.
+//!
 //! The slope of either law is infinite at r = 1; the straight line above `r_lam` is the usual cure.
 //! `r_c` is used as it is (0.52828 for air), not rounded to 0.528, so that the law is continuous.
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.2, after McCloy & Martin (1980); ISO 6358-1:2013; IEC 60534-2-1:2011,
@@ -163,6 +165,30 @@ impl FlowLaw {
         }
         Ok(law)
     }
+}
+
+/// Flow parameter `C_m` in s·√K/m of (23), as the paper writes it, at a pressure ratio `P_down/P_up` from 0 to 1.
+///
+/// ```text
+/// C_m = √[γ/R · (2/(γ+1))^((γ+1)/(γ−1))]                        P_down/P_up ≤ (2/(γ+1))^(γ/(γ−1)), choked
+/// C_m = √[2γ/(R(γ−1)) · (r^(2/γ) − r^((γ+1)/γ))]                above, r = P_down/P_up
+/// ```
+///
+/// The heat capacity ratio γ is above 1, the specific gas constant R in J/(kg·K) above 0. With the paper's orifice,
+/// [`FlowLaw::conductance`] times [`FlowLaw::ratio_function`] is `η A_p C_q C_m` up to the laminar ratio: the same law as
+/// a polynomial under a root, which simulations evaluate. The powers here cost more and lose digits as r nears 1.
+///
+/// Source: Colbrunn, Nelson & Quinn (2001), (23), with the exact critical ratio in place of its 0.528.
+pub fn flow_parameter(heat_capacity_ratio: f64, gas_constant: f64, pressure_ratio: f64) -> f64 {
+    let (gamma, r) = (heat_capacity_ratio, pressure_ratio);
+    let base = 2.0 / (gamma + 1.0);
+    let squared = if r <= base.power(gamma / (gamma - 1.0)) {
+        gamma / gas_constant * base.power((gamma + 1.0) / (gamma - 1.0))
+    } else {
+        2.0 * gamma / (gas_constant * (gamma - 1.0)) * (r.power(2.0 / gamma) - r.power((gamma + 1.0) / gamma))
+    };
+    // Roundings may leave the difference of two equal powers below zero.
+    Scalar::sqrt(squared.larger(0.0))
 }
 
 impl<S: Scalar> FlowLaw<S> {

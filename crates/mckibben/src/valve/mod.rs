@@ -37,7 +37,7 @@ pub use duty_cycle::{Interval, actual_duty_cycle};
 #[cfg(feature = "alloc")]
 pub(crate) use duty_cycle::{duty_range, period, with_duty};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
-pub use flow::{FlowLaw, FlowZone};
+pub use flow::{FlowLaw, FlowZone, flow_parameter};
 pub use opening::Openings;
 pub use passage::{FlowStandard, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 pub use ramp::{Ramp, Stroke};
