@@ -56,7 +56,7 @@ fn papers() -> [Paper; 3] {
     ]
 }
 
-/// (12)(13)(14) in powers, with the braces of MODEL §2: no push of the taut braid, no push of the tendon.
+/// (12)(13)(14) in powers, with two bounds that the paper leaves out: no push of the taut braid, no push of the tendon.
 fn equation_12(paper: &Paper, stand: &Stand) -> f64 {
     let (b, n) = (paper.thread_length, paper.turns);
     let (shortest, longest) = (b / 3.0_f64.sqrt(), paper.max_length);
@@ -185,6 +185,17 @@ fn the_stiffness_at_constant_pressure_is_equation_7() {
     for (length, gauge) in [(0.07, 1e5), (0.085, 4e5), (0.097, 6e5)] {
         let stiffness = actuator.stiffness(length, AbsolutePressure(ATMOSPHERE + gauge));
         assert_close(stiffness, 3.0 * gauge * length / (2.0 * PI * paper.turns.powi(2)), 1e-14);
+    }
+}
+
+#[test]
+fn the_stiffness_by_the_force_is_equation_8() {
+    let paper = Paper::sealed();
+    let actuator = paper.actuator();
+    for (length, gauge) in [(0.07, 1e5), (0.085, 4e5), (0.097, 6e5)] {
+        let force: f64 = actuator.static_force(length, ATMOSPHERE + gauge);
+        let stiffness = actuator.stiffness(length, AbsolutePressure(ATMOSPHERE + gauge));
+        assert_close(stiffness, 6.0 * force / (3.0 * length - paper.thread_length.powi(2) / length), 1e-13);
     }
 }
 

@@ -94,7 +94,7 @@ fn heat_from_the_wall_decays_exponentially_in_a_sealed_chamber() {
 
 #[test]
 fn charging_ends_at_the_temperatures_of_the_model() {
-    // MODEL §4: a fixed volume from 1.013 to 7.9 bar.
+    // A fixed volume from 1.013 to 7.9 bar.
     let ratio = 7.9e5_f64 / 1.013e5;
     let cases = [
         // Invariant P (V/m)^γ: m ∝ P^(1/γ).

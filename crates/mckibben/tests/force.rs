@@ -186,7 +186,7 @@ fn the_force_is_multiplied_by_the_effectiveness_and_its_slope_over_pressure_with
 
 #[test]
 fn the_papers_actuator_lifts_what_the_paper_hangs_on_it() {
-    // Section 2.1: up to 15 lb hang from the muscle; MODEL §9 takes n so that it holds them at 60 psi within its range.
+    // Section 2.1: up to 15 lb hang from the muscle; the assumed n lets it hold them at 60 psi within its range.
     let paper = Paper::sealed();
     let law = IdealBraid { braid: paper.braid() };
     let force: f64 = law.force(paper.max_length, GaugePressure(60.0 * PSI));

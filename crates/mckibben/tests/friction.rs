@@ -13,7 +13,7 @@ use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// `3 P_g Eff (L + L_min)/(4πn²)`, the secant stiffness of (13) as MODEL §3 writes it.
+/// `3 P_g Eff (L + L_min)/(4πn²)`, the secant stiffness of (13) without its 0/0.
 fn secant(paper: &Paper, length: f64, gauge: f64) -> f64 {
     let shortest = paper.thread_length / 3.0_f64.sqrt();
     3.0 * gauge * (length + shortest) / (4.0 * PI * paper.turns.powi(2))

@@ -16,4 +16,5 @@ mod plant_pairs;
 mod plant_reference;
 mod plant_sample;
 mod plant_sensitivities;
+mod plant_span;
 mod plant_start_friction;

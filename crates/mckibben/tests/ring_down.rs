@@ -68,7 +68,7 @@ fn the_exact_form_inverts_the_oscillator_and_the_papers_q_is_low_by_a_known_fact
     close(paper.decay, exact.decay, 1e-14, "β");
     let low = (1.0 + exact.decay.sqrt()).powi(2) / 4.0;
     close(paper.coulomb_width / exact.coulomb_width, low, 1e-12, "ratio of Q");
-    assert!((0.89..0.91).contains(&low), "MODEL §8 says 10 % at ζ = 0.035: {low}");
+    assert!((0.89..0.91).contains(&low), "10 % low at ζ = 0.035, not a factor of {low}");
 }
 
 #[test]
