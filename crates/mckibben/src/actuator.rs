@@ -11,8 +11,15 @@
 //!                         → tension and ∂F/∂L, ∂F/∂v, ∂F/∂P; dP/dt, dm/dt
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | F_s, F_limit | static force with effectiveness, force of the taut braid | N |
+//! | c, Q, k_sec | viscous damping, friction length, secant stiffness (13) | N·s/m, m, N/m |
+//! | L, v, P | length, its rate, absolute pressure | m, m/s, Pa |
+//!
 //! The other functions are the pieces of that call, for those who step time and keep track of the branches themselves.
 //!
+//! Source: Colbrunn, Nelson & Quinn (2001), sections 2 and 3.
 //! Checked by `tests/actuator.rs`: transcription of (12), derivatives against finite differences, both stiffnesses.
 
 use crate::air::{Air, Chamber, Flow};

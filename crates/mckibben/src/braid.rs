@@ -1,7 +1,7 @@
 //! Geometry of the braid: length ↔ interweave angle ↔ diameter ↔ volume.
 //!
 //! The actuator is a cylinder of zero wall thickness. A thread of fixed length `b` winds `n` times around it, so its
-//! length alone fixes everything else (paper, Fig. 2; MODEL: braid geometry):
+//! length alone fixes everything else (paper, Fig. 2):
 //!
 //! ```text
 //! cos θ = L/b                       (2)

@@ -13,7 +13,11 @@
 //! air        dP/dt = γ P (ṁ/m − V̇/V),   and three other processes                    (19)  air
 //! valve      ṁ = η A_p C_q P_up C_m(P_down/P_up)/√T_up                                (21)(23)  valve
 //! solenoid   opens t_open after the coil, closes t_close after it                     valve
+//! pulses     open for d − (t_open − t_close) f of the time                            valve::actual_duty_cycle
+//! joints     M(q) q̈ + h(q, q̇) = τ − Σ J_iᵀ F_i                                        mechanism, plant
 //! ```
+//!
+//! `docs/equations.md` leads from each equation of the paper, and from those that it lacks, to a function and a test.
 //!
 //! # The map
 //!

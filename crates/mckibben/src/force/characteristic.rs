@@ -21,7 +21,7 @@
 //! | [`Law::Polynomial`] | coefficients of pressure, and passive ones | with the ideal braid's; its passive part stores energy |
 //! | `Law::Map` | measured tensions | no |
 //!
-//! Checked by `tests/laws.rs`.
+//! Source: each law's own file. Checked by `tests/laws.rs`.
 
 #[cfg(feature = "alloc")]
 use super::ForceMap;

@@ -26,7 +26,8 @@
 //! The chain hangs from a fixed axis. A stop never holds the segment back on rebound, and the belt never pulls: whether they
 //! press is a part of the mode ([`Contact`]).
 //!
-//! Source: Lagrange's equations; the paper's legs are chains of this kind.
+//! Source: Lagrange's equations; the paper's legs are chains of this kind. Checked by `tests/plant_linear_closed_forms.rs` and
+//! `tests/plant_linear_analysis.rs`: frequencies of pendulums; by `tests/plant_of_joint.rs` and `tests/plant_ledger.rs`.
 
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};

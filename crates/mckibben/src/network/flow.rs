@@ -6,8 +6,18 @@
 //! node       ṁ_node = Σ in − Σ out,   heat: Σ ṁ_in T_up for chambers that keep an energy balance
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | ṁ | mass flow through a branch, positive from its first node to its second | kg/s |
+//! | C ψ | flow law of the orifice ([`FlowLaw`](crate::valve::FlowLaw)) times its opening | kg·√K/(s·Pa) |
+//! | P, T | absolute pressure of a node, temperature of its air; `up`: of the node that the flow leaves | Pa, K |
+//! | k | conductance of a leak | m³/(s·Pa) |
+//!
 //! What a regulator's outlet gives away comes from its inlet: nodes are gone through from the end, and each hands on what
 //! it does not hold.
+//!
+//! Source: Colbrunn, Nelson & Quinn (2001), section 3.2, and conservation of mass at each node; the laws of [hoses, leaks,
+//! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/plant_of_rig.rs`.
 
 use super::mode::NetworkMode;
 use super::{Branch, BranchKind, Network, Node, NodeKind};

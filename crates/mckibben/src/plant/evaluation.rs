@@ -9,7 +9,17 @@
 //! mechanism  →  M q̈ = τ − h − Σ Jᵀ F      (16), with what friction holds at rest
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | q, M, h, τ | coordinates of a mechanism, its inertia, its velocity terms and the forces on it | m or rad, … |
+//! | x, J | distances of the actuators and their gradients over the coordinates | m, m per unit |
+//! | ṁ, P | mass flows through branches, absolute pressures of nodes and actuators | kg/s, Pa |
+//! | L, F | length and tension of an actuator | m, N |
+//!
 //! It is done once for rates, samples, guards and audits alike, by the formulas of a [`PlantMode`], over any scalar.
+//!
+//! Source: Colbrunn, Nelson & Quinn (2001), section 3.1, for one actuator; virtual work for several. Checked by
+//! `tests/plant_of_rig.rs`, `tests/plant_of_joint.rs` and, against an independent program, `tests/plant_reference.rs`.
 
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::wire::{Span, Wire};

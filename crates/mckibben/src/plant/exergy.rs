@@ -8,6 +8,13 @@
 //! lost with heat         −(1 − T_0/T) Q
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | P, T, m, V | absolute pressure, temperature, mass and volume of air | Pa, K, kg, m³ |
+//! | P_0, T_0 | absolute pressure and temperature of the network's atmosphere | Pa, K |
+//! | c_p, R, γ | heat capacity, gas constant, ratio of heat capacities | J/(kg·K), J/(kg·K), – |
+//! | Q, S | heat into the air; stiffness of a volume, Pa for each kilogram that flows in | J, Pa/kg |
+//!
 //! Hoses and reservoirs have one state, their pressure: `dP/dt = S ṁ` with air at a given temperature T. Their contents are
 //! worth what they give as they are let out at that temperature:
 //!

@@ -6,6 +6,14 @@
 //! dual:  min ½ Fᵀ W F − cᵀ F,   ℓ ≤ F ≤ u        W = J M⁻¹ Jᵀ,   c = J a₀ + γ,   r = c − W F = L̈
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | M, J | inertia over the coordinates, gradients of the distances | kg or kg·m², m per unit |
+//! | a₀ | accelerations of the coordinates without tensions at rest | m/s² or rad/s² |
+//! | γ | `J̇ q̇`, or the acceleration of a given motion | m/s² |
+//! | F, ℓ, u | tension, the least and the largest that can be held | N |
+//! | r | acceleration L̈ of the distance | m/s² |
+//!
 //! An actuator at rest can hold any tension from ℓ to u. Its distance accelerates by `r`: it stays at rest where `r` is zero,
 //! lengthens where `r > 0` (then `F = u`), shortens where `r < 0` (then `F = ℓ`). Accelerations are unique; tensions are up
 //! to what gives no force on the mechanism.
@@ -13,8 +21,9 @@
 //! An active set is built up from one violated bound after the other: exact after finitely many pivots, the same in every
 //! run, without a tolerance but that of rounding.
 //!
-//! Source: the complementarity problem of set-valued friction at rest (MODEL §7); J. J. Moreau, "Unilateral contact and dry
+//! Source: the complementarity problem of set-valued friction at rest; J. J. Moreau, "Unilateral contact and dry
 //! friction in finite freedom dynamics" (1988), for the variational form.
+//! Checked below by the conditions of a solution, and by `tests/plant_reference.rs`.
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -22,7 +22,7 @@
 //!
 //! No power goes with the choice: what sticks does not move.
 //!
-//! Source: the complementarity problem of set-valued friction (MODEL §7). Checked by `tests/plant_sample.rs`.
+//! Source: the complementarity problem of set-valued friction. Checked by `tests/plant_sample.rs`.
 
 use super::dense::{dot, factor, solve};
 use super::evaluation::{Evaluation, System};

@@ -10,8 +10,18 @@
 //! guard:      max_F zᵀ(R − J_Sᵀ F) ≥ 0   and   max_F −zᵀ(R − J_Sᵀ F) ≥ 0
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | J_S | gradients of the distances of the actuators that stick | m per unit of the coordinate |
+//! | F | their tensions, each between the least and the largest that it can hold | N |
+//! | R | what they hold together: the force on each coordinate | N or N·m |
+//! | z | normal of a facet of the zonotope | – |
+//!
 //! Each facet gives two guards, smooth while the mode lasts. With one coordinate there is one facet: the least and the
 //! largest force that can be held. Actuators that share no coordinate are blocks of their own.
+//!
+//! Source: the complementarity problem of set-valued friction, after Moreau (see [`holding`]). Checked by
+//! `tests/plant_reference.rs`, against a program that decides by brute force who sticks, and by `tests/plant_of_joint.rs`.
 
 use super::dense::{dot, factor, solve};
 use super::evaluation::{Evaluation, System};

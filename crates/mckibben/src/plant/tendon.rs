@@ -7,10 +7,20 @@
 //! without                    L̇ by ∂F/∂L L̇ + ∂F/∂P Ṗ(L̇) = k (ẋ − L̇), and L kept to F(L, P) = T
 //! ```
 //!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | x | distance that actuator and tendon span together | m |
+//! | L, P | length and absolute pressure of the actuator: states | m, Pa |
+//! | k, ℓ | `stiffness` and `rest_length` of the [tendon](crate::load::SeriesTendon) | N/m, m |
+//! | F | tension of the actuator (12) | N |
+//!
 //! Nothing has a mass between actuator and tendon, so that the actuator's length is a state whose rate follows from the
 //! balance of both tensions. Without viscous friction the balance holds the length itself: its rate is that by which the
 //! balance stays, and every state that is kept is brought back to it by a Newton step, with the air sealed. Bristles of
 //! LuGre's law count with their rate.
+//!
+//! Source: balance of forces at an end without mass. Checked by `tests/plant_reference.rs` against an independent program and by
+//! `tests/plant_linear.rs`.
 
 use super::evaluation::{System, Unit};
 use super::mode::ActuatorMode;
