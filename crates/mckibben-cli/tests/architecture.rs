@@ -1,4 +1,5 @@
-//! The architecture page names paths that exist, and every source file of the core is on it.
+//! The architecture page names paths that exist, and every source file of the core is on it. The page of equations leads from
+//! each equation of the paper to a function and a test that exist, and the page of limits quotes messages that exist.
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +10,24 @@ fn root() -> PathBuf {
 /// Everything between backticks on the page that looks like a path.
 fn named_paths(page: &str) -> Vec<&str> {
     page.split('`').skip(1).step_by(2).filter(|word| word.contains('/') && !word.contains(' ')).collect()
+}
+
+/// Whether a file has a function of a name; for a test, one that is marked as such.
+fn defines(path: &str, name: &str, of_test: bool) -> bool {
+    let text = std::fs::read_to_string(root().join(path)).unwrap_or_default();
+    let mut before = "";
+    text.lines().map(str::trim).any(|line| {
+        let marked = std::mem::replace(&mut before, line) == "#[test]";
+        let code = line.split("//").next().unwrap_or_default();
+        let follows = code.split_once("fn ").and_then(|(_, rest)| rest.strip_prefix(name));
+        follows.is_some_and(|rest| rest.starts_with(['(', '<'])) && (marked || !of_test)
+    })
+}
+
+/// What a cell links to: the names in backticks, each with its file within the project.
+fn links(cell: &str) -> Vec<(&str, &str)> {
+    let named = cell.split("[`").skip(1).filter_map(|rest| rest.split_once("`](../"));
+    named.filter_map(|(name, rest)| Some((name, rest.split_once(')')?.0))).collect()
 }
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -43,4 +62,43 @@ fn every_source_file_of_the_core_is_on_the_page() {
         let relative = file.strip_prefix(root()).expect("inside the project").to_string_lossy().replace('\\', "/");
         assert!(page.contains(&format!("`{relative}`")), "{relative} is not on the page");
     }
+}
+
+#[test]
+fn every_equation_leads_to_a_function_and_a_test() {
+    let page = std::fs::read_to_string(root().join("docs/equations.md")).expect("the page");
+    let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| | "));
+    let mut labels = String::new();
+    for row in rows {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").collect();
+        let [label, _, functions, tests] = cells[..] else { panic!("four cells, not {}: {row}", cells.len()) };
+        labels += label;
+        for (cell, of_test) in [(functions, false), (tests, true)] {
+            let links = links(cell);
+            assert!(!links.is_empty(), "{label} leads to nothing: {cell}");
+            for (name, path) in links {
+                let kind = if of_test { "test" } else { "function" };
+                assert!(defines(path, name, of_test), "{label}: there is no {kind} {name} in {path}");
+            }
+        }
+    }
+    for number in 1..=32 {
+        assert!(labels.contains(&format!("({number})")), "({number}) of the paper is not on the page");
+    }
+    // The search itself tells a test from a function, and both from nothing.
+    let file = "crates/mckibben/src/braid.rs";
+    assert!(defines(file, "volume", false) && !defines(file, "volume", true) && !defines(file, "volum", false));
+}
+
+#[test]
+fn every_limit_is_refused_in_the_words_that_are_quoted() {
+    let page = std::fs::read_to_string(root().join("docs/limits.md")).expect("the page");
+    let quoted = page.lines().filter_map(|row| row.trim_matches('|').split(" | ").nth(2));
+    let mut count = 0;
+    for (message, path) in quoted.flat_map(links) {
+        let text = std::fs::read_to_string(root().join(path)).unwrap_or_default();
+        assert!(text.contains(message), "{path} does not say: {message}");
+        count += 1;
+    }
+    assert!(count > 20, "only {count} messages are quoted");
 }
