@@ -20,8 +20,8 @@
 //!
 //! | driver | controller |
 //! |---|---|
-//! | [`Driver::of_actuator`] | a [`Controller`](crate::control::Controller) of one actuator |
-//! | [`Driver::of_joint`] | a [`JointController`](crate::control::JointController) of two actuators about a joint |
+//! | [`Driver::of_actuator`] | a [`Controller`] of one actuator |
+//! | [`Driver::of_joint`] | a [`JointController`] of two actuators about a joint |
 //! | [`Driver::of_function`] | a function, with what it remembers |
 //! | [`Driver::new`] | any [`PlantController`] |
 //!

@@ -23,6 +23,7 @@
 //! Source: elementary mechanics. Checked by `tests/joint.rs`.
 
 use super::moment_arm::MomentArm;
+#[cfg(feature = "alloc")]
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter;
@@ -161,6 +162,7 @@ pub(crate) const SIGN: [f64; 2] = [-1.0, 1.0];
 
 impl<S: Scalar> Joint<S> {
     /// The same joint over another scalar.
+    #[cfg(feature = "alloc")]
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Joint<T> {
         let limb = &self.limb;
         Joint {

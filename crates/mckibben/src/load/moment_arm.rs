@@ -20,6 +20,7 @@
 //! Source: virtual work; K. N. An, K. Takahashi, T. P. Harrigan and E. Y. Chao, "Determination of muscle orientations and
 //! moment arms", J. Biomech. Eng. 106, 280–282 (1984). Checked by `tests/moment_arm.rs`.
 
+#[cfg(feature = "alloc")]
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::force::Knots;
@@ -101,6 +102,7 @@ impl MomentArm {
 }
 
 impl<S: Scalar> MomentArm<S> {
+    #[cfg(feature = "alloc")]
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> MomentArm<T> {
         match self {
             Self::Pulley(radius) => MomentArm::Pulley(convert.parameter(&parameter::PULLEY_RADIUS, *radius)),

@@ -25,7 +25,7 @@
 //! Flow zones of orifices, the regime of a lumped hose, the compressor's switch and the regulator's poppet are parts of the
 //! mode; what the valves do over time is known beforehand.
 //!
-//! Source: each law's own file, in [`valve`](crate::valve), [`line`](crate::line) and [`air`](crate::air). Checked by
+//! Source: each law's own file, in [`valve`], [`mod@line`] and [`air`](crate::air). Checked by
 //! `tests/plant_ledger.rs`: mass, energy and exergy; by `tests/plant_linear_closed_forms.rs`: a leak and a resonator.
 
 pub(crate) mod flow;

@@ -302,6 +302,7 @@ impl<S: Scalar> Solenoid<S> {
     }
 
     /// By how much it is seen late, in s.
+    #[cfg(feature = "alloc")]
     pub(crate) fn transport(&self) -> S {
         self.transport
     }

@@ -62,12 +62,14 @@ use super::rig::{Actuation, check_air, check_drive};
 use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::control::Held;
+#[cfg(feature = "alloc")]
 use crate::convert::{AnewOfEach, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
 use crate::load::{Joint, SIGN};
 use crate::parameter::{self, Parameter};
+#[cfg(feature = "alloc")]
 use crate::plant::Part;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
@@ -236,12 +238,14 @@ impl JointRig {
 
 impl<S: Scalar> JointRig<S> {
     /// The same rig over another scalar; `function` is told which parameter each number is.
+    #[cfg(feature = "alloc")]
     pub fn map<T: Scalar>(&self, mut function: impl FnMut(&'static Parameter, S) -> T) -> JointRig<T> {
         self.map_of_each(|_, parameter, value| function(parameter, value))
     }
 
     /// The same rig over another scalar; `function` is told of which actuator each number is too: 0 for the agonist, 1 for
     /// the antagonist, `None` for the joint itself. What leads a tendon over the joint is of its actuator.
+    #[cfg(feature = "alloc")]
     pub fn map_of_each<T: Scalar>(
         &self,
         mut function: impl FnMut(Option<usize>, &'static Parameter, S) -> T,
