@@ -4,6 +4,7 @@ mod common;
 
 mod plant_control;
 mod plant_dead_time;
+mod plant_ends;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]
