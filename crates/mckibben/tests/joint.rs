@@ -1,7 +1,7 @@
 //! The antagonistic joint: symmetry, a closed-form period, sticking torque and restitution, the energy balance, the reduction
 //! to the hanging mass, derivatives, and random joints.
 
-use crate::common::joint::Pair;
+use crate::common::joint::{Pair, pairs};
 use crate::common::laws;
 use crate::common::random;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
@@ -14,7 +14,7 @@ use mckibben::valve::{Command, Request};
 use mckibben::{Dual, Error, GaugePressure, Real};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use random::{Accounted, Case, cases, falling_power, runner};
+use random::{Accounted, falling_power, runner};
 use std::f64::consts::PI;
 
 fn pulses(frequency: f64, duty: f64) -> Command {
@@ -267,52 +267,8 @@ fn derivatives_by_a_parameter_are_those_of_finite_differences() {
     assert_close(angle.slope[0], (at(0.3 + step) - at(0.3 - step)) / (2.0 * step), 1e-4);
 }
 
-/// A pulley, or an arm that goes up and down about its radius.
-fn moment_arm(radius: f64, varies: bool) -> MomentArm {
-    let arms = [1.0, 1.3, 0.8, 1.2].map(|part| part * radius);
-    let table = || MomentArm::table(&[-0.5, -0.1, 0.2, 0.6], &arms).expect("a table");
-    if varies { table() } else { MomentArm::Pulley(radius) }
-}
-
 /// Joints that are tried when `MCKIBBEN_CASES` is not set.
 const CASES: u32 = 3000;
-
-fn pairs() -> impl Strategy<Value = (Pair, f64, f64)> {
-    let share = || 0.5..1.0_f64;
-    let radius = || 0.02..0.6_f64;
-    let start = prop_oneof![1 => Just(None), 2 => (-0.5..0.5_f64).prop_map(Some)];
-    let limb = (0.01..5.0_f64, 0.0..0.5_f64, 1e-4..1e-1_f64, -3.0..3.0_f64);
-    let stops = (prop::option::of(-0.5..0.0_f64), prop::option::of(0.01..0.5_f64), 0.0..3.0_f64, any::<bool>());
-    ((cases(), cases()), (share(), share(), radius(), radius()), limb, stops, start, -3.0..3.0_f64).prop_map(
-        |(
-            (first, second),
-            (rest, other_rest, radius, other),
-            (mass, distance, inertia, hanging),
-            stops,
-            start,
-            speed,
-        )| {
-            let Case { duration, tolerance, .. } = first;
-            let pulley = |paper: &Paper, share: f64, radius: f64| Tendon {
-                arm: moment_arm(radius * paper.thread_length, stops.3),
-                rest_length: share * paper.max_length,
-            };
-            let tendons = [pulley(&first.paper, rest, radius), pulley(&second.paper, other_rest, other)];
-            let pair = Pair {
-                solenoids: [None, None],
-                papers: [first.paper, second.paper],
-                limb: Limb { mass, distance, inertia, gravity: GRAVITY, hanging_angle: hanging },
-                tendons,
-                torque: 0.0,
-                damping: 1e-3,
-                stops: Stops { ends: [stops.0, stops.1], stiffness: 500.0, damping: stops.2 },
-                angle: start.map_or(InitialAngle::Equilibrium, InitialAngle::At),
-                angular_velocity: if start.is_some() { speed } else { 0.0 },
-            };
-            (pair, duration, tolerance)
-        },
-    )
-}
 
 /// Where the work of both gases went is accounted for, to the tolerance of each step.
 fn check_energy(run: &JointTrajectory, duration: f64, tolerance: f64) -> Result<(), TestCaseError> {

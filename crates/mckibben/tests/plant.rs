@@ -4,6 +4,7 @@ mod common;
 
 mod plant_control;
 mod plant_dead_time;
+mod plant_ends;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]
@@ -12,7 +13,7 @@ mod plant_linear_closed_forms;
 mod plant_linear_pulses;
 mod plant_of_joint;
 mod plant_of_rig;
-mod plant_pairs;
+mod plant_random;
 mod plant_reference;
 mod plant_sample;
 mod plant_sensitivities;

@@ -1,9 +1,8 @@
 //! The ledger of energy and exergy: closed forms, the audits of rigs and joints, and that every sum closes.
 
-use crate::common::joint::Pair;
+use crate::common::joint::{Pair, pairs};
 use crate::common::random::{self, runner};
 use crate::common::{ATMOSPHERE, GRAVITY, INCH, PSI, Paper, ROOM, assert_close, assert_within};
-use crate::plant_pairs::pairs;
 use mckibben::air::Process;
 use mckibben::force::Effectiveness;
 use mckibben::friction::{Hysteresis, LuGre};

@@ -1,9 +1,8 @@
 //! The plant of a joint moves as the joint does by the engine of joints.
 
-use crate::common::joint::Pair;
+use crate::common::joint::{Pair, pairs};
 use crate::common::random::runner;
 use crate::common::{GRAVITY, PSI, Paper};
-use crate::plant_pairs::pairs;
 use mckibben::Error;
 use mckibben::load::{Limb, Stops};
 use mckibben::plant::{Plant, simulate_plant};

@@ -28,7 +28,7 @@ use super::Pressing;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Real, Scalar};
 
 /// Dry friction of bladder and braid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,5 +136,15 @@ impl<S: Scalar> Coulomb<S> {
             }
             None => force,
         }
+    }
+}
+
+impl<R: Real> Coulomb<R> {
+    /// The steepest fall in N·s/m of the force with velocity, `√(2/e) (ρ − 1) F_c/v_s`, at a kinetic force in N; zero where
+    /// it does not fall.
+    pub(crate) fn steepest_fall(&self, kinetic: f64) -> f64 {
+        /// `√(2/e)`: the steepest slope of `exp(−x²)`.
+        const STEEPEST: f64 = 0.857_763_884_960_706_8;
+        self.stribeck.map_or(0.0, |[excess, velocity]| STEEPEST * excess.value() * kinetic / velocity.value())
     }
 }

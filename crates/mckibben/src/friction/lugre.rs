@@ -202,6 +202,15 @@ impl<R: Real> LuGre<R> {
         self.is_damped() || self.excess.value() > 0.0
     }
 
+    /// The steepest fall in N·s/m of the force with velocity at a deflection that stays, at a secant stiffness in N/m: that of
+    /// `σ₁ e(v) v (1 − z/r(v))` with bristles fully bent the other way.
+    pub(crate) fn steepest_fall(&self, secant_stiffness: f64) -> f64 {
+        /// `2 e^(−3/2)`: the steepest fall of `x exp(−x²)`.
+        const STEEPEST: f64 = 0.446_260_320_296_859_6;
+        let damping = self.ratio().value() * secant_stiffness * self.damping_time.value();
+        STEEPEST * damping * (2.0 + self.excess.value())
+    }
+
     /// The branch at the velocity of the memory, without the damping of the bristles.
     pub(super) fn branch(&self, memory: &Memory<R>, direction: f64) -> Branch<R> {
         let (ratio, sign) = (self.ratio(), R::constant(direction));

@@ -295,7 +295,8 @@ impl<R: Real> System<'_, R> {
                 Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
             }
             Guard::Rest => {
-                if self.plant.mechanisms[m].is_dynamic() {
+                self.enter_distances(time, state, mode, at);
+                if self.plant.mechanisms[m].is_dynamic() && !self.is_at_dead_centre(i, at) {
                     self.bring_to_rest(i, time, state, mode, at);
                     self.settle(m, time, state, mode, at);
                 } else {

@@ -95,7 +95,9 @@ impl<R: Real> PlantRun<R> {
             its.command = Command::nothing_of(&its.solenoid);
         }
         let system = System::new(&plant, relative_tolerance);
-        let mut mode = system.begin(&mut state, &memories, &mut Evaluation::new(&plant));
+        let mut at = Evaluation::new(&plant);
+        let mut mode = system.begin(&mut state, &memories, &mut at);
+        system.check_ends(R::zero(), &state, &mode, &mut at)?;
         mode.drivers = drivers;
         let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin() };
         Ok(Self { plant, relative_tolerance, reached })

@@ -37,6 +37,8 @@ use alloc::vec::Vec;
 const MOST_FACETS: usize = 128;
 /// Part of an entry below which it is rounding.
 const ROUNDING: f64 = 1e-9;
+/// Part of the longest length of an actuator below which its arm between two points is that of a dead centre.
+const DEAD_CENTRE: f64 = 1e-3;
 
 /// A facet of what sticking actuators can hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +87,8 @@ impl<R: Real> System<'_, R> {
             if places.actuators[i].length.is_some() {
                 continue;
             }
-            let slow = at_rest || at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
+            let is_slow = at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
+            let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
             let of_actuator = &mut mode.actuators[i].mode;
             let friction = self.members[i].actuator.friction();
             of_actuator.sliding = match friction.has_direction() {
@@ -103,6 +106,14 @@ impl<R: Real> System<'_, R> {
             }
         }
         self.solve_rest(m, time, state, mode, at, &resting, at_rest);
+    }
+
+    /// Whether the two points of an actuator pass each other at a dead centre, where its distance rests and its mechanism moves
+    /// on: it has no arm to hold it by.
+    pub(crate) fn is_at_dead_centre(&self, i: usize, at: &Evaluation<R>) -> bool {
+        let is_short = |entry: &R| entry.value().abs() < DEAD_CENTRE * self.members[i].longest;
+        matches!(self.plant.actuators[i].coupling, Coupling::Points(_))
+            && self.gradient(i, &at.gradient).iter().all(is_short)
     }
 
     /// Solves for what the resting actuators of a mechanism hold, and sets how all of them slide.

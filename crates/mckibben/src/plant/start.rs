@@ -4,8 +4,11 @@ use super::evaluation::{Evaluation, System};
 use super::friction_start::InitialFriction;
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::{Mounted, Plant};
-use crate::error::Error;
+use crate::actuator::Actuator;
+use crate::error::{Error, Requirement};
+use crate::force::Statics;
 use crate::friction::Memory;
+use crate::load::SeriesTendon;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::NodeKind;
 use crate::parameter;
@@ -18,6 +21,8 @@ use alloc::vec::Vec;
 
 /// Part of its shortest length by which an actuator may miss it and be on it.
 const ON_THE_STOP: f64 = 1e-14;
+/// Part of its length by which an end without viscous friction may miss its balance.
+const UNBALANCED: f64 = 1e-6;
 
 /// The air of an actuator at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +108,7 @@ impl<R: Real> Plant<R> {
     /// # Errors
     /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
     /// pressure or temperature that is not physical; [`Error::Unsupported`] for a start of friction that remembers nothing;
-    /// [`Error::Inconsistent`] for a force that friction cannot hold.
+    /// [`Error::Inconsistent`] for a force that friction cannot hold, and for a length that an actuator cannot have.
     pub fn start(&self, start: &PlantStart<R>) -> Result<Vec<R>, Error> {
         self.start_with_memories(start).map(|(state, _)| state)
     }
@@ -162,8 +167,10 @@ impl<R: Real> Plant<R> {
             let distance = coupling.distance(chain, position, &pieces, &mut gradient);
             let length = match (tendon, start.lengths[i]) {
                 (Some(_), Some(length)) => length,
-                _ => distance,
+                (Some(tendon), None) => balanced(actuator, tendon, distance, absolute.0),
+                (None, _) => distance,
             };
+            check_length(actuator, length, tendon.is_some())?;
             lengths.push(length);
             let own = self.places.actuators[i];
             state[own.pressure] = absolute.0;
@@ -216,6 +223,57 @@ impl<R: Real> Plant<R> {
         }
         None
     }
+}
+
+/// That an actuator can have a length in m; one on a tendon is never shorter than its shortest.
+fn check_length<R: Real>(actuator: &Actuator<R>, length: R, on_tendon: bool) -> Result<(), Error> {
+    let law = &actuator.law().law;
+    let (shortest, end) = (actuator.limits().min_length().value(), law.end_length().value());
+    let value = length.value();
+    let wrong = |relation, other, bound| {
+        Err(Error::Inconsistent {
+            parameter: &parameter::INITIAL_LENGTH,
+            value,
+            requirement: Requirement { relation, other, value: bound, unit: "m" },
+            remedy: "start the mechanism where its actuators are between their shortest and their end length",
+        })
+    };
+    if value.is_nan() || value >= end {
+        return wrong("must be less than", law.end_name(), end);
+    }
+    if on_tendon && value < shortest * (1.0 - ON_THE_STOP) {
+        return wrong("on a tendon must be at least", parameter::MIN_LENGTH.key, shortest);
+    }
+    Ok(())
+}
+
+/// The length in m at which the static force of an actuator at an absolute pressure (Pa) is the tension of its tendon, both
+/// over a distance (m) together; the shortest or the end length where there is none between.
+fn balanced<R: Real>(actuator: &Actuator<R>, tendon: &SeriesTendon<R>, distance: R, pressure: R) -> R {
+    let excess = |length: R| {
+        let tight = tendon.tension(distance - length);
+        (actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero())).larger(R::zero()) - tight
+    };
+    let (mut least, mut most) = (actuator.limits().min_length().value(), actuator.law().law.end_length().value());
+    if excess(R::constant(least)).value() >= 0.0 {
+        return actuator.limits().min_length();
+    }
+    let at_end = excess(R::constant(most)).value();
+    if at_end.is_nan() || at_end <= 0.0 {
+        return actuator.law().law.end_length();
+    }
+    while most - least > 4.0 * f64::EPSILON * most {
+        let middle = 0.5 * (least + most);
+        if !(middle > least && middle < most) {
+            break;
+        }
+        if excess(R::constant(middle)).value() > 0.0 { most = middle } else { least = middle }
+    }
+    // The derivatives of the root, by a Newton step at its value.
+    let (step, root) = (1e-6 * most, R::constant(most));
+    let slope = (excess(root + R::constant(step)) - excess(root - R::constant(step))).value() / (2.0 * step);
+    let left = excess(root);
+    root - (left - R::constant(left.value())) / R::constant(slope)
 }
 
 impl<R: Real> System<'_, R> {
@@ -320,6 +378,65 @@ impl<R: Real> System<'_, R> {
         self.follow_all(time, state, &mut mode, at, None);
         self.settle_ends(time, state, &mut mode, at);
         mode
+    }
+
+    /// That the ends on tendons can start where they are: nothing has a mass there, so that without viscous friction their
+    /// tensions balance from the start on, and friction that falls with velocity needs a viscous one that outweighs the fall.
+    ///
+    /// # Errors
+    /// [`Error::Inconsistent`] otherwise.
+    pub(crate) fn check_ends(
+        &self,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        self.enter_distances(time, state, mode, at);
+        for (i, mounted) in self.plant.actuators.iter().enumerate() {
+            let Some(tendon) = &mounted.tendon else { continue };
+            let (actuator, unit) = (&mounted.actuator, at.units[i]);
+            let (friction, pressure) = (actuator.friction(), state[self.plant.places.actuators[i].pressure]);
+            let kinetic: R = actuator.coulomb_bound(unit.length, pressure);
+            let mut fall = friction.coulomb().steepest_fall(kinetic.value());
+            if let Some(law) = friction.lugre() {
+                fall += law.steepest_fall(actuator.secant_stiffness(unit.length, pressure).value());
+            }
+            if friction.viscous().value() < fall {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::VISCOUS,
+                    value: friction.viscous().value(),
+                    requirement: Requirement {
+                        relation: "on a tendon must be at least",
+                        other: "the steepest fall of dry friction with velocity, here at the start",
+                        value: fall,
+                        unit: "N*s/m",
+                    },
+                    remedy: "raise viscous or stribeck_velocity, or lower static_ratio or damping_time: an end without a mass \
+                             would have no velocity of its own",
+                });
+            }
+            if super::tendon::is_damped(actuator, &mode.actuators[i]) {
+                continue;
+            }
+            let pull = super::tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
+            let (least, most) = self.holdable(i, state, mode, unit.length);
+            let missed = (pull - most.value()).max(least.value() - pull);
+            if missed > UNBALANCED * tendon.stiffness().value() * unit.length.value() {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::INITIAL_LENGTH,
+                    value: unit.length.value(),
+                    requirement: Requirement {
+                        relation: "on a tendon without viscous friction must balance; the tendon's tension misses",
+                        other: "what the actuator holds there",
+                        value: missed,
+                        unit: "N",
+                    },
+                    remedy: "leave the length out, or give actuator.friction.viscous",
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The contacts of a mechanism in a state.

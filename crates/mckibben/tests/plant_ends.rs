@@ -1,0 +1,126 @@
+//! Where ends may start: lengths that an actuator can have, and ends on tendons, which have no mass.
+
+use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_within};
+use mckibben::friction::Coulomb;
+use mckibben::load::SeriesTendon;
+use mckibben::mechanism::{Attachment, Chain, ChainSegment, Coupling, JointStops, Mass, Mechanism, Pull, Revolute};
+use mckibben::network::Network;
+use mckibben::plant::{InitialAir, Mounted, Plant, PlantStart, simulate_plant};
+use mckibben::{Error, GaugePressure};
+use std::f64::consts::PI;
+
+const STIFFNESS: f64 = 2e4;
+const REST: f64 = 0.05;
+const GAUGE: f64 = 3e5;
+
+/// A sealed muscle on a weight, over a tendon if there is one, that starts at a distance in m.
+fn on_a_weight(paper: &Paper, has_tendon: bool, distance: f64, length: Option<f64>) -> (Plant, PlantStart) {
+    let mounted = Mounted {
+        actuator: paper.actuator(),
+        mechanism: 0,
+        coupling: Coupling::Direct { coordinate: 0 },
+        tendon: has_tendon.then(|| SeriesTendon::new(STIFFNESS, REST).expect("a tendon")),
+        pressure: None,
+    };
+    let weight = Mechanism::Mass(Mass::new(2.0, Pull::Force(30.0), None).expect("a mass"));
+    let plant = Plant::new(vec![mounted], Network::new(&paper.air()), vec![weight]).expect("a plant");
+    let start = PlantStart {
+        positions: vec![vec![distance]],
+        rates: vec![vec![0.0]],
+        air: vec![InitialAir { gauge_pressure: GaugePressure(GAUGE), temperature: ROOM }],
+        lengths: vec![length],
+        ..PlantStart::default()
+    };
+    (plant, start)
+}
+
+fn refusal((plant, start): (Plant, PlantStart)) -> String {
+    let error: Error = simulate_plant(&plant, &start, 0.01, 1e-8).expect_err("it is refused");
+    assert!(!matches!(error, Error::Stopped { .. }), "{error}");
+    error.to_string()
+}
+
+#[test]
+fn no_actuator_starts_longer_than_its_threads() {
+    let paper = Paper::sealed();
+    let error = refusal(on_a_weight(&paper, false, 1.1 * paper.thread_length, None));
+    assert!(error.contains("initial.length") && error.contains("actuator.thread_length"), "{error}");
+}
+
+/// By (3), `P_g (3 L² − b²)/(4πn²) = k (x − ℓ − L)`.
+#[test]
+fn an_end_without_a_length_starts_where_both_tensions_are_equal() {
+    let paper = Paper::sealed().friction(0.0, 0.0);
+    let distance = REST + 3.7 * INCH;
+    let (plant, start) = on_a_weight(&paper, true, distance, None);
+    let state = plant.start(&start).expect("a start");
+    let here = plant.places().actuators[0];
+    let length = state[here.length.expect("a state")];
+    let (b, n) = (paper.thread_length, paper.turns);
+    let gauge = state[here.pressure] - ATMOSPHERE;
+    let pull = gauge * (3.0 * length * length - b * b) / (4.0 * PI * n * n);
+    assert!(pull > 10.0, "{pull} N at {length} m");
+    assert_within(STIFFNESS * (distance - REST - length), pull, 1e-8 * pull);
+    simulate_plant(&plant, &start, 0.05, 1e-8).expect("a run");
+}
+
+/// Without viscous friction an end that is out of balance would jump.
+#[test]
+fn an_end_out_of_balance_needs_viscous_friction() {
+    let (distance, length) = (REST + 3.7 * INCH, Some(3.4 * INCH));
+    let error = refusal(on_a_weight(&Paper::sealed().friction(0.0, 0.0), true, distance, length));
+    assert!(error.contains("initial.length") && error.contains("viscous"), "{error}");
+    let (plant, start) = on_a_weight(&Paper::sealed().friction(5.0, 0.0), true, distance, length);
+    simulate_plant(&plant, &start, 0.01, 1e-8).expect("a run");
+}
+
+/// A force F_c that falls by `(ρ − 1) exp(−(v/v_s)²)` falls at most by `√(2/e) (ρ − 1) F_c/v_s`.
+#[test]
+fn falling_friction_on_a_tendon_needs_the_viscous_one_that_outweighs_it() {
+    let (force, excess, velocity) = (4.0, 0.5, 0.02);
+    let least = (2.0 / 1.0_f64.exp()).sqrt() * excess * force / velocity;
+    let with = |viscous: f64| {
+        let law = Coulomb::new(0.0).and_then(|law| law.with_force(force, 0.0));
+        let law = law.and_then(|law| law.with_stribeck(1.0 + excess, velocity)).expect("a law");
+        let paper = Paper::sealed().friction(viscous, 0.0).with(|it| it.coulomb = Some(law));
+        on_a_weight(&paper, true, REST + 3.7 * INCH, None)
+    };
+    let error = refusal(with(0.99 * least));
+    assert!(error.contains("actuator.friction.viscous"), "{error}");
+    let (plant, start) = with(1.01 * least);
+    simulate_plant(&plant, &start, 0.02, 1e-8).expect("a run");
+}
+
+/// Where both points lie on one line with the axis the distance rests, and the limb swings through.
+#[test]
+fn a_limb_swings_through_a_dead_centre() {
+    let paper = Paper::sealed();
+    assert!(paper.coulomb_width > 0.0);
+    let stops = JointStops { ends: [None; 2], stiffness: 500.0, damping: 1.0 };
+    let joint = Revolute { torque: 0.0, damping: 0.0, stops };
+    let limb = ChainSegment { length: 0.0, mass: 1.0, distance: 0.1, inertia: 1e-3 };
+    let chain = Chain::new(vec![limb], vec![joint], [0.0, 0.0], None).expect("a chain");
+    let ends = [([-0.06, 0.0], None), ([0.03, 0.0], Some(0))].map(|(place, segment)| Attachment { segment, place });
+    let mounted = Mounted {
+        actuator: paper.actuator(),
+        mechanism: 0,
+        coupling: Coupling::Points(ends),
+        tendon: None,
+        pressure: None,
+    };
+    let network = Network::new(&paper.air());
+    let plant = Plant::new(vec![mounted], network, vec![Mechanism::Chain(chain)]).expect("a plant");
+    let start = PlantStart {
+        positions: vec![vec![-0.3]],
+        rates: vec![vec![4.0]],
+        air: vec![InitialAir { gauge_pressure: GaugePressure(2e4), temperature: ROOM }],
+        lengths: vec![None],
+        ..PlantStart::default()
+    };
+    let run = simulate_plant(&plant, &start, 0.15, 1e-8).expect("a run");
+    let sample = run.sample(0.15);
+    let (angle, rate) = (sample.mechanisms[0].position[0], sample.mechanisms[0].rate[0]);
+    assert!(angle > 0.1 && rate > 2.0, "{angle} rad at {rate} rad/s");
+    let work = run.ledger().work();
+    assert!(work.closes(1e-6), "{work:?}");
+}
