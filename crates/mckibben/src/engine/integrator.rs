@@ -85,8 +85,6 @@ const STIFF_RATIO: f64 = 4.0;
 /// Steps in which the implicit method may grow before it is judged.
 const GROWING: u32 = 6;
 
-/// Part of a state that a step may err by whatever the tolerance.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Attempted steps in which time must advance by [`LEAST_ADVANCE`] s, so that no run goes on without progress: the air of
 /// a hose of a millimetre asks for about 10⁶ steps in a second.
 const CRAWL_STEPS: u64 = 100_000;
@@ -342,9 +340,8 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// Computes the scales of the states, and the errors that the tolerance allows in a step.
     fn enter_scales(&mut self) {
         self.system.scales(&self.state[..self.states], &self.mode, &mut self.scales);
-        for ((allowed, scale), value) in self.allowed.iter_mut().zip(&self.scales).zip(&self.state) {
-            // No step makes a state more exact than its rounding.
-            *allowed = Scalar::larger(self.relative_tolerance * scale, ROUNDING * value.value().abs());
+        for (allowed, scale) in self.allowed.iter_mut().zip(&self.scales) {
+            *allowed = self.relative_tolerance * scale;
         }
     }
 

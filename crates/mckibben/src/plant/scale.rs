@@ -256,7 +256,7 @@ impl<'a, R: Real> System<'a, R> {
         let air = self.plant.actuators[0].actuator.air();
         let branch = &network.branches[index];
         let temperature = |node| network.temperature(node, &at.chambers, air).value();
-        let gap = EQUAL * pressure;
+        let gap = NEAR * pressure;
         let [high, low] = [pressure + gap, pressure].map(R::constant);
         match &branch.kind {
             BranchKind::Path { law, .. } | BranchKind::Check { law } => {
@@ -335,9 +335,9 @@ impl<'a, R: Real> System<'a, R> {
             let zone = of_branch.zone;
             let gap = near - far;
             let closing = rate(to) - rate(from);
-            // Where the pressures are equal but for rounding, their flow says nothing of its slope.
+            // Where the pressures are equal, their flow says nothing of its slope.
             let slope = |gap: f64| {
-                if gap.abs() > EQUAL * near { (flow / gap).abs() } else { self.slope_at_rest(index, near, mode, at) }
+                if gap == 0.0 { self.slope_at_rest(index, near, mode, at) } else { (flow / gap).abs() }
             };
             let conductance = match &branch.kind {
                 BranchKind::Path { .. } | BranchKind::Check { .. } => match zone {
@@ -376,8 +376,8 @@ impl<'a, R: Real> System<'a, R> {
     }
 }
 
-/// Part of a pressure by which two differ that are not equal.
-const EQUAL: f64 = 1e-6;
+/// Part of a pressure that is a small gap to another.
+const NEAR: f64 = 1e-6;
 
 /// The largest entry of the gradient of an actuator's distance at coordinates zero: its moment arm, or one.
 fn usual_arm<R: Real>(plant: &Plant<R>, mounted: &Mounted<R>) -> f64 {
