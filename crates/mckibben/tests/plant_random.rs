@@ -3,7 +3,6 @@
 use crate::common::joint::moment_arm;
 use crate::common::random::{Case, cases, runner};
 use crate::common::{ATMOSPHERE, GRAVITY, INCH, Paper, ROOM, laws};
-use mckibben::friction::Hysteresis;
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir};
 use mckibben::load::{Load, Motion, SeriesTendon};
 use mckibben::mechanism::{
