@@ -142,6 +142,7 @@ impl<S: Scalar> Coulomb<S> {
 impl<R: Real> Coulomb<R> {
     /// The steepest fall in N·s/m of the force with velocity, `√(2/e) (ρ − 1) F_c/v_s`, at a kinetic force in N; zero where
     /// it does not fall.
+    #[cfg(feature = "alloc")]
     pub(crate) fn steepest_fall(&self, kinetic: f64) -> f64 {
         /// `√(2/e)`: the steepest slope of `exp(−x²)`.
         const STEEPEST: f64 = 0.857_763_884_960_706_8;

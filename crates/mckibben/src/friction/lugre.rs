@@ -204,6 +204,7 @@ impl<R: Real> LuGre<R> {
 
     /// The steepest fall in N·s/m of the force with velocity at a deflection that stays, at a secant stiffness in N/m: that of
     /// `σ₁ e(v) v (1 − z/r(v))` with bristles fully bent the other way.
+    #[cfg(feature = "alloc")]
     pub(crate) fn steepest_fall(&self, secant_stiffness: f64) -> f64 {
         /// `2 e^(−3/2)`: the steepest fall of `x exp(−x²)`.
         const STEEPEST: f64 = 0.446_260_320_296_859_6;
