@@ -249,28 +249,19 @@ impl<'a, R: Real> System<'a, R> {
         fastest
     }
 
-    /// By how much the flow through a branch rises in kg/(s·Pa) with the gap between two pressures that are nearly equal, with
-    /// its valve wholly open.
-    fn slope_at_rest(&self, index: usize, pressure: f64, mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+    /// By how much the flow of an orifice rises in kg/(s·Pa) with the gap between two pressures that are equal, wholly open;
+    /// zero for other branches.
+    fn slope_at_rest(&self, index: usize, mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
         let (network, of_branch) = (&self.plant.network, &mode.network.branches[index]);
-        let air = self.plant.actuators[0].actuator.air();
         let branch = &network.branches[index];
-        let temperature = |node| network.temperature(node, &at.chambers, air).value();
-        let gap = NEAR * pressure;
-        let [high, low] = [pressure + gap, pressure].map(R::constant);
-        match &branch.kind {
-            BranchKind::Path { law, .. } | BranchKind::Check { law } => {
-                let Some(zone) = of_branch.zone else { return 0.0 };
-                let upstream = temperature(if zone.is_inward() { branch.from } else { branch.to });
-                (law.conductance() * law.in_zone(zone, R::one)).value() / Scalar::sqrt(upstream)
-            }
-            BranchKind::Loss(hose) => hose.tube().flow_in(of_branch.regime, high, low).value() / gap,
-            BranchKind::Leak(leakage) => {
-                let content = air.gas_constant() * R::constant(temperature(branch.from));
-                leakage.between(high, low, content).value() / gap
-            }
-            BranchKind::Inertia(_) | BranchKind::Compressor => 0.0,
-        }
+        let (BranchKind::Path { law, .. } | BranchKind::Check { law }, Some(zone)) = (&branch.kind, of_branch.zone)
+        else {
+            return 0.0;
+        };
+        let air = self.plant.actuators[0].actuator.air();
+        let upstream = if zone.is_inward() { branch.from } else { branch.to };
+        let temperature = network.temperature(upstream, &at.chambers, air).value();
+        (law.conductance() * law.in_zone(zone, R::one)).value() / Scalar::sqrt(temperature)
     }
 
     /// How fast the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
@@ -337,7 +328,7 @@ impl<'a, R: Real> System<'a, R> {
             let closing = rate(to) - rate(from);
             // Where the pressures are equal, their flow says nothing of its slope.
             let slope = |gap: f64| {
-                if gap == 0.0 { self.slope_at_rest(index, near, mode, at) } else { (flow / gap).abs() }
+                if gap == 0.0 { self.slope_at_rest(index, mode, at) } else { (flow / gap).abs() }
             };
             let conductance = match &branch.kind {
                 BranchKind::Path { .. } | BranchKind::Check { .. } => match zone {
@@ -375,9 +366,6 @@ impl<'a, R: Real> System<'a, R> {
         fastest
     }
 }
-
-/// Part of a pressure that is a small gap to another.
-const NEAR: f64 = 1e-6;
 
 /// The largest entry of the gradient of an actuator's distance at coordinates zero: its moment arm, or one.
 fn usual_arm<R: Real>(plant: &Plant<R>, mounted: &Mounted<R>) -> f64 {
