@@ -153,12 +153,22 @@ def test_parameters_are_those_of_the_schema(program, tmp_path):
     """Every key of `mckibben schema` that is a quantity is there, and says what is said there."""
     schema = json.loads(program(tmp_path, "schema").stdout)
 
-    def quantities(section: dict, above: str = ""):
-        for name, key in section.get("properties", {}).items():
-            if " Unit: " in key.get("description", ""):
-                yield f"{above}{name}", key["description"]
-            if f"{above}{name}" not in ("antagonist", "sweep.vary"):
-                yield from quantities(key, f"{above}{name}.")
+    def quantities(key: dict, path: str = ""):
+        if " Unit: " in key.get("description", ""):
+            yield path, key["description"]
+        for way in key.get("anyOf", []):
+            yield from quantities(way, path)
+        inner = dict(key.get("properties", {}))
+        if path and isinstance(key.get("additionalProperties"), dict):
+            inner["*"] = key["additionalProperties"]
+        for name, entry in inner.items():
+            below = f"{path}.{name}" if path else name
+            # What these have is said where a file of one actuator has it, but for what only a supply with a name has.
+            if below in ("antagonist", "sweep.vary", "actuators", "mechanisms"):
+                continue
+            if below.startswith("supplies.*.") and not below.startswith("supplies.*.inlet"):
+                continue
+            yield from quantities(entry, below)
 
     said = dict(quantities(schema))
     parameters = mckibben.parameters()

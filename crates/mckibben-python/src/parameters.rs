@@ -2,7 +2,7 @@
 
 use crate::typed::Sections;
 use mckibben::parameter::Parameter;
-use mckibben_scenario::keys::{KEYS, Key};
+use mckibben_scenario::keys::{Key, all_keys};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -13,11 +13,13 @@ use pyo3::types::PyDict;
 /// unit (`None` where it must be given or follows from other keys), the `source` of definition and default, the `remedy` where
 /// a value is refused, and an `example` as a file has it. A preset may stand in for a default.
 ///
-/// Those of an antagonist are the same with `antagonist.` before them.
+/// Those of an antagonist have `antagonist.` before them. In the keys of a file of many actuators `*` stands for a name: what
+/// `actuators.flexor.valve.efficiency` takes is said by `valve.efficiency`, and what `supplies.tank.inlet.drop` takes by
+/// `supplies.*.inlet.drop`.
 #[pyfunction]
 pub(crate) fn parameters(py: Python<'_>) -> PyResult<Sections<'_>> {
     let all = PyDict::new(py);
-    for key in KEYS {
+    for key in all_keys() {
         if let Some(row) = key.parameter() {
             all.set_item(key.path, described(py, key, row)?)?;
         }

@@ -645,7 +645,7 @@ pub fn section_at(path: &str) -> Option<&'static Section> {
 }
 
 /// Every key, those of a plant last.
-pub(crate) fn all_keys() -> impl Iterator<Item = &'static Key> {
+pub fn all_keys() -> impl Iterator<Item = &'static Key> {
     KEYS.iter().chain(PLANT_KEYS)
 }
 
