@@ -332,7 +332,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.step = if self.fresh { first } else { Scalar::smaller(self.step, first) };
         self.fresh = false;
         if !self.is_implicit {
-            let settling = self.system.settling_rate(self.time, &self.state[..states], &self.mode, &mut self.work);
+            let settling = self.system.settling_rate(&self.state[..states], &self.mode, &mut self.work);
             self.step = Scalar::smaller(self.step, SETTLING.0 / settling);
         }
     }
@@ -366,7 +366,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.explicit.finish(self.time, length, states, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[1];
         let end = &self.explicit.end[..states];
-        let settling = self.system.settling_rate(self.time + length, end, &self.mode, &mut self.work);
+        let settling = self.system.settling_rate(end, &self.mode, &mut self.work);
         let bound = SETTLING.0 / settling;
         if length.value() * settling > SETTLING.1 {
             self.step = bound;

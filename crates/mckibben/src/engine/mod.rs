@@ -51,7 +51,7 @@ pub(crate) trait Hybrid<R: Real> {
     );
 
     /// The fastest rate in 1/s at which a state settles by itself; `work` holds the evaluation at the state.
-    fn settling_rate(&self, time: R, state: &[R], mode: &Self::Mode, work: &mut Self::Work<R>) -> f64;
+    fn settling_rate(&self, state: &[R], mode: &Self::Mode, work: &mut Self::Work<R>) -> f64;
 
     /// Scales of the states, above zero.
     fn scales(&self, state: &[R], mode: &Self::Mode, scales: &mut [f64]);

@@ -37,7 +37,7 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         System::rates(self, time, state, mode, work, rates);
     }
 
-    fn settling_rate(&self, _time: R, state: &[R], mode: &PlantMode<R>, work: &mut Evaluation<R>) -> f64 {
+    fn settling_rate(&self, state: &[R], mode: &PlantMode<R>, work: &mut Evaluation<R>) -> f64 {
         System::settling_rate(self, state, mode, work)
     }
 

@@ -62,7 +62,6 @@ use crate::convert::{AnewOfEach, Convert};
 use crate::error::Error;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
-use crate::network::flow::Varying;
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::parameter::Parameter;
 use crate::scalar::Scalar;
@@ -159,16 +158,10 @@ pub struct Places {
     /// The nodes and branches that have a state, each with its place.
     pub(crate) state_nodes: Vec<[usize; 2]>,
     pub(crate) state_branches: Vec<[usize; 2]>,
-    /// The nodes whose pressure changes, and for each branch whether what flows at its ends counts there.
-    pub(crate) varying: Vec<(usize, Varying)>,
-    pub(crate) counts: Vec<[bool; 2]>,
-    /// The outlets of regulators that a node of the network feeds, each with that node, the last outlet first.
-    pub(crate) drawn: Vec<[usize; 2]>,
     /// The actuators of each mechanism.
     pub members: Vec<Vec<usize>>,
-    /// Whether the air of each actuator keeps an energy balance, and whether that of any does.
+    /// Whether the air of each actuator keeps an energy balance.
     pub(crate) keeps_heat: Vec<bool>,
-    pub(crate) any_keeps_heat: bool,
     /// The node of the network that is each actuator's chamber.
     pub(crate) chambers: Vec<Option<usize>>,
     /// How many states there are.
@@ -325,21 +318,6 @@ impl Places {
         };
         places.state_nodes = stated(&places.nodes);
         places.state_branches = stated(&places.branches);
-        let outlets = network.nodes.iter().enumerate().rev();
-        places.drawn = outlets
-            .filter_map(|(index, node)| match node.kind {
-                NodeKind::Outlet { inlet, .. } => inlet.map(|inlet| [index, inlet]),
-                _ => None,
-            })
-            .collect();
-        let varying = |(index, node): (usize, &crate::network::Node<S>)| match node.kind {
-            NodeKind::Chamber { actuator } => Some((index, Varying::Chamber(actuator))),
-            _ => places.nodes[index].map(|place| (index, Varying::State(place))),
-        };
-        places.varying = network.nodes.iter().enumerate().filter_map(varying).collect();
-        let counts = |node: usize| !matches!(network.nodes[node].kind, NodeKind::Atmosphere | NodeKind::Source);
-        places.counts = network.branches.iter().map(|branch| [counts(branch.from), counts(branch.to)]).collect();
-        places.any_keeps_heat = places.keeps_heat.contains(&true);
         places
     }
 
