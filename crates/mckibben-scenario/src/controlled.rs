@@ -109,10 +109,7 @@ impl Document {
 /// Refuses fixed steps under a controller of which none is given.
 pub(crate) fn check_step(scenario: &Scenario) -> Result<(), Error> {
     if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
-        return Err(Error::Unsupported {
-            what: "the fixed-step engine cannot choose its step under a controller yet",
-            remedy: "give run.step, such as \"0.1 ms\"",
-        });
+        return Err(Error::NotImplemented(&mckibben::limit::CONTROLLER_STEP));
     }
     Ok(())
 }
@@ -161,7 +158,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
 
 /// An aim of a joint where there is none; a file is refused before.
 fn without_joint() -> Error {
-    Error::Unsupported { what: "an aim of a joint is given, but there is no joint", remedy: "choose another load.kind" }
+    Error::Misuse { what: "an aim of a joint is given, but there is no joint", remedy: "choose another load.kind" }
 }
 
 /// What a valve can be asked by a relay and by a PID controller.
@@ -169,10 +166,7 @@ pub(crate) fn ways(scenario: &Scenario) -> Result<(Between, Output), Error> {
     match scenario.valve.map(|valve| valve.kind) {
         Some(ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen) => Ok((Between::Keep, Output::FillExhaust)),
         Some(ValveKind::FillHoldExhaust) => Ok((Between::Hold, Output::FillHoldExhaust)),
-        _ => Err(Error::Unsupported {
-            what: "a controller drives a three-way or a fill-hold-exhaust valve, and no other yet",
-            remedy: "set valve.kind to one of these",
-        }),
+        _ => Err(Error::NotImplemented(&mckibben::limit::CONTROLLER_VALVE)),
     }
 }
 

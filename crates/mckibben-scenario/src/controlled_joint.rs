@@ -106,7 +106,7 @@ fn controlled(
     if let Some(second) = scenario.of_antagonist()
         && ways(&second)? != own
     {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "one controller drives both actuators of a joint, and their valves are of different kinds",
             remedy: "remove valve.kind from [antagonist.valve]",
         });
@@ -140,7 +140,7 @@ fn controlled(
             JointLaw::Tracker(Box::new(JointTracker { angle: set_point.clone(), regulator }))
         }
         Aim::Model { .. } => {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "an aim of one actuator is given, but there is a joint",
                 remedy: "choose another load.kind",
             });

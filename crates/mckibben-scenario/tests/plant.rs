@@ -308,7 +308,7 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
                 "kind = \"set-points\"\ntime = [\"0 s\"]\ngauge_pressure = [\"1 bar\"]",
             )
             .replace("gauge_pressure = \"5 bar\"", "gauge_pressure = \"5 bar\"\nreservoir_volume = \"1 L\""),
-            "draws from a source without end",
+            "is not implemented behind a reservoir or a regulator",
         ),
     ] {
         let error = mistakes(&text);

@@ -179,9 +179,6 @@ fn balanced(actuator: &Actuator, gauge: f64, pull: impl Fn(f64) -> f64) -> f64 {
 fn check_engine(run: &Run) -> Result<(), Error> {
     match run.engine {
         Engine::EventLocated => Ok(()),
-        Engine::FixedStep => Err(Error::Unsupported {
-            what: "a plant of several actuators runs by the event-located engine alone yet",
-            remedy: "leave out run.engine, or set it to \"event-located\"",
-        }),
+        Engine::FixedStep => Err(Error::NotImplemented(&mckibben::limit::PLANT_FIXED_STEP)),
     }
 }

@@ -245,7 +245,7 @@ fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
         SetPoint::sinusoid(quantity, mean, amplitude, frequency, phase)?;
     }
     if scenario.load == Load::Isometric && velocity != 0.0 {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "an isometric load does not move, so `initial.velocity` must be zero",
             remedy: "do not vary the key",
         });

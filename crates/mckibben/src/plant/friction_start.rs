@@ -36,7 +36,7 @@ impl<R: Real> Plant<R> {
     /// What the hysteresis of each actuator remembers at the start in a state; none for one that starts relaxed.
     ///
     /// # Errors
-    /// [`Error::Table`] unless there is an entry for each actuator, or none at all; [`Error::Unsupported`] where there is no
+    /// [`Error::Table`] unless there is an entry for each actuator, or none at all; [`Error::Misuse`] where there is no
     /// hysteresis; [`Error::Inconsistent`] for a force that it cannot hold.
     pub(crate) fn start_memories(
         &self,
@@ -60,7 +60,7 @@ impl<R: Real> Plant<R> {
             }
             let actuator = &self.actuators[i].actuator;
             let Some(law) = actuator.friction().hysteresis() else {
-                return Err(Error::Unsupported {
+                return Err(Error::Misuse {
                     what: "a start of friction is given, but dry friction without hysteresis remembers nothing: at rest the \
                            balance decides what it holds, in motion the velocity",
                     remedy: "leave it relaxed, or give actuator.friction.hysteresis",

@@ -60,6 +60,7 @@ use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::convert::{AnewOfEach, Convert};
 use crate::error::Error;
+use crate::limit;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::{BranchKind, Network, NodeKind};
@@ -174,10 +175,10 @@ impl Plant {
     /// A plant of actuators on mechanisms, fed by a network.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, a given
+    /// [`Error::Misuse`] for a reference to a part that is not there, an actuator with a valve of its own, a given
     /// pressure in an actuator that the network feeds, or a command that its valve cannot follow.
     pub fn new(actuators: Vec<Mounted>, network: Network, mechanisms: Vec<Mechanism>) -> Result<Self, Error> {
-        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         for (index, mounted) in actuators.iter().enumerate() {
             let Some(mechanism) = mechanisms.get(mounted.mechanism) else {
                 return wrong("an actuator pulls on a mechanism that is not there", "name one of the mechanisms");
@@ -208,10 +209,13 @@ impl Plant {
             let is_fed =
                 |node: usize| matches!(network.nodes[node].kind, NodeKind::Chamber { actuator } if actuator == index);
             let fed = network.branches.iter().any(|branch| is_fed(branch.from) || is_fed(branch.to));
-            if mounted.pressure.is_some() && (fed || mounted.tendon.is_some()) {
+            if mounted.pressure.is_some() && mounted.tendon.is_some() {
+                return Err(Error::NotImplemented(&limit::PRESSURE_TENDON));
+            }
+            if mounted.pressure.is_some() && fed {
                 return wrong(
-                    "the pressure in an actuator is given over time, and a valve, a leak or a tendon would change it too",
-                    "leave out [valve], [hose], actuator.leakage and [tendon], or leave out [pressure]",
+                    "the pressure in an actuator is given over time, and a valve or a leak would change it too",
+                    "leave out [valve], [hose] and actuator.leakage, or leave out [pressure]",
                 );
             }
         }

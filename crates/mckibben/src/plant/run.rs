@@ -79,7 +79,7 @@ impl<R: Real> PlantRun<R> {
     /// Starts at t = 0 with drivers, in place of the commands of the valves that are theirs.
     ///
     /// # Errors
-    /// As [`Plant::start`]; [`Error::Unsupported`] for a driver of parts that are not there, and for two of one valve.
+    /// As [`Plant::start`]; [`Error::Misuse`] for a driver of parts that are not there, and for two of one valve.
     pub fn with_drivers(
         plant: &Plant<R>,
         start: &PlantStart<R>,
@@ -147,7 +147,7 @@ impl<R: Real> PlantRun<R> {
     /// Goes back, or on, to where a run of the same plant was.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a snapshot of another plant.
+    /// [`Error::Misuse`] for a snapshot of another plant.
     pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
         let (ours, theirs) = (&self.reached, snapshot);
         let alike = ours.state.len() == theirs.state.len()
@@ -158,7 +158,7 @@ impl<R: Real> PlantRun<R> {
             && ours.mode.network.nodes.len() == theirs.mode.network.nodes.len()
             && ours.mode.network.valves.len() == theirs.mode.network.valves.len();
         if !alike {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a snapshot of another plant is restored",
                 remedy: "restore what a run of the same plant has saved",
             });
@@ -170,10 +170,10 @@ impl<R: Real> PlantRun<R> {
     /// Sets what a valve does from now on, in place of all that was to come.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no such valve, it has a driver, or it cannot do what is asked;
+    /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot do what is asked;
     /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
     pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
-        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         if valve >= self.plant.network.valves.len() {
             return wrong("a valve is set that is not there", "name a valve of the network");
         }
@@ -187,13 +187,13 @@ impl<R: Real> PlantRun<R> {
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a mechanism that is not external; [`Error::Table`] unless there is one rate for each
+    /// [`Error::Misuse`] for a mechanism that is not external; [`Error::Table`] unless there is one rate for each
     /// coordinate; [`Error::OutOfRange`] for a rate that is not finite.
     pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
         let external =
             matches!(self.plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
         if !external {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "rates are set of a mechanism whose motion no host gives",
                 remedy: "name an external mechanism",
             });

@@ -107,7 +107,7 @@ impl<R: Real> Plant<R> {
     ///
     /// # Errors
     /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
-    /// pressure or temperature that is not physical; [`Error::Unsupported`] for a start of friction that remembers nothing;
+    /// pressure or temperature that is not physical; [`Error::Misuse`] for a start of friction that remembers nothing;
     /// [`Error::Inconsistent`] for a force that friction cannot hold, and for a length that an actuator cannot have.
     pub fn start(&self, start: &PlantStart<R>) -> Result<Vec<R>, Error> {
         self.start_with_memories(start).map(|(state, _)| state)

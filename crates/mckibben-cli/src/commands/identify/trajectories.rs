@@ -98,8 +98,9 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
 /// Drives a run by the pressure that was measured, in place of what the scenario says.
 fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
     if scenario.has_joint() {
-        let title = format!("the run `{}` is of a joint, which no measured pressure drives yet", recording.name);
-        return Err(Failure::input(title, "leave out `input`: the pressures are fitted as the valves make them"));
+        let mckibben::limit::Limit { feature, with, remedy } = &mckibben::limit::SEGMENTS_PRESSURE;
+        let title = format!("the run `{}`: {feature} is not implemented {with}", recording.name);
+        return Err(Failure::input(title, *remedy));
     }
     let (measured, time, mut gauge_pressure) = pressure_over_time(recording)?;
     if measured == Quantity::AbsolutePressure {
