@@ -13,6 +13,7 @@ mod plant_linear_closed_forms;
 mod plant_linear_pulses;
 mod plant_of_joint;
 mod plant_of_rig;
+mod plant_progress;
 mod plant_random;
 mod plant_reference;
 mod plant_sample;

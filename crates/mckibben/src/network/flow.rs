@@ -219,10 +219,25 @@ impl<R: Real> Network<R> {
     }
 
     /// The error in Pa of a regulator's outlet, once all flows are known.
-    pub(crate) fn outlet_error<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
+    pub(crate) fn outlet_error<T: Over<R>>(
+        &self,
+        node: usize,
+        mode: &NetworkMode<R>,
+        at: &NetworkState<T>,
+    ) -> Option<T> {
         let NodeKind::Outlet { regulator, set, inlet } = &self.nodes[node].kind else { return None };
-        let inlet = inlet.map(|inlet| at.nodes[inlet].pressure);
-        Some(regulator.error(at.nodes[node].pressure, T::of(self.absolute(*set)), inlet, -at.nodes[node].net()))
+        let pressure = at.nodes[node].pressure;
+        Some(match (mode.nodes[node].limited, inlet) {
+            (true, Some(inlet)) => at.nodes[*inlet].pressure - pressure,
+            _ => regulator.error(pressure, T::of(self.absolute(*set)), None, -at.nodes[node].net()),
+        })
+    }
+
+    /// By how much in Pa the inlet of a regulator's outlet lies above what the outlet goes to without that limit.
+    pub(crate) fn inlet_margin<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
+        let NodeKind::Outlet { regulator, set, inlet: Some(inlet) } = &self.nodes[node].kind else { return None };
+        let inlet = at.nodes[*inlet].pressure;
+        Some(-regulator.error(inlet, T::of(self.absolute(*set)), None, -at.nodes[node].net()))
     }
 
     /// The rate of a node's pressure in Pa/s, once all flows are known; of a chamber the actuator's to say.
@@ -232,7 +247,7 @@ impl<R: Real> Network<R> {
             NodeKind::Hose(hose) => hose.pressure_rate(of_node.net()),
             NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(of_node.net()),
             NodeKind::Outlet { regulator, .. } => self
-                .outlet_error(node, at)
+                .outlet_error(node, mode, at)
                 .map_or(T::zero(), |error| regulator.pressure_rate(error, mode.nodes[node].poppet)),
             NodeKind::Port { regulator, .. } => match (mode.nodes[node].approach, self.set_point(node, mode)) {
                 (Some(approach), Some(set)) => regulator.rate_in(approach, of_node.pressure, T::of(set)),

@@ -540,7 +540,30 @@ impl<'a, R: Real> System<'a, R> {
             rates[place] = network.node_rate(node, &mode.network, &at.network);
         }
         for &[branch, place] in &places.state_branches {
-            rates[place] = network.branch_rate(branch, &at.network);
+            rates[place] = match mode.network.branches[branch].sonic {
+                None => network.branch_rate(branch, &at.network),
+                Some(forwards) => match network.sonic::<T>(branch, forwards) {
+                    Some((behind, per_pressure)) => per_pressure * self.pressure_rate(behind, mode, at),
+                    None => T::zero(),
+                },
+            };
+        }
+    }
+
+    /// The rate of the pressure of a node in Pa/s, once everything is evaluated.
+    pub(crate) fn pressure_rate<T: Over<R>>(&self, node: usize, mode: &PlantMode<R>, at: &Evaluation<T>) -> T {
+        match self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => at.units[actuator].pressure_rate,
+            _ => self.plant.network.node_rate(node, &mode.network, &at.network),
+        }
+    }
+
+    /// The pressure of a node in Pa in a state; none for one that does not change.
+    pub(crate) fn pressure<T: Copy>(&self, node: usize, state: &[T]) -> Option<T> {
+        let places = &self.plant.places;
+        match self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => Some(state[places.actuators[actuator].pressure]),
+            _ => places.nodes[node].map(|place| state[place]),
         }
     }
 

@@ -18,6 +18,7 @@
 mod bookkeeping;
 mod crossing;
 mod dense;
+mod ends;
 mod evaluation;
 mod exergy;
 mod friction_start;
@@ -29,6 +30,7 @@ mod linear;
 mod measure;
 mod mode;
 mod of_rig;
+mod progress;
 mod run;
 mod sample;
 mod scale;
