@@ -28,6 +28,7 @@ use crate::air::{Chamber, Flow};
 use crate::line::split;
 use crate::mechanism::chain::{Chain, Contacts};
 use crate::mechanism::{Coupling, Mechanism};
+use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
