@@ -190,6 +190,13 @@ impl Document {
         }
     }
 
+    /// Every key with its value, a line for each, in the order of the file: documents with equal text say the same.
+    pub(crate) fn canonical(&self) -> String {
+        let mut text = String::new();
+        canonical(&self.root, "", &mut text);
+        text
+    }
+
     pub(crate) fn root(&self) -> &Table {
         &self.root
     }
@@ -202,6 +209,38 @@ impl Document {
             entry = table.get(name)?;
         }
         Some(entry)
+    }
+}
+
+fn canonical(table: &Table, above: &str, text: &mut String) {
+    for Entry { name, node, .. } in &table.0 {
+        let path = if above.is_empty() { name.clone() } else { format!("{above}.{name}") };
+        match &node.value {
+            Value::Table(inner) => {
+                // An empty section says something too.
+                text.push_str(&format!("[{path}]\n"));
+                canonical(inner, &path, text);
+            }
+            value => text.push_str(&format!("{path} = {}\n", said(value))),
+        }
+    }
+}
+
+/// A value as text, numbers in the digits that identify them.
+fn said(value: &Value) -> String {
+    match value {
+        Value::String(words) => format!("{words:?}"),
+        Value::Number(number) => format!("{number:?}"),
+        Value::List(items) => {
+            let items: Vec<String> = items.iter().map(|item| said(&item.value)).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Value::Table(table) => {
+            let mut text = String::new();
+            canonical(table, "", &mut text);
+            format!("{{ {} }}", text.trim_end().replace('\n', ", "))
+        }
+        Value::Other(what) => (*what).to_owned(),
     }
 }
 

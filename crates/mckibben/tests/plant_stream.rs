@@ -51,6 +51,19 @@ fn a_streamed_run_is_the_kept_one() {
         assert_eq!(decisions, kept.decisions());
         assert_eq!(decisions.is_empty(), !driven);
         assert_eq!(keeper.finish(&run), kept.ledger());
+        let (mut replayed, mut reread) = (Vec::new(), Vec::new());
+        let mut reading = Reading::new(SampleTimes::new(duration, interval).times(), duration);
+        kept.replay(&mut |step| {
+            replayed.extend(step.event().map(|event| (event.time, event.kind)));
+            reading.step(step, |sample: &PlantSample| {
+                reread.push(sample.clone());
+                Ok(())
+            })
+        })
+        .expect("a replay");
+        assert_eq!(replayed, events);
+        // The last sample is that of the end.
+        assert_eq!(reread, samples[..samples.len() - 1]);
         assert_eq!(run.statistics(), kept.statistics());
         assert!(samples.len() > 200 && events.len() > 5);
     }

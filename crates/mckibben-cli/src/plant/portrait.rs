@@ -1,12 +1,12 @@
 //! The figure of a plant's run: what moves, the pressures, and the tensions, over time.
 
-use super::{PlantRun, coordinates};
+use super::PlantOutcome;
 use crate::plot::{Axis, Colour, Figure, Panel, Series};
 use crate::portrait::POINTS;
 use mckibben::plant::PlantSample;
 
 /// The figure.
-pub(crate) fn figure(run: &PlantRun, title: &str) -> Figure {
+pub(crate) fn figure(run: &PlantOutcome, title: &str) -> Figure {
     let of = &run.experiment;
     let (duration, interval) = (of.run.duration, of.run.sample_interval);
     let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
@@ -20,7 +20,7 @@ pub(crate) fn figure(run: &PlantRun, title: &str) -> Figure {
         }
         panel
     };
-    let (angles, lengths): (Vec<_>, Vec<_>) = coordinates(of).into_iter().partition(|of| of.is_angle);
+    let (angles, lengths): (Vec<_>, Vec<_>) = of.coordinates().into_iter().partition(|of| of.is_angle);
     let mut panels = Vec::new();
     if !angles.is_empty() {
         let names: Vec<&str> = angles.iter().map(|of| of.name.as_str()).collect();

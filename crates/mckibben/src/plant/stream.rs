@@ -1,6 +1,6 @@
 //! A run of a plant that is read while it is made: each accepted step goes to a consumer and nothing is kept.
 //!
-//! Samples and the ledger are those that a kept [`PlantTrajectory`](super::PlantTrajectory) gives, number for number.
+//! Samples and the ledger are those that a kept [`PlantTrajectory`] gives, number for number.
 //!
 //! Checked by `tests/plant_stream.rs`.
 
@@ -10,7 +10,7 @@ use super::ledger::PlantLedger;
 use super::mode::PlantMode;
 use super::run::PlantRun;
 use super::sample::{Observer, PlantSample};
-use super::trajectory::PieceView;
+use super::trajectory::{PieceView, PlantTrajectory};
 use super::{Plant, PlantEvent};
 use crate::command::PlantDecision;
 use crate::engine::arc;
@@ -155,6 +155,23 @@ impl PlantRun {
         let mut observer = Observer::new(self.plant(), self.relative_tolerance());
         observer.observe(self.time(), self.state(), self.mode(), &mut sample);
         sample
+    }
+}
+
+impl PlantTrajectory {
+    /// Hands the steps of the run to `consumer` as [`PlantRun::stream_to`] did or would.
+    ///
+    /// # Errors
+    /// Those of the consumer.
+    pub fn replay(&self, consumer: &mut PlantConsumer<'_>) -> Result<(), Error> {
+        let plant = self.plant();
+        let observer = Observer::new(plant, self.relative_tolerance());
+        let room = Room { observer, state: vec![0.0; plant.places().states] };
+        let reads = Shared(plant, RefCell::new(room));
+        self.each_piece_with_event(|view, event| {
+            let after = event.map(|(_, after)| after);
+            consumer(&PlantStep { view, event: event.map(|(event, _)| event.clone()), after, reads: &reads })
+        })
     }
 }
 
