@@ -190,10 +190,10 @@ impl Document {
         }
     }
 
-    /// Every key with its value, a line for each, in the order of the file: documents with equal text say the same.
-    pub(crate) fn canonical(&self) -> String {
+    /// Every key with its value as TOML, a line for each, in the order of the file: documents with equal text say the same.
+    pub fn to_toml(&self) -> String {
         let mut text = String::new();
-        canonical(&self.root, "", &mut text);
+        lines_of(&self.root, "", &mut text);
         text
     }
 
@@ -212,35 +212,38 @@ impl Document {
     }
 }
 
-fn canonical(table: &Table, above: &str, text: &mut String) {
+/// The keys of a section and of those in it, by their paths.
+fn lines_of(table: &Table, above: &str, text: &mut String) {
     for Entry { name, node, .. } in &table.0 {
-        let path = if above.is_empty() { name.clone() } else { format!("{above}.{name}") };
+        let path = if above.is_empty() { quoted(name) } else { format!("{above}.{}", quoted(name)) };
         match &node.value {
-            Value::Table(inner) => {
-                // An empty section says something too.
-                text.push_str(&format!("[{path}]\n"));
-                canonical(inner, &path, text);
-            }
+            Value::Table(inner) if !inner.0.is_empty() => lines_of(inner, &path, text),
             value => text.push_str(&format!("{path} = {}\n", said(value))),
         }
     }
 }
 
-/// A value as text, numbers in the digits that identify them.
+/// A key, in quotes where it needs them.
+fn quoted(name: &str) -> String {
+    let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+    if bare { name.to_owned() } else { toml::Value::from(name).to_string() }
+}
+
+/// A value as TOML, numbers in the digits that identify them.
 fn said(value: &Value) -> String {
     match value {
-        Value::String(words) => format!("{words:?}"),
-        Value::Number(number) => format!("{number:?}"),
+        Value::String(words) => toml::Value::from(words.as_str()).to_string(),
+        Value::Number(number) => toml::Value::from(*number).to_string(),
         Value::List(items) => {
             let items: Vec<String> = items.iter().map(|item| said(&item.value)).collect();
             format!("[{}]", items.join(", "))
         }
         Value::Table(table) => {
-            let mut text = String::new();
-            canonical(table, "", &mut text);
-            format!("{{ {} }}", text.trim_end().replace('\n', ", "))
+            let entries = table.0.iter().map(|entry| format!("{} = {}", quoted(&entry.name), said(&entry.node.value)));
+            format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
-        Value::Other(what) => (*what).to_owned(),
+        // What no key takes has been refused; its text says what it was.
+        Value::Other(what) => toml::Value::from(*what).to_string(),
     }
 }
 

@@ -16,7 +16,7 @@ pub struct Closed {
     pub names: Vec<String>,
     /// How many samples each controller took.
     pub samples: Vec<u64>,
-    /// How often each asked something else of its valves.
+    /// How often each changed what it requests of its valves.
     pub requests: Vec<u64>,
 }
 

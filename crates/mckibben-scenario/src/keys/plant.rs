@@ -23,10 +23,10 @@ pub(crate) const MECHANISMS: &str = "mechanisms";
 /// Where friction with a memory starts, by a word.
 pub(crate) const FRICTION_START: &str = "initial.friction";
 
-/// Sections that an actuator may have of its own, under its name.
+/// Sections that an actuator may have under its name.
 pub(crate) const OF_ACTUATOR: &[&str] =
     &["air", "supply", "valve", "hose", "command", "controller", "pressure", "tendon", "load", "initial", "coupling"];
-/// Sections that a supply may have of its own, under its name.
+/// Sections that a supply may have under its name.
 pub(crate) const OF_SUPPLY: &[&str] = &["valve", "hose", "command"];
 
 /// The row of another key at a path of a plant.
@@ -34,7 +34,7 @@ const fn at(key: &'static str, row: &Parameter) -> Parameter {
     Parameter { key, ..*row }
 }
 
-/// The same, with a sentence of its own.
+/// A row with another sentence.
 const fn meaning(row: Parameter, meaning: &'static str) -> Parameter {
     Parameter { meaning, ..row }
 }

@@ -83,7 +83,7 @@ impl Document {
     }
 }
 
-/// The parts of a plant beside its network.
+/// The parts of a plant other than its network.
 struct Parts {
     mounted: Vec<Mounted>,
     mechanisms: Vec<Mechanism>,

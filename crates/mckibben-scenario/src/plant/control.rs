@@ -91,7 +91,7 @@ impl PlantControl {
     }
 }
 
-/// The controller of a member, where it has one of its own; `actuator` is its actuator in the plant.
+/// The controller of a member, where it has one; `actuator` is its actuator in the plant.
 pub(super) fn of_member(
     member: &Member,
     (actuator, valve): (usize, Option<usize>),

@@ -4,7 +4,7 @@
 //! [supplies.tank]                  a tree of air: sources, reservoirs, regulators, manifolds, each fed by one before it
 //! [mechanism] [mechanism.joints.elbow]
 //! [valve] [command] [coupling] …   what every actuator has unless its own say otherwise
-//! [actuators.biceps]               keys of [actuator], and below it sections of its own
+//! [actuators.biceps]               keys of [actuator], and below it its sections
 //! ```
 //!
 //! | file | its idea |
@@ -79,7 +79,7 @@ pub struct MechanismNames {
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
     pub(crate) name: String,
-    /// Actuator, valve, hose, command and start as if it were alone; its load, where it has one of its own.
+    /// Actuator, valve, hose, command and start as if it were alone; its load, where it is on no mechanism.
     pub(crate) alone: Scenario,
     /// The supply that its valve draws from.
     pub(crate) supply: Option<String>,
@@ -91,7 +91,7 @@ pub(crate) struct Member {
 /// What an actuator pulls on.
 #[derive(Clone, Debug)]
 pub(crate) enum Mount {
-    /// A load of its own.
+    /// Its own load.
     Own,
     /// A mechanism, whose coordinate is its distance.
     Direct { mechanism: usize },

@@ -1,6 +1,6 @@
 //! The document as it stands for one part of a plant.
 //!
-//! Each part is read from a document of its own: what the file says of all, with what it says of that part laid over it. So one
+//! Each part is read from a separate document: what the file says of all, with what it says of that part laid over it. So one
 //! reading serves a file of one actuator and each actuator of a plant, and a mistake is shown where it stands.
 
 use crate::diagnostic::Place;
@@ -30,7 +30,7 @@ impl Document {
         document
     }
 
-    /// As it stands for one actuator, without its supply where that has a name of its own.
+    /// As it stands for one actuator, without its supply where that is named.
     pub(crate) fn of_actuator(&self, name: &str) -> Self {
         let mut document = self.of_all();
         let Some(Entry { key, node, .. }) = self.entry(&format!("{ACTUATORS}.{name}")) else { return document };

@@ -23,11 +23,11 @@ static MOTION: MotionRows = MotionRows {
     table_length: &keys::MOTION_TABLE_LENGTH,
 };
 
-/// Every mechanism that the file describes beside loads; `None` when there is a mistake, which has been noted.
+/// Every mechanism that the file describes other than loads; `None` when there is a mistake, which has been noted.
 pub(super) fn frames(document: &Document, r: &mut Reader<'_>) -> Option<Vec<Frame>> {
     let several = document.named(MECHANISMS);
     if let (Some(one), Some(others)) = (r.key_place(MECHANISM), r.key_place(MECHANISMS)) {
-        let title = "there is a [mechanism] beside [mechanisms]";
+        let title = "there are both [mechanism] and [mechanisms]";
         r.note(
             Diagnostic::at(Class::Conflict, one, title, "one")
                 .related(Some(others), "several")
@@ -40,9 +40,11 @@ pub(super) fn frames(document: &Document, r: &mut Reader<'_>) -> Option<Vec<Fram
     if let (Some(load), Some((_, first))) = (r.key_place("load"), names.first()) {
         let title = "[load] and a mechanism both say what the actuators pull on";
         r.note(
-            Diagnostic::at(Class::Conflict, load, title, "first way").related(Some((*first).clone()), "second way").help(
-                "keep one of the two; an actuator with a load of its own has it in a section such as [actuators.flexor.load]",
-            ),
+            Diagnostic::at(Class::Conflict, load, title, "first way")
+                .related(Some((*first).clone()), "second way")
+                .help(
+                    "keep one of the two; an actuator's own load stands in a section such as [actuators.flexor.load]",
+                ),
         );
     }
     let read: Vec<Option<Frame>> = names.into_iter().map(|(name, place)| frame(document, r, name, place)).collect();

@@ -103,7 +103,7 @@ impl Document {
         }
     }
 
-    /// The command of an actuator in the document as it stands for it: that of a controller of its own or of its joint.
+    /// The command of an actuator in the document as it stands for it: that of its controller, or of the controller of its joint.
     fn settle_command(&self, r: &mut Reader<'_>, document: &mut Self, (name, place): (&str, &Place), frames: &[Frame]) {
         let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
         let mut joints = frames.iter().flat_map(|frame| &frame.controllers);
@@ -112,8 +112,7 @@ impl Document {
         if let Some(of_joint) = of_joint {
             for section in [CONTROLLER, "command"] {
                 let Some(place) = r.key_place(&own(section)) else { continue };
-                let title =
-                    format!("`{name}` has a {section} of its own, and the controller of a joint drives its valve");
+                let title = format!("`{name}` has its own {section}, and the controller of a joint drives its valve");
                 r.note(
                     Diagnostic::at(Class::Conflict, place, title, "second way")
                         .related(Some(of_joint.place.clone()), "first way")
@@ -149,7 +148,7 @@ impl Document {
                 r.note(
                     Diagnostic::at(Class::Conflict, place.clone(), title, "second of that name")
                         .related(Some(first.clone()), "first of that name")
-                        .help("give each actuator, supply, mechanism and joint a name of its own"),
+                        .help("give each actuator, supply, mechanism and joint a different name"),
                 );
             }
         }
@@ -333,7 +332,7 @@ impl Document {
             return None;
         }
         if let (true, Some(place)) = (has_load, r.key_place(&own("coupling"))) {
-            let title = format!("the actuator `{name}` has a load of its own and spans no mechanism");
+            let title = format!("the actuator `{name}` has its own load and spans no mechanism");
             r.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .help("remove it, or the load and name a mechanism in [mechanism]"),

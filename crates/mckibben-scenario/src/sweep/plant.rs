@@ -101,9 +101,9 @@ impl Swept {
         }
     }
 
-    /// What tells it from every other: the text of the file as it was read.
+    /// What tells it from every other: the keys of the file with their values.
     pub(super) fn text(&self) -> String {
-        self.document.canonical()
+        self.document.to_toml()
     }
 }
 
