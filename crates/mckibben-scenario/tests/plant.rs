@@ -579,9 +579,10 @@ fn every_key_of_a_plant_has_an_effect() {
         "coulomb_width = \"0.1 mm\"",
         "coulomb_width = \"0 m\"\nhysteresis = { law = \"maxwell-slip\", reach = [\"0.2 mm\"], stiffness_ratio = [1.0] }",
     );
-    for (key, [first, second]) in
-        [("initial.friction", ["\"loading\"", "\"unloading\""]), ("initial.friction_force", ["\"0.1 N\"", "\"0.2 N\""])]
-    {
+    for (key, [first, second]) in [
+        ("initial.friction", ["\"loading\"", "\"unloading\""]),
+        ("initial.friction_force", ["\"0.05 N\"", "\"0.1 N\""]),
+    ] {
         differs(key, set(&remembers, key, first), set(&remembers, key, second));
     }
     let controlled = |agonist: &str, antagonist: &str| {

@@ -235,7 +235,7 @@ initial.friction = "loading"
 [actuators.unloading]
 initial.friction = "unloading"
 [actuators.held]
-initial.friction_force = "-0.5 N"
+initial.friction_force = "-0.3 N"
 [run]
 duration = "20 ms"
 "#;
@@ -244,9 +244,9 @@ duration = "20 ms"
     let (_, columns) = columns(&folder, "run.csv");
     let tension = |name: &str| columns[&format!("{name}.tension_n")][0];
     let (relaxed, held) = (tension("relaxed"), tension("held"));
-    assert!((held - relaxed + 0.5).abs() < 1e-9, "{held} {relaxed}");
+    assert!((held - relaxed + 0.3).abs() < 1e-9, "{held} {relaxed}");
     let [up, down] = [tension("loading") - relaxed, relaxed - tension("unloading")];
-    assert!(up > 0.6 && (up - down).abs() < 1e-9 * up, "{up} {down}");
+    assert!(up > 0.35 && (up - down).abs() < 1e-9 * up, "{up} {down}");
     for (setting, words) in [
         ("actuators.held.initial.friction_force=\"500 N\"", "what the hysteresis holds"),
         ("actuators.held.initial.friction=\"loading\"", "said in two ways"),
@@ -308,7 +308,7 @@ actuators.paper.valve.flow_area = ["0.1 mm^2", "0.15 mm^2"]
         (sweep.replace("thick.pressure.final", "thik.pressure.final"), "did you mean `thick.pressure.final`?"),
         (sweep.replace("pressure.final\", \"paper", "pressure.finally\", \"paper"), "statistics are"),
         (sweep.replace("actuators.thick.load.mass", "actuators.thick.load.weight"), "is no path to a key"),
-        (sweep.replace("actuators.thick.load.mass", "actuators.thck.load.mass"), "[load]"),
+        (sweep.replace("actuators.thick.load.mass", "actuators.thck.load.mass"), "did you mean `thick`?"),
     ] {
         let file = folder.file("wrong.toml", &format!("{text}{wrong}")).display().to_string();
         let output = folder.mckibben().args(["sweep", &file]).output().expect("the program runs");

@@ -11,7 +11,7 @@ use crate::scenario::{InitialLength, Run};
 use mckibben::force::Statics;
 use mckibben::load::{Load, MomentArm, SeriesTendon};
 use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
-use mckibben::plant::{InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
+use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
 use mckibben::simulation::{Driven, PressureCourse, Rig};
 use mckibben::{Actuator, Error, GaugePressure};
 
@@ -51,8 +51,25 @@ impl Document {
         let controls = self.controls(&of, &plant, &names)?;
         // What the start refuses is refused before anything is simulated.
         let drivers = controls.iter().map(PlantControl::driver).collect();
-        PlantRun::with_drivers(&plant, &start, of.run.relative_tolerance, drivers).map_err(|error| whole(&error))?;
+        PlantRun::with_drivers(&plant, &start, of.run.relative_tolerance, drivers)
+            .map_err(|error| self.diagnose_start(&error, &of))?;
         Ok(PlantExperiment { plant, start, run: of.run, names, controls })
+    }
+
+    /// An error of the start, where the actuator that it is of says it.
+    fn diagnose_start(&self, error: &Error, of: &PlantScenario) -> Diagnostics {
+        let held = match error {
+            Error::Inconsistent { parameter, value, .. } if parameter.key == INITIAL_FRICTION_FORCE.key => Some(*value),
+            _ => None,
+        };
+        let is_its = |member: &&Member| match member.alone.initial.friction {
+            InitialFriction::Held(force) => held == Some(force),
+            _ => false,
+        };
+        match of.members.iter().find(is_its) {
+            Some(member) => self.of_actuator(&member.name).diagnose(error).into(),
+            None => self.diagnose(error).into(),
+        }
     }
 
     /// The controllers of actuators, in their order, then those of joints.

@@ -57,7 +57,11 @@ impl Document {
         match (members, run) {
             (Some(members), Some(run)) if !r.has_mistakes() => {
                 let mut members = members;
-                let asks = |member: &Member| matches!(member.alone.command, Some(Command::Controller(_)));
+                // A controller that names its kind is taken whole, and leaves nothing of that of all.
+                let asks = |member: &Member| {
+                    matches!(member.alone.command, Some(Command::Controller(_)))
+                        && !self.contains(&format!("{ACTUATORS}.{}.{CONTROLLER}.kind", member.name))
+                };
                 if let Some(place) = r.key_place(CONTROLLER).filter(|_| !members.iter().any(asks)) {
                     let title = "there is a [controller], but the command of no actuator asks for it";
                     let found = Diagnostic::at(Class::NotApplicable, place, title, "drives no valve");

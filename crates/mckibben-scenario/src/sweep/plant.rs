@@ -11,6 +11,7 @@ use super::vary::Varied;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::{Document, Node, Value};
 use crate::keys::{self, SWEEP};
+use crate::nearest::nearest;
 use crate::plant::{PlantColumn, PlantControl, PlantExperiment, PlantQuantity};
 use crate::quantity;
 use crate::reader::{Reader, list_of};
@@ -64,6 +65,7 @@ impl PlantReduction {
 impl Swept {
     /// Reads the first row; the rows are plants.
     pub(super) fn read(document: &Document, varied: &[Varied<'_>]) -> Result<(Self, PlantExperiment), Diagnostics> {
+        Diagnostics::check(varied.iter().filter_map(|varied| nameless(document, varied)).collect())?;
         let mut bare = document.clone();
         bare.remove(SWEEP);
         let mut first = bare.clone();
@@ -105,6 +107,24 @@ impl Swept {
     pub(super) fn text(&self) -> String {
         self.document.to_toml()
     }
+}
+
+/// That a path leads through a part that the file does not name: the first of its values would add that part.
+fn nameless(document: &Document, varied: &Varied<'_>) -> Option<Diagnostic> {
+    let names: Vec<&str> = varied.path.split('.').collect();
+    let fault = (1..names.len()).find(|end| {
+        let section = keys::stands_for(&names[..*end].join("."));
+        // Arms stand under the names of joints, which the reading looks for.
+        let names_parts = section != "coupling.arms" && keys::names_its_entries(&section);
+        names_parts && !document.contains(&names[..=*end].join("."))
+    })?;
+    let known: Vec<&str> = document.named(&names[..fault].join(".")).into_iter().map(|(name, _)| name).collect();
+    let title = format!("the file has no `{}`", names[..=fault].join("."));
+    let found = Diagnostic::at(Class::UnknownKey, varied.key.clone(), title, "names no part of the plant");
+    Some(match nearest(names[fault], known.iter().copied()) {
+        Some(meant) => found.help(format!("did you mean `{meant}`?")),
+        None => found.help(format!("known here: {}", list_of(known.into_iter()))),
+    })
 }
 
 /// What is recorded of a plant, by the words of the file; `given` says whether the file names reductions.
@@ -178,7 +198,7 @@ fn named(name: &str, of: &PlantExperiment) -> Result<PlantReduction, (String, St
     let Some((column, quantity)) = column.and_then(|column| Some((column, column.quantity()?))) else {
         let known = columns.iter().filter(|column| column.quantity().is_some()).map(|column| column.name.as_str());
         let known: Vec<&str> = known.chain(errors.iter().map(|(name, ..)| name.as_str())).chain(["air"]).collect();
-        return unknown(match crate::nearest::nearest(what, known.iter().copied()) {
+        return unknown(match nearest(what, known.iter().copied()) {
             Some(meant) => format!("did you mean `{meant}.{statistic}`?"),
             None => format!("its columns are {}", list_of(known.into_iter())),
         });

@@ -18,6 +18,9 @@ use mckibben::plant::{
 use mckibben::valve::{Command, Port};
 use mckibben_scenario::{Assumed, PlantExperiment};
 
+/// Columns of the matrices that are printed at most.
+const MOST_COLUMNS: usize = 10;
+
 /// A plant's linear model with what is known about it.
 pub(super) struct PlantModel {
     pub(super) name: String,
@@ -175,12 +178,24 @@ impl PlantModel {
         }
         let named: Vec<(&str, String)> = lines.iter().map(|(name, value)| (name.as_str(), value.clone())).collect();
         text.push_str(&told::lines(&named));
-        for (heading, table) in [
-            ("Model", told::matrices(&self.system)),
-            ("Poles", told::poles(&self.poles)),
-            ("Controllability", told::reach(&self.system, &self.reach)),
-        ] {
-            text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
+        let NamedModel { states, inputs, outputs, .. } = &self.system;
+        let heading = |heading: &str| format!("\n{}", styled(HEADING, heading));
+        if states.len() + inputs.len() <= MOST_COLUMNS {
+            let table = told::matrices(&self.system);
+            text.push_str(&format!("{}  {}\n{}", heading("Model"), table.caption, table.to_text()));
+        } else {
+            let listed = |signals: &[Named]| {
+                let names: Vec<&str> = signals.iter().map(|signal| signal.name.as_str()).collect();
+                format!("{}: {}", signals.len(), names.join(", "))
+            };
+            text.push_str(&format!("{}  its matrices are what --output writes\n", heading("Model")));
+            let lines = [("states", listed(states)), ("inputs", listed(inputs)), ("outputs", listed(outputs))];
+            text.push_str(&told::lines(&lines));
+        }
+        for (name, table) in
+            [("Poles", told::poles(&self.poles)), ("Controllability", told::reach(&self.system, &self.reach))]
+        {
+            text.push_str(&format!("{}  {}\n{}", heading(name), table.caption, table.to_text()));
         }
         text
     }
