@@ -9,7 +9,7 @@ use mckibben::control::{
     self, AirMass, Between, Drive, FeedForward, Measurement, Output, Pid, Place, Quantity, RegulatorMemory, Relay,
     Sampling, Sensor, Sensors, SetPoint, StaticAim, Tracker,
 };
-use mckibben::{Error, GaugePressure};
+use mckibben::{Actuator, Error, GaugePressure};
 
 /// A scenario with a controller ready to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,6 +118,27 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
     check_step(scenario)?;
     let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
+    let ActuatorLoop { law, sampling, sensors, regulated, set_points } =
+        loop_of(of, ways, experiment.rig.actuator(), experiment.run.duration)?;
+    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
+}
+
+/// A controller of one actuator, with when and what it measures.
+pub(crate) struct ActuatorLoop {
+    pub(crate) law: ControlLaw,
+    pub(crate) sampling: Sampling,
+    pub(crate) sensors: Sensors,
+    pub(crate) regulated: Quantity,
+    pub(crate) set_points: Vec<(Quantity, SetPoint)>,
+}
+
+/// Builds the controller of an actuator for a run of `duration` s.
+pub(crate) fn loop_of(
+    of: &Controller,
+    ways: (Between, Output),
+    actuator: &Actuator,
+    duration: f64,
+) -> Result<ActuatorLoop, Error> {
     let regulated = of.aim.regulated();
     let regulator = core_regulator(&of.regulator, regulated, ways)?;
     let law = match &of.aim {
@@ -128,7 +149,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         Aim::Model { force, length, highest_gauge_pressure, temperature } => {
             let place = length.clone().map_or(Place::Measured, Place::Wanted);
             let highest = GaugePressure(*highest_gauge_pressure);
-            let aim = StaticAim::new(experiment.rig.actuator().clone(), force.clone(), place, highest)?;
+            let aim = StaticAim::new(actuator.clone(), force.clone(), place, highest)?;
             match temperature {
                 Some(temperature) => ControlLaw::AirMass(Box::new(AirMass::new(aim, *temperature, regulator)?)),
                 None => ControlLaw::FeedForward(Box::new(FeedForward { aim, regulator })),
@@ -136,7 +157,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         }
     };
     let sampling = core_sampling(of)?;
-    sampling.check_counts(experiment.run.duration)?;
+    sampling.check_counts(duration)?;
     let sensor = Sensor::new(regulated, of.resolution, None)?;
     let mut sensors = Sensors::perfect();
     match regulated {
@@ -153,7 +174,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         }
         Aim::Joint { .. } => Vec::new(),
     };
-    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
+    Ok(ActuatorLoop { law, sampling, sensors, regulated, set_points })
 }
 
 /// An aim of a joint where there is none; a file is refused before.

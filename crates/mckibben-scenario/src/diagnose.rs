@@ -49,8 +49,8 @@ impl Document {
                 self.shown(Class::BadList, name, entry.checked_sub(1), title, label).help(*remedy)
             }
             Error::NotImplemented(limit) => {
-                let title = format!("{} is not implemented {}", limit.feature, limit.with);
-                Diagnostic::whole(Class::NotImplemented, self.source().name(), title).help(limit.remedy)
+                Diagnostic::whole(Class::NotImplemented, self.source().name(), limit.title().to_string())
+                    .help(limit.remedy)
             }
             Error::NoSolution { what, remedy } => {
                 Diagnostic::whole(Class::NoSolution, self.source().name(), *what).help(*remedy)

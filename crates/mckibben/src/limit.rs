@@ -17,10 +17,27 @@ pub struct Limit {
     pub remedy: &'static str,
 }
 
+/// A limit without what to do instead.
+#[derive(Debug)]
+pub struct Title<'l>(&'l Limit);
+
+impl Limit {
+    /// What is not implemented with what, without the remedy: for messages that show it apart.
+    pub fn title(&self) -> Title<'_> {
+        Title(self)
+    }
+}
+
+impl Display for Title<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Limit { feature, with, .. } = self.0;
+        write!(f, "{feature} is not implemented {with}")
+    }
+}
+
 impl Display for Limit {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { feature, with, remedy } = self;
-        write!(f, "{feature} is not implemented {with}; {remedy}")
+        write!(f, "{}; {}", self.title(), self.remedy)
     }
 }
 
@@ -45,8 +62,12 @@ limits! {
         "leave out run.engine, or set it to \"event-located\"";
     PLANT_ANTAGONIST: "[antagonist]", "in a file of several actuators",
         "write a chain of one joint with two actuators";
-    PLANT_IDENTIFY: "`mckibben identify`", "with files of several actuators",
-        "give files of one actuator or of an antagonistic joint";
+    PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
+        "run it with `mckibben simulate`, `sweep` or `linearize`, or write a file of one actuator or joint";
+    PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Plants`, environments and derivatives",
+        "use `simulate`, `sweep` or `linearize`, or write a scenario of one actuator or joint";
+    PLANT_MODEL: "a controller by the model", "of a joint within a longer chain, with tendons, or with other than one moment arm each",
+        "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
         "let it draw from a supply of constant pressure, or choose a valve with seats";
     JOINT_TENDON: "an elastic tendon", "with load.kind = \"antagonistic-joint\"",
@@ -83,7 +104,7 @@ limits! {
     DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
         "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
     LINEAR_LINE: "a linear model by `linearize`", "with an air line or a pressure regulator",
-        "write a plant, or leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats";
+        "name the actuator, as in [actuators.muscle], or leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats";
     AVERAGE_STROKE: "the average over pulses", "of seats that take their time",
         "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes";
     SEGMENTS_JOINT: "a run in segments", "of an antagonistic joint", "give search.horizon in place of search.segments";

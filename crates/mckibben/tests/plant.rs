@@ -20,3 +20,4 @@ mod plant_sample;
 mod plant_sensitivities;
 mod plant_span;
 mod plant_start_friction;
+mod plant_stream;

@@ -21,13 +21,14 @@ pub enum InitialFriction<S = f64> {
     Held(S),
 }
 
-static FORCE: Parameter = Parameter {
+/// The force of [`InitialFriction::Held`].
+pub static INITIAL_FRICTION_FORCE: Parameter = Parameter {
     key: "initial.friction_force",
     symbol: "F_h(0)",
     unit: "N",
     range: Range::FINITE,
     default: None,
-    meaning: "Force that the hysteresis of an actuator holds at the start, positive where it adds to the tension.",
+    meaning: "Force that the hysteresis of the actuator holds at the start, positive where it adds to the tension.",
     source: "choice of the experiment",
     remedy: "give a finite force",
 };
@@ -83,11 +84,11 @@ impl<R: Real> Plant<R> {
 
 /// The memory of a law that holds a force in N at a secant stiffness in N/m.
 fn holding<R: Real>(law: &Hysteresis<R>, length: R, stiffness: R, force: R) -> Result<Memory<R>, Error> {
-    FORCE.check(force.value())?;
+    INITIAL_FRICTION_FORCE.check(force.value())?;
     let most = stiffness * law.widest(length);
     if force.value().abs() > most.value() {
         return Err(Error::Inconsistent {
-            parameter: &FORCE,
+            parameter: &INITIAL_FRICTION_FORCE,
             value: force.value(),
             requirement: Requirement {
                 relation: "must be, without its sign, at most",

@@ -37,12 +37,13 @@ mod scale;
 mod shares;
 mod sliding;
 mod start;
+mod stream;
 mod tendon;
 mod trajectory;
 mod wire;
 
 pub use crossing::{Part, PlantEventKind};
-pub use friction_start::InitialFriction;
+pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{PlantGuard, Touching};
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
@@ -56,6 +57,7 @@ pub use of_rig::SupplyNodes;
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
+pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
 use crate::actuator::Actuator;

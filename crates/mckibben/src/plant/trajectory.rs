@@ -161,11 +161,28 @@ impl<R: Real> PlantTrajectory<R> {
 
     /// Calls `visit` with each step in order of time.
     pub(crate) fn each_piece(&self, mut visit: impl FnMut(PieceView<'_, R>)) {
+        // Nothing fails.
+        let _ = self.each_piece_with_event(|view, _| {
+            visit(view);
+            Ok(())
+        });
+    }
+
+    /// Calls `visit` with each step in order of time, the event that ended it and the mode after that.
+    pub(crate) fn each_piece_with_event(
+        &self,
+        mut visit: impl FnMut(PieceView<'_, R>, Option<(&PlantEvent<R>, &PlantMode<R>)>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let size = arc_size(self.plant.places().states);
         for (index, Kept { start, step, end, segment }) in self.pieces.iter().enumerate() {
             let points = &self.points[index * size..(index + 1) * size];
-            visit(PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] });
+            let view = PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] };
+            // Each event begins a segment.
+            let next = self.pieces.get(index + 1).map_or(self.segments.len() - 1, |next| next.segment);
+            let event = if next > *segment { self.events.get(*segment).zip(self.segments.get(next)) } else { None };
+            visit(view, event)?;
         }
+        Ok(())
     }
 
     /// How many pieces have begun by a time in s; `near` is a guess.

@@ -98,9 +98,8 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
 /// Drives a run by the pressure that was measured, in place of what the scenario says.
 fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
     if scenario.has_joint() {
-        let mckibben::limit::Limit { feature, with, remedy } = &mckibben::limit::SEGMENTS_PRESSURE;
-        let title = format!("the run `{}`: {feature} is not implemented {with}", recording.name);
-        return Err(Failure::input(title, *remedy));
+        let limit = &mckibben::limit::SEGMENTS_PRESSURE;
+        return Err(Failure::input(format!("the run `{}`: {}", recording.name, limit.title()), limit.remedy));
     }
     let (measured, time, mut gauge_pressure) = pressure_over_time(recording)?;
     if measured == Quantity::AbsolutePressure {
