@@ -16,6 +16,7 @@ mod plant_of_rig;
 mod plant_progress;
 mod plant_random;
 mod plant_reference;
+mod plant_refused;
 mod plant_sample;
 mod plant_sensitivities;
 mod plant_span;

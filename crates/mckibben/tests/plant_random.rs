@@ -305,8 +305,8 @@ fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
             paper = scaled(paper, 0.7);
             let stretch = at.between(-2e-3, 4e-3) * span;
             tendon = Some(SeriesTendon::new(at.decades(1e3, 1e6), (0.3 * span - stretch).max(0.0)).expect("a tendon"));
-            // Without viscous friction an end has no length of its own while its air is at the pressure of the atmosphere.
-            paper.viscous = paper.viscous.max(at.decades(0.3, 30.0));
+            let viscous = at.decades(0.3, 30.0);
+            paper.viscous = if at.chance(0.3) { 0.0 } else { paper.viscous.max(viscous) };
             length = at.chance(0.7).then_some(0.7 * span);
         }
         let line = Line {
@@ -344,17 +344,17 @@ fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
     (Plant::new(actuators, network, mechanisms), start, *duration)
 }
 
-/// Plants that are tried when `MCKIBBEN_CASES` is not set.
-const CASES: u32 = 80;
-/// The share of runs that may stop for a reason of numbers, or leave more than 1e-6 of a turnover. Stiff friction in several
-/// muscles at once still does so now and then.
-const MOST_OPEN: f64 = 0.04;
+/// Plants that are tried. `MCKIBBEN_CASES` and `MCKIBBEN_SEED` ask for more and for others: 5000 take some minutes.
+const CASES: u32 = 300;
 /// Steps and events that a run may take beyond those of its pulses.
 const MOST_STEPS: u64 = 200_000;
 
-/// Whether physics ends a run: a load that pulls a braid straight, or what no braid can follow.
+/// Whether physics ends a run: a load that pulls a braid straight, what no braid can follow, or a reservoir without air.
 fn is_physics(reason: &str) -> bool {
-    reason.ends_with("straight") || reason.starts_with("dry friction falls with velocity")
+    reason.ends_with("straight")
+        || reason.starts_with("dry friction falls with velocity")
+        || reason.starts_with("the end of an actuator on a tendon jumps")
+        || reason.starts_with("a regulator draws its reservoir empty")
 }
 
 fn check(run: &PlantTrajectory, duration: f64) -> Result<(), TestCaseError> {
@@ -406,23 +406,13 @@ fn runs(drawn: &Drawn) -> Result<bool, TestCaseError> {
 #[test]
 fn random_plants_reach_their_end_and_close() {
     let ran = std::cell::Cell::new((0, 0));
-    let open = std::cell::RefCell::new(Vec::new());
     let result = runner(CASES).run(&drawn(), |drawn| {
         let (count, tried) = ran.get();
-        let it_ran = match runs(&drawn) {
-            Err(TestCaseError::Fail(reason))
-                if ["leaves", "no step is short"].iter().any(|it| reason.message().contains(it)) =>
-            {
-                open.borrow_mut().push(format!("{tried}: {:.200}", reason.message()));
-                true
-            }
-            other => other?,
-        };
+        let it_ran = runs(&drawn)?;
         ran.set((count + u32::from(it_ran), tried + 1));
         Ok(())
     });
     result.unwrap_or_else(|error| panic!("{error}"));
-    let ((count, tried), open) = (ran.get(), open.into_inner());
+    let (count, tried) = ran.get();
     assert!(2 * count > tried, "{count} of {tried} plants ran");
-    assert!(open.len() as f64 <= MOST_OPEN * f64::from(tried), "{} of {tried}: {open:#?}", open.len());
 }

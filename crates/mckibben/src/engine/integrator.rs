@@ -117,8 +117,8 @@ pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
     first_part: f64,
     /// Whether an instant has just made the last step length meaningless.
     fresh: bool,
-    /// Whether the step length is that of a run that goes on.
-    resumed: bool,
+    /// Whether the mode has just begun.
+    is_new: bool,
     step: f64,
     is_implicit: bool,
     /// Whether the last step was made by the explicit method.
@@ -166,7 +166,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             has_slope: false,
             first_part: 4.0 * eighth_root(relative_tolerance),
             fresh: true,
-            resumed: false,
+            is_new: true,
             step: (until - time).value(),
             is_implicit: false,
             by_explicit: false,
@@ -202,7 +202,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     ) -> Self {
         let mut integrator = Self::new(system, time, state, mode, until, relative_tolerance);
         if let Some(step) = pace.step {
-            (integrator.step, integrator.fresh, integrator.resumed) = (step, false, true);
+            (integrator.step, integrator.fresh, integrator.is_new) = (step, false, false);
             (integrator.is_implicit, integrator.stiff_steps) = (pace.is_implicit, pace.stiff_steps);
         }
         (integrator.implicit_run, integrator.events_here) = (pace.implicit_run, pace.events_here);
@@ -244,7 +244,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     }
 
     fn enter_mode(&mut self) {
-        self.resumed = false;
+        self.is_new = true;
         self.system.guards(&self.mode, &mut self.guards);
         self.instant = self.system.next_instant(&self.mode, self.until);
         self.has_slope = false;
@@ -338,7 +338,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.statistics.evaluations += 1;
         self.has_slope = true;
         self.enter_scales();
-        let first = if core::mem::take(&mut self.resumed) { f64::INFINITY } else { self.first_step() };
+        let first = if core::mem::take(&mut self.is_new) { self.first_step() } else { f64::INFINITY };
         self.step = if self.fresh { first } else { Scalar::smaller(self.step, first) };
         self.fresh = false;
         if !self.is_implicit {

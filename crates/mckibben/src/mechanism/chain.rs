@@ -147,7 +147,7 @@ impl Chain {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] for a lower stop above the upper one or
-    /// a chain without inertia; [`Error::Table`] unless there is one joint for each segment.
+    /// a chain whose mass matrix is singular in some posture; [`Error::Table`] unless there is one joint for each segment.
     pub fn new(
         segments: Vec<ChainSegment>,
         joints: Vec<Revolute>,
@@ -219,8 +219,41 @@ impl Chain {
                 remedy: "give the limb a moment of inertia, or a distance from the axis",
             });
         }
+        if let Some(index) = without_inertia(&segments) {
+            return Err(Error::Inconsistent {
+                parameter: &parameter::LIMB_INERTIA,
+                value: segments[index].inertia,
+                requirement: Requirement {
+                    relation: "with the mass at its distance, or the inertia of the next segment, must be above: stretched out, \
+                               the chain would turn without",
+                    other: "inertia, and not only",
+                    value: 0.0,
+                    unit: "kg*m^2",
+                },
+                remedy: "give the segment a moment of inertia, or its mass a distance from the joint",
+            });
+        }
         Ok(Self::assemble(segments, joints, [gravity, hanging_angle], belt))
     }
+}
+
+/// A segment that could turn in some posture without anything of mass moving, so that the mass matrix is singular there: it
+/// has no inertia about its joint, and what hangs on it turns back with its mass at rest.
+fn without_inertia(segments: &[ChainSegment]) -> Option<usize> {
+    let about_joint = |segment: &ChainSegment| segment.inertia + segment.mass * segment.distance * segment.distance;
+    // Whether all behind a joint that moves can stay without energy: each turns about its mass until one's end rests too.
+    let can_rest = |behind: &[ChainSegment]| {
+        for (index, segment) in behind.iter().enumerate() {
+            if segment.inertia > 0.0 || segment.distance == 0.0 {
+                return false;
+            }
+            if index + 1 == behind.len() || segment.distance == segment.length {
+                return true;
+            }
+        }
+        true
+    };
+    (0..segments.len()).find(|&k| about_joint(&segments[k]) <= 0.0 && can_rest(&segments[k + 1..]))
 }
 
 /// The most joints that a chain may have.

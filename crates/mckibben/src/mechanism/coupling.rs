@@ -109,6 +109,15 @@ impl<S: Scalar> Coupling<S> {
         }
     }
 
+    /// The coordinates that it spans, of so many.
+    pub(crate) fn spans(&self, coordinates: usize) -> Vec<usize> {
+        match self {
+            Self::Direct { coordinate } => vec![*coordinate],
+            Self::Arms { arms, .. } => arms.iter().map(|arm| arm.joint).collect(),
+            Self::Points(_) => (0..coordinates).collect(),
+        }
+    }
+
     /// How many pieces of moment arms a mode keeps for it.
     pub(crate) fn arm_count(&self) -> usize {
         match self {

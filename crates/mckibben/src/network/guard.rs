@@ -78,8 +78,10 @@ pub enum NetworkGuard {
     },
 }
 
-/// Part of the atmosphere's pressure at which a reservoir counts as empty.
-pub(crate) const EMPTY: f64 = 1e-3;
+/// What a few steps may err in a flow, in widths of a border.
+const FEW_STEPS: f64 = 10.0;
+/// Part of its outlet's pressure at which the reservoir of a regulator counts as empty.
+const EMPTY: f64 = 1e-3;
 /// Part of a bound between two regimes by which it is passed at least: their slopes agree there.
 const LEAST_BAND: f64 = 1e-6;
 
@@ -142,8 +144,7 @@ impl<R: Real> Network<R> {
             if let NodeKind::Outlet { inlet: Some(inlet), .. } = &node.kind {
                 add(NetworkGuard::Limit { node: index }, GuardForm::Function);
                 if let NodeKind::Reservoir(_) = self.nodes[*inlet].kind {
-                    let bound = R::constant(EMPTY) * self.atmosphere;
-                    add(NetworkGuard::Empty { node: index }, linear(place(*inlet), bound, true));
+                    add(NetworkGuard::Empty { node: index }, GuardForm::Function);
                 }
             }
             match &node.kind {
@@ -163,6 +164,26 @@ impl<R: Real> Network<R> {
                 _ => {}
             }
         }
+    }
+
+    /// By how much in Pa a regulator's error is passed: what passing its outlet's pressure by the band makes of it, droop
+    /// included. Below that the error is that of the steps.
+    fn error_band<T: Over<R>>(&self, node: usize, mode: &NetworkMode<R>, band: f64) -> T {
+        let NodeKind::Outlet { regulator, .. } = &self.nodes[node].kind else { return T::zero() };
+        let mut steepness = R::zero();
+        for (branch, of_branch) in self.branches.iter().zip(&mode.branches) {
+            let (BranchKind::Path { law, .. } | BranchKind::Check { law }, Some(zone)) = (&branch.kind, of_branch.zone)
+            else {
+                continue;
+            };
+            if branch.from == node {
+                let steepest = if zone == FlowZone::ChokedIn { zone } else { FlowZone::LaminarIn };
+                steepness = steepness + law.conductance() * law.in_zone(steepest, R::one);
+            }
+        }
+        let by_droop = regulator.droop() * steepness / self.nodes[node].temperature.sqrt();
+        T::constant(FEW_STEPS * band) * T::of(self.atmosphere) * T::of(by_droop)
+            + T::constant(band) * T::of(self.atmosphere)
     }
 
     /// Absolute pressure in Pa of a node that does not change.
@@ -241,18 +262,18 @@ impl<R: Real> Network<R> {
                     let rests = mode.nodes[node].poppet == Poppet::Rests;
                     let bound = if rests == up { 1.0 } else { -1.0 };
                     let sign = T::constant(if up { 1.0 } else { -1.0 });
-                    let width = T::constant(band) * T::of(self.atmosphere);
+                    let width: T = self.error_band(node, mode, band);
                     (T::of(regulator.dead_band()) * T::constant(bound) - error) * sign + width
                 }),
                 _ => None,
             },
             NetworkGuard::Limit { node } => self.inlet_margin(node, at).map(|margin| {
-                let width = T::constant(band) * T::of(self.atmosphere);
+                let width: T = self.error_band(node, mode, band);
                 if mode.nodes[node].limited { width - margin } else { width + margin }
             }),
             NetworkGuard::Empty { node } => match self.nodes[node].kind {
                 NodeKind::Outlet { inlet: Some(inlet), .. } => {
-                    Some(at.nodes[inlet].pressure - T::constant(EMPTY) * T::of(self.atmosphere))
+                    Some(at.nodes[inlet].pressure - T::constant(EMPTY) * at.nodes[node].pressure)
                 }
                 _ => None,
             },

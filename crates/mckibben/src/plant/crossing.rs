@@ -75,6 +75,7 @@ impl<R: Real> System<'_, R> {
                 network.pass_valve(valve, time, &mut mode.network);
                 self.enter_valve(valve, time, state, mode, at);
                 self.settle_ends(time, state, mode, at);
+                self.check_jumps(time, state, mode, at)?;
                 return Ok(PlantEventKind { part: Part::Valve(valve), kind: EventKind::Valve });
             }
         }
@@ -162,6 +163,7 @@ impl<R: Real> System<'_, R> {
         let kind = self.pass_guard(guard, time, state, mode, at)?;
         self.follow_all(time, state, mode, at, slips);
         self.settle_ends(time, state, mode, at);
+        self.check_jumps(time, state, mode, at)?;
         Ok(kind)
     }
 
@@ -175,6 +177,7 @@ impl<R: Real> System<'_, R> {
     ) -> Result<PlantEventKind, Error> {
         let of = |part, kind| Ok(PlantEventKind { part, kind });
         match guard {
+            PlantGuard::Jump(i) => Err(self.jumps(i, time, state, mode, at)),
             PlantGuard::Network(NetworkGuard::Empty { node }) => Err(self.empty(node, time, state)),
             PlantGuard::Network(guard) => {
                 let kind = self.plant.network.cross(guard, &mut mode.network);

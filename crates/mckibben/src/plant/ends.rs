@@ -195,9 +195,22 @@ impl<R: Real> System<'_, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
-        /// Viscous force in widths of a border above which the end has jumped.
+        /// Force in widths of a border above which the end has jumped: viscous, or missing where there is no viscosity.
         const JUMP: f64 = 1e3;
         let member = &self.members[i];
+        let its = &mode.actuators[i];
+        if let Some(tendon) = &self.plant.actuators[i].tendon
+            && its.mode.sliding != Sliding::Stuck
+            && !tendon::is_damped(member.actuator, its)
+        {
+            // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
+            self.enter_distances(time, state, mode, at);
+            let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
+            let missed = self.excess(i, tendon, its, ends, self.bristles(i, state)).value();
+            if missed.abs() > JUMP * member.force_band {
+                return Err(self.jumps(i, time, state, mode, at));
+            }
+        }
         if !member.actuator.friction().coulomb().falls() {
             return Ok(());
         }
@@ -214,6 +227,56 @@ impl<R: Real> System<'_, R> {
             unit: "m/s",
             remedy: "raise actuator.friction.viscous or stribeck_velocity, or lower static_ratio",
         })
+    }
+
+    /// Brings ends without viscous friction to their balance, of which a start gives less than all digits.
+    pub(crate) fn balance_ends(&self, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
+        /// Newton steps.
+        const MOST: u32 = 3;
+        for i in 0..self.members.len() {
+            for _ in 0..MOST {
+                self.keep_balance(i, time, state, mode, at);
+            }
+        }
+    }
+
+    /// That no end without viscous friction jumps after an event.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] otherwise.
+    pub(crate) fn check_jumps(
+        &self,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        for (i, mounted) in self.plant.actuators.iter().enumerate() {
+            let its = &mode.actuators[i];
+            let slides = mounted.tendon.is_some() && its.mode.sliding != Sliding::Stuck;
+            if slides
+                && !tendon::is_damped(&mounted.actuator, its)
+                && self.guard(PlantGuard::Jump(i), time, state, mode, at).value() < 0.0
+            {
+                return Err(self.jumps(i, time, state, mode, at));
+            }
+        }
+        Ok(())
+    }
+
+    /// The error of an end without viscous friction that jumps: its air, near the pressure of the atmosphere or below, holds its
+    /// length no more, and nothing else does.
+    pub(super) fn jumps(&self, i: usize, time: R, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> Error {
+        self.enter_distances(time, state, mode, at);
+        Error::Stopped {
+            time: time.value(),
+            reason: "the end of an actuator on a tendon jumps: without a mass and without viscous friction the air alone \
+                     holds it, and at the pressure of the atmosphere or below that does not",
+            quantity: "velocity of the actuator's end",
+            value: self.velocity_of_end(i, time, state, mode, at).value(),
+            unit: "m/s",
+            remedy: "give actuator.friction.viscous, however small, or keep the actuator's pressure above the atmosphere's",
+        }
     }
 
     /// After an event that lets the rates of ends on tendons jump: rest or reversal where an end would slide against its

@@ -40,6 +40,8 @@ pub enum PlantGuard {
         /// What happens.
         touch: Touching,
     },
+    /// The end of an actuator on a tendon, without viscous friction, jumps: its air holds its length no more.
+    Jump(usize),
     /// What sticks can no longer be held.
     Release {
         /// Of which mechanism.
@@ -66,6 +68,8 @@ pub enum Touching {
     Leave,
 }
 
+/// The velocity in m/s above which an end without a mass does not slide any more, but jumps.
+pub(super) const FASTEST: f64 = 100.0;
 /// Part of the longest length by which velocities at rest are measured, in 1/s.
 const SLOW: f64 = 0.1;
 
@@ -179,6 +183,10 @@ impl<R: Real> System<'_, R> {
         {
             add(Guard::Slip, self.length_form(i, end, lasts_above));
         }
+        if let (Some(_), false, false) = (&mounted.tendon, stuck, tendon::is_damped(&mounted.actuator, of_actuator)) {
+            guards.push((PlantGuard::Jump(i), GuardForm::Function));
+        }
+        let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
         if mounted.tendon.is_some() {
             add(if of_actuator.loose { Guard::TendonTight } else { Guard::TendonLoose }, GuardForm::Function);
         } else if !stuck && its.extent != Extent::Slack {
@@ -291,6 +299,13 @@ impl<R: Real> System<'_, R> {
                     Some(bound) => angle - T::of(bound),
                     None => T::one(),
                 }
+            }
+            PlantGuard::Jump(i) => {
+                self.enter_distances(time, state, mode, at);
+                self.enter_air(time, state, mode, at);
+                let Some(tendon) = &self.plant.actuators[i].tendon else { return T::one() };
+                let of_unit = (&at.units[i], &at.chambers[i]);
+                self.hold_of_end(i, tendon, &mode.actuators[i], of_unit, self.bristles(i, state), FASTEST)
             }
             PlantGuard::Network(NetworkGuard::Sonic { branch, forwards }) => {
                 let network = &self.plant.network;

@@ -187,6 +187,12 @@ impl Plant {
             let Some(mechanism) = mechanisms.get(mounted.mechanism) else {
                 return wrong("an actuator pulls on a mechanism that is not there", "name one of the mechanisms");
             };
+            if let (Coupling::Direct { .. }, Mechanism::Chain(_)) = (&mounted.coupling, mechanism) {
+                return wrong(
+                    "an actuator's distance is directly a coordinate, but the coordinates of a chain are angles",
+                    "couple it by moment arms or points: an arm gives the metres for each radian",
+                );
+            }
             let spans = match &mounted.coupling {
                 Coupling::Direct { coordinate } => *coordinate < mechanism.coordinates(),
                 Coupling::Arms { arms, .. } => {
@@ -223,6 +229,13 @@ impl Plant {
                 );
             }
         }
+        if actuators.is_empty() && !network.branches.is_empty() {
+            return wrong(
+                "air flows in a plant without an actuator, and no part says which gas it is",
+                "add an actuator",
+            );
+        }
+        sliding::check_facets(&actuators, &mechanisms)?;
         network.valves.iter().try_for_each(|valve| valve.solenoid.check(&valve.command))?;
         let network = network.seen_late();
         let places = Places::new(&actuators, &network, &mechanisms);

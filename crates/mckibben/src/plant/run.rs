@@ -98,6 +98,8 @@ impl<R: Real> PlantRun<R> {
         let mut at = Evaluation::new(&plant);
         let mut mode = system.begin(&mut state, &memories, &mut at);
         system.check_ends(R::zero(), &state, &mode, &mut at)?;
+        system.balance_ends(R::zero(), &mut state, &mode, &mut at);
+        system.check_jumps(R::zero(), &state, &mode, &mut at)?;
         mode.drivers = drivers;
         let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin(0.0) };
         Ok(Self { plant, relative_tolerance, reached })

@@ -61,6 +61,12 @@ impl<'a, R: Real> System<'a, R> {
         for (i, mounted) in plant.actuators.iter().enumerate() {
             self.usual_torque[mounted.mechanism] += self.arms[i] * self.members[i].force_band / self.band;
         }
+        for (m, mechanism) in plant.mechanisms.iter().enumerate() {
+            if let (Mechanism::Chain(chain), true) = (mechanism, plant.places.members[m].is_empty()) {
+                let own = chain.usual_torque();
+                self.usual_torque[m] = if own > 0.0 { own } else { 1.0 };
+            }
+        }
     }
 
     /// Scales of the states in a mode, above zero.

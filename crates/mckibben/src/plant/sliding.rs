@@ -23,18 +23,20 @@
 //! Source: the complementarity problem of set-valued friction, after Moreau (see [`holding`]). Checked by
 //! `tests/plant_reference.rs`, against a program that decides by brute force who sticks, and by `tests/plant_of_joint.rs`.
 
+use super::Mounted;
 use super::dense::{dot, factor, solve};
 use super::evaluation::{Evaluation, System};
 use super::holding;
 use super::mode::PlantMode;
+use crate::error::Error;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::{Extent, Sliding};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// The most facets of a block that a mode keeps guards for.
-const MOST_FACETS: usize = 128;
+/// The most facets that actuators which stick together may have: each is two guards.
+const MOST_FACETS: usize = 512;
 /// Part of an entry below which it is rounding.
 const ROUNDING: f64 = 1e-9;
 /// Part of the longest length of an actuator below which its arm between two points is that of a dead centre.
@@ -327,11 +329,7 @@ impl<R: Real> System<'_, R> {
 
     /// The coordinates that an actuator spans.
     fn spans(&self, i: usize, m: usize) -> Vec<usize> {
-        match &self.plant.actuators[i].coupling {
-            Coupling::Direct { coordinate } => vec![*coordinate],
-            Coupling::Arms { arms, .. } => arms.iter().map(|arm| arm.joint).collect(),
-            Coupling::Points(_) => (0..self.plant.places.mechanisms[m].coordinates).collect(),
-        }
+        self.plant.actuators[i].coupling.spans(self.plant.places.mechanisms[m].coordinates)
     }
 
     /// Decides anew which forces of a mechanism's actuators are kept from pushing.
@@ -520,6 +518,55 @@ fn independent(actuators: &[usize], gradient: &impl Fn(usize) -> Vec<f64>) -> Ve
     chosen
 }
 
+/// The actuators that share coordinates with a first one, directly or by others, in their order, and the coordinates that they
+/// span. They are taken from `left`.
+fn block_of(first: usize, left: &mut Vec<usize>, spans: &impl Fn(usize) -> Vec<usize>) -> (Vec<usize>, Vec<usize>) {
+    let mut block = vec![first];
+    let mut coordinates = spans(first);
+    while let Some(place) = left.iter().position(|&i| spans(i).iter().any(|it| coordinates.contains(it))) {
+        let next = left.remove(place);
+        for coordinate in spans(next) {
+            if !coordinates.contains(&coordinate) {
+                coordinates.push(coordinate);
+            }
+        }
+        block.push(next);
+    }
+    block.sort_unstable();
+    (block, coordinates)
+}
+
+/// That actuators which stick on one mechanism never have more facets than a mode keeps guards for.
+///
+/// # Errors
+/// [`Error::Table`] otherwise.
+pub(super) fn check_facets(actuators: &[Mounted], mechanisms: &[Mechanism]) -> Result<(), Error> {
+    for (m, mechanism) in mechanisms.iter().enumerate().filter(|(_, mechanism)| mechanism.is_dynamic()) {
+        let sticks = |i: &usize| actuators[*i].mechanism == m && actuators[*i].tendon.is_none();
+        let mut left: Vec<usize> = (0..actuators.len()).filter(sticks).collect();
+        let spans = |i: usize| actuators[i].coupling.spans(mechanism.coordinates());
+        while let Some(first) = left.pop() {
+            let (block, coordinates) = block_of(first, &mut left, &spans);
+            let count = directions(&block, spans, |_, _| false).len();
+            // As many as there are choices of one fewer than the rank.
+            let (mut choices, mut most) = (1, 1);
+            for chosen in 1..coordinates.len().min(count) {
+                choices = choices * (count + 1 - chosen) / chosen;
+                most = most.max(choices);
+            }
+            if most > MOST_FACETS {
+                return Err(Error::Table {
+                    name: "actuators on one mechanism",
+                    problem: "what they can hold as they stick together has more than 512 facets",
+                    entry: block[block.len() - 1] + 1,
+                    remedy: "let fewer actuators span several joints, give them tendons, or divide the mechanism",
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The facets of what sticking actuators can hold, block by block.
 fn facets(
     sticking: &[usize],
@@ -529,25 +576,42 @@ fn facets(
     let mut left: Vec<usize> = sticking.to_vec();
     let mut facets = Vec::new();
     while let Some(first) = left.pop() {
-        let mut block = vec![first];
-        let mut coordinates = spans(first);
-        while let Some(place) = left.iter().position(|&i| spans(i).iter().any(|it| coordinates.contains(it))) {
-            let next = left.remove(place);
-            coordinates.extend(spans(next));
-            block.push(next);
-        }
-        block.sort_unstable();
+        let block = block_of(first, &mut left, &spans).0;
         let span = independent(&block, gradient);
         let wanted = span.len().saturating_sub(1);
-        let mut found = 0;
-        each_choice(&block, wanted, &mut Vec::new(), &mut |along| {
-            if found < MOST_FACETS && independent(along, gradient).len() == wanted {
-                found += 1;
+        let size = |i: usize| {
+            let row = gradient(i);
+            dot(&row, &row)
+        };
+        // Of those about one joint alone, which are parallel, one lies along the facet as well as another.
+        let directions = directions(&block, &spans, |a, b| size(a) > size(b));
+        each_choice(&directions, wanted, &mut Vec::new(), &mut |along| {
+            if independent(along, gradient).len() == wanted {
                 facets.push(Facet { span: span.clone(), along: along.to_vec(), block: block.clone() });
             }
         });
     }
     facets
+}
+
+/// Those of some actuators that pull in directions of their own: of all about one and the same joint alone the one that is
+/// `larger` than the others.
+fn directions(
+    actuators: &[usize],
+    spans: impl Fn(usize) -> Vec<usize>,
+    larger: impl Fn(usize, usize) -> bool,
+) -> Vec<usize> {
+    let mut chosen: Vec<usize> = Vec::new();
+    for &i in actuators {
+        let its = spans(i);
+        let place = chosen.iter().position(|&other| its.len() == 1 && spans(other) == its);
+        match place {
+            Some(place) if larger(i, chosen[place]) => chosen[place] = i,
+            Some(_) => {}
+            None => chosen.push(i),
+        }
+    }
+    chosen
 }
 
 /// Calls `visit` with each choice of so many of the actuators.

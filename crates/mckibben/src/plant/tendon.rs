@@ -158,6 +158,44 @@ impl<R: Real> System<'_, R> {
         velocity
     }
 
+    /// The rate in N/s at which the actuator's force outgrows the tendon's, as the end slides at a velocity.
+    fn growth<T: Differentiable<R>>(
+        &self,
+        i: usize,
+        tendon: &SeriesTendon<R>,
+        of_actuator: &ActuatorMode<R>,
+        at: (&Unit<T>, &Chamber<T>),
+        bristles: Option<T>,
+        velocity: T,
+    ) -> T {
+        let (unit, chamber) = at;
+        let direction = T::constant(of_actuator.mode.sliding.direction());
+        let stiffness = if of_actuator.loose { T::zero() } else { T::of(tendon.stiffness()) };
+        let length = unit.length.along(velocity);
+        let pressure = chamber.pressure.along(self.air_rate(i, at, velocity));
+        let lugre = self.members[i].lugre().zip(bristles);
+        let bent = lugre.map(|(law, bent)| bent.along(law.rate(bent, velocity, direction)));
+        let ends = [length, T::zero().along(T::zero()), pressure];
+        let force = self.members[i].signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent));
+        T::split(force)[1] - stiffness * (unit.rate - velocity)
+    }
+
+    /// By how much in N/s the stiffness of an end without viscous friction, that of its sealed air and of its tendon, keeps it
+    /// below a velocity in m/s; below zero where it jumps: it goes faster, or nothing brings it back to its balance.
+    pub(crate) fn hold_of_end<T: Differentiable<R>>(
+        &self,
+        i: usize,
+        tendon: &SeriesTendon<R>,
+        of_actuator: &ActuatorMode<R>,
+        at: (&Unit<T>, &Chamber<T>),
+        bristles: Option<T>,
+        fastest: f64,
+    ) -> T {
+        let growth = |velocity: T| self.growth(i, tendon, of_actuator, at, bristles, velocity);
+        let at_rest = growth(T::zero());
+        (growth(T::one()) - at_rest) * T::constant(fastest) - at_rest.magnitude()
+    }
+
     /// The rate at which both tensions stay equal.
     fn kept_velocity<T: Differentiable<R>>(
         &self,
@@ -167,21 +205,11 @@ impl<R: Real> System<'_, R> {
         at: (&Unit<T>, &Chamber<T>),
         bristles: Option<T>,
     ) -> T {
-        let (unit, chamber) = at;
-        let direction = T::constant(of_actuator.mode.sliding.direction());
-        let lugre = self.members[i].lugre().zip(bristles);
-        let stiffness = if of_actuator.loose { T::zero() } else { T::of(tendon.stiffness()) };
-        let grows = |velocity: T| {
-            let length = unit.length.along(velocity);
-            let pressure = chamber.pressure.along(self.air_rate(i, at, velocity));
-            let bent = lugre.map(|(law, bent)| bent.along(law.rate(bent, velocity, direction)));
-            let ends = [length, T::zero().along(T::zero()), pressure];
-            let force = self.members[i].signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent));
-            T::split(force)[1] - stiffness * (unit.rate - velocity)
-        };
+        let grows = |velocity: T| self.growth(i, tendon, of_actuator, at, bristles, velocity);
         let at_rest = grows(T::zero());
         let slope = grows(T::one()) - at_rest;
         let mut velocity = -at_rest / slope;
+        let lugre = self.members[i].lugre().zip(bristles);
         if lugre.is_some_and(|(law, _)| law.falls()) {
             for _ in 0..MOST_SEARCHED {
                 let step = grows(velocity) / slope;
