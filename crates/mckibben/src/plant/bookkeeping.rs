@@ -3,7 +3,9 @@
 use super::exergy::DeadState;
 use super::ledger::{Carried, PlantLedger};
 use super::mode::PlantMode;
+use super::run::PlantRun;
 use super::sample::Observer;
+use super::step::PlantStep;
 use super::trajectory::PieceView;
 use super::{Plant, tendon};
 use crate::engine::arc;
@@ -17,7 +19,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// Nodes and weights of Gauss–Legendre quadrature with five points on `[0, 1]`, exact to degree 9.
-const GAUSS: [(f64, f64); 5] = [
+pub(super) const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
     (0.5, 0.284_444_444_444_444_44),
@@ -42,9 +44,9 @@ struct Passing {
     mixed: f64,
 }
 
-/// A ledger under way.
+/// Keeps the ledger of a run as it is made, step by step.
 #[derive(Debug)]
-pub(super) struct Bookkeeper<'a> {
+pub struct Bookkeeper<'a> {
     plant: &'a Plant,
     observer: Observer<'a, f64>,
     dead: Option<DeadState>,
@@ -62,7 +64,8 @@ pub(super) struct Bookkeeper<'a> {
 }
 
 impl<'a> Bookkeeper<'a> {
-    pub(super) fn new(plant: &'a Plant, relative_tolerance: f64) -> Self {
+    /// Begins the ledger of a run of a plant with this relative tolerance of its steps.
+    pub fn new(plant: &'a Plant, relative_tolerance: f64) -> Self {
         let network = plant.network();
         let ledger = PlantLedger {
             actuators: vec![Default::default(); plant.actuators().len()],
@@ -88,6 +91,16 @@ impl<'a> Bookkeeper<'a> {
         }
     }
 
+    /// Adds an accepted step; steps come in order of time.
+    pub fn step(&mut self, step: &PlantStep<'_, '_>) {
+        self.add(step.view());
+    }
+
+    /// The ledger of a run that has come to its end.
+    pub fn finish(self, run: &PlantRun) -> PlantLedger {
+        self.close(run.time(), run.state(), run.mode())
+    }
+
     /// Adds a step.
     pub(super) fn add(&mut self, piece: PieceView<'_>) {
         let PieceView { start, step, end, points, mode } = piece;
@@ -111,7 +124,7 @@ impl<'a> Bookkeeper<'a> {
     }
 
     /// The ledger of a run that ends in a state.
-    pub(super) fn finish(mut self, time: f64, state: &[f64], mode: &PlantMode) -> PlantLedger {
+    pub(super) fn close(mut self, time: f64, state: &[f64], mode: &PlantMode) -> PlantLedger {
         if self.has_begun {
             self.level(1.0, time, state, mode);
         }

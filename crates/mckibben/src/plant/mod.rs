@@ -24,6 +24,7 @@ mod friction_start;
 mod guard;
 mod holding;
 mod hybrid;
+mod joint;
 mod ledger;
 mod linear;
 mod measure;
@@ -35,13 +36,19 @@ mod scale;
 mod shares;
 mod sliding;
 mod start;
+mod step;
 mod tendon;
 mod trajectory;
 mod wire;
 
+pub use bookkeeping::Bookkeeper;
 pub use crossing::{Part, PlantEventKind};
 pub use friction_start::InitialFriction;
 pub use guard::{PlantGuard, Touching};
+pub use joint::{
+    JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
+    JointTrajectory, Turning,
+};
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
 };
@@ -54,6 +61,7 @@ pub use of_rig::SupplyNodes;
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
+pub use step::{PlantConsumer, PlantStep};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
 use crate::actuator::Actuator;
@@ -223,13 +231,18 @@ impl Plant {
             }
         }
         network.valves.iter().try_for_each(|valve| valve.solenoid.check(&valve.command))?;
-        let network = network.seen_late();
-        let places = Places::new(&actuators, &network, &mechanisms);
-        Ok(Self { actuators, network, mechanisms, places })
+        Ok(Self::assemble(actuators, network, mechanisms))
     }
 }
 
 impl<S: Scalar> Plant<S> {
+    /// A plant of parts that fit each other.
+    fn assemble(actuators: Vec<Mounted<S>>, network: Network<S>, mechanisms: Vec<Mechanism<S>>) -> Self {
+        let network = network.seen_late();
+        let places = Places::new(&actuators, &network, &mechanisms);
+        Self { actuators, network, mechanisms, places }
+    }
+
     /// The plant over another scalar; `function` gets each parameter with the part that it belongs to, none for the
     /// atmosphere of the whole network.
     ///

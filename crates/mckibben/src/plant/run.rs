@@ -2,8 +2,10 @@
 
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
+use super::sample::{Observer, PlantSample};
 use super::start::PlantStart;
-use super::trajectory::PlantTrajectory;
+use super::step::{PlantConsumer, PlantStep, StepReading};
+use super::trajectory::{PieceView, PlantTrajectory};
 use super::{Plant, PlantEventKind};
 use crate::command::{Driver, PlantMeasurement};
 use crate::engine::{Integrator, Pace, Piece, Statistics};
@@ -139,6 +141,14 @@ impl<R: Real> PlantRun<R> {
         System::new(&self.plant, self.relative_tolerance).measure(*time, state, mode, &mut Evaluation::new(&self.plant))
     }
 
+    /// Everything that is known at the time that has been reached, after any event there.
+    pub fn sample(&self) -> PlantSample<R> {
+        let PlantSnapshot { time, state, mode, .. } = &self.reached;
+        let mut sample = PlantSample::new(&self.plant);
+        Observer::new(&self.plant, self.relative_tolerance).observe(*time, state, mode, &mut sample);
+        sample
+    }
+
     /// Where the run is.
     pub fn save(&self) -> PlantSnapshot<R> {
         self.reached.clone()
@@ -269,5 +279,25 @@ impl<R: Real> PlantRun<R> {
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<PlantTrajectory<R>, Error> {
         PlantTrajectory::record(self, until, watch)
+    }
+
+    /// Goes on to `until` in s and hands each accepted step to `consumer`; nothing is kept, so memory does not grow with the
+    /// run.
+    ///
+    /// # Errors
+    /// As [`PlantRun::advance_to`], and those of the consumer, such as [`Error::Interrupted`].
+    pub fn stream_to(&mut self, until: R, consumer: &mut PlantConsumer<'_, R>) -> Result<(), Error> {
+        // Samples need the parts alone, and not the commands, which a run may continue.
+        let plant = self.plant.clone();
+        let (reading, mut mode) = (StepReading::new(&plant, self.relative_tolerance), self.mode().clone());
+        self.extend(until, &mut |piece| {
+            let (arc, end) = (piece.arc, piece.end);
+            let view = PieceView { start: arc.start, step: arc.step, end, points: &arc.points, mode: &mode };
+            consumer(&PlantStep::new(view, piece.event, &reading))?;
+            if let Some((_, after)) = piece.event {
+                mode = after.clone();
+            }
+            Ok(())
+        })
     }
 }

@@ -6,6 +6,7 @@ use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::run::PlantRun;
 use super::start::PlantStart;
+use super::step::{PlantConsumer, PlantStep, StepReading};
 use crate::command::PlantDecision;
 use crate::engine::{Statistics, arc};
 use crate::error::Error;
@@ -159,6 +160,31 @@ impl<R: Real> PlantTrajectory<R> {
         (state, mode)
     }
 
+    /// The modes: at the start, and after each event.
+    pub fn modes(&self) -> &[PlantMode<R>] {
+        &self.segments
+    }
+
+    /// Hands each step to `consumer` in order of time, as [`PlantRun::stream_to`] did on the way.
+    ///
+    /// # Errors
+    /// Those of the consumer.
+    pub fn replay(&self, consumer: &mut PlantConsumer<'_, R>) -> Result<(), Error> {
+        let reading = StepReading::new(&self.plant, self.relative_tolerance);
+        let mut result = Ok(());
+        let (mut index, last) = (0, self.segments.len() - 1);
+        self.each_piece(|view| {
+            let segment = self.pieces[index].segment;
+            index += 1;
+            let next = self.pieces.get(index).map_or(last, |piece| piece.segment);
+            let event = (next > segment).then(|| (self.events[segment].kind, &self.segments[segment + 1]));
+            if result.is_ok() {
+                result = consumer(&PlantStep::new(view, event, &reading));
+            }
+        });
+        result
+    }
+
     /// Calls `visit` with each step in order of time.
     pub(crate) fn each_piece(&self, mut visit: impl FnMut(PieceView<'_, R>)) {
         let size = arc_size(self.plant.places().states);
@@ -203,6 +229,13 @@ impl<R: Real> PlantTrajectory<R> {
         let mode = &self.segments[piece.segment];
         system.project(time, state, mode, work);
         (time, mode)
+    }
+}
+
+impl<R: Real> Plant<R> {
+    /// What a kept run of this plant takes in bytes for each step, its events not counted.
+    pub fn bytes_per_step(&self) -> usize {
+        size_of::<Kept<R>>() + arc_size(self.places().states) * size_of::<R>()
     }
 }
 

@@ -74,6 +74,8 @@ use crate::plant::Part;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
+#[cfg(feature = "alloc")]
+use crate::valve::Command;
 
 /// An actuator and what drives its valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -263,6 +265,18 @@ impl<S: Scalar> JointRig<S> {
         });
         convert.turn_to(None);
         JointRig { driven, joint: self.joint.convert(convert) }
+    }
+
+    /// The joint with other commands of its valves; an actuator without one keeps what it has.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn commanded(&self, commands: [Option<Command<S>>; 2]) -> Self {
+        let mut rig = self.clone();
+        for (driven, command) in rig.driven.iter_mut().zip(commands) {
+            if let (Some(actuation), Some(command)) = (&mut driven.actuation, command) {
+                actuation.command = command;
+            }
+        }
+        rig
     }
 
     /// Agonist and antagonist.
