@@ -5,12 +5,10 @@ use crate::describe;
 use crate::failure::Failure;
 use crate::observation::Range;
 use crate::quantities::{count, given};
-use crate::summary::{Page, assumptions, cost, events};
+use crate::summary::{Page, assumptions, cost, counts, events};
 use crate::terminal::{FAINT, styled};
-use mckibben::engine::Statistics;
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::PlantSample;
-use mckibben::simulation::Counts;
 use mckibben_scenario::Assumed;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -58,9 +56,7 @@ impl Summary<'_> {
             page.line("supplies", &supplies.join(", "));
         }
         page.line("engine", &describe::engine(&of.run));
-        let Statistics { explicit_steps, implicit_steps, rejected_steps, evaluations, events } =
-            self.run.trajectory.statistics();
-        let cost = cost(Counts { explicit_steps, implicit_steps, rejected_steps, evaluations, events });
+        let cost = cost(counts(self.run.trajectory.statistics()));
         page.line("cost", &format!("{cost}, {}", page.quantity(self.elapsed.as_secs_f64(), "s")));
     }
 

@@ -152,6 +152,20 @@ impl<R: Real> JointPlant<R> {
     }
 }
 
+impl JointPlant {
+    /// The sizes by which the errors of the joint's six states are scaled in a state: angle, angular velocity, and pressure and
+    /// mass of air of agonist and antagonist.
+    pub(crate) fn usual_sizes(&self, state: &JointState, relative_tolerance: f64) -> Result<[f64; 6], Error> {
+        let run = PlantRun::new(&self.plant, &self.start(state), relative_tolerance)?;
+        let places = run.plant().places();
+        let (mechanism, of) = (places.mechanisms[0], &places.actuators);
+        let scales = run.scales();
+        let places =
+            [mechanism.position(0), mechanism.rate(0), of[0].pressure, of[0].mass(), of[1].pressure, of[1].mass()];
+        Ok(places.map(|place| scales[place]))
+    }
+}
+
 impl<R: Real> JointTrajectory<R> {
     /// The joint that was simulated; under a controller its commands are the tables of all that the controller requested.
     pub fn rig(&self) -> &JointRig<R> {
