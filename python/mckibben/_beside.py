@@ -41,10 +41,32 @@ _PANELS = (
 )
 
 
-def plot(run: Trajectory) -> matplotlib.figure.Figure:
-    """Length, pressure and tension over time; angle, pressures and tensions of a joint."""
+def _plot_by_names(run: Trajectory) -> matplotlib.figure.Figure:
+    """A panel for each kind of column that there is, a line for each part of the plant."""
     import matplotlib.pyplot as plt
 
+    panels = []
+    for label, factor, columns in _PANELS:
+        ending = "." + next(iter(columns))
+        named = [column for column in run.columns if column.endswith(ending)]
+        if named:
+            panels.append((label, factor, named))
+    figure, axes = plt.subplots(len(panels), sharex=True, layout="constrained", squeeze=False)
+    for axis, (label, factor, named) in zip(axes[:, 0], panels):
+        for column in named:
+            axis.plot(run.t, factor * run[column], label=column.rpartition(".")[0])
+        axis.set_ylabel(label)
+        axis.legend()
+    axes[-1, 0].set_xlabel("time (s)")
+    return figure
+
+
+def plot(run: Trajectory) -> matplotlib.figure.Figure:
+    """Length, pressure and tension over time; angle, pressures and tensions of a joint; of actuators with names all of these."""
+    import matplotlib.pyplot as plt
+
+    if "length_m" not in run.columns:
+        return _plot_by_names(run)
     joint = "angle_rad" in run.columns
     panels = [panel for panel in _PANELS if ("length_m" if joint else "angle_rad") not in panel[2]]
     figure, axes = plt.subplots(len(panels), sharex=True, layout="constrained")

@@ -897,7 +897,9 @@ def parameters() -> dict[str, Any]:
     unit (`None` where it must be given or follows from other keys), the `source` of definition and default, the `remedy` where
     a value is refused, and an `example` as a file has it. A preset may stand in for a default.
 
-    Those of an antagonist are the same with `antagonist.` before them.
+    Those of an antagonist have `antagonist.` before them. In the keys of a file of many actuators `*` stands for a name: what
+    `actuators.flexor.valve.efficiency` takes is said by `valve.efficiency`, and what `supplies.tank.inlet.drop` takes by
+    `supplies.*.inlet.drop`.
     """
 
 def presets() -> dict[str, Any]:

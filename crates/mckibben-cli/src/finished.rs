@@ -16,7 +16,7 @@ use crate::events::{self, Log};
 use crate::failure::Failure;
 use crate::joint;
 use crate::observation::{Observation, Observer};
-use crate::plant::{self, PlantRun};
+use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::plot::Figure;
 use crate::portrait::{self, Over};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
@@ -52,7 +52,7 @@ pub enum Finished {
     /// Of a joint.
     Joint(Box<JointRun>),
     /// Of a plant.
-    Plant(Box<PlantRun>),
+    Plant(Box<PlantOutcome>),
 }
 
 /// The run of an actuator on a load.
@@ -84,8 +84,8 @@ pub enum Figures {
     Actuator(Box<ActuatorFigures>),
     /// Of a joint.
     Joint(Box<JointFigures>),
-    /// Of a plant, which is kept.
-    Plant(Box<PlantRun>),
+    /// Of a plant.
+    Plant(Box<PlantFigures>),
 }
 
 /// The figures of the run of an actuator on a load.
@@ -235,13 +235,18 @@ impl Ready {
                 let observation = observer.finish(end.sample, &end.run);
                 Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: Some(closed) })))
             }
-            // Every step of a plant is kept.
             Self::Plant(of) => {
-                let run = plant::run(*of, &mut |_| Ok(())).map_err(shown)?;
-                if let Some(target) = target {
-                    record::write(&plant::columns::fields(&run.experiment), &mut |each| run.each_sample(each), target)?;
-                }
-                Ok(Figures::Plant(Box::new(run)))
+                let mut observer = plant::observation::Observer::new(&of);
+                let mut follower = plant::control::Follower::new(&of);
+                let fields = plant::columns::fields(&of, follower.goals(), &follower.names());
+                let made = through(target, &fields, &run, shown, |take| {
+                    let run = plant::stream(&of, &mut follower, &mut |step| {
+                        observer.step(step);
+                        take(step)
+                    })?;
+                    Ok((run.sample(), run))
+                })?;
+                Ok(Figures::Plant(Box::new(plant::figures(&of, (observer, follower), &made))))
             }
         }
     }
@@ -288,7 +293,7 @@ type Take<'t, S> = &'t mut dyn FnMut(&dyn Readable<Sample = S>) -> Result<(), mc
 
 /// Makes a run by `simulate` and writes its samples on the way. `simulate` hands every step to what it is given, and returns the
 /// last sample with what else there is at the end.
-fn through<S: Copy, E>(
+fn through<S, E>(
     target: Option<Target<'_>>,
     fields: &[Field<S>],
     run: &Run,
@@ -365,7 +370,7 @@ impl Finished {
                     &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
                 filled(of.fields(), rows)
             }
-            Self::Plant(of) => filled(plant::columns::fields(&of.experiment), &mut |each| of.each_sample(each)),
+            Self::Plant(of) => filled(of.fields(), &mut |each| of.each_sample(each)),
         }
     }
 
@@ -398,7 +403,7 @@ impl Finished {
                 let mut reader = PlantReader::new(&of.trajectory);
                 let rows: record::Rows<'_, PlantSample> =
                     &mut |each| times.iter().try_for_each(|time| each(&reader.read(*time)));
-                filled(plant::columns::fields(&of.experiment), rows)
+                filled(of.fields(), rows)
             }
         }
     }
@@ -444,7 +449,7 @@ impl Finished {
             }
             Self::Plant(of) => {
                 let target = Target { provenance, path, format, out };
-                record::write(&plant::columns::fields(&of.experiment), &mut |each| of.each_sample(each), target)
+                record::write(&of.fields(), &mut |each| of.each_sample(each), target)
             }
         }
     }
@@ -469,7 +474,7 @@ impl Finished {
                 let (rig, control) = (outcome.rig().clone(), control.clone());
                 Figures::Joint(Box::new(JointFigures { rig, observation, control }))
             }
-            Self::Plant(of) => Figures::Plant(of.clone()),
+            Self::Plant(of) => Figures::Plant(Box::new(of.figures())),
         })
     }
 

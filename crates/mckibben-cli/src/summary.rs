@@ -182,6 +182,15 @@ pub(crate) fn events(page: &Page, counts: impl Iterator<Item = (&'static str, u6
 
 /// How far the goals of a controller were missed.
 pub(crate) fn goals<'g>(page: &Page, goals: impl IntoIterator<Item = &'g Goal>) {
+    let name = |goal: &Goal| match goal.whose {
+        Some(1) => "  antagonist",
+        _ => describe::controlled(goal.quantity),
+    };
+    goals_by_name(page, goals.into_iter().map(|goal| (name(goal).to_owned(), goal)));
+}
+
+/// How far goals with names were missed.
+pub(crate) fn goals_by_name<'g>(page: &Page, goals: impl IntoIterator<Item = (String, &'g Goal)>) {
     page.heading("Control");
     // Wider than the other tables: a stiffness has a long unit.
     let row = |name: &str, [a, b, c]: [String; 3]| {
@@ -189,13 +198,9 @@ pub(crate) fn goals<'g>(page: &Page, goals: impl IntoIterator<Item = &'g Goal>) 
         page.put(format_args!("  {name:<NAMES$}{a:>16}{b:>16}{c:>12}\n"));
     };
     row("", ["rms error", "largest error", "at"].map(str::to_owned));
-    for goal in goals {
+    for (name, goal) in goals {
         let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
-        let name = match goal.whose {
-            Some(1) => "  antagonist",
-            _ => describe::controlled(goal.quantity),
-        };
-        row(name, [page.quantity(rms, unit), page.quantity(largest, unit), page.quantity(at, "s")]);
+        row(&name, [page.quantity(rms, unit), page.quantity(largest, unit), page.quantity(at, "s")]);
     }
 }
 
@@ -220,16 +225,21 @@ pub(crate) fn cost(counts: Counts) -> String {
 }
 
 /// What does not close of an energy audit, and what share of its turnover that is, unless that is no more than rounding.
-pub(crate) fn residual(page: &Page, [residual, turnover, rounding]: [f64; 3]) {
+pub(crate) fn residual(page: &Page, sums: [f64; 3]) {
+    residual_in(page, sums, "J");
+}
+
+/// What does not close of a sum in a unit.
+pub(crate) fn residual_in(page: &Page, [residual, turnover, rounding]: [f64; 3], unit: &str) {
     let _ = page.sound(turnover);
     let share = if turnover <= rounding {
-        format!("within rounding, which may leave {}", page.quantity(rounding, "J"))
+        format!("within rounding, which may leave {}", page.quantity(rounding, unit))
     } else if residual == 0.0 {
         "nothing is left".to_owned()
     } else {
         format!("{:.1e} of the turnover", page.sound(residual / turnover))
     };
-    page.value("residual", &page.quantity(residual, "J"), &share);
+    page.value("residual", &page.quantity(residual, unit), &share);
 }
 
 /// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.

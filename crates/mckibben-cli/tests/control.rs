@@ -111,7 +111,12 @@ fn static_curves_need_no_controller_and_linear_models_refuse_one() {
     assert!(curves.status.success(), "{}", String::from_utf8_lossy(&curves.stderr));
     let linear = folder.mckibben().arg("linearize").arg(&file).output().expect("runs");
     let told = String::from_utf8_lossy(&linear.stderr).into_owned();
-    assert!(linear.status.code() == Some(2) && told.contains("a controller is not supported here yet"), "{told}");
+    assert!(
+        linear.status.code() == Some(2)
+            && told
+                .contains("command.kind = \"controller\" is not implemented where a command known beforehand is due"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -1,7 +1,9 @@
-//! `mckibben simulate` with a plant of many actuators: its columns, its events, its figure, what is told, and that it is the run
-//! of the older files where those say the same.
+//! Files of many actuators: columns, events, figures, summaries, and that a run is that of the older files where those say the
+//! same. What else takes such files is in `features`.
 
 mod common;
+#[path = "plant/features.rs"]
+mod features;
 
 use common::{Folder, of_repository};
 use std::collections::HashMap;
@@ -40,7 +42,7 @@ fn apart(first: &[f64], second: &[f64]) -> f64 {
 fn columns_carry_the_names() {
     let folder = Folder::new("plant-columns");
     let file = example("plant/arm");
-    let told = run(
+    let printed = run(
         &folder,
         &[
             "simulate",
@@ -58,7 +60,7 @@ fn columns_carry_the_names() {
     for words in
         ["deltoid, latissimus, biceps", "a chain of 3 joints: shoulder, elbow, wrist", "tank, regulator, manifold"]
     {
-        assert!(told.contains(words), "{words}:\n{told}");
+        assert!(printed.contains(words), "{words}:\n{printed}");
     }
     let (header, columns) = columns(&folder, "run.csv");
     let of_one = "length_m,velocity_m_s,pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
@@ -190,8 +192,8 @@ supply = { gauge_pressure = "3 bar", reservoir_volume = "1 L" }
 duration = "0.5 s"
 "#;
     let file = folder.file("all.toml", text).display().to_string();
-    let told = run(&folder, &["check", &file]);
-    assert!(told.contains("a plant of plain, sprung, given, alone"), "{told}");
+    let printed = run(&folder, &["check", &file]);
+    assert!(printed.contains("a plant of plain, sprung, given, alone"), "{printed}");
     run(&folder, &["simulate", &file, "-o", "run.csv"]);
     let (header, columns) = columns(&folder, "run.csv");
     for name in [

@@ -405,9 +405,9 @@ fn a_joint_is_refused_by_what_takes_one_actuator() {
     for (arguments, word) in [
         (
             vec!["simulate", control, "--set", "run.engine=fixed-step"],
-            "the fixed-step engine cannot choose its step under a controller",
+            "a fixed step that is chosen by an accuracy is not implemented under a controller",
         ),
-        (vec!["curves", name], "an antagonistic joint is not supported here yet"),
+        (vec!["curves", name], "load.kind = \"antagonistic-joint\" is not implemented where one actuator is due"),
     ] {
         let output = folder.mckibben().args(arguments).output().expect("the program runs");
         let error = String::from_utf8_lossy(&output.stderr).into_owned();

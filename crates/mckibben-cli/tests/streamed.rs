@@ -50,6 +50,8 @@ fn a_run_that_is_not_kept_has_the_bytes_and_the_figures_of_one_that_is() {
         "control/pid.toml",
         "control/joint-bang-bang.toml",
         "control/joint-air-mass.toml",
+        "plant/bottle.toml",
+        "plant/controlled.toml",
     ];
     for file in files {
         let text = std::fs::read_to_string(of_repository("examples").join(file)).expect("an example");
@@ -84,7 +86,8 @@ fn memory_does_not_grow_with_the_run() {
         let mut shell = std::process::Command::new("sh");
         shell.args(["-c", &command]).current_dir(folder.path("")).output().expect("a shell")
     };
-    for file in ["run.csv", "run.parquet"] {
+    for (file, more) in [("run.csv", ""), ("run.parquet", ""), ("run.csv", "\n[actuators.muscle]\n")] {
+        folder.file("muscle.toml", &format!("{PULSES}{more}"));
         let done = simulate(&format!("-o {file}"));
         assert!(done.status.success(), "{file}: {}", said(&done));
         assert!(said(&done).contains("4001 rows"), "{}", said(&done));

@@ -435,7 +435,11 @@ fn what_a_joint_cannot_do_says_why() {
     let mut sought = task(vec![recorded_joint(&joint(20.0), &OF_BOTH, 1)], &OF_BOTH, 1.0);
     sought.horizon = Horizon::Segments(0.1);
     let error = sought.identify().expect_err("segments").to_string();
-    assert!(error.contains("joint is not divided into segments") && error.contains("search.horizon"), "{error}");
+    assert!(
+        error.contains("a run in segments is not implemented of an antagonistic joint")
+            && error.contains("search.horizon"),
+        "{error}"
+    );
     sought.horizon = Horizon::Whole;
     sought.unknowns[0].start = -1.0;
     let error = sought.identify().expect_err("no inertia").to_string();

@@ -48,7 +48,7 @@ impl Model {
         let pulses = Pulses::of(command, pulse_frequency)?;
         let actuator = ModularActuator::new(&experiment.rig, experiment.start, pulses.frequency)
             .map_err(|error| Failure::of_core(&error, document))?;
-        let mut table: toml::Table = scenario.understood.to_toml().parse().unwrap_or_default();
+        let mut table: toml::Table = scenario.of_one()?.to_toml().parse().unwrap_or_default();
         table.retain(|section, _| ELSEWHERE.iter().all(|elsewhere| section != *elsewhere));
         Ok(Self { actuator, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
     }

@@ -50,7 +50,7 @@ impl Differentiable {
         of: &[String],
         at: Vec<f64>,
     ) -> Result<(Adjustable, Asked, Vec<f64>), Failure> {
-        let mut base = scenario.understood.clone();
+        let mut base = scenario.of_one()?.clone();
         if base.has_controller() {
             let remedy = "leave `[controller]` out, and give the command that it should ask for";
             return Err(Failure::input("what a controller decides has no derivatives here", remedy));

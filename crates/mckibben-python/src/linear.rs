@@ -3,8 +3,7 @@
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{Complex, Items, Matrix, Parts, Point};
-use mckibben::linearize::Signal;
-use mckibben_cli::commands::linearize::{Found, LinearizeArguments};
+use mckibben_cli::commands::linearize::{Found, LinearizeArguments, Named};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -75,8 +74,8 @@ impl LinearModel {
             let values = PyArray1::from_vec(py, rows.concat()).reshape([height, width])?;
             Ok::<_, PyErr>(values.readwrite().make_nonwriteable().as_any().cast::<PyArray2<f64>>()?.clone().unbind())
         };
-        let named = |signals: &[Signal]| {
-            signals.iter().map(|signal| (signal.name.to_owned(), signal.unit.to_owned())).collect::<Vec<_>>()
+        let named = |signals: &[Named]| {
+            signals.iter().map(|signal| (signal.name.clone(), signal.unit.clone())).collect::<Vec<_>>()
         };
         Ok(Self {
             matrices: [
@@ -87,7 +86,7 @@ impl LinearModel {
             ],
             signals: [named(states), named(inputs), named(outputs)],
             poles: found.poles().iter().map(|pole| (pole.real, pole.imaginary)).collect(),
-            point: found.point().into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+            point: found.point(),
             json: found.json(),
         })
     }

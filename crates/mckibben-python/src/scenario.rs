@@ -3,6 +3,7 @@
 use crate::raised::Raised;
 use crate::typed::{Items, Sections, Values};
 use crate::values;
+use mckibben_cli::failure::Failure;
 use mckibben_scenario::Document;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -24,8 +25,8 @@ pub(crate) struct Scenario {
     /// Paths of keys with the TOML of their values, which were set after reading.
     set: Vec<(String, String)>,
     pub(crate) document: Document,
-    /// As it was understood.
-    pub(crate) understood: mckibben_scenario::Scenario,
+    /// As it was understood; none of many actuators with names.
+    understood: Option<mckibben_scenario::Scenario>,
 }
 
 impl Scenario {
@@ -34,14 +35,36 @@ impl Scenario {
         for (key, value) in &set {
             document.set_text_from(SET, key, value).raised()?;
         }
+        if document.is_plant() {
+            // What is wrong is found now; a sweep may give what is missing beside it.
+            match document.sweep().raised()? {
+                Some(_) => {}
+                None => drop(document.plant_experiment().raised()?),
+            }
+            let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
+            return Ok(Self { name, text, set, document, understood: None });
+        }
         // What a sweep varies need not be said beside it: then the first run stands for all.
         let first = |error| match document.sweep()? {
             Some(sweep) => sweep.scenario(0).map_err(|_| error),
             None => Err(error),
         };
-        let understood = document.scenario().or_else(first).raised()?;
+        let understood = Some(document.scenario().or_else(first).raised()?);
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
         Ok(Self { name, text, set, document, understood })
+    }
+
+    /// The scenario of one actuator or joint that it is.
+    pub(crate) fn of_one(&self) -> Result<&mckibben_scenario::Scenario, Failure> {
+        self.understood.as_ref().ok_or_else(|| {
+            let limit = &mckibben::limit::PLANT_HOST;
+            Failure::input(limit.title().to_string(), limit.remedy)
+        })
+    }
+
+    /// As it was understood; none of many actuators with names.
+    pub(crate) fn understood(&self) -> Option<&mckibben_scenario::Scenario> {
+        self.understood.as_ref()
     }
 
     /// What was set after reading, as `KEY=VALUE`.
@@ -94,9 +117,10 @@ impl Scenario {
         Self::new(&self.text, &self.name, Items(set))
     }
 
-    /// The scenario as it was understood, as TOML: every value in SI, no preset, no default.
+    /// The scenario as it was understood, as TOML: every value in SI, no preset, no default. Of many actuators with names: every
+    /// key that was given, with its value as it was written.
     fn to_toml(&self) -> String {
-        self.understood.to_toml()
+        self.understood.as_ref().map_or_else(|| self.document.to_toml(), mckibben_scenario::Scenario::to_toml)
     }
 
     /// The same as a dictionary of its sections, which `from_dict` takes.

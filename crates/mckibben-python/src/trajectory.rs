@@ -67,7 +67,8 @@ struct Column {
 ///
 /// There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["pressure_pa"]` is a column by its
 /// name in the files of `mckibben simulate`; those that every run has are attributes too. The columns of a joint begin with
-/// its agonist's; those of its antagonist are called `antagonist_length_m` and so on.
+/// its agonist's; those of its antagonist are called `antagonist_length_m` and so on. Of many
+/// actuators with names every column carries one: `flexor.pressure_pa`, `elbow.angle_rad`, `tank.pressure_pa`.
 ///
 /// Arrays cannot be written to: copy one to change it.
 #[pyclass(frozen, module = "mckibben")]
@@ -176,7 +177,7 @@ impl Trajectory {
         let (finished, scenario) = (self.finished(py)?, self.scenario.get());
         py.detach(|| {
             let set = scenario.settings();
-            let (document, scenario) = (&scenario.document, Some(&scenario.understood));
+            let (document, scenario) = (&scenario.document, scenario.understood());
             let mut file = output::Pending::create(&path)?;
             finished.write(&Provenance { document, set: &set, scenario }, (&path, format), file.writer())?;
             file.commit()

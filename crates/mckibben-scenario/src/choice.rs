@@ -62,6 +62,12 @@ words! {
         Open = "open", "An orifice that lets air through both ways.";
         Check = "check-valve", "A check valve: air comes in and does not go back.";
     }
+    /// Where friction with a memory starts.
+    FrictionStart {
+        Relaxed = "relaxed", "The hysteresis adds nothing.";
+        Loading = "loading", "As after a long way of lengthening: all of the hysteresis adds to the tension.";
+        Unloading = "unloading", "As after a long way of shortening: all of the hysteresis takes from the tension.";
+    }
     /// The output of a five-way valve.
     ValveOutput {
         A = "a", "The output that the command fills.";

@@ -9,7 +9,7 @@ use mckibben::control::{
     self, AirMass, Between, Drive, FeedForward, Measurement, Output, Pid, Place, Quantity, RegulatorMemory, Relay,
     Sampling, Sensor, Sensors, SetPoint, StaticAim, Tracker,
 };
-use mckibben::{Error, GaugePressure};
+use mckibben::{Actuator, Error, GaugePressure};
 
 /// A scenario with a controller ready to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,10 +109,7 @@ impl Document {
 /// Refuses fixed steps under a controller of which none is given.
 pub(crate) fn check_step(scenario: &Scenario) -> Result<(), Error> {
     if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
-        return Err(Error::Unsupported {
-            what: "the fixed-step engine cannot choose its step under a controller yet",
-            remedy: "give run.step, such as \"0.1 ms\"",
-        });
+        return Err(Error::NotImplemented(&mckibben::limit::CONTROLLER_STEP));
     }
     Ok(())
 }
@@ -121,6 +118,27 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
     check_step(scenario)?;
     let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
+    let ActuatorLoop { law, sampling, sensors, regulated, set_points } =
+        loop_of(of, ways, experiment.rig.actuator(), experiment.run.duration)?;
+    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
+}
+
+/// A controller of one actuator, with when and what it measures.
+pub(crate) struct ActuatorLoop {
+    pub(crate) law: ControlLaw,
+    pub(crate) sampling: Sampling,
+    pub(crate) sensors: Sensors,
+    pub(crate) regulated: Quantity,
+    pub(crate) set_points: Vec<(Quantity, SetPoint)>,
+}
+
+/// Builds the controller of an actuator for a run of `duration` s.
+pub(crate) fn loop_of(
+    of: &Controller,
+    ways: (Between, Output),
+    actuator: &Actuator,
+    duration: f64,
+) -> Result<ActuatorLoop, Error> {
     let regulated = of.aim.regulated();
     let regulator = core_regulator(&of.regulator, regulated, ways)?;
     let law = match &of.aim {
@@ -131,7 +149,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         Aim::Model { force, length, highest_gauge_pressure, temperature } => {
             let place = length.clone().map_or(Place::Measured, Place::Wanted);
             let highest = GaugePressure(*highest_gauge_pressure);
-            let aim = StaticAim::new(experiment.rig.actuator().clone(), force.clone(), place, highest)?;
+            let aim = StaticAim::new(actuator.clone(), force.clone(), place, highest)?;
             match temperature {
                 Some(temperature) => ControlLaw::AirMass(Box::new(AirMass::new(aim, *temperature, regulator)?)),
                 None => ControlLaw::FeedForward(Box::new(FeedForward { aim, regulator })),
@@ -139,7 +157,7 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         }
     };
     let sampling = core_sampling(of)?;
-    sampling.check_counts(experiment.run.duration)?;
+    sampling.check_counts(duration)?;
     let sensor = Sensor::new(regulated, of.resolution, None)?;
     let mut sensors = Sensors::perfect();
     match regulated {
@@ -156,12 +174,12 @@ fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperime
         }
         Aim::Joint { .. } => Vec::new(),
     };
-    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
+    Ok(ActuatorLoop { law, sampling, sensors, regulated, set_points })
 }
 
 /// An aim of a joint where there is none; a file is refused before.
 fn without_joint() -> Error {
-    Error::Unsupported { what: "an aim of a joint is given, but there is no joint", remedy: "choose another load.kind" }
+    Error::Misuse { what: "an aim of a joint is given, but there is no joint", remedy: "choose another load.kind" }
 }
 
 /// What a valve can be asked by a relay and by a PID controller.
@@ -169,10 +187,7 @@ pub(crate) fn ways(scenario: &Scenario) -> Result<(Between, Output), Error> {
     match scenario.valve.map(|valve| valve.kind) {
         Some(ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen) => Ok((Between::Keep, Output::FillExhaust)),
         Some(ValveKind::FillHoldExhaust) => Ok((Between::Hold, Output::FillHoldExhaust)),
-        _ => Err(Error::Unsupported {
-            what: "a controller drives a three-way or a fill-hold-exhaust valve, and no other yet",
-            remedy: "set valve.kind to one of these",
-        }),
+        _ => Err(Error::NotImplemented(&mckibben::limit::CONTROLLER_VALVE)),
     }
 }
 

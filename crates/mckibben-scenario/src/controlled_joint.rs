@@ -6,9 +6,10 @@ use crate::document::Document;
 use crate::model::JointExperiment;
 use crate::scenario::{Aim, Command, Controller, Load, Scenario};
 use mckibben::control::{
-    AirMass, Drive, FeedForward, JointAim, JointController, JointMeasurement, JointSensors, JointTracker, Quantity,
-    RegulatorMemory, Sampling, Sensor, SetPoint,
+    AirMass, Between, Drive, FeedForward, JointAim, JointController, JointMeasurement, JointSensors, JointTracker,
+    Output, Quantity, RegulatorMemory, Sampling, Sensor, SetPoint,
 };
+use mckibben::simulation::JointRig;
 use mckibben::{Error, GaugePressure};
 
 /// A joint with a controller ready to run.
@@ -106,13 +107,34 @@ fn controlled(
     if let Some(second) = scenario.of_antagonist()
         && ways(&second)? != own
     {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "one controller drives both actuators of a joint, and their valves are of different kinds",
             remedy: "remove valve.kind from [antagonist.valve]",
         });
     }
+    let JointLoop { law, sampling, sensors, regulated, set_points } =
+        joint_loop(of, own, || Ok(experiment.rig.clone()), experiment.run.duration)?;
+    Ok(ControlledJointExperiment { experiment, law, sampling, sensors, regulated, set_points })
+}
+
+/// A controller of two actuators about a joint, with when and what it measures.
+pub(crate) struct JointLoop {
+    pub(crate) law: JointLaw,
+    pub(crate) sampling: Sampling,
+    pub(crate) sensors: JointSensors,
+    pub(crate) regulated: Quantity,
+    pub(crate) set_points: Vec<(Quantity, SetPoint)>,
+}
+
+/// Builds the controller of a joint for a run of `duration` s; `model` is the joint that a law by the model needs.
+pub(crate) fn joint_loop(
+    of: &Controller,
+    ways: (Between, Output),
+    model: impl FnOnce() -> Result<JointRig, Error>,
+    duration: f64,
+) -> Result<JointLoop, Error> {
     let regulated = of.aim.regulated();
-    let regulator = core_regulator(&of.regulator, regulated, own)?;
+    let regulator = core_regulator(&of.regulator, regulated, ways)?;
     let sensor = Sensor::new(regulated, of.resolution, None)?;
     let mut sensors = JointSensors::perfect();
     let mut set_points = Vec::new();
@@ -125,10 +147,11 @@ fn controlled(
                     _ => of.pressure = sensor,
                 }
             }
-            let actuators = experiment.rig.driven().each_ref().map(|driven| driven.actuator.clone());
+            let rig = model()?;
+            let actuators = rig.driven().each_ref().map(|driven| driven.actuator.clone());
             let highest = GaugePressure(*highest_gauge_pressure);
             let aim = [angle.clone(), stiffness.clone()];
-            let aim = JointAim::new(actuators, *experiment.rig.joint(), aim, highest)?;
+            let aim = JointAim::new(actuators, *rig.joint(), aim, highest)?;
             match temperature {
                 Some(temperature) => JointLaw::AirMass(Box::new(AirMass::new(aim, *temperature, regulator)?)),
                 None => JointLaw::FeedForward(Box::new(FeedForward { aim, regulator })),
@@ -140,13 +163,13 @@ fn controlled(
             JointLaw::Tracker(Box::new(JointTracker { angle: set_point.clone(), regulator }))
         }
         Aim::Model { .. } => {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "an aim of one actuator is given, but there is a joint",
                 remedy: "choose another load.kind",
             });
         }
     };
     let sampling = core_sampling(of)?;
-    sampling.check_counts(experiment.run.duration)?;
-    Ok(ControlledJointExperiment { experiment, law, sampling, sensors, regulated, set_points })
+    sampling.check_counts(duration)?;
+    Ok(JointLoop { law, sampling, sensors, regulated, set_points })
 }

@@ -48,7 +48,14 @@ impl Document {
                 let label = format!("entry {entry}: {problem}");
                 self.shown(Class::BadList, name, entry.checked_sub(1), title, label).help(*remedy)
             }
-            Error::Unsupported { what, remedy } => {
+            Error::NotImplemented(limit) => {
+                Diagnostic::whole(Class::NotImplemented, self.source().name(), limit.title().to_string())
+                    .help(limit.remedy)
+            }
+            Error::NoSolution { what, remedy } => {
+                Diagnostic::whole(Class::NoSolution, self.source().name(), *what).help(*remedy)
+            }
+            Error::Misuse { what, remedy } => {
                 Diagnostic::whole(Class::NotApplicable, self.source().name(), *what).help(*remedy)
             }
             Error::Stopped { remedy, .. } => {

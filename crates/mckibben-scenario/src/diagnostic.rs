@@ -131,6 +131,10 @@ pub enum Class {
     Inconsistent,
     /// A list is unsorted, too short or too long.
     BadList,
+    /// What makes sense and is not implemented.
+    NotImplemented,
+    /// There is no such point: no equilibrium, nothing that holds the load.
+    NoSolution,
     /// The simulation could not go on.
     Stopped,
 }

@@ -190,6 +190,13 @@ impl Document {
         }
     }
 
+    /// Every key with its value as TOML, a line for each, in the order of the file: documents with equal text say the same.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::new();
+        lines_of(&self.root, "", &mut text);
+        text
+    }
+
     pub(crate) fn root(&self) -> &Table {
         &self.root
     }
@@ -202,6 +209,41 @@ impl Document {
             entry = table.get(name)?;
         }
         Some(entry)
+    }
+}
+
+/// The keys of a section and of those in it, by their paths.
+fn lines_of(table: &Table, above: &str, text: &mut String) {
+    for Entry { name, node, .. } in &table.0 {
+        let path = if above.is_empty() { quoted(name) } else { format!("{above}.{}", quoted(name)) };
+        match &node.value {
+            Value::Table(inner) if !inner.0.is_empty() => lines_of(inner, &path, text),
+            value => text.push_str(&format!("{path} = {}\n", said(value))),
+        }
+    }
+}
+
+/// A key, in quotes where it needs them.
+fn quoted(name: &str) -> String {
+    let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+    if bare { name.to_owned() } else { toml::Value::from(name).to_string() }
+}
+
+/// A value as TOML, numbers in the digits that identify them.
+fn said(value: &Value) -> String {
+    match value {
+        Value::String(words) => toml::Value::from(words.as_str()).to_string(),
+        Value::Number(number) => toml::Value::from(*number).to_string(),
+        Value::List(items) => {
+            let items: Vec<String> = items.iter().map(|item| said(&item.value)).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Value::Table(table) => {
+            let entries = table.0.iter().map(|entry| format!("{} = {}", quoted(&entry.name), said(&entry.node.value)));
+            format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+        }
+        // What no key takes has been refused; its text says what it was.
+        Value::Other(what) => toml::Value::from(*what).to_string(),
     }
 }
 

@@ -65,8 +65,8 @@ mod write;
 pub use assumed::Assumed;
 pub use choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, ProcessKind, RecordKind, SetPointTable,
-    Spacing, ValveKind, ValveOutput,
+    FrictionStart, HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, ProcessKind, RecordKind,
+    SetPointTable, Spacing, ValveKind, ValveOutput,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};
@@ -75,7 +75,10 @@ pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use place::{Place, PlaceError, Seeds};
-pub use plant::{MechanismNames, PlantExperiment, PlantNames};
+pub use plant::{
+    ActuatorControl, Coordinate, JointControl, MechanismNames, PlantColumn, PlantContent, PlantControl,
+    PlantExperiment, PlantNames, PlantQuantity,
+};
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
     Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage, PressureCourse,
@@ -84,4 +87,6 @@ pub use scenario::{
 };
 pub use schema::schema;
 pub use starter::starter;
-pub use sweep::{Axis, AxisKind, AxisValue, Record, Reduction, RowError, Sweep};
+pub use sweep::{
+    Axis, AxisKind, AxisValue, PlantReduced, PlantReduction, Record, ReducedColumn, Reduction, RowError, Sweep,
+};

@@ -8,6 +8,7 @@ use crate::scenario::{
     MomentArm, Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
 };
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
+use mckibben::limit;
 use mckibben::line::{self, Line};
 use mckibben::parameter as p;
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
@@ -142,25 +143,13 @@ impl Scenario {
         };
         let failed = |error: Error| (Part::Joint, error);
         if self.tendon.is_some() {
-            let (what, remedy) = (
-                "the tendons of an antagonistic joint do not stretch yet",
-                "leave out [tendon], or choose another load.kind",
-            );
-            return Err(failed(Error::Unsupported { what, remedy }));
+            return Err(failed(Error::NotImplemented(&limit::JOINT_TENDON)));
         }
         if self.pressure.is_some() {
-            let (what, remedy) = (
-                "the pressures of an antagonistic joint cannot be given over time yet",
-                "leave out [pressure], or choose another load.kind",
-            );
-            return Err(failed(Error::Unsupported { what, remedy }));
+            return Err(failed(Error::NotImplemented(&limit::JOINT_PRESSURE)));
         }
         if self.has_line() || second.has_line() {
-            let (what, remedy) = (
-                "an antagonistic joint takes no air line yet",
-                "leave out [hose], actuator.leakage and the reservoir or regulator of [supply]",
-            );
-            return Err(failed(Error::Unsupported { what, remedy }));
+            return Err(failed(Error::NotImplemented(&limit::JOINT_LINE)));
         }
         let agonist = self.driven().map_err(failed)?;
         let output = opposite_output(self, &second).map_err(failed)?;
@@ -228,7 +217,7 @@ fn opposite_output(first: &Scenario, second: &Scenario) -> Result<usize, Error> 
     }
     let kind = |scenario: &Scenario| scenario.valve.map(|valve| valve.kind);
     if kind(first) != kind(second) || first.command != second.command {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "one five-way valve drives both actuators of a joint, and the antagonist is given another of its own",
             remedy: "remove the kind from [antagonist.valve] and the section [antagonist.command], or give the antagonist a \
                      valve of another kind",
@@ -297,10 +286,7 @@ impl Scenario {
     /// As [`Scenario::experiment`].
     pub fn rig(&self) -> Result<Rig, Error> {
         if matches!(self.load, Load::AntagonisticJoint(_)) {
-            return Err(Error::Unsupported {
-                what: "an antagonistic joint is not supported here yet: it is a load of two actuators",
-                remedy: "run it with `mckibben simulate`, or choose another load.kind",
-            });
+            return Err(Error::NotImplemented(&mckibben::limit::JOINT_ALONE));
         }
         let Driven { actuator, actuation } = self.driven()?;
         let line = self.core_line(actuator.air())?;
@@ -537,7 +523,7 @@ pub(crate) fn core_actuation(valve: &Valve, command: &Command, output: usize) ->
 /// A proportional spool in place of a solenoid.
 fn proportional(valve: &Valve) -> Result<valve::Solenoid, Error> {
     let Some(of) = valve.spool else {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "the valve is a proportional spool, but nothing says how it moves",
             remedy: "give valve.spool.natural_frequency and valve.spool.damping_ratio",
         });
@@ -549,7 +535,7 @@ fn proportional(valve: &Valve) -> Result<valve::Solenoid, Error> {
 /// A pressure regulator in place of a solenoid.
 fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
     let Some(ProportionalRegulator { time_constant, rate_limit }) = valve.regulator else {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "the valve is a pressure regulator, but nothing says how it regulates",
             remedy: "give valve.time_constant and valve.rate_limit",
         });
@@ -610,10 +596,7 @@ fn core_command(command: &Command) -> Result<valve::Command, Error> {
         }
         Command::SetPoints { time, gauge_pressure } => valve::Command::set_points(time.clone(), gauge_pressure.clone()),
         Command::Positions { time, position } => valve::Command::positions(time.clone(), position.clone()),
-        Command::Controller(_) => Err(Error::Unsupported {
-            what: "a controller is not supported here yet",
-            remedy: "run it by `mckibben simulate`, or choose another command.kind",
-        }),
+        Command::Controller(_) => Err(Error::NotImplemented(&mckibben::limit::CONTROLLER_HERE)),
     }
 }
 

@@ -9,6 +9,7 @@ use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseK
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use mckibben::control::{Quantity, SetPoint};
+use mckibben::plant::InitialFriction;
 use std::path::Path;
 
 /// One experiment: what is built, what drives it, what is recorded.
@@ -718,6 +719,8 @@ pub struct Initial {
     pub length: InitialLength,
     /// Velocity of lengthening in m/s.
     pub velocity: f64,
+    /// Where friction with a memory starts; relaxed in a file of one actuator.
+    pub friction: InitialFriction,
 }
 
 /// Distance between the attachments at the start.

@@ -6,9 +6,9 @@
 
 use crate::choice::{Choice, Spacing};
 use crate::keys::{
-    ACTUATORS, ANTAGONIST, COUNT, FACTOR, KEYS, Key, Kind, MECHANISM, MECHANISMS, OF_ACTUATOR, OF_SUPPLY, SECTIONS,
-    SUPPLIES, SWEEP, Section, VARY, all_keys, all_sections, is_of_antagonist, is_section_of_antagonist, key_at,
-    section_at,
+    ACTUATORS, ANTAGONIST, CONTROLLER, COUNT, FACTOR, KEYS, Key, Kind, MECHANISM, MECHANISMS, OF_ACTUATOR, OF_SUPPLY,
+    SECTIONS, SUPPLIES, SWEEP, Section, VARY, all_keys, all_sections, is_of_antagonist, is_section_of_antagonist,
+    key_at, section_at,
 };
 use crate::starter::{default_of, preset_may_give};
 use mckibben::parameter::{Parameter, Range};
@@ -35,8 +35,12 @@ pub fn schema() -> Value {
     let mut names = Map::new();
     for section in SECTIONS.iter().filter(|section| !section.path.contains('.')) {
         // A plant's file may say in a section what only some of its actuators have.
-        let strict = [SWEEP, ANTAGONIST].contains(&section.path);
-        names.insert(section.path.to_owned(), if strict { of_section(section) } else { in_plant(section) });
+        let of_any = match section.path {
+            SWEEP => sweep_in_plant(section),
+            ANTAGONIST => of_section(section),
+            _ => in_plant(section),
+        };
+        names.insert(section.path.to_owned(), of_any);
     }
     names.extend(of_plant());
     let is_plant: Vec<Value> = PLANT.iter().map(|section| json!({ "required": [section] })).collect();
@@ -84,7 +88,11 @@ fn of_plant() -> Map<String, Value> {
     coupling.insert("arms".to_owned(), named("coupling.arms", json!({ "anyOf": [arm, one("coupling.arms.*")] })));
     let coupling = object(meaning("coupling"), coupling);
     let mut mechanism = properties_in_plant(MECHANISM);
-    mechanism.insert("joints".to_owned(), named("mechanism.joints", one("mechanism.joints.*")));
+    let mut joint = properties_in_plant("mechanism.joints.*");
+    let mut controller = properties_in_plant(CONTROLLER);
+    controller.extend(properties_in_plant("mechanism.joints.*.controller"));
+    joint.insert(CONTROLLER.to_owned(), object(meaning("mechanism.joints.*.controller"), controller));
+    mechanism.insert("joints".to_owned(), named("mechanism.joints", object(meaning("mechanism.joints.*"), joint)));
     let mechanism = object(meaning(MECHANISM), mechanism);
     let mut supply = properties_in_plant("supply");
     supply.extend(properties_in_plant("supplies.*"));
@@ -106,6 +114,16 @@ fn of_plant() -> Map<String, Value> {
     .map(|(name, schema)| (name.to_owned(), schema))
     .into_iter()
     .collect()
+}
+
+/// The sweep of a plant's file: what varies are paths with names in them, and so are reductions.
+fn sweep_in_plant(section: &Section) -> Value {
+    let mut properties = properties_in_plant(SWEEP);
+    let meaning = section_at(VARY).map_or("", |section| section.meaning);
+    properties.insert("vary".to_owned(), json!({ "description": meaning, "type": "object", "minProperties": 1 }));
+    let names = json!({ "type": "array", "minItems": 1, "items": { "type": "string" } });
+    properties.insert("reductions".to_owned(), names);
+    json!({ "description": section.meaning, "type": "object", "properties": properties, "additionalProperties": false })
 }
 
 /// A section of which a part may be said: each key may be left out.

@@ -58,14 +58,17 @@ pub enum Error {
         /// What to do about it.
         remedy: &'static str,
     },
-    /// A combination that has no meaning, such as `hold` on a three-way valve.
+    /// What has no meaning, such as `hold` on a three-way valve or a part that is not there.
     #[error("{what}; {remedy}")]
-    Unsupported {
+    Misuse {
         /// What was asked for and why it cannot be.
         what: &'static str,
         /// What to ask for instead.
         remedy: &'static str,
     },
+    /// Two features that make sense together and do not work together yet.
+    #[error("{0}")]
+    NotImplemented(&'static crate::limit::Limit),
     /// What is asked for has no solution, such as an equilibrium of a plant that has none.
     #[error("{what}; {remedy}")]
     NoSolution {

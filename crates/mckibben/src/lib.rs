@@ -60,6 +60,7 @@ pub mod control;
 pub mod engine;
 pub mod force;
 pub mod friction;
+pub mod limit;
 pub mod line;
 #[cfg(feature = "alloc")]
 pub mod linearize;

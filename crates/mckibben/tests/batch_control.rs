@@ -141,5 +141,5 @@ fn half_the_precision_keeps_to_the_set_point_as_well() {
 fn a_controller_without_a_valve_is_refused_at_once() {
     let mut without = rows(2);
     without[1].rig = Paper::sealed().rig();
-    assert!(matches!(Batch::<f64>::controlled(without, Method::Stable), Err(Error::Unsupported { .. })));
+    assert!(matches!(Batch::<f64>::controlled(without, Method::Stable), Err(Error::Misuse { .. })));
 }

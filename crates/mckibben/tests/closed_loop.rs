@@ -211,7 +211,7 @@ fn what_cannot_be_controlled_is_refused() {
         let loop_of = (sampling(50.0, 0), Sensors::perfect());
         let controller = Fixed(Drive::Steady(asked));
         let error = simulate_controlled(rig, paper.start(), 0.1, 1e-8, &controller, loop_of).expect_err("refused");
-        assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains(part), "{error}");
+        assert!(matches!(error, Error::Misuse { .. }) && error.to_string().contains(part), "{error}");
         let stepper = ControlledStepper::new(rig, paper.start(), Method::Stable, &controller, loop_of);
         assert!(stepper.expect_err("refused").to_string().contains(part));
     };

@@ -77,7 +77,7 @@ fn the_middle_of_a_valve_of_three_positions() {
 #[test]
 fn a_valve_of_two_positions_cannot_hold() {
     let valve = FiveWay::new(FiveWayRest::Returned, OPEN, CLOSE).expect("a valve");
-    assert!(matches!(valve.outputs(&Command::Constant(Request::Hold)), Err(Error::Unsupported { .. })));
+    assert!(matches!(valve.outputs(&Command::Constant(Request::Hold)), Err(Error::Misuse { .. })));
     assert!(FiveWay::new(FiveWayRest::Closed, -1.0, 0.0).is_err());
 }
 
@@ -94,7 +94,7 @@ fn a_two_way_valve_fills_or_seals() {
         assert_eq!(got.1, expected.1);
     }
     let vents = Command::Constant(Request::Exhaust);
-    assert!(matches!(solenoid.check(&vents), Err(Error::Unsupported { .. })));
+    assert!(matches!(solenoid.check(&vents), Err(Error::Misuse { .. })));
 }
 
 #[test]

@@ -186,5 +186,5 @@ fn the_stable_method_takes_a_hose_of_any_size_in_steps_of_a_millisecond() {
 #[test]
 fn a_hose_without_a_valve_is_refused_at_once() {
     let sealed = Paper::sealed().rig().with_line(hose(HoseKind::Lumped, 1.0, 2.5e-3));
-    assert!(matches!(sealed, Err(Error::Unsupported { .. })));
+    assert!(matches!(sealed, Err(Error::Misuse { .. })));
 }

@@ -201,5 +201,5 @@ fn what_contradicts_itself_is_refused() {
     let refused = SupplyLine::new(None, None, 2.0).expect_err("refused").to_string();
     assert!(refused.contains("supply.actuators = 2"), "{refused}");
     let sealed = Paper::sealed().rig().with_line(fed(Some(reservoir(1e-3, SUPPLY, None)), None, 1.0));
-    assert!(matches!(sealed, Err(Error::Unsupported { .. })));
+    assert!(matches!(sealed, Err(Error::Misuse { .. })));
 }

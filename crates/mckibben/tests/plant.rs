@@ -21,6 +21,7 @@ mod plant_linear_analysis;
 mod plant_linear_closed_forms;
 mod plant_linear_pulses;
 mod plant_of_rig;
+mod plant_progress;
 mod plant_random;
 mod plant_reference;
 mod plant_sample;

@@ -334,7 +334,7 @@ fn a_run_that_is_restored_goes_on_with_what_its_drivers_remember() {
     }
     let (bigger, start, _) = on_one_bottle(&papers[..1], 5e-4);
     let mut run = PlantRun::new(&bigger, &start, 1e-9).expect("a run");
-    assert!(matches!(run.restore(&saved), Err(Error::Unsupported { .. })));
+    assert!(matches!(run.restore(&saved), Err(Error::Misuse { .. })));
 }
 
 /// A plant of one valve under a command.
@@ -484,7 +484,7 @@ fn what_makes_no_sense_is_refused() {
     assert!(driven.set(5, Request::Hold).expect_err("refused").to_string().contains("not there"));
     driven.set(1, Request::Exhaust).expect("the valve is free");
     let at = driven.save();
-    assert!(matches!(driven.set(1, Demand::Position(0.5)), Err(Error::Unsupported { .. })));
+    assert!(matches!(driven.set(1, Demand::Position(0.5)), Err(Error::Misuse { .. })));
     let rapid = Demand::Pulses { frequency: 1e15, duty: 0.5, pulse: Request::Fill, rest: Request::Hold };
     driven.set(1, rapid).expect("a frequency");
     assert!(matches!(driven.advance_to(1.0), Err(Error::TooMany { .. })));
@@ -496,7 +496,7 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(driven.advance_to(f64::NAN), Err(Error::OutOfRange { .. })));
     assert!(matches!(driven.advance_to(f64::INFINITY), Err(Error::OutOfRange { .. })));
     let mut calls = run(vec![steady(fill, &[0])]).expect("a run");
-    assert!(matches!(calls.set_rates(0, &[0.0]), Err(Error::Unsupported { .. })));
+    assert!(matches!(calls.set_rates(0, &[0.0]), Err(Error::Misuse { .. })));
 }
 
 /// Over dual numbers a run under a driver carries its derivatives, through every sampling instant and pulse.

@@ -167,7 +167,7 @@ fn what_remembers_nothing_is_refused() {
     };
     for friction in [InitialFriction::Loading, InitialFriction::Unloading, InitialFriction::Held(1.0)] {
         let error = refused(&paper(None, 1e-4), vec![friction]);
-        assert!(matches!(error, Error::Unsupported { .. }), "{error}");
+        assert!(matches!(error, Error::Misuse { .. }), "{error}");
         assert!(error.to_string().contains("remembers nothing"), "{error}");
     }
     let law = laws().remove(0).1;

@@ -90,7 +90,7 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
         let start = match rig.start(&case.paper.initial()) {
             Ok(start) => start,
             // No equilibrium for this load, or a start beyond the thread: said, not guessed.
-            Err(Error::Unsupported { .. } | Error::Inconsistent { .. }) => {
+            Err(Error::NoSolution { .. } | Error::Inconsistent { .. }) => {
                 tally.borrow_mut()[0] += 1;
                 return Ok(());
             }

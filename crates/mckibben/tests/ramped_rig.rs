@@ -290,7 +290,7 @@ fn what_does_not_take_it_says_so() {
     let rig = ramped(&Paper::pwm(20.0, 0.6), [RISE, 0.0]);
     let content = mckibben::linearize::Content::Temperature(ROOM);
     match mckibben::linearize::average(&rig, mckibben::linearize::Aim::Duty(0.5), content) {
-        Err(error @ Error::Unsupported { .. }) => assert!(error.to_string().contains("valve.opening_time"), "{error}"),
+        Err(error @ Error::NotImplemented(_)) => assert!(error.to_string().contains("valve.opening_time"), "{error}"),
         other => panic!("{other:?}"),
     }
 }

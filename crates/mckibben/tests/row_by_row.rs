@@ -235,7 +235,7 @@ fn rows_at_different_times_are_refused() {
     let begun = (&stepper, course);
     stepper.advance_to(&mut course, 1e-3).expect("a step");
     let error = RowByRow::new(vec![begun, (&stepper, course)]).expect_err("refused");
-    assert!(matches!(error, Error::Unsupported { .. }), "{error}");
+    assert!(matches!(error, Error::Misuse { .. }), "{error}");
     let mut later = RowByRow::new(vec![(&stepper, course)]).expect("one time");
     later.advance(1e-3, 5);
     assert_eq!(later.time(), 1e-3);

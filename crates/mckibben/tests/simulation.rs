@@ -41,7 +41,7 @@ fn without_pressure_the_load_hangs_on_the_taut_braid() {
 #[test]
 fn loads_without_an_equilibrium_say_so() {
     let no = |paper: Paper| match paper.rig().start(&paper.initial()) {
-        Err(error @ Error::Unsupported { .. }) => error.to_string(),
+        Err(error @ Error::NoSolution { .. }) => error.to_string(),
         other => panic!("{other:?}"),
     };
     let isometric = Paper::sealed().with(|rig| rig.load = Load::Isometric);

@@ -137,7 +137,7 @@ fn numbers_that_are_no_state_are_refused() {
     let numbers = actuator.snapshot().numbers();
     let refused = |numbers: &[f64]| {
         let error = Snapshot::of_numbers(numbers).expect_err("no state");
-        assert!(matches!(error, Error::Unsupported { .. }), "{error}");
+        assert!(matches!(error, Error::Misuse { .. }), "{error}");
     };
     refused(&[]);
     refused(&numbers[1..]);

@@ -212,7 +212,7 @@ fn a_table_leaves_the_coils_released_before_its_first_row() {
 #[test]
 fn commands_that_make_no_sense_are_refused() {
     let hold = Command::Constant(Request::Hold);
-    assert!(matches!(solenoid(ValveKind::ThreeWay).check(&hold), Err(Error::Unsupported { .. })));
+    assert!(matches!(solenoid(ValveKind::ThreeWay).check(&hold), Err(Error::Misuse { .. })));
     assert_eq!(solenoid(ValveKind::FillHoldExhaust).check(&hold), Ok(()));
     let fault = |time: &[f64], request: &[Request]| match Command::table(time.to_vec(), request.to_vec()) {
         Err(Error::Table { entry, .. }) => entry,

@@ -359,7 +359,7 @@ fn tendons_begin_anew_too_and_a_stepper_in_a_batch_of_its_kind() {
     batch.advance(0.125, 128);
     mixed.advance(0.125, 128);
     let late = ToldStepper::new(rig.clone(), start, Method::Stable);
-    assert!(matches!(batch.restart(0, late), Err(Error::Unsupported { .. })));
+    assert!(matches!(batch.restart(0, late), Err(Error::Misuse { .. })));
     let there = ToldStepper::begin_at(0.125, rig.clone(), start, Method::Stable).expect("a row");
     batch.restart(0, there).expect("begins anew");
     mixed.restart(1, Row { rig, start }).expect("begins anew");

@@ -52,17 +52,18 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
     let document = Document::load(path).map_err(listed)?;
-    if let Some(plant) = document.plant_experiment().map_err(listed)? {
-        return Ok(told_of_plant(&plant));
-    }
-    let single = document.scenario().and_then(|scenario| {
-        let controlled =
-            document.controlled_joint_experiment()?.is_some() || document.controlled_experiment()?.is_some();
-        if !controlled && document.joint_experiment()?.is_none() {
-            document.experiment()?;
-        }
-        Ok(told(&scenario))
-    });
+    let single = if document.is_plant() {
+        document.plant_experiment().map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default())
+    } else {
+        document.scenario().and_then(|scenario| {
+            let controlled =
+                document.controlled_joint_experiment()?.is_some() || document.controlled_experiment()?.is_some();
+            if !controlled && document.joint_experiment()?.is_none() {
+                document.experiment()?;
+            }
+            Ok(told(&scenario))
+        })
+    };
     let (sweep, mut mistakes) = match document.sweep() {
         Ok(None) => return single.map_err(listed),
         Ok(Some(sweep)) => (told_of(&sweep), Vec::new()),
@@ -88,7 +89,7 @@ fn told(scenario: &Scenario) -> String {
     format!("{load}; {drive}; {duration}, {rows} samples")
 }
 
-fn told_of_plant(plant: &PlantExperiment) -> String {
+fn summary_of_plant(plant: &PlantExperiment) -> String {
     let actuators = plant.names.actuators.join(", ");
     let (duration, rows) = (given(plant.run.duration, "s"), count(engine::rows(&plant.run)));
     format!("a plant of {actuators}; {duration}, {rows} samples")

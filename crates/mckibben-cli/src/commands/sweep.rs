@@ -18,7 +18,7 @@ use crate::sweep::step::Choice;
 use crate::sweep::tally::Tally;
 use crate::sweep::{chart, read};
 use crate::terminal::{self, FAINT, GOOD, HEADING, styled};
-use mckibben_scenario::{Document, Record, Sweep};
+use mckibben_scenario::{Document, Sweep};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -103,7 +103,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         Failure::input(title, "say what varies under [sweep.vary]; `mckibben sweep --help` has an example")
     })?;
     let (sweep, plan) = (prepared.sweep(), prepared.plan());
-    if figure.is_some() && !matches!(sweep.record(), Record::Reductions(_)) {
+    if figure.is_some() && sweep.record().reduced().is_none() {
         let title = "--plot draws reductions, which are not recorded here";
         return Err(Failure::input(title, "set sweep.record = \"reductions\", or leave --plot out"));
     }
@@ -232,12 +232,12 @@ fn keep(folder: &Folder, plan: &Plan, parts: &[u64], sweep: &Sweep, tally: &mut 
     let mut finished = Vec::new();
     for part in parts {
         let Some(failed) = folder.finished(plan, *part)? else { continue };
-        match sweep.record() {
-            Record::Reductions(reductions) => {
-                let results: Vec<String> = reductions.iter().map(|reduction| reduction.column()).collect();
+        match sweep.record().reduced() {
+            Some(reductions) => {
+                let results: Vec<String> = reductions.into_iter().map(|reduction| reduction.column).collect();
                 read::reductions(&folder.part(*part), &results, &mut |row, outcome| tally.see(row, outcome))?;
             }
-            Record::Samples(_) | Record::Trajectories => {
+            None => {
                 let rows = plan.rows_of(*part);
                 tally.count(rows.end - rows.start, failed);
             }
@@ -268,8 +268,12 @@ fn told(
     let varied =
         terminal::wrap(&format!("{} ({})", varied.join(", "), sweep.design().name()), INDENT, terminal::width());
     text.push_str(&line("varied", varied.trim_start()));
-    if let Ok(first) = sweep.scenario(0) {
-        text.push_str(&line("engine", &describe::engine(&first.run)));
+    let first = match sweep.plant(0) {
+        Some(first) => first.ok().map(|first| first.run),
+        None => sweep.scenario(0).ok().map(|first| first.run),
+    };
+    if let Some(run) = first {
+        text.push_str(&line("engine", &describe::engine(&run)));
     }
     if let Some(choice) = choice {
         let step = terminal::wrap(&step_of(choice), INDENT, terminal::width());

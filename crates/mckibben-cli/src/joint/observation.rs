@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use crate::observation::{AirUse, Range, Steps};
 use mckibben::Error;
 use mckibben::engine::Statistics;
-use mckibben::plant::{Bookkeeper, JointPlant, JointStep, PlantLedger, PlantRun};
+use mckibben::plant::{JointPlant, JointStep, PlantLedger, PlantLedgerKeeper, PlantRun};
 use mckibben::simulation::{EventKind, JointSample, Reading, SampleTimes};
 use mckibben_scenario::Run;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ pub struct Observer<'j> {
     air: [AirUse; 2],
     events: BTreeMap<EventKind, u64>,
     /// Of a run by the event-located engine.
-    ledger: Option<Bookkeeper<'j>>,
+    ledger: Option<PlantLedgerKeeper<'j>>,
     samples: Reading<Box<dyn Iterator<Item = f64>>>,
 }
 
@@ -66,13 +66,13 @@ impl<'j> Observer<'j> {
             actuators: [[Range::NONE; 3]; 2],
             air: [AirUse::default(); 2],
             events: BTreeMap::new(),
-            ledger: joint.map(|joint| Bookkeeper::new(joint.plant(), run.relative_tolerance)),
+            ledger: joint.map(|joint| PlantLedgerKeeper::new(joint.plant(), run.relative_tolerance)),
             samples: Reading::new(times, run.duration),
         }
     }
 
     /// Observes an accepted step of the event-located engine.
-    pub fn step(&mut self, step: &JointStep<'_, '_>) {
+    pub fn step(&mut self, step: &JointStep<'_>) {
         let Self { joint, actuators, air, events, ledger, samples } = self;
         if let Some(ledger) = ledger {
             ledger.step(step.plant());

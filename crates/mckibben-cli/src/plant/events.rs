@@ -3,7 +3,7 @@
 //! The columns of the CSV are `time_s,event,part,valve,extent,sliding,tension_clamped`; `part` is the name of what it happened
 //! to, and what stands behind it holds of that part from then on, as far as it is an actuator or its valve.
 
-use super::{PlantRun, name_of};
+use super::{PlantOutcome, name_of};
 use crate::events::{Log, words};
 use crate::terminal::{FAINT, styled};
 use mckibben::plant::{Part, PlantReader};
@@ -19,7 +19,7 @@ struct Row<'r> {
     then: [&'static str; 4],
 }
 
-fn rows(run: &PlantRun) -> Vec<Row<'_>> {
+fn rows(run: &PlantOutcome) -> Vec<Row<'_>> {
     let mut reader = PlantReader::new(&run.trajectory);
     let names = &run.experiment.names;
     let row = |event: &mckibben::plant::PlantEvent| {
@@ -43,7 +43,7 @@ fn rows(run: &PlantRun) -> Vec<Row<'_>> {
 }
 
 /// The log as a table for people.
-pub(crate) fn table(run: &PlantRun) -> String {
+pub(crate) fn table(run: &PlantOutcome) -> String {
     let mut text = styled(FAINT, format!("{:>16}  {:<12}  {:<16}  {}", "time (s)", "event", "of", "then")) + "\n";
     for Row { time, kind, part, then: [ports, extent, sliding, clamped] } in rows(run) {
         let clamped = if clamped == "true" { "tension kept at zero" } else { "" };
@@ -55,7 +55,7 @@ pub(crate) fn table(run: &PlantRun) -> String {
 }
 
 /// The log in words.
-pub(crate) fn log(run: &PlantRun) -> Log {
+pub(crate) fn log(run: &PlantOutcome) -> Log {
     let columns = ["event", "part", "valve", "extent", "sliding", "tension_clamped"].map(str::to_owned).to_vec();
     let rows = rows(run);
     let times = rows.iter().map(|row| row.time).collect();

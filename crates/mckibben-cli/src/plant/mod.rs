@@ -3,89 +3,140 @@
 //! | file | its idea |
 //! |---|---|
 //! | `columns` | columns with the names of the file: `flexor.pressure_pa`, `knee.angle_rad`, `tank.pressure_pa` |
+//! | `control` | the controllers' part: what was to be reached, and how far it was |
 //! | `events` | the log of events |
+//! | `observation` | extremes, counts and the ledger, observed as the run is made |
 //! | `portrait` | the figure |
 //! | `summary` | the summary |
 //!
-//! Checked by `tests/plant.rs`.
+//! A run is kept, for figures, events and values between samples, or streamed: then memory does not grow with it. Checked by
+//! `tests/plant.rs`.
 
 pub(crate) mod columns;
+pub(crate) mod control;
 pub(crate) mod events;
+pub(crate) mod observation;
 pub(crate) mod portrait;
 pub(crate) mod summary;
 
+use crate::closed_loop::Goals;
 use crate::engine::Way;
 use crate::failure::Failure;
+use crate::record::Field;
+use control::{Closed, Follower};
 use mckibben::Error;
-use mckibben::mechanism::Mechanism;
-use mckibben::network::{Network, NodeKind};
+use mckibben::network::NodeKind;
 use mckibben::parameter;
-use mckibben::plant::{self, Part, PlantSample, PlantTrajectory};
-use mckibben_scenario::PlantExperiment;
+use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantTrajectory};
+use mckibben_scenario::{PlantControl, PlantExperiment};
+use observation::{Observation, Observer};
 
-/// The run of a plant.
+/// A run of a plant that is kept.
 #[derive(Clone, Debug)]
-pub struct PlantRun {
+pub struct PlantOutcome {
     /// What was simulated.
     pub experiment: PlantExperiment,
     /// The run.
     pub trajectory: PlantTrajectory,
+    /// What was observed.
+    pub observation: Observation,
+    /// The controllers' part in it, if there are any.
+    pub control: Option<Closed>,
 }
 
-impl PlantRun {
+/// The figures of a run of a plant.
+#[derive(Clone, Debug)]
+pub struct PlantFigures {
+    /// What was simulated.
+    pub experiment: PlantExperiment,
+    /// What was observed.
+    pub observation: Observation,
+    /// The controllers' part in it, if there are any.
+    pub control: Option<Closed>,
+}
+
+impl PlantOutcome {
     /// Hands the sample at t = 0, at every sample interval and at the end to `each`.
     pub(crate) fn each_sample(&self, each: &mut dyn FnMut(&PlantSample) -> Result<(), Failure>) -> Result<(), Failure> {
         self.trajectory.samples(self.experiment.run.sample_interval).try_for_each(|sample| each(&sample))
     }
+
+    /// Its columns.
+    pub(crate) fn fields(&self) -> Vec<Field<PlantSample>> {
+        let (goals, names) = self.control.as_ref().map_or((&[][..], &[][..]), |of| (&of.goals[..], &of.names[..]));
+        columns::fields(&self.experiment, &Goals::new(goals.to_vec().into()), names)
+    }
+
+    /// Its figures.
+    pub(crate) fn figures(&self) -> PlantFigures {
+        let Self { experiment, observation, control, .. } = self.clone();
+        PlantFigures { experiment, observation, control }
+    }
 }
 
-/// Runs a plant and keeps every step. `reached` hears the time in s now and then, and may end the run.
+/// A run before its first step, with its controllers.
+fn begin(of: &PlantExperiment) -> Result<PlantRun, Error> {
+    parameter::DURATION.check(of.run.duration)?;
+    let drivers = of.controls.iter().map(PlantControl::driver).collect();
+    PlantRun::with_drivers(&of.plant, &of.start, of.run.relative_tolerance, drivers)
+}
+
+/// Numbers of a kept step for each state, of eight bytes.
+const NUMBERS_KEPT: usize = 8;
+
+/// Runs a plant and keeps every step. `reached` is called with the time in s now and then, and may end the run.
 ///
 /// # Errors
 /// What the core finds.
-pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<PlantRun, Error> {
-    let mut way = Way::begin(&of.run);
-    let (duration, tolerance) = (of.run.duration, of.run.relative_tolerance);
-    parameter::DURATION.check(duration)?;
-    let mut run = plant::PlantRun::new(&of.plant, &of.start, tolerance)?;
-    let trajectory = run.record_to(duration, &mut |time| {
-        way.at(time);
+pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<PlantOutcome, Error> {
+    let mut run = begin(&of)?;
+    let mut way = Way::begin(&of.run).keeping(8 * NUMBERS_KEPT * of.plant.places().states);
+    let trajectory = run.record_to(of.run.duration, &mut |time| {
+        way.kept(time);
         reached(time)
     })?;
-    Ok(PlantRun { experiment: of, trajectory })
+    let mut follower = Follower::new(&of);
+    trajectory.decisions().iter().for_each(|(driver, decision)| follower.see((*driver, decision)));
+    let control = follower.finish();
+    let mut observer = Observer::new(&of);
+    trajectory.replay(&mut |step| {
+        observer.step(step);
+        Ok(())
+    })?;
+    let observation = observer.finish(&run);
+    Ok(PlantOutcome { experiment: of, trajectory, observation, control })
 }
 
-/// A coordinate of a mechanism with the name that it has in columns and figures.
-pub(crate) struct Coordinate {
-    pub(crate) name: String,
-    pub(crate) mechanism: usize,
-    pub(crate) index: usize,
-    pub(crate) is_angle: bool,
-}
-
-/// The coordinates that have names: of every mechanism but the loads of single actuators, whose length says it.
-pub(crate) fn coordinates(of: &PlantExperiment) -> Vec<Coordinate> {
-    let mut coordinates = Vec::new();
-    for (mechanism, (names, its)) in of.names.mechanisms.iter().zip(of.plant.mechanisms()).enumerate() {
-        let Some(name) = &names.name else { continue };
-        match its {
-            Mechanism::Chain(_) => {
-                coordinates.extend(names.joints.iter().enumerate().map(|(index, joint)| Coordinate {
-                    name: joint.clone(),
-                    mechanism,
-                    index,
-                    is_angle: true,
-                }))
-            }
-            _ => coordinates.push(Coordinate { name: name.clone(), mechanism, index: 0, is_angle: false }),
+/// Runs a plant and hands each accepted step to `consumer`; of the run nothing is kept but what the controllers did, which
+/// the follower sees behind each step.
+///
+/// # Errors
+/// What the core finds, and what the consumer fails by.
+pub(crate) fn stream(
+    of: &PlantExperiment,
+    follower: &mut Follower<'_>,
+    consumer: &mut PlantConsumer<'_>,
+) -> Result<PlantRun, Error> {
+    let mut run = begin(of)?;
+    let mut way = Way::begin(&of.run);
+    run.stream_to(of.run.duration, &mut |step| {
+        way.at(step.end());
+        consumer(step)?;
+        if let Some(decision) = step.decision() {
+            follower.see(decision);
         }
-    }
-    coordinates
+        Ok(())
+    })?;
+    Ok(run)
 }
 
-/// The node that a regulating valve makes its pressure in.
-pub(crate) fn port_of(network: &Network, valve: usize) -> Option<usize> {
-    network.nodes.iter().position(|node| matches!(node.kind, NodeKind::Port { valve: its, .. } if its == valve))
+/// The figures of a run that was streamed to its end.
+pub(crate) fn figures(
+    of: &PlantExperiment,
+    (observer, follower): (Observer<'_>, Follower<'_>),
+    run: &PlantRun,
+) -> PlantFigures {
+    PlantFigures { experiment: of.clone(), observation: observer.finish(run), control: follower.finish() }
 }
 
 /// What the file calls a part; of what it does not name, what that belongs to.
@@ -125,7 +176,6 @@ pub(crate) fn name_of(of: &PlantExperiment, part: Part) -> &str {
         },
         Part::Node(index) => node(index),
         Part::Branch(index) => network.branches.get(index).map_or("", |branch| node(branch.to)),
-        // A file of a plant has none.
-        Part::Driver(_) => "",
+        Part::Driver(driver) => of.controls.get(driver).map_or("", |control| control::name(of, control)),
     }
 }

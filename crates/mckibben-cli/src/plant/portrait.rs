@@ -1,12 +1,15 @@
 //! The figure of a plant's run: what moves, the pressures, and the tensions, over time.
 
-use super::{PlantRun, coordinates};
-use crate::plot::{Axis, Colour, Figure, Panel, Series};
-use crate::portrait::POINTS;
+use super::PlantOutcome;
+use crate::closed_loop::Goal;
+use crate::plot::{Axis, Colour, Dash, Figure, Panel, Series};
+use crate::portrait::{POINTS, wanted};
+use mckibben::control::Quantity;
 use mckibben::plant::PlantSample;
+use std::f64::consts::PI;
 
 /// The figure.
-pub(crate) fn figure(run: &PlantRun, title: &str) -> Figure {
+pub(crate) fn figure(run: &PlantOutcome, title: &str) -> Figure {
     let of = &run.experiment;
     let (duration, interval) = (of.run.duration, of.run.sample_interval);
     let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
@@ -20,14 +23,28 @@ pub(crate) fn figure(run: &PlantRun, title: &str) -> Figure {
         }
         panel
     };
-    let (angles, lengths): (Vec<_>, Vec<_>) = coordinates(of).into_iter().partition(|of| of.is_angle);
+    // Set points stand dotted in the colour of what they are of.
+    let goals: Vec<(&str, &Goal)> = match &run.control {
+        Some(closed) => closed.names.iter().map(String::as_str).zip(&closed.goals).collect(),
+        None => Vec::new(),
+    };
+    let with_goals = |mut panel: Panel, names: &[&str], quantity: Quantity, factor: f64| {
+        for (name, goal) in goals.iter().filter(|(_, goal)| goal.quantity == quantity) {
+            let Some(index) = names.iter().position(|known| known == name) else { continue };
+            let series = Series { label: String::new(), ..wanted(goal, factor) };
+            panel = panel.series(series.colour(Colour::Category(index)).dash(Dash::Dotted));
+        }
+        panel
+    };
+    let (angles, lengths): (Vec<_>, Vec<_>) = of.coordinates().into_iter().partition(|of| of.is_angle);
     let mut panels = Vec::new();
     if !angles.is_empty() {
         let names: Vec<&str> = angles.iter().map(|of| of.name.as_str()).collect();
-        panels.push(lines(Panel::new(Axis::new("angle", "deg")), &names, &|sample, index| {
+        let panel = lines(Panel::new(Axis::new("angle", "deg")), &names, &|sample, index| {
             let of = &angles[index];
             sample.mechanisms[of.mechanism].position[of.index].to_degrees()
-        }));
+        });
+        panels.push(with_goals(panel, &names, Quantity::Angle, 180.0 / PI));
     }
     if !lengths.is_empty() {
         let names: Vec<&str> = lengths.iter().map(|of| of.name.as_str()).collect();
@@ -41,18 +58,21 @@ pub(crate) fn figure(run: &PlantRun, title: &str) -> Figure {
     let alone: Vec<usize> = (0..names.len()).filter(|i| is_alone(of.plant.actuators()[*i].mechanism)).collect();
     if !alone.is_empty() {
         let names: Vec<&str> = alone.iter().map(|index| names[*index]).collect();
-        panels.push(lines(Panel::new(Axis::new("length", "mm")), &names, &|sample, index| {
+        let panel = lines(Panel::new(Axis::new("length", "mm")), &names, &|sample, index| {
             sample.actuators[alone[index]].distance * 1e3
-        }));
+        });
+        panels.push(with_goals(panel, &names, Quantity::Length, 1e3));
     }
     // One legend names the actuators' lines in all panels.
     let unnamed = vec![""; names.len()];
     let shown = if alone.len() == names.len() { &unnamed } else { &names };
-    panels.push(lines(Panel::new(Axis::new("gauge pressure", "bar")), shown, &|sample, index| {
+    let panel = lines(Panel::new(Axis::new("gauge pressure", "bar")), shown, &|sample, index| {
         (sample.actuators[index].pressure.0 - atmosphere) * 1e-5
-    }));
-    panels
-        .push(lines(Panel::new(Axis::new("tension", "N")), &unnamed, &|sample, index| sample.actuators[index].tension));
+    });
+    panels.push(with_goals(panel, &names, Quantity::Pressure, 1e-5));
+    let panel =
+        lines(Panel::new(Axis::new("tension", "N")), &unnamed, &|sample, index| sample.actuators[index].tension);
+    panels.push(with_goals(panel, &names, Quantity::Force, 1.0));
     // What does not change is not worth a curve.
     let changes = |node: usize| {
         let first = samples.first().map_or(0.0, |sample| sample.nodes[node].pressure.0);

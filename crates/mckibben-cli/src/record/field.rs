@@ -74,13 +74,24 @@ pub(crate) fn of_controlled(rig: &Rig, goals: &Goals) -> Vec<Field<Sample>> {
     fields
 }
 
-/// The set points, and what was measured of those that are regulated, as of the last sampling instant.
+/// The columns of goals of one actuator, or of a joint.
 fn of_goals<S: 'static>(goals: &Goals, time_of: fn(&S) -> f64) -> Vec<Field<S>> {
+    let whose: Vec<_> = goals.borrow().iter().map(|goal| goal.whose).collect();
+    goal_fields(goals, |index| if whose[index] == Some(1) { "antagonist_" } else { "" }.to_owned(), time_of)
+}
+
+/// The set points, and what was measured of those that are regulated, as of the last sampling instant; a prefix says what each
+/// goal is of.
+pub(crate) fn goal_fields<S: 'static>(
+    goals: &Goals,
+    prefix: impl Fn(usize) -> String,
+    time_of: fn(&S) -> f64,
+) -> Vec<Field<S>> {
     let mut fields = Vec::new();
     for (index, goal) in goals.borrow().iter().enumerate() {
         let unit = goal.quantity.rows().set_point.unit;
         let ending = unit.to_lowercase().replace(['*', '/'], "_");
-        let whose = if goal.whose == Some(1) { "antagonist_" } else { "" };
+        let whose = prefix(index);
         let column = |name: &str, values: fn(&Goal) -> &[f64]| {
             let goals = goals.clone();
             number(&format!("{whose}{name}_{ending}"), unit, move |sample: &S| {
@@ -115,7 +126,7 @@ pub(crate) fn of_joint(goals: &Goals) -> Vec<Field<JointSample>> {
 }
 
 /// The columns of one actuator of several, which `its` takes out of a sample of all; their names with a prefix.
-pub(crate) fn member<S>(prefix: &str, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<Field<S>> {
+fn member<S>(prefix: &str, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<Field<S>> {
     let of = move |field: Field<Sample>| Field {
         name: format!("{prefix}{}", field.name),
         unit: field.unit,

@@ -6,7 +6,7 @@ mod memory;
 mod parquet;
 
 use crate::failure::Failure;
-pub(crate) use field::{Field, Value, member, number, of_controlled, of_joint, word};
+pub(crate) use field::{Field, Value, goal_fields, number, of_controlled, of_joint, word};
 use mckibben::simulation::Sample;
 use mckibben_scenario::{Document, Scenario};
 pub(crate) use memory::filled;

@@ -15,7 +15,7 @@ use crate::portrait::Format;
 use crate::quantities::count;
 use mckibben::control;
 use mckibben_scenario::sweep::{Quantity, Statistic};
-use mckibben_scenario::{AxisKind, AxisValue, Record, Reduction, Sweep};
+use mckibben_scenario::{AxisKind, AxisValue, PlantReduction, Record, Reduction, Sweep};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -96,23 +96,25 @@ fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
     if keys.is_empty() {
         keys.extend(first);
     }
-    let reductions = match sweep.record() {
-        Record::Reductions(reductions) => reductions.as_slice(),
-        Record::Samples(_) | Record::Trajectories => &[],
+    let at = |index: usize| -> Vec<f64> { kept.values().map(|values| values[index]).collect() };
+    let results: Vec<Values> = match sweep.record() {
+        Record::Reductions(list) => list.iter().enumerate().map(|(index, of)| result(*of, at(index))).collect(),
+        Record::PlantReductions(list) => {
+            let label = |of: &PlantReduction| of.name.replace('.', " ").replace('_', " ");
+            list.iter().enumerate().map(|(index, of)| scaled(label(of), of.unit, at(index))).collect()
+        }
+        Record::Samples(_) | Record::Trajectories => Vec::new(),
     };
-    let results: Vec<Values> = reductions
-        .iter()
-        .enumerate()
-        .map(|(index, reduction)| result(*reduction, kept.values().map(|values| values[index]).collect()))
-        .filter(|result| result.at.iter().any(|value| value.is_finite()))
-        .collect();
+    let count_of_all = results.len();
+    let results: Vec<Values> =
+        results.into_iter().filter(|result| result.at.iter().any(|value| value.is_finite())).collect();
     let mut notes = Vec::new();
     // What is the same in all runs needs no picture, unless there is nothing else.
     let changing: Vec<Values> = results.iter().filter(|result| result.changes()).cloned().collect();
     let results = if changing.is_empty() { results } else { changing };
-    let without = reductions.len() - results.len();
+    let without = count_of_all - results.len();
     if without > 0 {
-        notes.push(format!("{without} of {} reductions do not change and are left out.", reductions.len()));
+        notes.push(format!("{without} of {count_of_all} reductions do not change and are left out."));
     }
     if results.len() > PANELS {
         notes.push(format!("The first {PANELS} of {} reductions that change.", results.len()));

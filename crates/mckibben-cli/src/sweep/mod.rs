@@ -12,6 +12,7 @@
 //! | [`plan`] | which rows make a part, which parts a shard, which rows a unit of work |
 //! | [`step`] | the step of the fixed-step engine, one for all rows |
 //! | [`rows`] | the runs of a unit, by either engine |
+//! | `plant` | the run of a row that is a plant |
 //! | [`reduce`] | a run as a few numbers |
 //! | [`schedule`] | units on threads, results in order, a bounded number of them |
 //! | [`table`] | columns, and a run as lines of them |
@@ -29,6 +30,7 @@ pub mod chart;
 pub mod destination;
 pub mod folder;
 pub mod plan;
+mod plant;
 pub mod prepared;
 pub mod read;
 pub mod reduce;

@@ -34,7 +34,8 @@ impl Prepared {
     /// [`Failure::input`] for what the document says and cannot be.
     pub fn of(document: &Document, set: &[String]) -> Result<Option<Self>, Failure> {
         let (mut document, mut set) = (document.clone(), set.to_vec());
-        if !document.contains("run.engine") {
+        // The event-located engine alone runs plants.
+        if !document.contains("run.engine") && !document.is_plant() {
             let engine = engine_by_default(&document)?.name();
             document.set_text("run.engine", &format!("\"{engine}\""))?;
             set.push(format!("run.engine={engine}"));
@@ -127,7 +128,8 @@ impl Prepared {
     fn unit(&self, rows: u64, jobs: usize) -> u64 {
         const SHARE: u64 = 8;
         let sweep = &self.sweep;
-        let one_by_one = sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
+        let one_by_one =
+            sweep.is_plant() || sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
         let least = if one_by_one { 1 } else { rows::side_by_side() as u64 };
         (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
     }

@@ -32,14 +32,14 @@ use mckibben_scenario::sweep::{Quantity, Statistic};
 /// The band of the settling time, as a share of the total change.
 const SETTLED: f64 = 0.02;
 /// The end of a run without PWM over which the ripple is taken, as a share of its duration.
-const LAST_PART: f64 = 0.1;
+pub(super) const LAST_PART: f64 = 0.1;
 /// Two instants closer than this, relative to the run, are one.
-const SIMULTANEOUS: f64 = 1e-9;
+pub(super) const SIMULTANEOUS: f64 = 1e-9;
 
 /// What is kept of a quantity.
 #[derive(Clone, Debug)]
-struct Track {
-    quantity: Quantity,
+pub(super) struct Track<Q> {
+    quantity: Q,
     first: f64,
     last: f64,
     least: f64,
@@ -55,7 +55,7 @@ struct Track {
 /// The reductions of one run under way.
 #[derive(Clone, Debug)]
 pub struct Reducer {
-    tracks: Vec<Track>,
+    tracks: Vec<Track<Quantity>>,
     /// The times of the samples, where a settling time is asked for.
     times: Option<Vec<f64>>,
     window_start: f64,
@@ -93,16 +93,10 @@ impl Reducer {
 
     /// Begins a run whose ripple is taken from a time in s on.
     fn with_window(reductions: &[Reduction], window_start: f64) -> Self {
-        let mut tracks: Vec<Track> = Vec::new();
+        let mut tracks: Vec<Track<Quantity>> = Vec::new();
         let of_samples = |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Error(_));
         for reduction in reductions.iter().filter(of_samples) {
-            let settles = reduction.statistic == Statistic::SettlingTime;
-            let known = tracks.iter_mut().find(|track| track.quantity == reduction.quantity);
-            match known {
-                Some(track) if settles => track.series = Some(Vec::new()),
-                Some(_) => {}
-                None => tracks.push(Track::new(reduction.quantity, settles)),
-            }
+            Track::add(&mut tracks, reduction.quantity, reduction.statistic);
         }
         let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
         Self { tracks, times, window_start, before: None, air_used: 0.0, goals: Vec::new() }
@@ -149,27 +143,61 @@ impl Reducer {
                 _ => {}
             }
             let track = self.tracks.iter().find(|track| track.quantity == reduction.quantity)?;
-            match reduction.statistic {
-                Statistic::Ripple if !whole => None,
-                Statistic::SettlingTime => track.settling_time(self.times.as_deref()?),
-                statistic => track.value(statistic, duration),
-            }
+            track.reduced(reduction.statistic, self.times.as_deref(), (duration, whole))
         };
         reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect()
     }
 
     /// How far a controller missed a quantity; none where it was not to reach it.
     fn missed(&self, of: control::Quantity, statistic: Statistic) -> Option<f64> {
-        // Of a joint whose actuators are regulated one by one, both count.
-        let misses: Vec<_> = self.goals.iter().filter(|goal| goal.quantity == of).map(Goal::miss).collect();
-        let squares: f64 = misses.iter().map(|miss| miss.rms * miss.rms).sum();
-        let largest = misses.iter().map(|miss| miss.largest).reduce(f64::max)?;
-        Some(if statistic == Statistic::Rms { (squares / misses.len() as f64).sqrt() } else { largest })
+        missed(self.goals.iter().filter(|goal| goal.quantity == of), statistic)
     }
 }
 
-impl Track {
-    fn new(quantity: Quantity, settles: bool) -> Self {
+/// How far goals were missed; none where there is none. Of a joint whose actuators are regulated one by one, both count.
+pub(super) fn missed<'g>(goals: impl Iterator<Item = &'g Goal>, statistic: Statistic) -> Option<f64> {
+    let misses: Vec<_> = goals.map(Goal::miss).collect();
+    let squares: f64 = misses.iter().map(|miss| miss.rms * miss.rms).sum();
+    let largest = misses.iter().map(|miss| miss.largest).reduce(f64::max)?;
+    Some(if statistic == Statistic::Rms { (squares / misses.len() as f64).sqrt() } else { largest })
+}
+
+impl<Q: Copy + PartialEq> Track<Q> {
+    /// Adds what a statistic of a quantity needs to tracks.
+    pub(super) fn add(tracks: &mut Vec<Self>, quantity: Q, statistic: Statistic) {
+        let settles = statistic == Statistic::SettlingTime;
+        match tracks.iter_mut().find(|track| track.quantity == quantity) {
+            Some(track) if settles => track.series = Some(Vec::new()),
+            Some(_) => {}
+            None => tracks.push(Self::new(quantity, settles)),
+        }
+    }
+
+    /// The quantity.
+    pub(super) fn quantity(&self) -> Q {
+        self.quantity
+    }
+
+    /// Whether every sample is kept.
+    pub(super) fn settles(&self) -> bool {
+        self.series.is_some()
+    }
+
+    /// The value of a statistic over a run of `duration` s whose window of ripple is whole or not.
+    pub(super) fn reduced(
+        &self,
+        statistic: Statistic,
+        times: Option<&[f64]>,
+        (duration, whole): (f64, bool),
+    ) -> Option<f64> {
+        match statistic {
+            Statistic::Ripple if !whole => None,
+            Statistic::SettlingTime => self.settling_time(times?),
+            statistic => self.value(statistic, duration),
+        }
+    }
+
+    fn new(quantity: Q, settles: bool) -> Self {
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
         Self {
             quantity,
@@ -184,7 +212,7 @@ impl Track {
     }
 
     /// Sees a value that comes a `step` in s after the one before.
-    fn see(&mut self, value: f64, step: Option<f64>, in_window: bool) {
+    pub(super) fn see(&mut self, value: f64, step: Option<f64>, in_window: bool) {
         match step {
             None => self.first = value,
             Some(step) => self.integral += 0.5 * (self.last + value) * step,

@@ -5,6 +5,7 @@
 //! event-located engine, and those of a joint or of a controller with a tendon in series, run one by one. Either way a row is, bit for bit, what
 //! it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
 
+use super::plant;
 use super::reduce::{Reducer, Seen};
 use super::step::{self, Choice};
 use crate::closed_loop::{self, Goal};
@@ -45,6 +46,17 @@ pub enum Samples {
     Actuator(Vec<Sample>),
     /// Of a joint.
     Joint(Vec<JointSample>),
+    /// Of a plant: a line for each sample, the time before the columns of the sweep.
+    Plant(Vec<Vec<PlantCell>>),
+}
+
+/// What stands in a line of a plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlantCell {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Word(&'static str),
 }
 
 /// Simulates the rows, with a step for all of them where they have none by themselves.
@@ -56,6 +68,13 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
         let index = (row - first) as usize;
         // What a batch will compute is put in its place afterwards.
         let mut outcome = Outcome::Reduced(Vec::new());
+        if let Some(built) = sweep.plant(row) {
+            outcomes.push(match built.and_then(|of| within(sweep.record(), of.run.duration).map(|()| of)) {
+                Ok(of) => plant::run(&of, sweep.plant_columns(), sweep.record()),
+                Err(reason) => Outcome::Failed(reason),
+            });
+            continue;
+        }
         match build(sweep, row) {
             Err(reason) => outcome = Outcome::Failed(reason),
             Ok(Built::Controlled(of)) if goes_along(&of.experiment, sweep.record()) => match of.experiment.step() {
@@ -120,15 +139,21 @@ enum Built {
 
 fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
     let scenario = sweep.scenario(row).map_err(|error| error.error.to_string())?;
-    let end = scenario.run.duration;
-    if let Record::Samples(times) = sweep.record()
-        && let Some(time) = times.iter().find(|time| **time > end)
-    {
-        return Err(format!(
-            "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
-        ));
-    }
+    within(sweep.record(), scenario.run.duration)?;
     describe(&scenario).map_err(|error| error.to_string())
+}
+
+/// That the times that are recorded lie within a run that ends at a time in s.
+fn within(record: &Record, end: f64) -> Result<(), String> {
+    match record {
+        Record::Samples(times) => match times.iter().find(|time| **time > end) {
+            Some(time) => Err(format!(
+                "sweep.sample_times has {time} s, but this run ends at run.duration = {end} s; record earlier times"
+            )),
+            None => Ok(()),
+        },
+        _ => Ok(()),
+    }
 }
 
 fn describe(scenario: &Scenario) -> Result<Built, Error> {
@@ -175,7 +200,9 @@ impl<'a> Stops<'a> {
     fn of(record: &'a Record, duration: f64, interval: f64) -> Self {
         match record {
             Record::Samples(times) => Self::Listed(times),
-            Record::Reductions(_) | Record::Trajectories => Self::Regular(SampleTimes::new(duration, interval)),
+            Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => {
+                Self::Regular(SampleTimes::new(duration, interval))
+            }
         }
     }
 
@@ -207,7 +234,8 @@ impl<'a> Recorder<'a> {
                 let command = experiment.rig.actuation().map(|actuation| &actuation.command);
                 Self::Reducing(reductions, Reducer::new(reductions, command, experiment.run.duration))
             }
-            Record::Samples(_) | Record::Trajectories => Self::Keeping(Vec::new()),
+            // Those of plants have rows of their own.
+            Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => Self::Keeping(Vec::new()),
         }
     }
 
@@ -362,7 +390,7 @@ fn control(of: &ControlledExperiment, record: &Record) -> Outcome {
 fn listed(record: &Record) -> Option<&[f64]> {
     match record {
         Record::Samples(times) => Some(times),
-        Record::Reductions(_) | Record::Trajectories => None,
+        Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => None,
     }
 }
 
@@ -398,7 +426,7 @@ fn look_at_joint(run: &joint::outcome::Outcome, of: &JointExperiment, goals: Vec
             reducer.set_goals(goals);
             Recorder::Reducing(reductions, reducer)
         }
-        Record::Samples(_) | Record::Trajectories => Recorder::KeepingJoint(Vec::new()),
+        Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => Recorder::KeepingJoint(Vec::new()),
     };
     match (record, run.located()) {
         (Record::Samples(times), Some(trajectory)) => {
@@ -416,7 +444,7 @@ fn look_at_joint(run: &joint::outcome::Outcome, of: &JointExperiment, goals: Vec
 fn look_at(trajectory: &Trajectory, run: &Run, mut recorder: Recorder<'_>, record: &Record) -> Outcome {
     match record {
         Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
-        Record::Reductions(_) | Record::Trajectories => {
+        Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => {
             trajectory.samples(run.sample_interval).for_each(|sample| recorder.see(&sample));
         }
     }

@@ -10,7 +10,7 @@
 //! With reductions a run is one line; with samples or trajectories it is one line for each sample. A run that failed is
 //! one line without results.
 
-use super::rows::{Outcome, Samples};
+use super::rows::{Outcome, PlantCell, Samples};
 use super::sheet::Sheet;
 use crate::closed_loop::Goals;
 use crate::failure::Failure;
@@ -81,9 +81,16 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
         });
     }
     match sweep.record() {
-        Record::Reductions(reductions) => {
-            let reduced = reductions.iter().map(|r| column(&r.column(), r.unit(), Kind::Number, true));
-            columns.extend(reduced);
+        Record::Reductions(_) | Record::PlantReductions(_) => {
+            let reduced = sweep.record().reduced().unwrap_or_default();
+            columns.extend(reduced.iter().map(|of| column(&of.column, of.unit, Kind::Number, true)));
+        }
+        Record::Samples(_) | Record::Trajectories if sweep.is_plant() => {
+            columns.push(column("time_s", "s", Kind::Number, true));
+            columns.extend(sweep.plant_columns().iter().map(|of| {
+                let kind = if of.quantity().is_some() { Kind::Number } else { Kind::Word };
+                column(&of.title(), of.unit, kind, true)
+            }));
         }
         Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
             let kind = |value: &Value<_>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
@@ -146,9 +153,20 @@ fn lines(
                 each(&line)
             })
         }
+        Outcome::Sampled(Samples::Plant(rows)) => rows.iter().try_for_each(|row| {
+            line.truncate(head);
+            line.extend(row.iter().map(|cell| match cell {
+                PlantCell::Number(value) => Cell::Number(*value),
+                PlantCell::Word(word) => Cell::Word(word),
+            }));
+            line.push(Cell::Nothing);
+            each(&line)
+        }),
         Outcome::Failed(reason) => {
             let results = match sweep.record() {
                 Record::Reductions(reductions) => reductions.len(),
+                Record::PlantReductions(reductions) => reductions.len(),
+                Record::Samples(_) | Record::Trajectories if sweep.is_plant() => 1 + sweep.plant_columns().len(),
                 Record::Samples(_) | Record::Trajectories if sweep.has_joint() => of_joint(&Goals::default()).len(),
                 Record::Samples(_) | Record::Trajectories => COLUMNS.len() + 1,
             };

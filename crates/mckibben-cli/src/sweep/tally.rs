@@ -5,7 +5,7 @@
 use super::rows::Outcome;
 use crate::quantities::{common_prefix, count, digits};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
-use mckibben_scenario::{Record, Reduction, Sweep};
+use mckibben_scenario::{ReducedColumn, Sweep};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ const TOLD: usize = 3;
 /// What has been seen of the runs.
 #[derive(Clone, Debug)]
 pub struct Tally {
-    reductions: Vec<Reduction>,
+    reductions: Vec<ReducedColumn>,
     runs: u64,
     failed: u64,
     reasons: BTreeMap<u64, String>,
@@ -39,10 +39,7 @@ struct Spread {
 impl Tally {
     /// Begins to look at a sweep; with a figure, its values are kept.
     pub fn new(sweep: &Sweep, is_drawn: bool) -> Self {
-        let reductions = match sweep.record() {
-            Record::Reductions(reductions) => reductions.clone(),
-            Record::Samples(_) | Record::Trajectories => Vec::new(),
-        };
+        let reductions = sweep.record().reduced().unwrap_or_default();
         let nothing = Spread { least: f64::INFINITY, sum: 0.0, greatest: f64::NEG_INFINITY, runs: 0 };
         Self {
             spreads: vec![nothing; reductions.len()],
@@ -120,22 +117,22 @@ impl Tally {
         if known().next().is_none() {
             return text;
         }
-        let names = known().map(|(reduction, _)| reduction.name().len()).max().unwrap_or(0);
+        let names = known().map(|(reduction, _)| reduction.name.len()).max().unwrap_or(0);
         // Room for ten characters of digits and prefix before the longest unit.
-        let width = known().map(|(reduction, _)| 10 + reduction.unit().len()).max().unwrap_or(0).max(14);
+        let width = known().map(|(reduction, _)| 10 + reduction.unit.len()).max().unwrap_or(0).max(14);
         put(&mut text, format_args!("\n{}\n", styled(HEADING, "Reductions")));
         let head = format!("  {:<names$}{:>width$}{:>width$}{:>width$}", "", "least", "mean", "greatest");
         put(&mut text, format_args!("{}\n", styled(FAINT, head)));
         for (reduction, spread) in known() {
             let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
-            let [least, mean, greatest] = values.map(told(&values, reduction.unit()));
+            let [least, mean, greatest] = values.map(told(&values, reduction.unit));
             let missing = self.runs - self.failed - spread.runs;
             let note = if missing > 0 { format!("  none in {} runs", count(missing)) } else { String::new() };
             put(
                 &mut text,
                 format_args!(
                     "  {:<names$}{least:>width$}{mean:>width$}{greatest:>width$}{}\n",
-                    reduction.name(),
+                    reduction.name,
                     styled(FAINT, note)
                 ),
             );

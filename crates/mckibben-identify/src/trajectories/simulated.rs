@@ -74,10 +74,7 @@ impl<R: Real> Plant<R> {
     pub(super) fn rig(&self) -> Result<(&Rig<R>, State<R>), Error> {
         match self {
             Self::Rig(of) => Ok((&of.0, of.0.begin(&of.1)?)),
-            Self::Joint(_) => Err(Error::Unsupported {
-                what: "the run of an antagonistic joint is not divided into segments yet",
-                remedy: "give search.horizon in place of search.segments",
-            }),
+            Self::Joint(_) => Err(Error::NotImplemented(&mckibben::limit::SEGMENTS_JOINT)),
         }
     }
 }

@@ -49,7 +49,7 @@ impl PulseTrain {
     /// Times in s at which the coil is energised, and at which it is released.
     ///
     /// # Errors
-    /// [`ValveError::Unsupported`] unless the times are finite and come by turns.
+    /// [`ValveError::Misuse`] unless the times are finite and come by turns.
     pub fn new(energised: &[f64], released: &[f64]) -> Result<Self, ValveError> {
         let all = energised.iter().map(|time| (*time, true)).chain(released.iter().map(|time| (*time, false)));
         let mut edges: Vec<(f64, bool)> = all.collect();
@@ -57,7 +57,7 @@ impl PulseTrain {
         let in_turn = edges.windows(2).all(|pair| pair[0].1 != pair[1].1 && pair[0].0 < pair[1].0);
         match in_turn && edges.iter().all(|edge| edge.0.is_finite()) {
             true => Ok(Self { edges }),
-            false => Err(ValveError::Unsupported {
+            false => Err(ValveError::Misuse {
                 what: "the coil is not energised and released by turns",
                 remedy: "give each time at which it is energised once, and the time of its release",
             }),
@@ -67,10 +67,10 @@ impl PulseTrain {
     /// A number of `pulses` at a `frequency` in Hz with a commanded `duty`, the first at t = 0.
     ///
     /// # Errors
-    /// [`ValveError::Unsupported`] for a frequency that is not above zero or a duty that is not between 0 and 1.
+    /// [`ValveError::Misuse`] for a frequency that is not above zero or a duty that is not between 0 and 1.
     pub fn pwm(frequency: f64, duty: f64, pulses: usize) -> Result<Self, ValveError> {
         if !(frequency > 0.0 && frequency.is_finite() && duty > 0.0 && duty < 1.0) {
-            return Err(ValveError::Unsupported {
+            return Err(ValveError::Misuse {
                 what: "the frequency is not above zero or the duty not between 0 and 1",
                 remedy: "give hertz, and the duty as a fraction: 50 % is 0.5",
             });
@@ -85,7 +85,7 @@ impl PulseTrain {
     /// samples about it.
     ///
     /// # Errors
-    /// [`ValveError::Series`] for samples that are no series, [`ValveError::Unsupported`] when the threshold is never crossed.
+    /// [`ValveError::Series`] for samples that are no series, [`ValveError::Misuse`] when the threshold is never crossed.
     pub fn of_command(time: &[f64], command: &[f64], threshold: f64) -> Result<Self, ValveError> {
         series::check(time, command, "the command", 2)?;
         let above = |place: usize| command[place] > threshold;
@@ -96,7 +96,7 @@ impl PulseTrain {
         let edges: Vec<_> = (1..time.len()).filter(|place| above(*place) != above(place - 1)).map(crossing).collect();
         match edges.is_empty() {
             false => Ok(Self { edges }),
-            true => Err(ValveError::Unsupported {
+            true => Err(ValveError::Misuse {
                 what: "the command never crosses the threshold",
                 remedy: "give a threshold between its two values, and a record with pulses",
             }),

@@ -101,7 +101,7 @@ pub enum ValveError {
     },
     /// A request that has no answer.
     #[error("{what}; {remedy}")]
-    Unsupported {
+    Misuse {
         /// What was asked for.
         what: &'static str,
         /// What to do instead.

@@ -139,11 +139,11 @@ impl Tank {
     /// falls too fast for a cubic: leave points with a ratio above 0.9 out.
     ///
     /// # Errors
-    /// [`ValveError::Unsupported`] for windows of fewer than six samples.
+    /// [`ValveError::Misuse`] for windows of fewer than six samples.
     pub fn isothermal_flow(&self, record: &TankRecord, windows: usize) -> Result<Vec<SteadyPoint>, ValveError> {
         let size = record.time.len() / windows.max(1);
         if size < LEAST_IN_WINDOW {
-            return Err(ValveError::Unsupported {
+            return Err(ValveError::Misuse {
                 what: "a window has fewer than six samples, too few for a slope",
                 remedy: "ask for fewer windows, or sample faster",
             });
@@ -182,11 +182,11 @@ impl Tank {
     /// volume and heat transfer are those of the first tank.
     ///
     /// # Errors
-    /// [`ValveError::Unsupported`] for heat without an energy balance or no record at all, [`ValveError::CriticalRatio`] for a
+    /// [`ValveError::Misuse`] for heat without an energy balance or no record at all, [`ValveError::CriticalRatio`] for a
     /// b outside 0 to 1, [`ValveError::Physics`] for a number outside its range, [`ValveError::Fit`] when nothing fits.
     pub fn fit_together(runs: &[(Self, &TankRecord)], sought: Sought, heat: bool) -> Result<TankFit, ValveError> {
         let Some((first, _)) = runs.first() else {
-            return Err(ValveError::Unsupported { what: "there is no record of a tank", remedy: "give one or more" });
+            return Err(ValveError::Misuse { what: "there is no record of a tank", remedy: "give one or more" });
         };
         let mut unknowns: Vec<Unknown> = runs
             .iter()
@@ -210,7 +210,7 @@ impl Tank {
         }
         if heat {
             let Process::EnergyBalance { heat_transfer, .. } = first.air.process() else {
-                return Err(ValveError::Unsupported {
+                return Err(ValveError::Misuse {
                     what: "heat transfer is sought of air whose process has none",
                     remedy: "give the air an energy balance with a guess of h A",
                 });

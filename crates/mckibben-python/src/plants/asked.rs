@@ -103,10 +103,7 @@ impl Asked {
         match self {
             Self::Duty(pulses) => parameter::DUTY.check(number).map(|duty| pulses.of_duty(duty)),
             Self::Request => request(number).map(Drive::Steady),
-            Self::Position | Self::SetPoint => Err(Error::Unsupported {
-                what: "the valves of a joint and of a leg take no positions and no set points yet",
-                remedy: "ask for \"duty\" or \"request\"",
-            }),
+            Self::Position | Self::SetPoint => Err(Error::NotImplemented(&mckibben::limit::JOINT_POSITION)),
         }
     }
 }
@@ -116,7 +113,7 @@ fn request(number: f64) -> Result<Request, Error> {
         1.0 => Ok(Request::Fill),
         0.0 => Ok(Request::Hold),
         -1.0 => Ok(Request::Exhaust),
-        _ => Err(Error::Unsupported {
+        _ => Err(Error::Misuse {
             what: "a request is none of 1 (fill), 0 (hold) and -1 (exhaust)",
             remedy: "give one of these three numbers",
         }),

@@ -33,7 +33,7 @@ impl Kind<2> for Joints {
 
     fn begin(&self, values: &[f64]) -> Result<Self::Plant, Failure> {
         self.numbers.with(values, |scenario| {
-            let experiment = scenario.joint_experiment()?.ok_or(Error::Unsupported {
+            let experiment = scenario.joint_experiment()?.ok_or(Error::Misuse {
                 what: "the load is no antagonistic joint",
                 remedy: "set load.kind = \"antagonistic-joint\"",
             })?;

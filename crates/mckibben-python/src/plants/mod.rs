@@ -92,8 +92,8 @@ impl Plants {
         leg: Option<Vec<(String, f64)>>,
         count: usize,
     ) -> Result<Self, Failure> {
-        let Scenario { document, understood, .. } = scenario.get();
-        let base = understood.open_loop();
+        let Scenario { document, .. } = scenario.get();
+        let base = scenario.get().of_one()?.open_loop();
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
         let actuation = base.driven().map_err(failed)?.actuation;
         let valve = actuation.as_ref().map(|actuation| &actuation.solenoid);

@@ -17,8 +17,8 @@ pub(super) struct Numbers {
 impl Numbers {
     /// The numbers at these paths; each stands with where its value is among all.
     pub(super) fn find(scenario: Py<Scenario>, by: &[(usize, &str)]) -> Result<Self, Failure> {
-        let Scenario { document, understood, .. } = scenario.get();
-        let mut base = understood.open_loop();
+        let Scenario { document, .. } = scenario.get();
+        let mut base = scenario.get().of_one()?.open_loop();
         let place = |(_, path): &(usize, &str)| {
             let place = document.find(path, by.iter().map(|(_, other)| *other), &mut base);
             place.map_err(|error| {

@@ -3,12 +3,13 @@
 //! A path of a plant has names that the file chooses: `actuators.flexor.valve.efficiency`. What it stands for has a `*` in the
 //! place of a name, and is without the part that only says whose it is: `valve.efficiency`.
 
-use super::{Key, Section, choice, key, list, quantity, section};
-use crate::choice::{InletKind, MechanismKind, ValveOutput};
+use super::{CONTROLLER, Key, Section, choice, key, list, quantity, section};
+use crate::choice::{FrictionStart, InletKind, MechanismKind, ValveOutput};
 use crate::keys::Kind;
 use mckibben::load::leg::parameter as leg;
 use mckibben::mechanism::parameter as mechanism;
 use mckibben::parameter::{self as p, Parameter, Range};
+use mckibben::plant::INITIAL_FRICTION_FORCE;
 
 /// The section of the actuators.
 pub(crate) const ACTUATORS: &str = "actuators";
@@ -19,10 +20,13 @@ pub(crate) const MECHANISM: &str = "mechanism";
 /// The section of several mechanisms.
 pub(crate) const MECHANISMS: &str = "mechanisms";
 
-/// Sections that an actuator may have of its own, under its name.
+/// Where friction with a memory starts, by a word.
+pub(crate) const FRICTION_START: &str = "initial.friction";
+
+/// Sections that an actuator may have under its name.
 pub(crate) const OF_ACTUATOR: &[&str] =
-    &["air", "supply", "valve", "hose", "command", "pressure", "tendon", "load", "initial", "coupling"];
-/// Sections that a supply may have of its own, under its name.
+    &["air", "supply", "valve", "hose", "command", "controller", "pressure", "tendon", "load", "initial", "coupling"];
+/// Sections that a supply may have under its name.
 pub(crate) const OF_SUPPLY: &[&str] = &["valve", "hose", "command"];
 
 /// The row of another key at a path of a plant.
@@ -30,7 +34,7 @@ const fn at(key: &'static str, row: &Parameter) -> Parameter {
     Parameter { key, ..*row }
 }
 
-/// The same, with a sentence of its own.
+/// A row with another sentence.
 const fn meaning(row: Parameter, meaning: &'static str) -> Parameter {
     Parameter { meaning, ..row }
 }
@@ -175,6 +179,11 @@ pub static PLANT_SECTIONS: &[Section] = &[
     section(MECHANISM, "What the actuators move together.", false),
     section("mechanism.joints", "The joints of a chain, by their names, from the fixed axis on.", false),
     section("mechanism.joints.*", "A joint, and the segment that it moves.", false),
+    section(
+        "mechanism.joints.*.controller",
+        "A controller of the joint: the keys of [controller], and the two actuators whose valves it drives.",
+        false,
+    ),
     section("mechanism.belt", "A belt under the end of the last segment; none when absent.", false),
     section(MECHANISMS, "Several mechanisms, by names; each as [mechanism].", false),
 ];
@@ -189,6 +198,8 @@ pub static PLANT_KEYS: &[Key] = &[
         "\"a\"",
     )
     .or("a"),
+    choice(FRICTION_START, FrictionStart::CHOICES, "Where friction with a memory starts.", "\"loading\"").or("relaxed"),
+    quantity(&INITIAL_FRICTION_FORCE, "\"5 N\""),
     key("coupling.mechanism", Kind::Name, "Name of the mechanism, where there are several.", "\"mechanism\""),
     quantity(&REST_LENGTH, "\"3.3 in\""),
     quantity(&ARM, "\"15 mm\""),
@@ -259,6 +270,20 @@ pub static PLANT_KEYS: &[Key] = &[
     quantity(&STOP_DAMPING, "\"1 N*m*s/rad\""),
     quantity(&ANGLE, "\"0 deg\""),
     quantity(&ANGULAR_VELOCITY, "\"0 rad/s\""),
+    key(
+        "mechanism.joints.*.controller.agonist",
+        Kind::Name,
+        "Name of the actuator that turns the joint towards greater angles.",
+        "\"biceps\"",
+    )
+    .required(),
+    key(
+        "mechanism.joints.*.controller.antagonist",
+        Kind::Name,
+        "Name of the actuator that turns it back.",
+        "\"triceps\"",
+    )
+    .required(),
     quantity(&BELT_DEPTH, "\"75 cm\"").required(),
     quantity(&BELT_VELOCITY, "\"0 m/s\"").required(),
     quantity(&BELT_STIFFNESS, "\"20 kN/m\"").required(),
@@ -283,6 +308,9 @@ pub(crate) fn stands_for(path: &str) -> String {
         [SUPPLIES, _, rest @ ..] if !rest.is_empty() => format!("supply.{}", rest.join(".")),
         [MECHANISMS, _] => MECHANISM.to_owned(),
         [MECHANISMS, _, rest @ ..] if !rest.is_empty() => stands_for(&format!("{MECHANISM}.{}", rest.join("."))),
+        [MECHANISM, "joints", _, CONTROLLER, key, rest @ ..] if !["agonist", "antagonist"].contains(key) => {
+            [CONTROLLER, key].iter().chain(rest).copied().collect::<Vec<_>>().join(".")
+        }
         [MECHANISM, "joints", _, rest @ ..] => {
             ["mechanism.joints.*"].into_iter().chain(rest.iter().copied()).collect::<Vec<_>>().join(".")
         }
@@ -317,6 +345,7 @@ pub(crate) fn names_in_plant(section: &str) -> Vec<&'static str> {
             names.extend(super::names_in("actuator"));
             names.extend(OF_ACTUATOR);
         }
+        "mechanism.joints.*.controller" => names.extend(super::names_in(CONTROLLER)),
         "supplies.*" => {
             names.extend(super::names_in("supply"));
             names.extend(OF_SUPPLY);

@@ -1,16 +1,17 @@
 //! From what a file says of a plant to the core's plant and its start.
 
+use super::control::{self, PlantControl};
 use super::network::Builder;
 use super::{Frame, MechanismNames, Member, Mount, PlantExperiment, PlantNames, PlantScenario};
 use crate::choice::Engine;
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Class, Diagnostic, Diagnostics};
 use crate::document::Document;
 use crate::model::{core_air, core_motion};
 use crate::scenario::{InitialLength, Run};
 use mckibben::force::Statics;
 use mckibben::load::{Load, MomentArm, SeriesTendon};
 use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
-use mckibben::plant::{InitialAir, Mounted, Plant, PlantStart};
+use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
 use mckibben::simulation::{Driven, PressureCourse, Rig};
 use mckibben::{Actuator, Error, GaugePressure};
 
@@ -42,15 +43,64 @@ impl Document {
                 names.mechanisms.push(MechanismNames::default());
             }
         }
-        let Parts { mounted, mechanisms, start } = parts;
+        let Parts { mounted, mechanisms, mut start } = parts;
+        if start.friction.iter().all(|friction| *friction == InitialFriction::Relaxed) {
+            start.friction.clear();
+        }
         let plant = Plant::new(mounted, network.network, mechanisms).map_err(|error| whole(&error))?;
+        let controls = self.controls(&of, &plant, &names)?;
         // What the start refuses is refused before anything is simulated.
-        plant.start(&start).map_err(|error| whole(&error))?;
-        Ok(PlantExperiment { plant, start, run: of.run, names })
+        let drivers = controls.iter().map(PlantControl::driver).collect();
+        PlantRun::with_drivers(&plant, &start, of.run.relative_tolerance, drivers)
+            .map_err(|error| self.diagnose_start(&error, &of))?;
+        Ok(PlantExperiment { plant, start, run: of.run, names, controls })
+    }
+
+    /// An error of the start, where the actuator that it is of says it.
+    fn diagnose_start(&self, error: &Error, of: &PlantScenario) -> Diagnostics {
+        let held = match error {
+            Error::Inconsistent { parameter, value, .. } if parameter.key == INITIAL_FRICTION_FORCE.key => Some(*value),
+            _ => None,
+        };
+        let is_its = |member: &&Member| match member.alone.initial.friction {
+            InitialFriction::Held(force) => held == Some(force),
+            _ => false,
+        };
+        match of.members.iter().find(is_its) {
+            Some(member) => self.of_actuator(&member.name).diagnose(error).into(),
+            None => self.diagnose(error).into(),
+        }
+    }
+
+    /// The controllers of actuators, in their order, then those of joints.
+    fn controls(
+        &self,
+        of: &PlantScenario,
+        plant: &Plant,
+        names: &PlantNames,
+    ) -> Result<Vec<PlantControl>, Diagnostics> {
+        let mut controls = Vec::new();
+        for (index, member) in of.members.iter().enumerate() {
+            let made = control::of_member(member, (index, names.valves[index]), plant, of.run.duration);
+            controls.extend(made.map_err(|error| {
+                let diagnostic = self.of_actuator(&member.name).diagnose(&error);
+                diagnostic.help(format!("this is of the controller of `{}`", member.name))
+            })?);
+        }
+        for (mechanism, frame) in of.frames.iter().enumerate() {
+            for controller in &frame.controllers {
+                let made = control::of_joint(of, (mechanism, controller), plant, &names.valves);
+                controls.push(made.map_err(|error| {
+                    let title = error.to_string();
+                    Diagnostic::at(Class::Inconsistent, controller.place.clone(), title, "of this controller")
+                })?);
+            }
+        }
+        Ok(controls)
     }
 }
 
-/// The parts of a plant beside its network.
+/// The parts of a plant other than its network.
 struct Parts {
     mounted: Vec<Mounted>,
     mechanisms: Vec<Mechanism>,
@@ -66,7 +116,8 @@ impl Parts {
         of: &PlantScenario,
         network: &mut Builder<'_>,
     ) -> Result<Option<[usize; 2]>, Error> {
-        let alone = &member.alone;
+        // A controller's valve does nothing before the first sample.
+        let alone = &member.alone.open_loop();
         let driven = alone.driven_by(member.output)?;
         if let Some(actuation) = &driven.actuation {
             actuation.check_counts(of.run.duration)?;
@@ -135,6 +186,7 @@ impl Parts {
         self.mounted.push(Mounted { actuator: bare, mechanism, coupling, tendon, pressure });
         self.start.air.push(initial);
         self.start.lengths.push(length);
+        self.start.friction.push(alone.initial.friction);
         Ok(drawn)
     }
 }
@@ -179,9 +231,6 @@ fn balanced(actuator: &Actuator, gauge: f64, pull: impl Fn(f64) -> f64) -> f64 {
 fn check_engine(run: &Run) -> Result<(), Error> {
     match run.engine {
         Engine::EventLocated => Ok(()),
-        Engine::FixedStep => Err(Error::Unsupported {
-            what: "a plant of several actuators runs by the event-located engine alone yet",
-            remedy: "leave out run.engine, or set it to \"event-located\"",
-        }),
+        Engine::FixedStep => Err(Error::NotImplemented(&mckibben::limit::PLANT_FIXED_STEP)),
     }
 }

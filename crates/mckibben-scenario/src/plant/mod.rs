@@ -4,7 +4,7 @@
 //! [supplies.tank]                  a tree of air: sources, reservoirs, regulators, manifolds, each fed by one before it
 //! [mechanism] [mechanism.joints.elbow]
 //! [valve] [command] [coupling] …   what every actuator has unless its own say otherwise
-//! [actuators.biceps]               keys of [actuator], and below it sections of its own
+//! [actuators.biceps]               keys of [actuator], and below it its sections
 //! ```
 //!
 //! | file | its idea |
@@ -13,19 +13,26 @@
 //! | `read::plant`, `read::mechanism` | what the file says, as plain values |
 //! | `network` | the supplies and what the actuators draw from them |
 //! | `build` | from those to the core's plant and its start |
+//! | `control` | its controllers |
+//! | `columns` | what there is to record of it, by names |
 //!
 //! Checked by `tests/plant.rs`.
 
 mod build;
+pub(crate) mod columns;
+mod control;
 mod network;
 pub(crate) mod parts;
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostics, Place};
 use crate::document::Document;
 use crate::keys;
-use crate::scenario::{Air, Command, Hose, Motion, Passage, Run, Scenario, Supply, Valve};
+use crate::scenario::{Air, Command, Controller, Hose, Motion, Passage, Run, Scenario, Supply, Valve};
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Plant, PlantStart};
+
+pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
+pub use control::{ActuatorControl, JointControl, PlantControl};
 
 /// A plant ready to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +45,8 @@ pub struct PlantExperiment {
     pub run: Run,
     /// What the file calls the parts.
     pub names: PlantNames,
+    /// The controllers.
+    pub controls: Vec<PlantControl>,
 }
 
 /// What a file calls the parts of a plant.
@@ -70,7 +79,7 @@ pub struct MechanismNames {
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
     pub(crate) name: String,
-    /// Actuator, valve, hose, command and start as if it were alone; its load, where it has one of its own.
+    /// Actuator, valve, hose, command and start as if it were alone; its load, where it is on no mechanism.
     pub(crate) alone: Scenario,
     /// The supply that its valve draws from.
     pub(crate) supply: Option<String>,
@@ -82,7 +91,7 @@ pub(crate) struct Member {
 /// What an actuator pulls on.
 #[derive(Clone, Debug)]
 pub(crate) enum Mount {
-    /// A load of its own.
+    /// Its own load.
     Own,
     /// A mechanism, whose coordinate is its distance.
     Direct { mechanism: usize },
@@ -100,7 +109,7 @@ pub(crate) struct Store {
     /// The supply that feeds it, by its index, which is less than its own.
     pub(crate) from: Option<usize>,
     pub(crate) inlet: Option<Inlet>,
-    /// A valve in its place, and what that is told.
+    /// A valve in its place, and its command.
     pub(crate) valve: Option<(Valve, Command)>,
     /// A hose behind either.
     pub(crate) hose: Option<Hose>,
@@ -126,6 +135,18 @@ pub(crate) struct Frame {
     pub(crate) segments: Vec<String>,
     pub(crate) positions: Vec<f64>,
     pub(crate) rates: Vec<f64>,
+    pub(crate) controllers: Vec<JointController>,
+}
+
+/// What a file says of the controller of a joint.
+#[derive(Clone, Debug)]
+pub(crate) struct JointController {
+    pub(crate) joint: usize,
+    /// The names of agonist and antagonist, and where they stand.
+    pub(crate) actuators: [String; 2],
+    pub(crate) places: [Place; 2],
+    pub(crate) place: Place,
+    pub(crate) controller: Controller,
 }
 
 /// A plant as a file says it.

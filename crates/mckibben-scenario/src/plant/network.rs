@@ -114,10 +114,7 @@ impl<'s> Builder<'s> {
         let feed = store.map_or(outside, |store| self.nodes[store].outlet);
         let regulates = driven.actuation.as_ref().is_some_and(|actuation| actuation.solenoid.regulator().is_some());
         if regulates && store.is_some_and(|store| changes(&self.stores[store].supply)) {
-            return Err(Error::Unsupported {
-                what: "a valve of kind \"pressure-regulator\" draws from a source without end, and here its supply changes",
-                remedy: "let it draw from a supply without reservoir and regulator, or choose another valve.kind",
-            });
+            return Err(Error::NotImplemented(&mckibben::limit::REGULATOR_SUPPLY));
         }
         Ok(self.network.draw(index, &driven.actuator, driven.actuation.as_ref(), line, [feed, outside], 1.0))
     }

@@ -1,6 +1,6 @@
 //! The document as it stands for one part of a plant.
 //!
-//! Each part is read from a document of its own: what the file says of all, with what it says of that part laid over it. So one
+//! Each part is read from a separate document: what the file says of all, with what it says of that part laid over it. So one
 //! reading serves a file of one actuator and each actuator of a plant, and a mistake is shown where it stands.
 
 use crate::diagnostic::Place;
@@ -30,7 +30,7 @@ impl Document {
         document
     }
 
-    /// As it stands for one actuator, without its supply where that has a name of its own.
+    /// As it stands for one actuator, without its supply where that is named.
     pub(crate) fn of_actuator(&self, name: &str) -> Self {
         let mut document = self.of_all();
         let Some(Entry { key, node, .. }) = self.entry(&format!("{ACTUATORS}.{name}")) else { return document };
@@ -72,13 +72,13 @@ impl Document {
     pub(crate) fn of_supply(&self, name: &str) -> Self {
         if !self.contains(&format!("{SUPPLIES}.{name}")) {
             let mut document = self.of_all();
-            for section in ["valve", "hose", "command"] {
+            for section in ["valve", "hose", "command", keys::CONTROLLER] {
                 document.remove(section);
             }
             return document;
         }
         let mut document = self.of_all();
-        for section in [SUPPLY, "valve", "hose", "command"] {
+        for section in [SUPPLY, "valve", "hose", "command", keys::CONTROLLER] {
             document.remove(section);
         }
         let Some(Entry { key, node, .. }) = self.entry(&format!("{SUPPLIES}.{name}")) else { return document };
@@ -125,6 +125,17 @@ impl Document {
             document.put("coupling.arms.*", &key, &node);
         }
         document
+    }
+
+    /// Whether a word stands at a path.
+    pub(crate) fn is_word(&self, path: &str, word: &str) -> bool {
+        matches!(self.entry(path).map(|entry| &entry.node.value), Some(Value::String(said)) if said == word)
+    }
+
+    /// Puts a word that follows from another part of the file, at the place that says so.
+    pub(crate) fn put_word(&mut self, path: &str, place: &Place, word: &str) {
+        let value = Value::String(word.to_owned());
+        self.put(path, place, &Node { place: place.clone(), value });
     }
 
     /// Puts a quantity that follows from another part of the file, at the place that says so.

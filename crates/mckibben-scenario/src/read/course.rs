@@ -4,13 +4,14 @@
 //! own length and velocity at the start, so neither may be given.
 
 use super::{alternative, columns, gauge_pressure, joint};
-use crate::choice::{Engine, LoadKind, Method};
+use crate::choice::{Engine, FrictionStart, LoadKind, Method};
 use crate::diagnostic::{Class, Diagnostic};
-use crate::keys::EQUILIBRIUM;
+use crate::keys::{self, EQUILIBRIUM};
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
 use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureCourse, Run, SeriesTendon};
 use mckibben::parameter::{self as p, Parameter};
+use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialFriction};
 
 /// The pressure over time, if the file gives it: then there is no valve, and the start follows.
 pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureCourse> {
@@ -165,7 +166,27 @@ pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, air: &Air) -> Ini
         _ => given,
     };
     let gauge_pressure = gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air);
-    Initial { gauge_pressure, temperature: r.value(&p::INITIAL_TEMPERATURE, None), length, velocity }
+    let (temperature, friction) = (r.value(&p::INITIAL_TEMPERATURE, None), friction_start(r));
+    Initial { gauge_pressure, temperature, length, velocity, friction }
+}
+
+/// Where friction with a memory starts: on a branch, or holding a force.
+pub(super) fn friction_start(r: &mut Reader<'_>) -> InitialFriction {
+    let (word, force) = (keys::FRICTION_START, &INITIAL_FRICTION_FORCE);
+    if let (Some(place), true) = (r.key_place(force.key), r.has(word)) {
+        let title = "the start of friction is said in two ways";
+        r.note(
+            Diagnostic::at(Class::Conflict, place, title, "second way")
+                .related(r.key_place(word), "first way")
+                .help("keep one of the two"),
+        );
+    }
+    match (r.number(force), r.word(word)) {
+        (Some(force), _) => InitialFriction::Held(force),
+        (None, Some(FrictionStart::Loading)) => InitialFriction::Loading,
+        (None, Some(FrictionStart::Unloading)) => InitialFriction::Unloading,
+        (None, Some(FrictionStart::Relaxed) | None) => InitialFriction::Relaxed,
+    }
 }
 
 /// An initial length that is not the word `equilibrium`.

@@ -8,11 +8,12 @@
 use super::{alternative, body, columns, drive, gauge_pressure, passage};
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
-use crate::keys::{self, ANTAGONIST, BALANCED};
+use crate::keys::{self, ANTAGONIST, BALANCED, FRICTION_START};
 use crate::presets;
 use crate::reader::Reader;
 use crate::scenario::{Air, Antagonist, InitialAngle, Joint, MomentArm, Tendon};
 use mckibben::parameter as p;
+use mckibben::plant::INITIAL_FRICTION_FORCE;
 
 pub(super) fn joint(r: &mut Reader<'_>, air: &Air) -> Option<Joint> {
     let angle_path = p::INITIAL_ANGLE.key;
@@ -105,6 +106,7 @@ impl Document {
     pub(crate) fn lay_over(&mut self, table: &Table, section: &str) {
         let whole = match section {
             "actuator.effectiveness" | "valve.exhaust" => true,
+            "controller" => table.get("kind").is_some(),
             "valve" | "command" => table.get("kind").is_some() || table.get("preset").is_some(),
             "actuator" => table.get("preset").is_some(),
             "actuator.force" => table.get("law").is_some(),
@@ -118,6 +120,10 @@ impl Document {
             self.remove(section);
         } else if section == "load" && names_arm {
             for path in ARM {
+                self.remove(path);
+            }
+        } else if section == "initial" && (table.get("friction").is_some() || table.get("friction_force").is_some()) {
+            for path in [FRICTION_START, INITIAL_FRICTION_FORCE.key] {
                 self.remove(path);
             }
         } else if section == "coupling" && table.get("arms").is_some() {

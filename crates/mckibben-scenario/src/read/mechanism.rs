@@ -1,13 +1,13 @@
 //! The mechanisms of a plant, and how actuators span them.
 
 use super::course::{MotionRows, motion_of};
-use super::{alternative, columns};
-use crate::choice::MechanismKind;
+use super::{alternative, columns, controller};
+use crate::choice::{LoadKind, MechanismKind};
 use crate::diagnostic::{Class, Diagnostic, Place};
-use crate::document::{Document, Value};
+use crate::document::{Document, Entry, Value};
 use crate::keys::{self, MECHANISM, MECHANISMS};
 use crate::model::core_motion;
-use crate::plant::{Frame, Mount};
+use crate::plant::{Frame, JointController, Mount};
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
 use mckibben::mechanism::{Belt, Chain, ChainSegment, JointStops, Mass, Mechanism, Pull, Revolute, Spring};
@@ -23,11 +23,11 @@ static MOTION: MotionRows = MotionRows {
     table_length: &keys::MOTION_TABLE_LENGTH,
 };
 
-/// Every mechanism that the file describes beside loads; `None` when there is a mistake, which has been noted.
+/// Every mechanism that the file describes other than loads; `None` when there is a mistake, which has been noted.
 pub(super) fn frames(document: &Document, r: &mut Reader<'_>) -> Option<Vec<Frame>> {
     let several = document.named(MECHANISMS);
     if let (Some(one), Some(others)) = (r.key_place(MECHANISM), r.key_place(MECHANISMS)) {
-        let title = "there is a [mechanism] beside [mechanisms]";
+        let title = "there are both [mechanism] and [mechanisms]";
         r.note(
             Diagnostic::at(Class::Conflict, one, title, "one")
                 .related(Some(others), "several")
@@ -40,9 +40,11 @@ pub(super) fn frames(document: &Document, r: &mut Reader<'_>) -> Option<Vec<Fram
     if let (Some(load), Some((_, first))) = (r.key_place("load"), names.first()) {
         let title = "[load] and a mechanism both say what the actuators pull on";
         r.note(
-            Diagnostic::at(Class::Conflict, load, title, "first way").related(Some((*first).clone()), "second way").help(
-                "keep one of the two; an actuator with a load of its own has it in a section such as [actuators.flexor.load]",
-            ),
+            Diagnostic::at(Class::Conflict, load, title, "first way")
+                .related(Some((*first).clone()), "second way")
+                .help(
+                    "keep one of the two; an actuator's own load stands in a section such as [actuators.flexor.load]",
+                ),
         );
     }
     let read: Vec<Option<Frame>> = names.into_iter().map(|(name, place)| frame(document, r, name, place)).collect();
@@ -76,6 +78,7 @@ fn frame(document: &Document, r: &mut Reader<'_>, name: Option<&str>, place: &Pl
         segments: Vec::new(),
         positions: vec![0.0],
         rates: vec![0.0],
+        controllers: Vec::new(),
     };
     let mut built = Ok(());
     match kind {
@@ -119,6 +122,37 @@ fn frame(document: &Document, r: &mut Reader<'_>, name: Option<&str>, place: &Pl
     }
     let named = |path: &str| Some(format!("{MECHANISMS}.{}{}", name?, path.strip_prefix(MECHANISM)?));
     r.take(part, named).then_some(frame)
+}
+
+/// The controller of a joint and the two actuators whose valves it drives.
+fn joint_controller(
+    document: &Document,
+    r: &mut Reader<'_>,
+    (name, joint): (&str, usize),
+    place: Place,
+) -> Option<JointController> {
+    let above = "mechanism.joints.*.controller";
+    let actuators = ["agonist", "antagonist"].map(|of| {
+        let path = format!("{above}.{of}");
+        if !r.has(&path) {
+            r.missing(&path, "");
+        }
+        Some((r.name(&path)?.to_owned(), r.value_place(&path)?))
+    });
+    let mut document = document.clone();
+    let Entry { key, node, .. } = document.entry(above)?.clone();
+    document.put(keys::CONTROLLER, &key, &node);
+    document.put_word("load.kind", &place, LoadKind::AntagonisticJoint.name());
+    let mut part = Reader::of_part(&document, r);
+    let read = controller::controller(&mut part);
+    let named = |path: &str| {
+        let key = path.strip_prefix(keys::CONTROLLER)?;
+        Some(format!("mechanism.joints.{name}.controller{key}"))
+    };
+    let sound = r.take(part, named);
+    let [Some((agonist, first)), Some((antagonist, second))] = actuators else { return None };
+    let controller = read.filter(|_| sound)?;
+    Some(JointController { joint, actuators: [agonist, antagonist], places: [first, second], place, controller })
 }
 
 /// The joints and segments of a chain, in its order.
@@ -185,6 +219,9 @@ fn chain(document: &Document, r: &mut Reader<'_>, frame: &mut Frame, place: &Pla
         });
         frame.positions.push(of.value(&keys::ANGLE, None));
         frame.rates.push(of.value(&keys::ANGULAR_VELOCITY, None));
+        if let Some(place) = of.key_place("mechanism.joints.*.controller") {
+            frame.controllers.extend(joint_controller(&document, of, (name, frame.joints.len()), place));
+        }
         frame.joints.push(name.to_owned());
         frame.segments.push(segment);
         segments.push(numbers);

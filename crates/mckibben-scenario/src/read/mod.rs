@@ -49,10 +49,15 @@ impl Document {
             .iter()
             .find_map(|section| self.place(section))
         {
-            let title = "this file describes a plant of several actuators, where one actuator or joint is due";
-            return Err(Diagnostic::at(Class::NotApplicable, place.clone(), title, "says so")
-                .help("run it by `mckibben simulate`, or write a file of one actuator or one antagonistic joint")
-                .into());
+            let limit = &mckibben::limit::PLANT_HERE;
+            return Err(Diagnostic::at(
+                Class::NotImplemented,
+                place.clone(),
+                limit.title().to_string(),
+                "names actuators",
+            )
+            .help(limit.remedy)
+            .into());
         }
         let mut reader = Reader::new(self);
         let r = &mut reader;

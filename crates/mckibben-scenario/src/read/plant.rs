@@ -4,14 +4,14 @@
 //! itself.
 
 use super::{body, course, drive, gauge_pressure, line, mechanism, passage};
-use crate::choice::{InletKind, ValveOutput};
+use crate::choice::{CommandKind, InletKind, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
-use crate::keys::{self, ACTUATORS, SUPPLIES};
+use crate::keys::{self, ACTUATORS, CONTROLLER, SUPPLIES};
 use crate::plant::parts::SUPPLY;
 use crate::plant::{Frame, Inlet, Member, Mount, PlantScenario, Store};
 use crate::reader::Reader;
-use crate::scenario::{Air, Initial, InitialLength, Load, Scenario, Supply};
+use crate::scenario::{Air, Command, Initial, InitialLength, Load, Scenario, Supply};
 use mckibben::parameter as p;
 use std::collections::HashMap;
 
@@ -30,9 +30,8 @@ impl Document {
     pub(crate) fn read_plant(&self) -> Result<PlantScenario, Diagnostics> {
         let mut reader = Reader::new(self);
         let r = &mut reader;
-        for section in ["antagonist", "controller", "sweep"] {
-            refuse(r, section, &format!("[{section}] is not for a plant yet"), "remove it");
-        }
+        let limit = &mckibben::limit::PLANT_ANTAGONIST;
+        refuse(r, "antagonist", &limit.title().to_string(), limit.remedy);
         let actuators = self.named(ACTUATORS);
         if actuators.is_empty() {
             let because = "a plant has one actuator or more";
@@ -52,12 +51,23 @@ impl Document {
         let stores = self.read_stores(r, &air);
         let frames = mechanism::frames(self, r);
         let (Some(stores), Some(frames)) = (stores, frames) else { return Err(of_mistakes(reader)) };
+        self.check_pairs(r, &frames);
         let members: Vec<Option<Member>> =
             actuators.iter().map(|(name, place)| self.read_member(r, (name, place), &stores, &frames)).collect();
         let members: Option<Vec<Member>> = members.into_iter().collect();
         match (members, run) {
             (Some(members), Some(run)) if !r.has_mistakes() => {
                 let mut members = members;
+                // A controller that names its kind is taken whole, and leaves nothing of that of all.
+                let asks = |member: &Member| {
+                    matches!(member.alone.command, Some(Command::Controller(_)))
+                        && !self.contains(&format!("{ACTUATORS}.{}.{CONTROLLER}.kind", member.name))
+                };
+                if let Some(place) = r.key_place(CONTROLLER).filter(|_| !members.iter().any(asks)) {
+                    let title = "there is a [controller], but the command of no actuator asks for it";
+                    let found = Diagnostic::at(Class::NotApplicable, place, title, "drives no valve");
+                    return Err(found.help("set `command.kind` to `controllers`, or remove the section").into());
+                }
                 members.iter_mut().for_each(|member| member.alone.run = run);
                 // Supplies that are an actuator's own stand behind the named ones.
                 let mut stores = stores;
@@ -77,6 +87,60 @@ impl Document {
         }
     }
 
+    /// The actuators that controllers of joints name are there, each named once.
+    fn check_pairs(&self, r: &mut Reader<'_>, frames: &[Frame]) {
+        let known: Vec<&str> = self.named(ACTUATORS).into_iter().map(|(name, _)| name).collect();
+        let mut taken: Vec<(&str, &Place)> = Vec::new();
+        for of in frames.iter().flat_map(|frame| &frame.controllers) {
+            for (name, place) in of.actuators.iter().zip(&of.places) {
+                if !known.contains(&name.as_str()) {
+                    r.no_such(place.clone(), name, "actuator", &known);
+                } else if let Some((_, first)) = taken.iter().find(|(other, _)| other == name) {
+                    let title = format!("two controllers drive the valve of `{name}`");
+                    r.note(
+                        Diagnostic::at(Class::Conflict, place.clone(), title, "second time")
+                            .related(Some((*first).clone()), "first time")
+                            .help("let one controller drive each valve"),
+                    );
+                }
+                taken.push((name, place));
+            }
+        }
+    }
+
+    /// The command of an actuator in the document as it stands for it: that of its controller, or of the controller of its joint.
+    fn settle_command(&self, r: &mut Reader<'_>, document: &mut Self, (name, place): (&str, &Place), frames: &[Frame]) {
+        let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
+        let mut joints = frames.iter().flat_map(|frame| &frame.controllers);
+        let of_joint = joints.find(|of| of.actuators.iter().any(|of| of == name));
+        let own_controller = r.key_place(&own(CONTROLLER));
+        if let Some(of_joint) = of_joint {
+            for section in [CONTROLLER, "command"] {
+                let Some(place) = r.key_place(&own(section)) else { continue };
+                let title = format!("`{name}` has its own {section}, and the controller of a joint drives its valve");
+                r.note(
+                    Diagnostic::at(Class::Conflict, place, title, "second way")
+                        .related(Some(of_joint.place.clone()), "first way")
+                        .help("keep one of the two"),
+                );
+            }
+            document.remove(CONTROLLER);
+            document.remove("command");
+            if document.contains("valve") {
+                document.put_word("command.kind", place, CommandKind::Exhaust.name());
+            }
+        } else if let Some(place) = own_controller {
+            // It stands in the place of a command that is said of all.
+            if !r.has(&own("command")) {
+                document.remove("command");
+                document.put_word("command.kind", &place, CommandKind::Controllers.name());
+            }
+        } else if !document.is_word("command.kind", CommandKind::Controllers.name()) {
+            // What is said of all is of those whose command asks for it.
+            document.remove(CONTROLLER);
+        }
+    }
+
     /// Columns carry names, so no two parts may share one.
     fn distinct_names(&self, r: &mut Reader<'_>) {
         let mut known: HashMap<&str, &Place> = self.place(SUPPLY).map(|place| (SUPPLY, place)).into_iter().collect();
@@ -89,7 +153,7 @@ impl Document {
                 r.note(
                     Diagnostic::at(Class::Conflict, place.clone(), title, "second of that name")
                         .related(Some(first.clone()), "first of that name")
-                        .help("give each actuator, supply, mechanism and joint a name of its own"),
+                        .help("give each actuator, supply, mechanism and joint a different name"),
                 );
             }
         }
@@ -161,6 +225,16 @@ impl Document {
                     document.put_value(row.key, place, value, row.unit);
                 }
             }
+        }
+        if let (Some(at), true) =
+            (document.place("command.kind"), document.is_word("command.kind", CommandKind::Controllers.name()))
+        {
+            let title = format!("the valve of the supply `{name}` has a schedule, and no controller");
+            r.note(
+                Diagnostic::at(Class::NotApplicable, at.clone(), title, "does not apply")
+                    .help("let a controller drive valves of actuators, or give the supply's valve a table"),
+            );
+            return None;
         }
         let mut part = Reader::of_part(&document, r);
         let of = &mut part;
@@ -235,7 +309,7 @@ impl Document {
         let has_own =
             matches!(r.entry(&own(SUPPLY)).map(|entry| &entry.node.value), Some(value) if value.noun() == "a section");
         if has_own {
-            // Told from the others by having no name yet.
+            // It has no name yet, which says that it is the actuator's own.
             supply = Some(String::new());
         } else if document.contains("valve") {
             let store = feeder(r, &own(SUPPLY), (name, place), stores)?;
@@ -251,6 +325,7 @@ impl Document {
                 document.remove(section);
             }
         }
+        self.settle_command(r, &mut document, (name, place), frames);
         // The whole plant has one atmosphere and one gas; each actuator its own process.
         for row in [&p::ATMOSPHERIC_PRESSURE, &p::GAS_CONSTANT, &p::HEAT_CAPACITY_RATIO] {
             let path = format!("{ACTUATORS}.{name}.{}", row.key);
@@ -262,7 +337,7 @@ impl Document {
             return None;
         }
         if let (true, Some(place)) = (has_load, r.key_place(&own("coupling"))) {
-            let title = format!("the actuator `{name}` has a load of its own and spans no mechanism");
+            let title = format!("the actuator `{name}` has its own load and spans no mechanism");
             r.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .help("remove it, or the load and name a mechanism in [mechanism]"),
@@ -359,7 +434,8 @@ fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, air: &Air) -> Initial {
         refuse(r, path, "without an elastic tendon the mechanism says how long the actuator is", "remove it");
     }
     let gauge_pressure = gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air);
-    Initial { gauge_pressure, temperature: r.value(&p::INITIAL_TEMPERATURE, None), length, velocity: 0.0 }
+    let (temperature, friction) = (r.value(&p::INITIAL_TEMPERATURE, None), course::friction_start(r));
+    Initial { gauge_pressure, temperature, length, velocity: 0.0, friction }
 }
 
 /// The supply that an actuator's valve draws from.

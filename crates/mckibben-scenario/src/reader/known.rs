@@ -76,10 +76,14 @@ impl<'d> Reader<'d> {
             true => keys::names_in_plant(section),
             false => keys::names_in(section).collect(),
         };
+        let child = if section.is_empty() { name.to_owned() } else { format!("{section}.{name}") };
         let within = valid.iter().copied().find(|known| known.len() > 3 && name.len() > 3 && known.contains(name));
         let elsewhere: Vec<String> =
             KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
-        let help = if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
+        let of_plant = !self.of_plant && keys::is_of_plant(&child);
+        let help = if of_plant {
+            "this is for files in which actuators have names: add for instance `[actuators.muscle]`".to_owned()
+        } else if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
             self.meant.push(if section.is_empty() { meant.to_owned() } else { format!("{section}.{meant}") });
             format!("did you mean `{meant}`?")
         } else if !elsewhere.is_empty() {

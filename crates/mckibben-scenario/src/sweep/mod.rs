@@ -13,6 +13,7 @@
 //! | `distribution`, `spacing` | from the unit interval to values |
 //! | `field` | where a quantity stands in the scenario |
 //! | `reduction` | the numbers that a run is reduced to |
+//! | `plant` | rows that are plants, and what their runs are reduced to |
 //!
 //! A file is read once for each combination of words and whole numbers; the other numbers of a row are then set in the plain
 //! scenario, without text. Checked by `tests/sweep.rs`: both ways agree for every key.
@@ -23,6 +24,7 @@ mod directions;
 mod distribution;
 pub(crate) mod field;
 mod permutation;
+pub(crate) mod plant;
 mod random;
 mod read;
 pub(crate) mod reduction;
@@ -30,11 +32,14 @@ mod sobol;
 mod spacing;
 mod vary;
 
+pub(crate) use axis::column_of;
 pub use axis::{Axis, AxisKind, AxisValue};
+pub use plant::{PlantReduced, PlantReduction};
 pub use reduction::{Quantity, Reduction, Statistic};
 
 use crate::choice::{DesignKind, Engine};
 use crate::keys::in_antagonist;
+use crate::plant::{PlantColumn, PlantExperiment};
 use crate::quantity;
 use crate::scenario::{Aim, Command, Load, Scenario};
 use field::exchange;
@@ -54,8 +59,9 @@ pub struct Sweep {
     seed: u64,
     record: Record,
     part_rows: u64,
-    /// A scenario for each combination of words and whole numbers, the last axis of these changing first.
+    /// A scenario for each combination of words and whole numbers, the last axis of these changing first; none of a plant.
     bases: Vec<Base>,
+    plant: Option<Box<plant::Swept>>,
 }
 
 /// What rows start from.
@@ -73,10 +79,42 @@ struct Base {
 pub enum Record {
     /// These numbers.
     Reductions(Vec<Reduction>),
+    /// These numbers of a plant.
+    PlantReductions(Vec<PlantReduction>),
     /// What holds at these times in s, which increase.
     Samples(Vec<f64>),
     /// What holds at every `run.sample_interval`.
     Trajectories,
+}
+
+/// A number that each run is reduced to, as a column of a table.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct ReducedColumn {
+    /// The name of the reduction, such as `length.final`.
+    pub name: String,
+    /// SI unit; empty for a pure number.
+    pub unit: &'static str,
+    /// The name of the column, such as `length_final_m`.
+    pub column: String,
+}
+
+impl Record {
+    /// The numbers that each run is reduced to; none where samples are recorded.
+    pub fn reduced(&self) -> Option<Vec<ReducedColumn>> {
+        Some(match self {
+            Self::Reductions(list) => {
+                let of =
+                    |of: &Reduction| ReducedColumn { name: of.name().to_owned(), unit: of.unit(), column: of.column() };
+                list.iter().map(of).collect()
+            }
+            Self::PlantReductions(list) => {
+                let of =
+                    |of: &PlantReduction| ReducedColumn { name: of.name.clone(), unit: of.unit, column: of.column() };
+                list.iter().map(of).collect()
+            }
+            Self::Samples(_) | Self::Trajectories => return None,
+        })
+    }
 }
 
 /// Why a row has no scenario.
@@ -141,7 +179,16 @@ impl Sweep {
 
     /// Whether there are rows for an engine.
     pub fn asks_for(&self, engine: Engine) -> bool {
-        self.bases.iter().any(|base| base.scenario.run.engine == engine)
+        match &self.plant {
+            // The event-located engine alone runs plants.
+            Some(_) => engine == Engine::EventLocated,
+            None => self.bases.iter().any(|base| base.scenario.run.engine == engine),
+        }
+    }
+
+    /// Whether every row is a plant of actuators with names; if not, none is.
+    pub fn is_plant(&self) -> bool {
+        self.plant.is_some()
     }
 
     /// Whether there are rows with a controller.
@@ -154,6 +201,20 @@ impl Sweep {
         self.bases.iter().any(|base| base.scenario.has_joint())
     }
 
+    /// The columns of a sample of a plant, behind that of the time; none of another sweep.
+    pub fn plant_columns(&self) -> &[PlantColumn] {
+        self.plant.as_ref().map_or(&[], |swept| &swept.columns)
+    }
+
+    /// The plant of a row, read from the file with the row's values; none of a sweep of something else.
+    ///
+    /// # Errors
+    /// What is wrong with the row's values, as one line of text.
+    pub fn plant(&self, row: u64) -> Option<Result<PlantExperiment, String>> {
+        let swept = self.plant.as_ref()?;
+        Some(swept.experiment((0..self.axes.len()).map(|axis| self.value(axis, row))))
+    }
+
     /// Whether every row gives the step of the fixed-step engine, so that none follows from an accuracy.
     pub fn gives_step(&self) -> bool {
         self.bases.iter().all(|base| base.scenario.run.step.is_some())
@@ -163,13 +224,20 @@ impl Sweep {
     ///
     /// # Errors
     /// When a value lies outside its parameter's range, which the tails of a distribution may do, or contradicts another.
-    /// What takes the model to judge is judged by [`Scenario::experiment`], as for a file.
+    /// What takes the model to judge is judged by [`Scenario::experiment`], as for a file. [`Error::Misuse`] for a plant,
+    /// which is no scenario of one actuator: see [`Sweep::plant`].
     pub fn scenario(&self, row: u64) -> Result<Scenario, RowError> {
         let row = row % self.rows;
         self.valid(row).map_err(|error| RowError { row, error })
     }
 
     fn valid(&self, row: u64) -> Result<Scenario, Error> {
+        if self.is_plant() {
+            return Err(Error::Misuse {
+                what: "a row of a sweep of many actuators is no scenario of one",
+                remedy: "take the row as a plant",
+            });
+        }
         let chosen = self.axes.iter().filter_map(|axis| Some((axis.base(row)?, axis.values.count()?)));
         let base = chosen.fold(0, |base, (value, count)| base * count + value);
         let Base { scenario, sets_second, min_length_follows } = &self.bases[base as usize];
@@ -207,6 +275,9 @@ impl Sweep {
         let mut text = String::new();
         let record = match &self.record {
             Record::Reductions(list) => list.iter().map(|reduction| reduction.name()).collect::<Vec<_>>().join(", "),
+            Record::PlantReductions(list) => {
+                list.iter().map(|reduction| reduction.name.clone()).collect::<Vec<_>>().join(", ")
+            }
             Record::Samples(times) => {
                 times.iter().map(|time| quantity::format(*time, "s")).collect::<Vec<_>>().join(", ")
             }
@@ -221,6 +292,9 @@ impl Sweep {
         let _ = writeln!(text, "min_length {}", follows.join(" "));
         for base in &self.bases {
             let _ = writeln!(text, "\n{}", base.scenario.to_toml());
+        }
+        if let Some(swept) = &self.plant {
+            let _ = writeln!(text, "\n{}", swept.text());
         }
         text
     }
@@ -245,7 +319,7 @@ fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
         SetPoint::sinusoid(quantity, mean, amplitude, frequency, phase)?;
     }
     if scenario.load == Load::Isometric && velocity != 0.0 {
-        return Err(Error::Unsupported {
+        return Err(Error::Misuse {
             what: "an isometric load does not move, so `initial.velocity` must be zero",
             remedy: "do not vary the key",
         });

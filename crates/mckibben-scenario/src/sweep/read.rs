@@ -6,6 +6,7 @@
 
 use super::axis::Axis;
 use super::design::{MOST_ROWS, Sampler};
+use super::plant::{self, Swept};
 use super::random::Stream;
 use super::reduction::{DEFAULT, DEFAULT_OF_JOINT, Quantity, Reduction};
 use super::vary::{self, Varied};
@@ -46,11 +47,12 @@ impl Document {
         let design = r.word("sweep.design").unwrap_or(DesignKind::Grid);
         let seed = r.whole(&keys::SWEEP_SEED).unwrap_or(0);
         let part_rows = r.whole(&keys::PART_ROWS);
-        let record = record(r);
+        let is_plant = self.is_plant();
+        let record = record(r, is_plant);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
         let words = varied.iter().filter_map(Varied::read_anew).fold(1, u64::saturating_mul);
-        if words > MOST_BASES {
+        if words > MOST_BASES && !is_plant {
             let place = r.key_place(VARY);
             note_beyond(
                 r,
@@ -64,6 +66,15 @@ impl Document {
             note_beyond(r, place, &format!("{} keys vary by a Sobol' sequence of {most} dimensions", varied.len()));
         }
         reader.finish()?;
+        if is_plant {
+            let (swept, first) = Swept::read(self, &varied)?;
+            let record = plant::record(self, record, &first)?;
+            plant::check_times(self, &record, first.run.duration, &varied)?;
+            let columns = 1.0 + swept.columns.len() as f64;
+            let part_rows = part_rows.unwrap_or_else(|| part_of(&record, swept.span, columns)).min(rows);
+            let (axes, plant) = (axes(varied, design, rows, seed), Some(Box::new(swept)));
+            return Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases: Vec::new(), plant }));
+        }
         let bases = bases(self, &varied, words)?;
         let Some((record, Base { scenario: first, .. })) = record.zip(bases.first()) else { return Ok(None) };
         check_joints(self, &bases)?;
@@ -73,11 +84,14 @@ impl Document {
             }
             record => record,
         };
-        check_times(self, &record, first, &varied)?;
+        let varies = varied.iter().any(|varied| varied.path == p::DURATION.key);
+        check_times_of(self, &record, first.run.duration, varies)?;
         check_reductions(self, &record, &bases)?;
-        let part_rows = part_rows.unwrap_or_else(|| part_of(&record, first)).min(rows);
+        let (span, columns) =
+            ([first.run.duration, first.run.sample_interval], COLUMNS[usize::from(first.has_joint())]);
+        let part_rows = part_rows.unwrap_or_else(|| part_of(&record, span, columns)).min(rows);
         let axes = axes(varied, design, rows, seed);
-        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases }))
+        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases, plant: None }))
     }
 }
 
@@ -109,11 +123,12 @@ fn note_beyond(r: &mut Reader<'_>, place: Option<Place>, what: &str) {
 }
 
 /// What is recorded; `None` when its mistake has been noted.
-fn record(r: &mut Reader<'_>) -> Option<Record> {
+fn record(r: &mut Reader<'_>, is_plant: bool) -> Option<Record> {
     Some(match r.word("sweep.record") {
         None | Some(RecordKind::Reductions) => {
             let path = "sweep.reductions";
-            Record::Reductions(if r.has(path) { r.words(path)? } else { DEFAULT.to_vec() })
+            // Those of a plant have names of the file in them.
+            Record::Reductions(if r.has(path) && !is_plant { r.words(path)? } else { DEFAULT.to_vec() })
         }
         Some(RecordKind::Trajectories) => Record::Trajectories,
         Some(RecordKind::Samples) => {
@@ -133,23 +148,23 @@ fn record(r: &mut Reader<'_>) -> Option<Record> {
 }
 
 /// Refuses times beyond the end of the run, unless the run's duration varies.
-fn check_times(
+pub(super) fn check_times_of(
     document: &Document,
     record: &Record,
-    first: &Scenario,
-    varied: &[Varied<'_>],
+    duration: f64,
+    varies: bool,
 ) -> Result<(), Diagnostics> {
     let Record::Samples(times) = record else { return Ok(()) };
-    if varied.iter().any(|varied| varied.path == p::DURATION.key) {
+    if varies {
         return Ok(());
     }
-    let beyond = times.iter().position(|time| *time > first.run.duration);
+    let beyond = times.iter().position(|time| *time > duration);
     let reader = Reader::of_section(document, SWEEP);
     match beyond.and_then(|at| reader.item_place(keys::SAMPLE_TIMES.key, at)) {
         None => Ok(()),
         Some(place) => {
             let title = "this time is beyond the end of the run";
-            let label = format!("the run lasts {}", quantity::format(first.run.duration, p::DURATION.unit));
+            let label = format!("the run lasts {}", quantity::format(duration, p::DURATION.unit));
             Err(Diagnostic::at(Class::Inconsistent, place, title, label)
                 .related(reader.value_place(p::DURATION.key), "the run's duration")
                 .help("leave it out, or make the run longer")
@@ -241,12 +256,12 @@ fn check_joints(document: &Document, bases: &[Base]) -> Result<(), Diagnostics> 
 }
 
 /// Rows in a part of the result: as many as hold a manageable amount.
-fn part_of(record: &Record, first: &Scenario) -> u64 {
-    let columns = COLUMNS[usize::from(first.has_joint())];
+fn part_of(record: &Record, [duration, sample_interval]: [f64; 2], columns: f64) -> u64 {
     let numbers = match record {
         Record::Reductions(list) => list.len() as f64,
+        Record::PlantReductions(list) => list.len() as f64,
         Record::Samples(times) => times.len() as f64 * columns,
-        Record::Trajectories => (first.run.duration / first.run.sample_interval + 1.0) * columns,
+        Record::Trajectories => (duration / sample_interval + 1.0) * columns,
     };
     (NUMBERS_IN_PART / numbers).clamp(1.0, ROWS_IN_PART) as u64
 }

@@ -72,15 +72,6 @@ pub enum Statistic {
     Used,
 }
 
-/// A statistic of a quantity.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub struct Reduction {
-    /// What is reduced.
-    pub quantity: Quantity,
-    /// How.
-    pub statistic: Statistic,
-}
-
 macro_rules! name {
     (Final) => {
         "final"
@@ -112,6 +103,37 @@ macro_rules! name {
     (Used) => {
         "used"
     };
+}
+
+impl Statistic {
+    /// The statistics that any series of numbers has.
+    pub const OF_SERIES: [Self; 8] =
+        [Self::Final, Self::Mean, Self::Min, Self::Max, Self::Ripple, Self::SettlingTime, Self::Overshoot, Self::Peak];
+
+    /// As it stands in the name of a reduction.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Final => name!(Final),
+            Self::Mean => name!(Mean),
+            Self::Min => name!(Min),
+            Self::Max => name!(Max),
+            Self::Ripple => name!(Ripple),
+            Self::SettlingTime => name!(SettlingTime),
+            Self::Overshoot => name!(Overshoot),
+            Self::Peak => name!(Peak),
+            Self::Rms => name!(Rms),
+            Self::Used => name!(Used),
+        }
+    }
+}
+
+/// A statistic of a quantity.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub struct Reduction {
+    /// What is reduced.
+    pub quantity: Quantity,
+    /// How.
+    pub statistic: Statistic,
 }
 
 macro_rules! meaning {

@@ -5,10 +5,11 @@
 use super::axis::{AxisKind, Target, Values, column_of};
 use super::distribution::Distribution;
 use super::field::field_of;
+use super::plant;
 use super::spacing::Ends;
 use crate::choice::{DesignKind, Spacing, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
-use crate::document::{Entry, Node, Table, Value};
+use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, COUNT, FACTOR, KEYS, Key, Kind, SWEEP, VARY};
 use crate::nearest::nearest;
 use crate::read::controller::{regulated, row_in_its_unit};
@@ -67,6 +68,11 @@ impl<'d> Varied<'d> {
         }
     }
 
+    /// The unit of its numbers; empty for pure ones and for words.
+    pub(super) fn unit(&self) -> &'static str {
+        self.parameter.map_or("", |row| row.unit)
+    }
+
     pub(super) fn target(&self) -> Option<Target> {
         let parameter = self.parameter.filter(|_| self.read_anew().is_none())?;
         field_of(parameter).map(|field| Target { parameter, field })
@@ -109,6 +115,7 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
             );
             continue;
         }
+        let regulated = if r.document().is_plant() { regulated_at(r.document(), &path) } else { regulated };
         let parameter = row.parameter().or_else(|| row_in_its_unit(regulated, row.path));
         let values = values(r, (row, parameter), &entry.node, design);
         if let Some((values, nodes)) = values.filter(|(_, nodes)| !nodes.is_empty()) {
@@ -137,6 +144,24 @@ fn regulated_by(r: &Reader<'_>, found: &[Found<'_>]) -> Quantity {
     regulated(is, |path| varies(path).is_some() || r.has(path))
 }
 
+/// What the controller of a plant that a path is of regulates, as the file says it.
+fn regulated_at(document: &Document, path: &str) -> Quantity {
+    let names: Vec<&str> = path.split('.').collect();
+    let document = match names.as_slice() {
+        [keys::ACTUATORS, name, ..] => document.of_actuator(name),
+        [above @ .., joint, keys::CONTROLLER, _] if above.last() == Some(&"joints") => {
+            let mut of_joint = document.clone();
+            let section = [above, &[joint, keys::CONTROLLER]].concat().join(".");
+            if let Some(Entry { key, node, .. }) = document.entry(&section) {
+                of_joint.put(keys::CONTROLLER, key, node);
+            }
+            of_joint
+        }
+        _ => document.clone(),
+    };
+    regulated(|path, word| document.is_word(path, word), |path| document.contains(path))
+}
+
 /// Finds the entries that are keys, through the sections above them.
 fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<Found<'d>>) {
     for entry in &table.0 {
@@ -144,6 +169,10 @@ fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<
         // Of the second actuator the same keys, as far as it has them.
         let (key, is_section) = match keys::in_antagonist(&path) {
             Some(of) => (keys::key_at(of).filter(|_| keys::is_of_antagonist(of)), keys::is_section_of_antagonist(of)),
+            None if r.document().is_plant() => {
+                let section = keys::section_at(&keys::section_for(&path));
+                (plant::key_of(&path), section.is_some_and(|of| !of.path.starts_with(SWEEP)))
+            }
             None => (keys::key_at(&path), keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP))),
         };
         match (key, &entry.node.value) {
@@ -197,6 +226,7 @@ fn values<'d>(
             let items = r.items_of(node, key.path)?;
             let values = match key.kind {
                 Kind::Choice(choices) => words(items, |item| r.one_of(item, key.path, choices).is_some())?,
+                Kind::Name => words(items, |item| matches!(item.value, Value::String(_)))?,
                 Kind::Unit(like) => words(items, |item| r.unit_of(item, key.path, like).is_some())?,
                 Kind::QuantityOr(row, word) if items.iter().any(|item| is(item, word.name)) => {
                     words(items, |item| is(item, word.name) || r.quantity(item, row).is_some())?

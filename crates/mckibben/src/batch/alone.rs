@@ -9,7 +9,7 @@ use alloc::boxed::Box;
 use core::fmt::Debug;
 
 /// A row has a controller of its own, and somebody else wants to drive its valve.
-pub(super) const CONTROLLED: Error = Error::Unsupported {
+pub(super) const CONTROLLED: Error = Error::Misuse {
     what: "a row with a controller of its own is told what to do, or begun anew",
     remedy: "make the batch without controllers and tell its rows what theirs decide, or make a new batch",
 };

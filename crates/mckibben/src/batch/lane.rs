@@ -25,7 +25,7 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 
 /// A row is begun anew with a rig that does not fit the others of its block.
-pub(super) const OTHER_FORM: Error = Error::Unsupported {
+pub(super) const OTHER_FORM: Error = Error::Misuse {
     what: "a row of a batch is begun anew with a rig of another form: with other laws or parts",
     remedy: "give it a rig that differs in numbers alone, or make another batch for rigs of that form",
 };

@@ -177,7 +177,7 @@ impl<F: Float> Batch<F> {
     /// [`ControlledStepper`], bit for bit.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when a rig has no valve, or one without seats.
+    /// [`Error::Misuse`] when a rig has no valve, or one without seats.
     pub fn controlled<C>(rows: Vec<ControlledRow<C>>, method: Method) -> Result<Self, Error>
     where
         C: Controller<Memory: Send + Sync> + Debug + Send + Sync + 'static,
@@ -233,7 +233,7 @@ impl<F: Float> Batch<F> {
     /// Memory does not grow with what is told.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no such row, when it has no valve or a controller, or its valve cannot do what is
+    /// [`Error::Misuse`] when there is no such row, when it has no valve or a controller, or its valve cannot do what is
     /// asked; [`Error::OutOfRange`] for a number outside its range; what [`Batch::samples`] says of a row that has stopped.
     /// Then nothing has changed.
     pub fn tell(&mut self, row: usize, demand: impl Into<Demand>) -> Result<(), Error> {
@@ -248,7 +248,7 @@ impl<F: Float> Batch<F> {
     /// the rig's own command does not count.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no such row, or it has a controller; for a rig of another form than the row's, with
+    /// [`Error::Misuse`] when there is no such row, or it has a controller; for a rig of another form than the row's, with
     /// other laws or parts than it had, which no numbers make of it; for a load or a pressure that is given over time. Then
     /// nothing has changed.
     pub fn restart(&mut self, row: usize, anew: Row) -> Result<(), Error> {
@@ -283,7 +283,7 @@ impl<F: Float> Batch<F> {
     /// Where a row is now, or why it has stopped: of its [`Sample`] what costs nothing.
     ///
     /// # Errors
-    /// As [`Batch::samples`]; [`Error::Unsupported`] when there is no such row.
+    /// As [`Batch::samples`]; [`Error::Misuse`] when there is no such row.
     pub fn state(&self, row: usize) -> Result<State, &Error> {
         match self.places.get(row) {
             Some(Place::Lane(block, lane)) => self.blocks.state(*block, *lane),
@@ -335,7 +335,7 @@ impl<F: Float> Batch<F> {
     /// stays as it is; [`Batch::state`] says why.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when `shown` or `stopped` has not one entry for each row. Then nothing has changed.
+    /// [`Error::Misuse`] when `shown` or `stopped` has not one entry for each row. Then nothing has changed.
     pub fn go(
         &mut self,
         until: f64,
@@ -344,7 +344,7 @@ impl<F: Float> Batch<F> {
         (shown, stopped): (&mut [[f64; 4]], &mut [bool]),
     ) -> Result<(), Error> {
         if shown.len() != self.len() || stopped.len() != self.len() {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "the states of a batch are asked for in a place that has not as many entries as there are rows",
                 remedy: "give as many entries as rows",
             });

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const STEPS_TOGETHER: usize = 64;
 
 /// A row is meant that the batch has not got.
-pub(super) const NO_ROW: Error = Error::Unsupported {
+pub(super) const NO_ROW: Error = Error::Misuse {
     what: "a row is meant that the batch has not got",
     remedy: "count the rows from zero and stay below their number",
 };
@@ -55,11 +55,11 @@ impl<S: Stepper> RowByRow<S> {
     /// A batch of steppers that have reached the same time.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where one is at another time than the first.
+    /// [`Error::Misuse`] where one is at another time than the first.
     pub fn new(steppers: Vec<S>) -> Result<Self, Error> {
         let time = steppers.first().map_or(0.0, S::time);
         if steppers.iter().any(|stepper| stepper.time() != time) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "the rows of a batch go through time together, and these have reached different times",
                 remedy: "begin all of them at the same time, or make a batch of those that agree",
             });
@@ -110,14 +110,14 @@ impl<S: Stepper> RowByRow<S> {
     /// Another stepper in the place of a row, which lives again if it had stopped. The time of the batch goes on.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a row that there is not, and for a stepper that is at another time than the batch. Then
+    /// [`Error::Misuse`] for a row that there is not, and for a stepper that is at another time than the batch. Then
     /// nothing has changed.
     pub fn restart(&mut self, row: usize, stepper: S) -> Result<(), Error> {
         if row >= self.rows.len() {
             return Err(NO_ROW);
         }
         if stepper.time() != self.time {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a row is begun anew at another time than the batch has reached",
                 remedy: "begin the stepper at the time of the batch, as ToldStepper::begin_at does",
             });

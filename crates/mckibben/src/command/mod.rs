@@ -219,14 +219,14 @@ impl<R: Real> Driver<R> {
     /// That a plant has the parts that drivers need, and that no valve has two of them.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] otherwise.
+    /// [`Error::Misuse`] otherwise.
     pub(crate) fn check_all(
         drivers: &[Self],
         valves: usize,
         actuators: usize,
         coordinates: &[usize],
     ) -> Result<(), Error> {
-        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         let mut taken = vec![false; valves];
         for plan in drivers.iter().map(|driver| &driver.plan) {
             for &valve in &plan.valves {

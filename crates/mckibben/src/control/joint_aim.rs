@@ -47,7 +47,7 @@ impl JointAim {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless the highest pressure is above zero; [`Error::Inconsistent`] for an angle at which an
-    /// actuator is slack, does not pull, or is taut; [`Error::Unsupported`] for a law of force other than the ideal braid's.
+    /// actuator is slack, does not pull, or is taut; [`Error::NotImplemented`] for a law of force other than the ideal braid's.
     pub fn new(
         actuators: [Actuator; 2],
         joint: Joint,

@@ -70,15 +70,12 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a radius that is not above zero; [`Error::Inconsistent`] for a length at which an actuator
-    /// is slack, does not pull, or is taut; [`Error::Unsupported`] for a law of force other than the ideal braid's.
+    /// is slack, does not pull, or is taut; [`Error::NotImplemented`] for a law of force other than the ideal braid's.
     pub fn new(actuators: [&'a Actuator<R>; 2], length: [R; 2], arm: [R; 2]) -> Result<Self, Error> {
         for i in 0..2 {
             parameter::PULLEY_ARM.check(arm[i].value())?;
             if actuators[i].law().law.ideal().is_none() {
-                return Err(Error::Unsupported {
-                    what: "an antagonistic pair is turned round for the ideal braid only, without wall, taper or bladder",
-                    remedy: "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness",
-                });
+                return Err(Error::NotImplemented(&crate::limit::CONTROLLER_PAIR));
             }
             actuators[i].check_pulling(length[i])?;
             let longest = actuators[i].limits().max_length().value();
@@ -103,7 +100,7 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
     /// The same with moment arms that change with the angle, by so many m/rad.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a slope that is not finite; [`Error::Unsupported`] where the arms change so fast that more
+    /// [`Error::OutOfRange`] for a slope that is not finite; [`Error::NoSolution`] where the arms change so fast that more
     /// pressure in both makes the joint softer: no stiffness has its pressures then.
     pub fn with_arm_slopes(self, arm_slope: [R; 2]) -> Result<Self, Error> {
         for slope in arm_slope {
@@ -115,7 +112,7 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
         if (of(0) + of(1)).value() > 0.0 {
             return Ok(pair);
         }
-        Err(Error::Unsupported {
+        Err(Error::NoSolution {
             what: "the moment arms change so fast with the angle that more pressure in both actuators makes the joint softer",
             remedy: "choose another range of angles, or control the angle alone",
         })

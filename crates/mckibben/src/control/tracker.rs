@@ -87,13 +87,13 @@ impl<S: Scalar> Tracker<S> {
     /// Keeps pressure, length, air mass or tension at a set point.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a quantity that one actuator does not have.
+    /// [`Error::Misuse`] for a quantity that one actuator does not have.
     pub fn new(quantity: Quantity, set_point: SetPoint<S>, regulator: Regulator<S>) -> Result<Self, Error> {
         match quantity {
             Quantity::Pressure | Quantity::Length | Quantity::AirMass | Quantity::Force => {
                 Ok(Self { quantity, set_point, regulator })
             }
-            Quantity::Angle | Quantity::Torque | Quantity::Stiffness => Err(Error::Unsupported {
+            Quantity::Angle | Quantity::Torque | Quantity::Stiffness => Err(Error::Misuse {
                 what: "one actuator alone has no joint angle, torque or stiffness to control",
                 remedy: "control its pressure, length, air mass or tension, or give a joint",
             }),

@@ -56,6 +56,14 @@ impl<R: Real> Arc<R> {
         self.points.iter().all(|point| point.value().is_finite())
     }
 
+    /// Whether all control points of a state hold to something.
+    #[inline(always)]
+    pub(crate) fn all_points(&self, index: usize, holds: impl Fn(f64) -> bool) -> bool {
+        let states = self.points.len() / POINTS;
+        // No early end: it costs more than it saves.
+        self.points[index..].iter().step_by(states).fold(true, |all, point| all & holds(point.value()))
+    }
+
     /// Control points of the linear form `sign · (y[index] − bound)`, values only.
     pub(crate) fn linear(&self, index: usize, bound: f64, sign: f64) -> Bernstein {
         let states = self.points.len() / POINTS;

@@ -44,6 +44,8 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
     let mut first: Option<(S::Guard, f64)> = None;
     for &(guard, form) in guards {
         let theta = match form {
+            GuardForm::Above { index, bound } if arc.all_points(index, |point| point >= bound) => None,
+            GuardForm::Below { index, bound } if arc.all_points(index, |point| point <= bound) => None,
             GuardForm::Above { index, bound } => linear_crossing(&arc.linear(index, bound, 1.0)),
             GuardForm::Below { index, bound } => linear_crossing(&arc.linear(index, bound, -1.0)),
             GuardForm::Function => {
@@ -99,14 +101,17 @@ fn is_far_from_zero<R: Real, S: Hybrid<R>>(
     // The guard at the control points varies at least about as much as on the curve between them. Four of them are enough
     // where it is twice as far.
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (first, step, far) in [(0, 7, 1.0), (2, 3, 1.0), (1, 1, 0.5)] {
-        for i in (first..POINTS).step_by(step) {
-            let time = arc.start + arc.step * R::constant(i as f64 / (POINTS - 1) as f64);
-            let value = system.guard(guard, time, arc.point(i), mode, work).value();
-            least = least.min(value);
-            most = most.max(value);
-        }
-        if first > 0 && least > far * (most - least) {
+    for (count, i) in (1..).zip([0, 7, 2, 5, 1, 3, 4, 6]) {
+        let time = arc.start + arc.step * R::constant(i as f64 / (POINTS - 1) as f64);
+        let value = system.guard(guard, time, arc.point(i), mode, work).value();
+        least = least.min(value);
+        most = most.max(value);
+        let far = match count {
+            4 => 1.0,
+            POINTS => 0.5,
+            _ => continue,
+        };
+        if least > far * (most - least) {
             return true;
         }
     }

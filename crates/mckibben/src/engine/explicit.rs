@@ -136,8 +136,14 @@ const TERMS: usize = 4 + 12;
 /// States that a sum takes together: what fits into registers.
 const LANES: usize = 4;
 
-/// Weights of the control points 2 to 5.
-type Weights = [[f64; TERMS]; 4];
+/// Weights of one of the control points 2 to 5.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    start: f64,
+    rise: f64,
+    /// Of stage 0 and of stages 5 to 15.
+    stages: [f64; 12],
+}
 
 /// Evaluations of an attempted step, of its end, and of its dense output.
 pub(super) const EVALUATIONS: [u64; 3] = [11, 1, 3];
@@ -156,7 +162,7 @@ pub(super) struct Attempt<R> {
     pub(super) end: Vec<R>,
     /// Error over the tolerance; at most 1 for a step that may be kept. NaN when the step is not physical.
     pub(super) error: f64,
-    weights: Weights,
+    weights: [Weights; 4],
 }
 
 /// The polynomial in the Bernstein basis whose coefficients are sums of the terms.
@@ -194,7 +200,7 @@ impl Form {
 }
 
 /// `y(θ) = y₀ + θ(rise + (1 − θ)(bend + θ(twist + (1 − θ)(d₀ + θ(d₁ + (1 − θ)(d₂ + θ d₃))))))` as control points.
-fn weights() -> Weights {
+fn weights() -> [Weights; 4] {
     let term = |place: usize, value: f64| {
         let mut term = [0.0; TERMS];
         term[place] = value;
@@ -226,20 +232,35 @@ fn weights() -> Weights {
     form.times_theta();
     form.plus(term(0, 1.0));
     debug_assert!(form.degree == POINTS - 1);
-    core::array::from_fn(|i| form.points[i + 2])
+    core::array::from_fn(|i| {
+        let terms = form.points[i + 2];
+        let mut stages = [0.0; 12];
+        stages.copy_from_slice(&terms[4..]);
+        stages[0] += terms[2];
+        stages[1 + STAGES - LATE] += terms[3];
+        Weights { start: terms[0], rise: terms[1], stages }
+    })
 }
 
 /// `w₀ k₀ + Σ wᵢ kᵢ`, the sum over the stages from `from` on.
 #[inline(always)]
 fn weighted<R: Real, const N: usize>(block: &Block<R>, from: usize, weights: &[f64; N]) -> [R; LANES] {
-    core::array::from_fn(|n| {
-        // Two sums, so that one need not wait for the other.
-        let mut sums = [R::constant(weights[0]) * block[0][n], R::zero()];
-        for i in 1..N {
-            sums[i % 2] = sums[i % 2] + R::constant(weights[i]) * block[from + i - 1][n];
+    // Two sums, so that one need not wait for the other; loops over states inside, so that they go side by side.
+    let mut sums = [[R::zero(); LANES]; 2];
+    for n in 0..LANES {
+        sums[0][n] = R::constant(weights[0]) * block[0][n];
+    }
+    for i in 1..N {
+        let (sum, rates) = (&mut sums[i % 2], &block[from + i - 1]);
+        for n in 0..LANES {
+            sum[n] = sum[n] + R::constant(weights[i]) * rates[n];
         }
-        sums[0] + sums[1]
-    })
+    }
+    let [mut even, odd] = sums;
+    for n in 0..LANES {
+        even[n] = even[n] + odd[n];
+    }
+    even
 }
 
 /// `start + step · slope` of each block.
@@ -382,13 +403,11 @@ impl<R: Real> Attempt<R> {
                 points[7][n] = end[n];
             }
             for (point, weights) in points[2..6].iter_mut().zip(&self.weights) {
-                let dense: [f64; 12] =
-                    core::array::from_fn(|i| if i == 0 { weights[4] + weights[2] } else { weights[4 + i] });
-                let sum = weighted(block, LATE, &dense);
+                let sum = weighted(block, LATE, &weights.stages);
                 for n in 0..LANES {
-                    let sum = sum[n] + R::constant(weights[3]) * block[STAGES][n];
-                    let between = R::constant(weights[0]) * start[n] + R::constant(weights[1]) * (end[n] - start[n]);
-                    point[n] = between + length * sum;
+                    let between =
+                        R::constant(weights.start) * start[n] + R::constant(weights.rise) * (end[n] - start[n]);
+                    point[n] = between + length * sum[n];
                 }
             }
             let from = lane * LANES;

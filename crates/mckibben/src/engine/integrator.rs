@@ -11,7 +11,7 @@
 
 use super::arc::{Arc, POINTS};
 use super::crossing::{self, Crossing, Room};
-use super::{Hybrid, explicit, implicit};
+use super::{Halt, Hybrid, explicit, implicit};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::scalar::{Real, Scalar};
@@ -55,14 +55,23 @@ pub(crate) struct Pace {
     stiff_steps: u32,
     implicit_run: u32,
     events_here: u32,
+    /// Where progress is measured from: attempted steps, and the time in s.
+    measured_from: (u64, f64),
     statistics: Statistics,
 }
 
 impl Pace {
-    /// Before the first step.
-    pub(crate) fn begin() -> Self {
-        let statistics = Statistics::default();
-        Self { step: None, is_implicit: false, stiff_steps: 0, implicit_run: 0, events_here: 0, statistics }
+    /// Before the first step of a run that starts at a time in s.
+    pub(crate) fn begin(time: f64) -> Self {
+        Self {
+            step: None,
+            is_implicit: false,
+            stiff_steps: 0,
+            implicit_run: 0,
+            events_here: 0,
+            measured_from: (0, time),
+            statistics: Statistics::default(),
+        }
     }
 
     /// What it has cost so far.
@@ -197,7 +206,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             (integrator.is_implicit, integrator.stiff_steps) = (pace.is_implicit, pace.stiff_steps);
         }
         (integrator.implicit_run, integrator.events_here) = (pace.implicit_run, pace.events_here);
-        integrator.statistics = pace.statistics;
+        (integrator.measured_from, integrator.statistics) = (pace.measured_from, pace.statistics);
         integrator
     }
 
@@ -209,6 +218,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             stiff_steps: self.stiff_steps,
             implicit_run: self.implicit_run,
             events_here: self.events_here,
+            measured_from: self.measured_from,
             statistics: self.statistics,
         }
     }
@@ -269,7 +279,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             let step = if self.step >= 0.999 * room { room } else { Scalar::smaller(self.step, 0.5 * room) };
             let shortest = 4.0 * f64::EPSILON * self.time.value().abs();
             if step.is_nan() || step <= shortest {
-                return Err(self.system.stuck(self.time, self.state(), &self.mode));
+                return Err(self.system.halts(self.time, self.state(), Halt::Step(self.fastest()), last_event));
             }
             // A stop is reached exactly, derivative included.
             let (length, end_time) = if step == room {
@@ -311,7 +321,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         }
         let advance = self.time.value() - since;
         if advance < LEAST_ADVANCE {
-            return Err(self.system.crawls(self.time, advance, last_event));
+            return Err(self.system.halts(self.time, self.state(), Halt::Crawls(advance), last_event));
         }
         self.measured_from = (steps, self.time.value());
         Ok(())
@@ -332,7 +342,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.step = if self.fresh { first } else { Scalar::smaller(self.step, first) };
         self.fresh = false;
         if !self.is_implicit {
-            let settling = self.system.settling_rate(self.time, &self.state[..states], &self.mode, &mut self.work);
+            let settling = self.system.settling_rate(&self.state[..states], &self.mode, &mut self.work);
             self.step = Scalar::smaller(self.step, SETTLING.0 / settling);
         }
     }
@@ -354,6 +364,13 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         if fastest > 0.0 { self.first_part / fastest } else { f64::INFINITY }
     }
 
+    /// The state that changes fastest for its scale, or that has no rate.
+    fn fastest(&self) -> usize {
+        let speeds = self.slope.iter().zip(&self.scales).map(|(slope, scale)| slope.value().abs() / scale);
+        let speeds = speeds.map(|speed| if speed.is_nan() { f64::INFINITY } else { speed });
+        speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place)
+    }
+
     fn try_explicit(&mut self, length: R) -> bool {
         let states = self.states;
         let (system, mode, work) = (self.system, &self.mode, &mut self.work);
@@ -366,7 +383,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.explicit.finish(self.time, length, states, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[1];
         let end = &self.explicit.end[..states];
-        let settling = self.system.settling_rate(self.time + length, end, &self.mode, &mut self.work);
+        let settling = self.system.settling_rate(end, &self.mode, &mut self.work);
         let bound = SETTLING.0 / settling;
         if length.value() * settling > SETTLING.1 {
             self.step = bound;
@@ -438,7 +455,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             self.system.project(self.time, &mut self.state[..states], &self.mode, &mut self.work);
             let kind =
                 self.system.cross(guard, self.time, &mut self.state[..states], &mut self.mode, &mut self.work)?;
-            self.count_event(before)?;
+            self.count_event(before, kind)?;
             self.enter_mode();
             (self.end, self.event) = (self.time, Some(kind));
             return Ok(());
@@ -485,19 +502,19 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             self.go_to(instant);
         }
         let kind = self.system.pass_instant(self.time, &mut self.state[..states], &mut self.mode, &mut self.work)?;
-        self.count_event(before)?;
+        self.count_event(before, kind)?;
         self.enter_mode();
         self.fresh = true;
         (self.end, self.event) = (self.time, Some(kind));
         Ok(())
     }
 
-    fn count_event(&mut self, before: f64) -> Result<(), Error> {
+    fn count_event(&mut self, before: f64, event: S::Kind) -> Result<(), Error> {
         self.statistics.events += 1;
         let advanced = self.time.value() - before > SIMULTANEOUS * before.abs();
         self.events_here = if advanced { 0 } else { self.events_here + 1 };
         if self.events_here > MAX_EVENTS_IN_AN_INSTANT {
-            return Err(self.system.stuck(self.time, self.state(), &self.mode));
+            return Err(self.system.halts(self.time, self.state(), Halt::Events, Some(event)));
         }
         Ok(())
     }

@@ -51,7 +51,7 @@ pub(crate) trait Hybrid<R: Real> {
     );
 
     /// The fastest rate in 1/s at which a state settles by itself; `work` holds the evaluation at the state.
-    fn settling_rate(&self, time: R, state: &[R], mode: &Self::Mode, work: &mut Self::Work<R>) -> f64;
+    fn settling_rate(&self, state: &[R], mode: &Self::Mode, work: &mut Self::Work<R>) -> f64;
 
     /// Scales of the states, above zero.
     fn scales(&self, state: &[R], mode: &Self::Mode, scales: &mut [f64]);
@@ -100,9 +100,17 @@ pub(crate) trait Hybrid<R: Real> {
     /// Restores what a step knows exactly.
     fn project(&self, time: R, state: &mut [R], mode: &Self::Mode, work: &mut Self::Work<R>);
 
-    /// The error of many steps that have brought the time on by `advance` s alone, with the event that ended the last step.
-    fn crawls(&self, time: R, advance: f64, event: Option<Self::Kind>) -> Error;
+    /// The error of a run that does not go on, with the event that ended the last step.
+    fn halts(&self, time: R, state: &[R], why: Halt, event: Option<Self::Kind>) -> Error;
+}
 
-    /// The error of a step that has become too small to go on.
-    fn stuck(&self, time: R, state: &[R], mode: &Self::Mode) -> Error;
+/// Why a run does not go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Halt {
+    /// Many steps have brought the time on by so much in s alone.
+    Crawls(f64),
+    /// Events follow each other at one instant without end.
+    Events,
+    /// No step is short enough: the state at this place changes fastest for its scale, or has no rate.
+    Step(usize),
 }

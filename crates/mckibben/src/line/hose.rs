@@ -22,6 +22,9 @@
 //! narrow hose while an actuator fills; γ for quick small waves. The content that goes with it is `V P/(κRT)`; for κ = 1
 //! that is the mass of the air. The density in the friction is that at the wall's temperature.
 //!
+//! No air flows faster than sound: the flow out of a cell stays at `κ A P_i/c` where its inertia would carry it on, by which a
+//! cell never loses more air than it has. The event-located engine does so; it counts after sudden exhausts alone.
+//!
 //! The lumped hose puts the whole volume in front of the whole loss and lets the valve's seats take effect L/c late. It has
 //! no inertia and no waves: take it where the hose's own time constants are far below the actuator's. The distributed
 //! hose has the air's inertia; its delay, waves and attenuation are those of the cells and approach the closed form of
@@ -204,6 +207,13 @@ impl<S: Scalar> Hose<S> {
     #[inline(always)]
     pub(crate) fn per_inertance(&self) -> S {
         self.tube.area() / self.tube.length()
+    }
+
+    /// The flow in kg/s of air at an absolute pressure in Pa that goes at the speed of sound, `κ A P/c`.
+    #[cfg(feature = "alloc")]
+    #[inline(always)]
+    pub(crate) fn sonic_flow<T: Over<S>>(&self, pressure: T) -> T {
+        pressure * T::of(self.polytropic_index * self.tube.area() / self.wave_speed)
     }
 
     /// A bound for `∂Δp/∂w` in Pa·s/kg of a cell at `pressure` before what lies at `next`, for the flow that there is and for

@@ -116,11 +116,11 @@ impl<X, U, Y> StateSpace<X, U, Y> {
     /// The poles, fastest first; the two of a pair one after the other, the one above the real axis first.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the eigenvalues cannot be found, which only numbers of absurd size bring about.
+    /// [`Error::NoSolution`] when the eigenvalues cannot be found, which only numbers of absurd size bring about.
     pub fn poles(&self) -> Result<Vec<Pole>, Error> {
         let (a, _) = self.balanced();
         let small = ZERO * a.norm();
-        let schur = Schur::try_new(a, f64::EPSILON, STEPS).ok_or(Error::Unsupported {
+        let schur = Schur::try_new(a, f64::EPSILON, STEPS).ok_or(Error::NoSolution {
             what: "the poles of the linear model cannot be found",
             remedy: "check that masses, volumes and pressures are of usual size",
         })?;

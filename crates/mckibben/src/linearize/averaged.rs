@@ -145,8 +145,8 @@ pub enum Aim {
 /// Linearises a rig under PWM by the mean flow of its valve; duty and mass flow are inputs.
 ///
 /// # Errors
-/// [`Error::Unsupported`] when the command is no PWM, when the seats take their time, when no air ever flows, or when no duty in the range of the seats
-/// holds the pressure; and as [`OperatingPoint::held`].
+/// [`Error::Misuse`] when the command is no PWM; [`Error::NotImplemented`] when the seats take their time; [`Error::NoSolution`]
+/// when no air ever flows, or no duty in the range of the seats holds the pressure; and as [`OperatingPoint::held`].
 pub fn average(rig: &Rig, aim: Aim, content: Content) -> Result<Linearization, Error> {
     let pwm = Pwm::of(rig)?;
     let (point, duty) = match aim {
@@ -183,10 +183,7 @@ struct Pwm<'a> {
 impl<'a> Pwm<'a> {
     fn of(rig: &'a Rig) -> Result<Self, Error> {
         if rig.actuation().is_some_and(|drive| !drive.solenoid.ramp().is_none()) {
-            return Err(Error::Unsupported {
-                what: "the average over pulses does not know seats that take their time",
-                remedy: "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes",
-            });
+            return Err(Error::NotImplemented(&crate::limit::AVERAGE_STROKE));
         }
         if let (Some(actuation), Some(valve)) = (rig.actuation(), rig.actuator().valve())
             && let (Command::Pwm { frequency, .. }, Some(duty_range)) =
@@ -194,7 +191,7 @@ impl<'a> Pwm<'a> {
         {
             return Ok(Self { rig, actuation, valve, frequency: *frequency, duty_range });
         }
-        Err(Error::Unsupported {
+        Err(Error::Misuse {
             what: "there is no PWM to average: the command is another, or the actuator has no valve",
             remedy: "set command.kind = \"pwm\", or linearise with the valve held",
         })
@@ -221,7 +218,7 @@ impl<'a> Pwm<'a> {
     /// The pressure in Pa at which as much air comes as goes.
     fn pressure(&self, seats: &[Interval], content: Content) -> Result<(f64, f64), Error> {
         if seats.iter().all(|interval| interval.ports == Ports::CLOSED) {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "at this duty the valve never opens: any pressure stays as it is",
                 remedy: "give a duty at which the pulse is longer than the opening delay, or hold the valve",
             });
@@ -239,7 +236,7 @@ impl<'a> Pwm<'a> {
         let net = |duty: f64| self.net(&self.seats(duty), pressure, content);
         let (low, high) = self.duty_range;
         if !(low < high && (net(low) > 0.0) != (net(high) > 0.0)) {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "no duty that the seats can follow holds this pressure",
                 remedy: "give a pressure well between supply and exhaust, or a lower command.frequency",
             });
@@ -265,7 +262,7 @@ impl<'a> Pwm<'a> {
             return Ok((of(content)?.0, content));
         };
         if matches!(content, Content::Temperature(_)) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "under the energy balance the temperature follows from the flow: it cannot be given",
                 remedy: "leave the temperature out",
             });

@@ -90,7 +90,7 @@ pub struct JointLinearization {
 ///
 /// # Errors
 /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for numbers outside the physics or a stiffness that no two pressures
-/// give; [`Error::Unsupported`] when there is no balance, or an actuator is slack or at its shortest there.
+/// give; [`Error::NoSolution`] when there is no balance, or an actuator is slack or at its shortest there.
 pub fn linearize_joint(
     rig: &JointRig,
     balance: JointBalance,
@@ -140,7 +140,7 @@ pub fn average_joint(rig: &JointRig, content: [Content; 2]) -> Result<JointLinea
 }
 
 fn without_pwm() -> Error {
-    Error::Unsupported {
+    Error::Misuse {
         what: "there is no PWM to average on both actuators of the joint",
         remedy: "set command.kind = \"pwm\" for both, or linearise with the valves held",
     }
@@ -185,7 +185,7 @@ fn check(rig: &JointRig, state: &JointState) -> Result<(), Error> {
         let pull = actuator.static_force(length, state.pressure[i].0) + actuator.limits().force(length, 0.0);
         // A joint that rests where an actuator is at its shortest lies there but for rounding.
         if length <= actuator.limits().min_length() * (1.0 + 1e-12) || pull <= 0.0 {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "an actuator of the joint is slack or at its shortest at this point: nothing is linear there",
                 remedy: "give other pressures, a longer rest_length or another load",
             });

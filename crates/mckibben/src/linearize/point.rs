@@ -53,7 +53,7 @@ impl OperatingPoint {
     /// With heat transfer the air at rest has the wall's temperature, whatever `content` says of its own.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a number outside the physics; [`Error::Unsupported`] when
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a number outside the physics; [`Error::NoSolution`] when
     /// there is no balance, when it lies on the shortest length, or when the temperature is not the wall's.
     pub fn held(rig: &Rig, balance: Balance, content: Content) -> Result<Self, Error> {
         let (rig, pressure, length) = balanced(rig, balance)?;
@@ -62,7 +62,7 @@ impl OperatingPoint {
             && heat_transfer > 0.0
         {
             if matches!(content, Content::Temperature(given) if given != wall_temperature) {
-                return Err(Error::Unsupported {
+                return Err(Error::Misuse {
                     what: "air that exchanges heat rests at the wall's temperature only",
                     remedy: "leave the temperature out, or give that of air.wall_temperature",
                 });
@@ -143,14 +143,11 @@ pub(super) fn air_mass(rig: &Rig, pressure: AbsolutePressure, length: f64, conte
 pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePressure, f64), Error> {
     rig.check_pressure_is_free()?;
     if rig.has_plumbing() {
-        return Err(Error::Unsupported {
-            what: "a linear model has no states for an air line or a pressure regulator yet",
-            remedy: "leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats",
-        });
+        return Err(Error::NotImplemented(&crate::limit::LINEAR_LINE));
     }
     let air = rig.actuator().air();
     if matches!(rig.load(), Load::Prescribed(_)) {
-        return Err(Error::Unsupported {
+        return Err(Error::NoSolution {
             what: "a prescribed motion has no equilibrium: its length is a function of time",
             remedy: "set load.kind = \"isometric\" to hold the ends, or \"hanging-mass\" to let them move",
         });
@@ -182,13 +179,13 @@ pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePres
 fn free(rig: &Rig, pressure: AbsolutePressure, length: f64) -> Result<(), Error> {
     let moves = rig.load().inertia().is_some() || rig.tendon().is_some();
     if length <= rig.actuator().limits().min_length() && moves {
-        return Err(Error::Unsupported {
+        return Err(Error::NoSolution {
             what: "the actuator pulls the load to its shortest length, where it rests on the stop: nothing is linear there",
             remedy: "lower the pressure, or give a heavier load or a longer length",
         });
     }
     if moves && rig.actuator().tension_sliding(length, 0.0, pressure.0, 0.0) <= 0.0 {
-        return Err(Error::Unsupported {
+        return Err(Error::NoSolution {
             what: "the tendon carries nothing at this point: it goes slack on one side of it",
             remedy: "give a load above zero",
         });
@@ -196,7 +193,7 @@ fn free(rig: &Rig, pressure: AbsolutePressure, length: f64) -> Result<(), Error>
     if let Some(tendon) = rig.tendon()
         && rig.actuator().stiffness(length, pressure) + tendon.stiffness() <= 0.0
     {
-        return Err(Error::Unsupported {
+        return Err(Error::NoSolution {
             what: "the actuator pulls harder the shorter it gets, and its tendon is too soft to hold it there",
             remedy: "stiffen the tendon, or give a longer length",
         });
@@ -225,21 +222,21 @@ fn inside(rig: &Rig, length: f64) -> Result<f64, Error> {
 /// The pressure at which the rig's load is in balance at a length in m.
 fn pressure_at(rig: &Rig, length: f64) -> Result<AbsolutePressure, Error> {
     let Some(inertia) = rig.load().inertia() else {
-        return Err(Error::Unsupported {
+        return Err(Error::NoSolution {
             what: "ends that are held fix no pressure: any pressure is in balance",
             remedy: "give the pressure too",
         });
     };
     let actuator = rig.actuator();
     if actuator.limits().force(length, 0.0) > inertia.pull {
-        return Err(Error::Unsupported {
+        return Err(Error::NoSolution {
             what: "at this length the taut braid alone pulls harder than the load: no pressure balances it",
             remedy: "give a shorter length or a heavier load",
         });
     }
     match actuator.holding_pressure(inertia.pull, length) {
         Ok(gauge) => Ok(gauge.absolute(actuator.air().atmosphere())),
-        Err(_) => Err(Error::Unsupported {
+        Err(_) => Err(Error::NoSolution {
             what: "at this length no pressure lets the actuator hold the load: the braid hardly pulls there",
             remedy: "give a longer length or a lighter load; an ideal braid pulls above thread_length/sqrt(3)",
         }),
@@ -255,7 +252,7 @@ fn loaded(rig: &Rig, length: f64, pressure: AbsolutePressure) -> Result<Rig, Err
             Load::hanging_mass(pull / gravity, *gravity)?
         }
         Load::HangingMass { .. } => {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "no hanging mass is in balance here: the actuator does not pull, or gravity does not",
                 remedy: "give a higher pressure or a longer length, and a load.gravity above zero",
             });

@@ -303,6 +303,16 @@ impl<S: Scalar> Chain<S> {
         &self.joints
     }
 
+    /// Acceleration of gravity in m/s².
+    pub fn gravity(&self) -> S {
+        self.gravity
+    }
+
+    /// Angle in rad of the first joint at which the first segment points where gravity pulls.
+    pub fn hanging_angle(&self) -> S {
+        self.hanging_angle
+    }
+
     /// The belt, if there is one.
     pub fn belt(&self) -> Option<&Belt<S>> {
         self.belt.as_ref()

@@ -20,6 +20,7 @@
 //! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/plant_of_rig.rs`.
 
 use super::mode::NetworkMode;
+use super::piping::{End, Pipe, Piping, Varying};
 use super::{Branch, BranchKind, Network, Node, NodeKind};
 use crate::air::{Air, Chamber};
 use crate::scalar::{Over, Real, Scalar};
@@ -82,31 +83,11 @@ impl<T: Scalar> NetworkState<T> {
     }
 }
 
-/// What the pressure of a node that changes is: that of an actuator's air, or a state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Varying {
-    /// Of which actuator.
-    Chamber(usize),
-    /// At which place.
-    State(usize),
-}
-
-/// What a network takes from the rest of the plant: the chambers of the actuators, and which state is which pressure or flow.
+/// The states and chambers that the pressures of nodes follow from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surroundings<'a, T> {
     pub(crate) chambers: &'a [Chamber<T>],
-    /// Whether the air of each actuator keeps an energy balance, for which the temperature of what flows in counts.
-    pub(crate) keeps_heat: &'a [bool],
-    /// Whether any does.
-    pub(crate) any_keeps_heat: bool,
-    /// Outlets that a node feeds, and that node.
-    pub(crate) drawn: &'a [[usize; 2]],
     pub(crate) state: &'a [T],
-    /// The nodes whose pressure changes, and for each branch whether what flows at its ends counts there.
-    pub(crate) varying: &'a [(usize, Varying)],
-    pub(crate) counts: &'a [[bool; 2]],
-    /// Place of each branch's flow among the states.
-    pub(crate) branches: &'a [Option<usize>],
 }
 
 impl<R: Real> Network<R> {
@@ -115,20 +96,19 @@ impl<R: Real> Network<R> {
     pub(crate) fn flows<T: Over<R>>(
         &self,
         time: T,
+        piping: &Piping<'_, R>,
         around: Surroundings<'_, T>,
         air: &Air<R>,
         mode: &NetworkMode<R>,
         at: &mut NetworkState<T>,
     ) {
         let NetworkState { nodes, flows } = at;
-        self.enter_nodes(around, nodes);
-        let count = self.branches.len();
-        let (branches, modes, flows) = (&self.branches[..count], &mode.branches[..count], &mut flows[..count]);
-        let counts = &around.counts[..count];
+        piping.enter_nodes(around, nodes);
+        let count = piping.pipes.len();
+        let (pipes, modes, flows) = (&piping.pipes[..count], &mode.branches[..count], &mut flows[..count]);
         for index in 0..count {
-            let (branch, of_branch, into) = (&branches[index], &modes[index], &mut flows[index]);
-            let Branch { from, to, kind } = branch;
-            let (near, far) = (&nodes[*from], &nodes[*to]);
+            let (pipe, of_branch, into) = (&pipes[index], &modes[index], &mut flows[index]);
+            let Pipe { kind, from, to, .. } = pipe;
             // A piece of an orifice's law says which way its air goes, also a little beyond its ends.
             let (flow, heading) = match kind {
                 BranchKind::Path { law, valve, port, ambient, .. } => {
@@ -136,11 +116,12 @@ impl<R: Real> Network<R> {
                         *into = T::zero();
                         continue;
                     };
+                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
                     let is_inward = zone.is_inward();
                     let drive = || match (is_inward, *ambient) {
-                        (true, _) => self.drive(*from, around, air, near),
+                        (true, _) => drive(from, around, air, near),
                         (false, true) => far.pressure * far.per_root_temperature,
-                        (false, false) => self.drive(*to, around, air, far),
+                        (false, false) => drive(to, around, air, far),
                     };
                     let flow = orifice(law, zone, near, far, drive);
                     let flow = match mode.valves[*valve].openings.at(time) {
@@ -149,92 +130,82 @@ impl<R: Real> Network<R> {
                     };
                     (flow, Some(is_inward))
                 }
-                BranchKind::Check { law } => match of_branch.zone {
-                    Some(zone) => {
-                        (orifice(law, zone, near, far, || self.drive(*from, around, air, near)), Some(zone.is_inward()))
-                    }
-                    None => (T::zero(), Some(true)),
-                },
-                BranchKind::Loss(hose) => (hose.tube().flow_in(of_branch.regime, near.pressure, far.pressure), None),
-                BranchKind::Inertia(_) => (around.branches[index].map_or(T::zero(), |place| around.state[place]), None),
+                BranchKind::Check { law } => {
+                    let Some(zone) = of_branch.zone else {
+                        *into = T::zero();
+                        continue;
+                    };
+                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
+                    (orifice(law, zone, near, far, || drive(from, around, air, near)), Some(zone.is_inward()))
+                }
+                BranchKind::Loss(hose) => {
+                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
+                    (hose.tube().flow_in(of_branch.regime, near.pressure, far.pressure), None)
+                }
+                BranchKind::Inertia(_) => (pipe.place.map_or(T::zero(), |place| around.state[place]), None),
                 BranchKind::Leak(leakage) => {
+                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
                     let outwards = near.pressure.lt(far.pressure);
                     let upstream = T::select(
                         outwards,
-                        self.temperature(*to, around.chambers, air),
-                        T::of(self.nodes[*from].temperature),
+                        self.temperature(to.node, around.chambers, air),
+                        T::of(self.nodes[from.node].temperature),
                     );
                     (leakage.between(near.pressure, far.pressure, T::of(air.gas_constant()) * upstream), None)
                 }
-                BranchKind::Compressor => match &self.nodes[*to].kind {
-                    NodeKind::Reservoir(reservoir) if of_branch.runs => (reservoir.delivery(far.pressure), Some(true)),
+                BranchKind::Compressor => match &self.nodes[to.node].kind {
+                    NodeKind::Reservoir(reservoir) if of_branch.runs => {
+                        (reservoir.delivery(nodes[to.node].pressure), Some(true))
+                    }
                     _ => (T::zero(), Some(true)),
                 },
             };
             *into = flow;
-            let [forward, back] = match heading {
-                Some(true) => [flow, T::zero()],
-                Some(false) => [T::zero(), -flow],
+            let at_source = flow * T::of(pipe.copies);
+            match heading {
+                Some(true) => {
+                    self.bring(to, flow, from, around, air, nodes);
+                    take(from, at_source, nodes);
+                }
+                Some(false) => {
+                    take(to, -flow, nodes);
+                    self.bring(from, -at_source, to, around, air, nodes);
+                }
                 None => {
                     let backwards = flow.lt(T::zero());
-                    [T::select(backwards, T::zero(), flow), T::select(backwards, -flow, T::zero())]
+                    let split =
+                        |flow: T| [T::select(backwards, T::zero(), flow), T::select(backwards, -flow, T::zero())];
+                    let ([forward, back], [forward_there, back_there]) = (split(flow), split(at_source));
+                    self.bring(to, forward, from, around, air, nodes);
+                    take(to, back, nodes);
+                    self.bring(from, back_there, to, around, air, nodes);
+                    take(from, forward_there, nodes);
                 }
-            };
-            let copies = match kind {
-                BranchKind::Path { copies, .. } => T::of(*copies),
-                _ => T::one(),
-            };
-            let [at_source, at_end] = counts[index];
-            if at_end {
-                self.deliver((*to, *from), [forward, back], around, air, nodes);
-            }
-            if at_source {
-                self.deliver((*from, *to), [back * copies, forward * copies], around, air, nodes);
             }
         }
-        for &[outlet, inlet] in around.drawn {
+        for &[outlet, inlet] in &piping.drawn {
             let drawn = nodes[outlet].net();
             nodes[inlet].inward = nodes[inlet].inward + drawn;
         }
     }
 
-    /// Sets the pressures of the nodes that change, and their sums to zero.
+    /// Adds what comes into a node from another to its sums.
     #[inline(always)]
-    fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {
-        for &(node, varying) in around.varying {
-            let of_node = &mut nodes[node];
-            (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());
-            match varying {
-                Varying::Chamber(actuator) => {
-                    let chamber = &around.chambers[actuator];
-                    (of_node.pressure, of_node.per_pressure) = (chamber.pressure, chamber.per_pressure);
-                }
-                Varying::State(place) => {
-                    of_node.pressure = around.state[place];
-                    of_node.per_pressure = T::one() / of_node.pressure;
-                }
+    fn bring<T: Over<R>>(
+        &self,
+        end: &End,
+        amount: T,
+        other: &End,
+        around: Surroundings<'_, T>,
+        air: &Air<R>,
+        nodes: &mut [NodeState<T>],
+    ) {
+        if end.counts {
+            nodes[end.node].inward = nodes[end.node].inward + amount;
+            if end.warms {
+                let temperature = self.temperature(other.node, around.chambers, air);
+                nodes[end.node].warmth = nodes[end.node].warmth + amount * temperature;
             }
-        }
-    }
-
-    /// Sets the pressures of the nodes for which `pressure` gives one in Pa; those of the others do not change.
-    pub(crate) fn enter_pressures<T: Over<R>>(&self, at: &mut NetworkState<T>, pressure: impl Fn(usize) -> Option<T>) {
-        for (node, of_node) in at.nodes.iter_mut().enumerate() {
-            if let Some(pressure) = pressure(node) {
-                of_node.pressure = pressure;
-            }
-        }
-    }
-
-    /// `P/√T` of the air of a node in Pa/√K.
-    #[inline(always)]
-    fn drive<T: Over<R>>(&self, node: usize, around: Surroundings<'_, T>, air: &Air<R>, at: &NodeState<T>) -> T {
-        match self.nodes[node].kind {
-            NodeKind::Chamber { actuator } => {
-                let chamber = &around.chambers[actuator];
-                (T::of(air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
-            }
-            _ => at.pressure * at.per_root_temperature,
         }
     }
 
@@ -247,34 +218,26 @@ impl<R: Real> Network<R> {
         }
     }
 
-    /// Adds what comes into a node from another, and what leaves it, to its sums.
-    #[inline(always)]
-    fn deliver<T: Over<R>>(
+    /// The error in Pa of a regulator's outlet, once all flows are known.
+    pub(crate) fn outlet_error<T: Over<R>>(
         &self,
-        (node, other): (usize, usize),
-        [inward, outward]: [T; 2],
-        around: Surroundings<'_, T>,
-        air: &Air<R>,
-        nodes: &mut [NodeState<T>],
-    ) {
-        let of_node = &mut nodes[node];
-        of_node.inward = of_node.inward + inward;
-        of_node.outward = of_node.outward + outward;
-        if around.any_keeps_heat
-            && let NodeKind::Chamber { actuator } = self.nodes[node].kind
-            && around.keeps_heat[actuator]
-        {
-            let temperature = self.temperature(other, around.chambers, air);
-            let of_node = &mut nodes[node];
-            of_node.warmth = of_node.warmth + inward * temperature;
-        }
+        node: usize,
+        mode: &NetworkMode<R>,
+        at: &NetworkState<T>,
+    ) -> Option<T> {
+        let NodeKind::Outlet { regulator, set, inlet } = &self.nodes[node].kind else { return None };
+        let pressure = at.nodes[node].pressure;
+        Some(match (mode.nodes[node].limited, inlet) {
+            (true, Some(inlet)) => at.nodes[*inlet].pressure - pressure,
+            _ => regulator.error(pressure, T::of(self.absolute(*set)), None, -at.nodes[node].net()),
+        })
     }
 
-    /// The error in Pa of a regulator's outlet, once all flows are known.
-    pub(crate) fn outlet_error<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
-        let NodeKind::Outlet { regulator, set, inlet } = &self.nodes[node].kind else { return None };
-        let inlet = inlet.map(|inlet| at.nodes[inlet].pressure);
-        Some(regulator.error(at.nodes[node].pressure, T::of(self.absolute(*set)), inlet, -at.nodes[node].net()))
+    /// By how much in Pa the inlet of a regulator's outlet lies above what the outlet goes to without that limit.
+    pub(crate) fn inlet_margin<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
+        let NodeKind::Outlet { regulator, set, inlet: Some(inlet) } = &self.nodes[node].kind else { return None };
+        let inlet = at.nodes[*inlet].pressure;
+        Some(-regulator.error(inlet, T::of(self.absolute(*set)), None, -at.nodes[node].net()))
     }
 
     /// The rate of a node's pressure in Pa/s, once all flows are known; of a chamber the actuator's to say.
@@ -284,7 +247,7 @@ impl<R: Real> Network<R> {
             NodeKind::Hose(hose) => hose.pressure_rate(of_node.net()),
             NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(of_node.net()),
             NodeKind::Outlet { regulator, .. } => self
-                .outlet_error(node, at)
+                .outlet_error(node, mode, at)
                 .map_or(T::zero(), |error| regulator.pressure_rate(error, mode.nodes[node].poppet)),
             NodeKind::Port { regulator, .. } => match (mode.nodes[node].approach, self.set_point(node, mode)) {
                 (Some(approach), Some(set)) => regulator.rate_in(approach, of_node.pressure, T::of(set)),
@@ -303,6 +266,62 @@ impl<R: Real> Network<R> {
             }
             _ => T::zero(),
         }
+    }
+}
+
+impl<R: Real> Piping<'_, R> {
+    /// Sets the pressures of the nodes that change, and their sums to zero.
+    #[inline(always)]
+    fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {
+        for &(node, varying) in &self.varying {
+            let of_node = &mut nodes[node];
+            (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());
+            match varying {
+                Varying::Chamber(actuator) => {
+                    let chamber = &around.chambers[actuator];
+                    (of_node.pressure, of_node.per_pressure) = (chamber.pressure, chamber.per_pressure);
+                }
+                Varying::State(place) => {
+                    of_node.pressure = around.state[place];
+                    of_node.per_pressure = T::one() / of_node.pressure;
+                }
+            }
+        }
+    }
+
+    /// Sets the pressures of the nodes that change alone; `chamber` is the place of an actuator's pressure.
+    pub(crate) fn enter_pressures<T: Scalar>(
+        &self,
+        state: &[T],
+        chamber: impl Fn(usize) -> usize,
+        at: &mut NetworkState<T>,
+    ) {
+        for &(node, varying) in &self.varying {
+            at.nodes[node].pressure = match varying {
+                Varying::Chamber(actuator) => state[chamber(actuator)],
+                Varying::State(place) => state[place],
+            };
+        }
+    }
+}
+
+/// Adds what leaves a node to its sums.
+#[inline(always)]
+fn take<T: Scalar>(end: &End, amount: T, nodes: &mut [NodeState<T>]) {
+    if end.counts {
+        nodes[end.node].outward = nodes[end.node].outward + amount;
+    }
+}
+
+/// `P/√T` of the air of a node in Pa/√K.
+#[inline(always)]
+fn drive<R: Real, T: Over<R>>(end: &End, around: Surroundings<'_, T>, air: &Air<R>, at: &NodeState<T>) -> T {
+    match end.chamber {
+        Some(actuator) => {
+            let chamber = &around.chambers[actuator];
+            (T::of(air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
+        }
+        None => at.pressure * at.per_root_temperature,
     }
 }
 

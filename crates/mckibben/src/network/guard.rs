@@ -4,8 +4,11 @@
 //! |---|---|
 //! | zone | a piece of an orifice's flow law, by the ratio of its pressures |
 //! | regime | a piece of a lumped hose's law, by its drive |
+//! | sonic | the speed of sound in a cell of a distributed hose, by its flow and the pressure behind it |
 //! | switch | a compressor's run or rest, by the reservoir's pressure |
 //! | poppet | feeding, rest or relieving of a regulator, by its error |
+//! | limit | a regulator's outlet that its inlet limits, or does not |
+//! | empty | a reservoir that a regulator draws empty |
 //! | rate limit | a proportional regulator's largest rate, by its pressure |
 
 use super::flow::NetworkState;
@@ -34,6 +37,18 @@ pub enum NetworkGuard {
         /// Towards the larger drive.
         up: bool,
     },
+    /// The flow in a cell of a distributed hose comes to the speed of sound.
+    Sonic {
+        /// Which branch.
+        branch: usize,
+        /// The way that it goes.
+        forwards: bool,
+    },
+    /// The flow in a cell of a distributed hose falls below the speed of sound.
+    Slower {
+        /// Which branch.
+        branch: usize,
+    },
     /// The reservoir comes to a pressure at which its compressor switches.
     Switch {
         /// The compressor's branch.
@@ -46,6 +61,16 @@ pub enum NetworkGuard {
         /// Towards the larger error.
         up: bool,
     },
+    /// The inlet of a regulator comes to limit its outlet, or ceases to.
+    Limit {
+        /// The outlet.
+        node: usize,
+    },
+    /// A regulator draws its reservoir empty, faster than its outlet follows.
+    Empty {
+        /// The outlet.
+        node: usize,
+    },
     /// The rate of a regulated pressure falls below its limit.
     RateLimit {
         /// The port.
@@ -53,6 +78,8 @@ pub enum NetworkGuard {
     },
 }
 
+/// Part of the atmosphere's pressure at which a reservoir counts as empty.
+pub(crate) const EMPTY: f64 = 1e-3;
 /// Part of a bound between two regimes by which it is passed at least: their slopes agree there.
 const LEAST_BAND: f64 = 1e-6;
 
@@ -99,11 +126,26 @@ impl<R: Real> Network<R> {
                         add(NetworkGuard::Switch { branch: index }, linear(place(*to), bound, !of_branch.runs));
                     }
                 }
-                BranchKind::Inertia(_) | BranchKind::Leak(_) => {}
+                BranchKind::Inertia(_) => match of_branch.sonic {
+                    Some(_) => add(NetworkGuard::Slower { branch: index }, GuardForm::Function),
+                    None => {
+                        for forwards in [true, false] {
+                            add(NetworkGuard::Sonic { branch: index, forwards }, GuardForm::Function);
+                        }
+                    }
+                },
+                BranchKind::Leak(_) => {}
             }
         }
         for (index, node) in self.nodes.iter().enumerate() {
             let of_node = &mode.nodes[index];
+            if let NodeKind::Outlet { inlet: Some(inlet), .. } = &node.kind {
+                add(NetworkGuard::Limit { node: index }, GuardForm::Function);
+                if let NodeKind::Reservoir(_) = self.nodes[*inlet].kind {
+                    let bound = R::constant(EMPTY) * self.atmosphere;
+                    add(NetworkGuard::Empty { node: index }, linear(place(*inlet), bound, true));
+                }
+            }
             match &node.kind {
                 NodeKind::Outlet { regulator, .. } if regulator.dead_band().value() > 0.0 => {
                     if of_node.poppet != Poppet::Raises {
@@ -194,7 +236,7 @@ impl<R: Real> Network<R> {
                 _ => None,
             },
             NetworkGuard::Poppet { node, up } => match &self.nodes[node].kind {
-                NodeKind::Outlet { regulator, .. } => self.outlet_error(node, at).map(|error| {
+                NodeKind::Outlet { regulator, .. } => self.outlet_error(node, mode, at).map(|error| {
                     // From feeding to rest at the upper end of the dead band, from rest to relieving at the lower, and back.
                     let rests = mode.nodes[node].poppet == Poppet::Rests;
                     let bound = if rests == up { 1.0 } else { -1.0 };
@@ -204,6 +246,17 @@ impl<R: Real> Network<R> {
                 }),
                 _ => None,
             },
+            NetworkGuard::Limit { node } => self.inlet_margin(node, at).map(|margin| {
+                let width = T::constant(band) * T::of(self.atmosphere);
+                if mode.nodes[node].limited { width - margin } else { width + margin }
+            }),
+            NetworkGuard::Empty { node } => match self.nodes[node].kind {
+                NodeKind::Outlet { inlet: Some(inlet), .. } => {
+                    Some(at.nodes[inlet].pressure - T::constant(EMPTY) * T::of(self.atmosphere))
+                }
+                _ => None,
+            },
+            NetworkGuard::Sonic { .. } | NetworkGuard::Slower { .. } => None,
             NetworkGuard::RateLimit { node } => self.limit_end(node, mode).map(|(bound, lasts_above)| {
                 let above = at.nodes[node].pressure - T::of(bound);
                 if lasts_above { above } else { -above }
@@ -245,6 +298,20 @@ impl<R: Real> Network<R> {
                 *poppet = if *poppet == Poppet::Rests { towards } else { Poppet::Rests };
                 EventKind::Regulator
             }
+            NetworkGuard::Limit { node } => {
+                mode.nodes[node].limited = !mode.nodes[node].limited;
+                EventKind::Regulator
+            }
+            NetworkGuard::Sonic { branch, forwards } => {
+                mode.branches[branch].sonic = Some(forwards);
+                EventKind::Flow
+            }
+            NetworkGuard::Slower { branch } => {
+                mode.branches[branch].sonic = None;
+                EventKind::Flow
+            }
+            // It ends a run.
+            NetworkGuard::Empty { .. } => EventKind::Regulator,
             NetworkGuard::RateLimit { node } => {
                 mode.nodes[node].approach = Some(Approach::Settles);
                 EventKind::Regulator

@@ -28,9 +28,11 @@
 //! Source: each law's own file, in [`valve`], [`mod@line`] and [`air`](crate::air). Checked by
 //! `tests/plant_ledger.rs`: mass, energy and exergy; by `tests/plant_linear_closed_forms.rs`: a leak and a resonator.
 
+pub(crate) mod choke;
 pub(crate) mod flow;
 pub(crate) mod guard;
 pub(crate) mod mode;
+pub(crate) mod piping;
 mod setting;
 
 use crate::air::Air;

@@ -18,6 +18,8 @@ pub struct BranchMode {
     pub regime: FlowRegime,
     /// Whether a compressor runs.
     pub runs: bool,
+    /// Whether the air in a cell of a distributed hose goes at the speed of sound, and then whether forwards.
+    pub sonic: Option<bool>,
 }
 
 /// Which formula holds for a node.
@@ -25,6 +27,8 @@ pub struct BranchMode {
 pub struct NodeMode {
     /// Of a regulator's outlet.
     pub poppet: Poppet,
+    /// Whether the pressure of its inlet, and not what it is set to, limits a regulator's outlet.
+    pub limited: bool,
     /// How a proportional regulator goes to its set point; at rest before the first takes effect.
     pub approach: Option<Approach>,
     /// How many set points have taken effect.
@@ -191,9 +195,9 @@ impl<R: Real> Network<R> {
 }
 
 impl BranchMode {
-    pub(crate) const AT_REST: Self = Self { zone: None, regime: FlowRegime::Laminar, runs: false };
+    pub(crate) const AT_REST: Self = Self { zone: None, regime: FlowRegime::Laminar, runs: false, sonic: None };
 }
 
 impl NodeMode {
-    pub(crate) const AT_REST: Self = Self { poppet: Poppet::Rests, approach: None, set_points: 0 };
+    pub(crate) const AT_REST: Self = Self { poppet: Poppet::Rests, limited: false, approach: None, set_points: 0 };
 }

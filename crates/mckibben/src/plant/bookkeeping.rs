@@ -3,9 +3,7 @@
 use super::exergy::DeadState;
 use super::ledger::{Carried, PlantLedger};
 use super::mode::PlantMode;
-use super::run::PlantRun;
 use super::sample::Observer;
-use super::step::PlantStep;
 use super::trajectory::PieceView;
 use super::{Plant, tendon};
 use crate::engine::arc;
@@ -44,9 +42,9 @@ struct Passing {
     mixed: f64,
 }
 
-/// Keeps the ledger of a run as it is made, step by step.
+/// A ledger under way.
 #[derive(Debug)]
-pub struct Bookkeeper<'a> {
+pub(super) struct Bookkeeper<'a> {
     plant: &'a Plant,
     observer: Observer<'a, f64>,
     dead: Option<DeadState>,
@@ -64,8 +62,7 @@ pub struct Bookkeeper<'a> {
 }
 
 impl<'a> Bookkeeper<'a> {
-    /// Begins the ledger of a run of a plant with this relative tolerance of its steps.
-    pub fn new(plant: &'a Plant, relative_tolerance: f64) -> Self {
+    pub(super) fn new(plant: &'a Plant, relative_tolerance: f64) -> Self {
         let network = plant.network();
         let ledger = PlantLedger {
             actuators: vec![Default::default(); plant.actuators().len()],
@@ -91,16 +88,6 @@ impl<'a> Bookkeeper<'a> {
         }
     }
 
-    /// Adds an accepted step; steps come in order of time.
-    pub fn step(&mut self, step: &PlantStep<'_, '_>) {
-        self.add(step.view());
-    }
-
-    /// The ledger of a run that has come to its end.
-    pub fn finish(self, run: &PlantRun) -> PlantLedger {
-        self.close(run.time(), run.state(), run.mode())
-    }
-
     /// Adds a step.
     pub(super) fn add(&mut self, piece: PieceView<'_>) {
         let PieceView { start, step, end, points, mode } = piece;
@@ -124,7 +111,7 @@ impl<'a> Bookkeeper<'a> {
     }
 
     /// The ledger of a run that ends in a state.
-    pub(super) fn close(mut self, time: f64, state: &[f64], mode: &PlantMode) -> PlantLedger {
+    pub(super) fn finish(mut self, time: f64, state: &[f64], mode: &PlantMode) -> PlantLedger {
         if self.has_begun {
             self.level(1.0, time, state, mode);
         }

@@ -1,12 +1,12 @@
 //! What follows when a mode of the plant ends: instants that are known beforehand, and guards that have fired.
 
+use super::ends::opposite;
 use super::evaluation::{Evaluation, System};
 use super::guard::{PlantGuard, Touching};
 use super::mode::PlantMode;
-use super::tendon;
-use crate::dual::Dual;
 use crate::error::Error;
 use crate::mechanism::{Contact, Coupling, Mechanism};
+use crate::network::guard::NetworkGuard;
 use crate::network::{BranchKind, NodeKind};
 use crate::scalar::Real;
 use crate::simulation::member::Member;
@@ -140,9 +140,10 @@ impl<R: Real> System<'_, R> {
         self.enter_distances(time, state, mode, at);
         self.enter_air(time, state, mode, at);
         for node in 0..network.nodes.len() {
-            if let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind
-                && let Some(error) = network.outlet_error(node, &at.network)
-            {
+            if let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind {
+                let limited = network.inlet_margin(node, &at.network).is_some_and(|margin| margin.value() < 0.0);
+                mode.network.nodes[node].limited = limited;
+                let Some(error) = network.outlet_error(node, &mode.network, &at.network) else { continue };
                 mode.network.nodes[node].poppet = regulator.poppet(error);
             }
         }
@@ -174,14 +175,19 @@ impl<R: Real> System<'_, R> {
     ) -> Result<PlantEventKind, Error> {
         let of = |part, kind| Ok(PlantEventKind { part, kind });
         match guard {
+            PlantGuard::Network(NetworkGuard::Empty { node }) => Err(self.empty(node, time, state)),
             PlantGuard::Network(guard) => {
                 let kind = self.plant.network.cross(guard, &mut mode.network);
                 let part = match guard {
-                    crate::network::guard::NetworkGuard::Poppet { node, .. }
-                    | crate::network::guard::NetworkGuard::RateLimit { node } => Part::Node(node),
-                    crate::network::guard::NetworkGuard::Zone { branch, .. }
-                    | crate::network::guard::NetworkGuard::Regime { branch, .. }
-                    | crate::network::guard::NetworkGuard::Switch { branch } => Part::Branch(branch),
+                    NetworkGuard::Poppet { node, .. }
+                    | NetworkGuard::Limit { node }
+                    | NetworkGuard::Empty { node }
+                    | NetworkGuard::RateLimit { node } => Part::Node(node),
+                    NetworkGuard::Zone { branch, .. }
+                    | NetworkGuard::Regime { branch, .. }
+                    | NetworkGuard::Sonic { branch, .. }
+                    | NetworkGuard::Slower { branch }
+                    | NetworkGuard::Switch { branch } => Part::Branch(branch),
                 };
                 of(part, kind)
             }
@@ -300,28 +306,29 @@ impl<R: Real> System<'_, R> {
                     self.bring_to_rest(i, time, state, mode, at);
                     self.settle(m, time, state, mode, at);
                 } else {
-                    let its = &mut mode.actuators[i].mode;
-                    its.sliding = opposite(its.sliding);
+                    // On one given distance all turn round together.
+                    let given = !self.plant.mechanisms[m].is_dynamic();
+                    let together = given && self.plant.places.mechanisms[m].coordinates == 1;
+                    for &other in &self.plant.places.members[m] {
+                        if other == i || (together && self.plant.places.actuators[other].length.is_none()) {
+                            let its = &mut mode.actuators[other].mode;
+                            its.sliding = opposite(its.sliding);
+                        }
+                    }
                     self.clamp_all(m, time, state, mode, at);
                 }
                 let stuck = mode.actuators[i].mode.sliding == Sliding::Stuck;
                 Ok(if stuck { EventKind::Stick } else { EventKind::Reversal })
             }
             Guard::Slip => Ok(EventKind::Slip),
-            _ => Member::<R>::cross(guard, &mut mode.actuators[i].mode).ok_or_else(|| self.stuck(time, state)),
+            _ => Member::<R>::cross(guard, &mut mode.actuators[i].mode).ok_or_else(|| self.unknown_guard(time)),
         }
     }
 
     /// How an actuator slides that moves on over its shortest length.
     fn slide_on(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         self.enter_distances(time, state, mode, at);
-        let rate = at.units[i].rate.value();
-        let its = &mut mode.actuators[i].mode;
-        its.sliding = match self.members[i].actuator.friction().has_direction() {
-            false => Sliding::Frictionless,
-            true if rate < 0.0 => Sliding::Shortening,
-            true => Sliding::Lengthening,
-        };
+        mode.actuators[i].mode.sliding = self.slides(i, at.units[i].rate.value());
         self.clamp_all(self.plant.actuators[i].mechanism, time, state, mode, at);
     }
 
@@ -392,136 +399,6 @@ impl<R: Real> System<'_, R> {
         acceleration > 0.0 && rate * rate <= 2.0 * acceleration * self.members[i].band * self.members[i].longest
     }
 
-    /// Crosses a guard of an actuator on a tendon.
-    fn cross_end(
-        &self,
-        i: usize,
-        guard: Guard,
-        time: R,
-        state: &mut [R],
-        mode: &mut PlantMode<R>,
-        at: &mut Evaluation<R>,
-    ) -> Result<EventKind, Error> {
-        let (limits, friction) = (self.members[i].actuator.limits(), self.members[i].actuator.friction());
-        let place = self.plant.places.actuators[i].length.unwrap_or(0);
-        let sliding = |heading: f64| match friction.has_direction() {
-            false => Sliding::Frictionless,
-            true if heading < 0.0 => Sliding::Shortening,
-            true => Sliding::Lengthening,
-        };
-        let its = &mut mode.actuators[i];
-        Ok(match guard {
-            Guard::ThreadLength => {
-                return Err(Error::Stopped {
-                    time: time.value(),
-                    reason: "the load pulled a braid straight",
-                    quantity: "length",
-                    value: state[place].value(),
-                    unit: "m",
-                    remedy: "lighten the load or stiffen actuator.limit.stiffness",
-                });
-            }
-            Guard::Slack => {
-                state[place] = limits.min_length();
-                its.mode.sliding = Sliding::Stuck;
-                EventKind::Stick
-            }
-            Guard::Rest => {
-                self.check_no_jump(i, time, state, mode, at)?;
-                let its = &mut mode.actuators[i];
-                if friction.has_coulomb() {
-                    its.mode.sliding = Sliding::Stuck;
-                    if its.mode.extent == Extent::Rebound {
-                        its.mode.extent = Extent::Taut;
-                    }
-                    EventKind::Stick
-                } else {
-                    its.mode.sliding = opposite(its.mode.sliding);
-                    EventKind::Reversal
-                }
-            }
-            Guard::BreakLonger | Guard::BreakShorter => {
-                its.mode.sliding = sliding(if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
-                self.check_no_jump(i, time, state, mode, at)?;
-                EventKind::BreakAway
-            }
-            Guard::TendonLoose | Guard::TendonTight => {
-                its.loose = guard == Guard::TendonLoose;
-                if its.loose { EventKind::TendonLoose } else { EventKind::TendonTight }
-            }
-            Guard::Taut | Guard::Untaut => {
-                state[place] = limits.max_length();
-                let taut = guard == Guard::Taut;
-                its.mode.extent = if taut { Extent::Taut } else { Extent::Free };
-                if taut { EventKind::Taut } else { EventKind::Untaut }
-            }
-            Guard::Slip => EventKind::Slip,
-            _ => return Member::<R>::cross(guard, &mut its.mode).ok_or_else(|| self.stuck(time, state)),
-        })
-    }
-
-    /// That an end, on the border of what dry friction holds, slides no faster than a border is wide.
-    fn check_no_jump(
-        &self,
-        i: usize,
-        time: R,
-        state: &[R],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<R>,
-    ) -> Result<(), Error> {
-        /// Viscous force in widths of a border above which the end has jumped.
-        const JUMP: f64 = 1e3;
-        let member = &self.members[i];
-        if !member.actuator.friction().coulomb().falls() {
-            return Ok(());
-        }
-        self.enter_distances(time, state, mode, at);
-        let velocity = self.velocity_of_end(i, time, state, mode, at).value();
-        if member.damping(&mode.actuators[i].mode) * velocity.abs() <= JUMP * member.force_band {
-            return Ok(());
-        }
-        Err(Error::Stopped {
-            time: time.value(),
-            reason: "dry friction falls with velocity faster than viscous friction grows, and an end without a mass jumps",
-            quantity: "velocity of the actuator's end",
-            value: velocity,
-            unit: "m/s",
-            remedy: "raise actuator.friction.viscous or stribeck_velocity, or lower static_ratio",
-        })
-    }
-
-    /// After an event that lets the rates of ends on tendons jump: rest or reversal where an end would slide against its
-    /// direction, and break-away where no friction holds it.
-    pub(crate) fn settle_ends(&self, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
-        for i in 0..self.members.len() {
-            if self.plant.actuators[i].tendon.is_none() {
-                continue;
-            }
-            let friction = self.members[i].actuator.friction();
-            let fires = |guard, mode: &PlantMode<R>, at: &mut Evaluation<R>| {
-                self.guard(PlantGuard::Of(i, guard), time, state, mode, at).value() < 0.0
-            };
-            let sliding = mode.actuators[i].mode.sliding;
-            let directed = |heading: f64| match friction.has_direction() {
-                false => Sliding::Frictionless,
-                true if heading < 0.0 => Sliding::Shortening,
-                true => Sliding::Lengthening,
-            };
-            let next = match sliding {
-                Sliding::Lengthening | Sliding::Shortening if fires(Guard::Rest, mode, at) => {
-                    if friction.has_coulomb() { Sliding::Stuck } else { opposite(sliding) }
-                }
-                Sliding::Stuck if fires(Guard::BreakLonger, mode, at) => directed(1.0),
-                Sliding::Stuck if fires(Guard::BreakShorter, mode, at) => directed(-1.0),
-                same => same,
-            };
-            if next != sliding {
-                mode.actuators[i].mode.sliding = next;
-                self.follow(i, time, state, mode, at, false);
-            }
-        }
-    }
-
     /// Takes the memories of all hysteresis on to a state, and to the branches that follow.
     pub(crate) fn follow_all(
         &self,
@@ -536,7 +413,15 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    fn follow(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>, slips: bool) {
+    pub(super) fn follow(
+        &self,
+        i: usize,
+        time: R,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        slips: bool,
+    ) {
         if mode.actuators[i].trace.is_none() {
             return;
         }
@@ -564,6 +449,14 @@ impl<R: Real> System<'_, R> {
                 _ => {}
             }
         }
+        for &[branch, place] in &self.plant.places.state_branches {
+            if let Some(forwards) = mode.network.branches[branch].sonic
+                && let Some((behind, per_pressure)) = self.plant.network.sonic::<R>(branch, forwards)
+                && let Some(pressure) = self.pressure(behind, state)
+            {
+                state[place] = per_pressure * pressure;
+            }
+        }
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let (here, its) = (&self.plant.places.actuators[i], &mode.actuators[i]);
             if mounted.tendon.is_some() {
@@ -585,88 +478,5 @@ impl<R: Real> System<'_, R> {
                 state[here.pressure] = content * state[here.pressure + 1] / volume;
             }
         }
-    }
-
-    /// Brings the length of an actuator on a tendon to where both tensions are equal, with the air sealed, where nothing but
-    /// the balance holds it.
-    fn keep_balance(&self, i: usize, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
-        let (mounted, its) = (&self.plant.actuators[i], &mode.actuators[i]);
-        let here = self.plant.places.actuators[i];
-        let (Some(tendon), Some(place)) = (&mounted.tendon, here.length) else { return };
-        if its.mode.sliding == Sliding::Stuck || tendon::is_damped(&mounted.actuator, its) {
-            return;
-        }
-        self.enter_distances(time, state, mode, at);
-        let mut unit = at.units[i];
-        (unit.flow, unit.warmth) = (crate::air::Flow::none(), R::zero());
-        let sealed = (&unit, &at.chambers[i]);
-        let per_length = self.air_rate(i, sealed, R::one()) - self.air_rate(i, sealed, R::zero());
-        let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
-        let length = Dual::variable(state[place], 0);
-        let pressure = Dual { value: state[here.pressure], slope: [per_length] };
-        let bristles = self.bristles(i, state).map(|bent| Dual { value: bent, slope: [R::zero()] });
-        let excess = self.excess(i, tendon, its, [distance, length, pressure], bristles);
-        let step = excess.value / excess.slope[0];
-        if step.value().is_finite() {
-            state[place] = state[place] - step;
-            state[here.pressure] = state[here.pressure] - step * per_length;
-        }
-    }
-
-    /// The error of a run that makes no progress: what goes on there, by the event that it had last.
-    pub(crate) fn crawls(&self, time: R, advance: f64, event: Option<PlantEventKind>) -> Error {
-        let (reason, remedy) = match event.map(|event| event.kind) {
-            Some(EventKind::Stick | EventKind::BreakAway | EventKind::Reversal) => (
-                "an actuator sticks and slides in turn without end",
-                "raise actuator.friction.viscous, or loosen run.relative_tolerance",
-            ),
-            Some(EventKind::Flow | EventKind::Regime) => (
-                "a flow changes its regime without end",
-                "check that volumes and flow areas fit each other, or lower valve.laminar_ratio",
-            ),
-            Some(EventKind::Regulator) => {
-                ("a regulator opens and shuts without end", "give it a droop or a lag, or widen its dead band")
-            }
-            Some(EventKind::TendonLoose | EventKind::TendonTight) => {
-                ("a tendon comes tight and loose without end", "give its actuator viscous friction, or a softer tendon")
-            }
-            Some(EventKind::StopReached | EventKind::StopRebound | EventKind::StopLeft) => {
-                ("a stop is reached and left without end", "raise the damping of the stop or lower its stiffness")
-            }
-            _ => (
-                "100000 steps advance the time by less than 0.1 ms",
-                "check that masses, volumes and flow areas are of usual size, or loosen run.relative_tolerance",
-            ),
-        };
-        Error::Stopped {
-            time: time.value(),
-            reason,
-            quantity: "advance in the last 100000 steps",
-            value: advance,
-            unit: "s",
-            remedy,
-        }
-    }
-
-    /// The error of a step that has become too small to go on.
-    pub(crate) fn stuck(&self, time: R, state: &[R]) -> Error {
-        let pressure = self.plant.places.actuators.first().map_or(0.0, |here| state[here.pressure].value());
-        Error::Stopped {
-            time: time.value(),
-            reason: "no step is short enough for the tolerance",
-            quantity: "absolute pressure",
-            value: pressure,
-            unit: "Pa",
-            remedy: "check that masses, volumes and flow areas are of usual size, or loosen run.relative_tolerance",
-        }
-    }
-}
-
-/// The other way.
-fn opposite(sliding: Sliding) -> Sliding {
-    match sliding {
-        Sliding::Lengthening => Sliding::Shortening,
-        Sliding::Shortening => Sliding::Lengthening,
-        same => same,
     }
 }

@@ -30,6 +30,7 @@ use crate::mechanism::chain::{Chain, Contacts};
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
+use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::member::Member;
 use crate::simulation::{Extent, Sliding};
@@ -117,6 +118,7 @@ pub(crate) struct System<'a, R: Real> {
     pub(crate) plant: &'a Plant<R>,
     pub(crate) members: Vec<Member<'a, R>>,
     pub(crate) wires: Vec<Wire<'a, R>>,
+    pub(crate) piping: Piping<'a, R>,
     /// First acceleration of each mechanism among those of all.
     pub(crate) first_coordinate: Vec<usize>,
     /// Relative width of a border between agreeing formulas.
@@ -172,17 +174,19 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        for i in 0..self.wires.len() {
-            let [length, velocity] = self.enter_ends_of(i, time, state, mode, at);
-            let wire = &self.wires[i];
+        let count = self.wires.len();
+        let (wires, modes) = (&self.wires[..count], &mode.actuators[..count]);
+        let (units, chambers) = (&mut at.units[..count], &mut at.chambers[..count]);
+        for i in 0..count {
+            let (wire, of_actuator) = (&wires[i], &modes[i]);
+            let ends = self.enter_ends(i, wire, time, state, (mode, of_actuator), (&mut units[i], &mut at.gradient));
             let air = &state[wire.pressure..wire.pressure + 2];
-            let slack = mode.actuators[i].mode.extent == Extent::Slack;
-            at.chambers[i] = wire.actuator.chamber(length, velocity, air[0], air[1], slack);
+            let slack = of_actuator.mode.extent == Extent::Slack;
+            chambers[i] = wire.actuator.chamber(ends[0], ends[1], air[0], air[1], slack);
         }
     }
 
-    /// Computes distance, length and their rates of an actuator; returns the last two.
-    #[inline(always)]
+    /// Computes distance, length and their rates of an actuator.
     pub(crate) fn enter_ends_of<T: Over<R>>(
         &self,
         i: usize,
@@ -190,8 +194,22 @@ impl<'a, R: Real> System<'a, R> {
         state: &[T],
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
+    ) {
+        let into = (&mut at.units[i], &mut at.gradient[..]);
+        self.enter_ends(i, &self.wires[i], time, state, (mode, &mode.actuators[i]), into);
+    }
+
+    /// Writes distance, length and their rates of an actuator; returns the last two.
+    #[inline(always)]
+    fn enter_ends<T: Over<R>>(
+        &self,
+        i: usize,
+        wire: &Wire<'_, R>,
+        time: T,
+        state: &[T],
+        (mode, of_actuator): (&PlantMode<R>, &ActuatorMode<R>),
+        (unit, gradient): (&mut Unit<T>, &mut [T]),
     ) -> [T; 2] {
-        let wire = &self.wires[i];
         let of_mechanism = &mode.mechanisms[wire.mechanism];
         let [distance, rate] = match wire.span {
             Span::Direct { position, rate } => {
@@ -199,25 +217,20 @@ impl<'a, R: Real> System<'a, R> {
             }
             Span::Fixed { position } => [state[position], T::zero()],
             Span::Prescribed => self.prescribed(wire.mechanism, time, of_mechanism),
-            Span::Coupled => self.span(i, state, mode, &mut at.gradient),
+            Span::Coupled => self.span(i, state, mode, gradient),
         };
         let (length, velocity) = match wire.length {
             Some(place) => (state[place], T::zero()),
-            None if mode.actuators[i].mode.sliding == Sliding::Stuck => (distance, T::zero()),
+            None if of_actuator.mode.sliding == Sliding::Stuck => (distance, T::zero()),
             None => (distance, rate),
         };
-        let unit = &mut at.units[i];
         (unit.distance, unit.rate, unit.length, unit.velocity) = (distance, rate, length, velocity);
         [length, velocity]
     }
 
     /// Enters the pressures of all nodes of the network, without their flows.
     pub(crate) fn enter_pressures<T: Over<R>>(&self, state: &[T], at: &mut NetworkState<T>) {
-        let places = &self.plant.places;
-        self.plant.network.enter_pressures(at, |node| match self.plant.network.nodes[node].kind {
-            NodeKind::Chamber { actuator } => Some(state[places.actuators[actuator].pressure]),
-            _ => places.nodes[node].map(|place| state[place]),
-        });
+        self.piping.enter_pressures(state, |actuator| self.wires[actuator].pressure, at);
     }
 
     /// Length and velocity of a prescribed motion.
@@ -254,28 +267,13 @@ impl<'a, R: Real> System<'a, R> {
         [distance, rate]
     }
 
-    /// What the network sees of the rest.
-    #[inline(always)]
-    pub(crate) fn around<'s, T>(&'s self, chambers: &'s [Chamber<T>], state: &'s [T]) -> Surroundings<'s, T> {
-        let places = &self.plant.places;
-        Surroundings {
-            chambers,
-            keeps_heat: &places.keeps_heat,
-            any_keeps_heat: places.any_keeps_heat,
-            drawn: &places.drawn,
-            state,
-            varying: &places.varying,
-            counts: &places.counts,
-            branches: &places.branches,
-        }
-    }
-
     /// Computes the flows, and those into each chamber.
     #[inline(always)]
     pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         let Some(first) = self.wires.first() else { return };
         let network = &self.plant.network;
-        network.flows(time, self.around(&at.chambers, state), first.actuator.air(), &mode.network, &mut at.network);
+        let around = Surroundings { chambers: &at.chambers, state };
+        network.flows(time, &self.piping, around, first.actuator.air(), &mode.network, &mut at.network);
         let count = self.wires.len();
         let (wires, units) = (&self.wires[..count], &mut at.units[..count]);
         for i in 0..count {
@@ -502,18 +500,28 @@ impl<'a, R: Real> System<'a, R> {
     ) {
         self.evaluate_here(time, state, mode, at);
         let Plant { mechanisms, network, places, .. } = self.plant;
-        let mut coordinate = 0;
-        for (m, mechanism) in mechanisms.iter().enumerate() {
-            let (of_mechanism, here) = (&mode.mechanisms[m], &places.mechanisms[m]);
-            for k in 0..here.coordinates {
-                rates[here.position(k)] = match mechanism {
-                    _ if of_mechanism.frozen => T::zero(),
-                    Mechanism::Fixed => T::zero(),
-                    Mechanism::Prescribed(motion) => motion.at(time, of_mechanism.corners_passed)[1],
-                    _ => state[here.rate(k)],
-                };
-                rates[here.rate(k)] = at.acceleration[coordinate];
-                coordinate += 1;
+        let count = mechanisms.len();
+        let (of_mechanisms, places_of) = (&mode.mechanisms[..count], &places.mechanisms[..count]);
+        let mut accelerations = &at.acceleration[..];
+        for m in 0..count {
+            let here = &places_of[m];
+            let (its, rest) = accelerations.split_at(here.coordinates);
+            accelerations = rest;
+            let from = here.first;
+            match &mechanisms[m] {
+                _ if of_mechanisms[m].frozen => rates[from..from + 2 * here.coordinates].fill(T::zero()),
+                Mechanism::Mass(_) => (rates[from], rates[from + 1]) = (state[from + 1], its[0]),
+                Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
+                Mechanism::Prescribed(motion) => {
+                    let [_, velocity, _] = motion.at(time, of_mechanisms[m].corners_passed);
+                    (rates[from], rates[from + 1]) = (velocity, its[0]);
+                }
+                Mechanism::Chain(_) | Mechanism::External { .. } => {
+                    for (k, acceleration) in its.iter().enumerate() {
+                        rates[here.position(k)] = state[here.rate(k)];
+                        rates[here.rate(k)] = *acceleration;
+                    }
+                }
             }
         }
         let count = self.wires.len();
@@ -533,7 +541,30 @@ impl<'a, R: Real> System<'a, R> {
             rates[place] = network.node_rate(node, &mode.network, &at.network);
         }
         for &[branch, place] in &places.state_branches {
-            rates[place] = network.branch_rate(branch, &at.network);
+            rates[place] = match mode.network.branches[branch].sonic {
+                None => network.branch_rate(branch, &at.network),
+                Some(forwards) => match network.sonic::<T>(branch, forwards) {
+                    Some((behind, per_pressure)) => per_pressure * self.pressure_rate(behind, mode, at),
+                    None => T::zero(),
+                },
+            };
+        }
+    }
+
+    /// The rate of the pressure of a node in Pa/s, once everything is evaluated.
+    pub(crate) fn pressure_rate<T: Over<R>>(&self, node: usize, mode: &PlantMode<R>, at: &Evaluation<T>) -> T {
+        match self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => at.units[actuator].pressure_rate,
+            _ => self.plant.network.node_rate(node, &mode.network, &at.network),
+        }
+    }
+
+    /// The pressure of a node in Pa in a state; none for one that does not change.
+    pub(crate) fn pressure<T: Copy>(&self, node: usize, state: &[T]) -> Option<T> {
+        let places = &self.plant.places;
+        match self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => Some(state[places.actuators[actuator].pressure]),
+            _ => places.nodes[node].map(|place| state[place]),
         }
     }
 

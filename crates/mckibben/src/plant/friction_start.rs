@@ -21,13 +21,14 @@ pub enum InitialFriction<S = f64> {
     Held(S),
 }
 
-static FORCE: Parameter = Parameter {
+/// The force of [`InitialFriction::Held`].
+pub static INITIAL_FRICTION_FORCE: Parameter = Parameter {
     key: "initial.friction_force",
     symbol: "F_h(0)",
     unit: "N",
     range: Range::FINITE,
     default: None,
-    meaning: "Force that the hysteresis of an actuator holds at the start, positive where it adds to the tension.",
+    meaning: "Force that the hysteresis of the actuator holds at the start, positive where it adds to the tension.",
     source: "choice of the experiment",
     remedy: "give a finite force",
 };
@@ -36,7 +37,7 @@ impl<R: Real> Plant<R> {
     /// What the hysteresis of each actuator remembers at the start in a state; none for one that starts relaxed.
     ///
     /// # Errors
-    /// [`Error::Table`] unless there is an entry for each actuator, or none at all; [`Error::Unsupported`] where there is no
+    /// [`Error::Table`] unless there is an entry for each actuator, or none at all; [`Error::Misuse`] where there is no
     /// hysteresis; [`Error::Inconsistent`] for a force that it cannot hold.
     pub(crate) fn start_memories(
         &self,
@@ -60,7 +61,7 @@ impl<R: Real> Plant<R> {
             }
             let actuator = &self.actuators[i].actuator;
             let Some(law) = actuator.friction().hysteresis() else {
-                return Err(Error::Unsupported {
+                return Err(Error::Misuse {
                     what: "a start of friction is given, but dry friction without hysteresis remembers nothing: at rest the \
                            balance decides what it holds, in motion the velocity",
                     remedy: "leave it relaxed, or give actuator.friction.hysteresis",
@@ -83,11 +84,11 @@ impl<R: Real> Plant<R> {
 
 /// The memory of a law that holds a force in N at a secant stiffness in N/m.
 fn holding<R: Real>(law: &Hysteresis<R>, length: R, stiffness: R, force: R) -> Result<Memory<R>, Error> {
-    FORCE.check(force.value())?;
+    INITIAL_FRICTION_FORCE.check(force.value())?;
     let most = stiffness * law.widest(length);
     if force.value().abs() > most.value() {
         return Err(Error::Inconsistent {
-            parameter: &FORCE,
+            parameter: &INITIAL_FRICTION_FORCE,
             value: force.value(),
             requirement: Requirement {
                 relation: "must be, without its sign, at most",

@@ -9,6 +9,7 @@ use super::mode::PlantMode;
 use super::tendon;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Contact, Coupling, Mechanism};
+use crate::network::BranchKind;
 use crate::network::guard::NetworkGuard;
 use crate::scalar::{Differentiable, Real};
 use crate::simulation::member::Trace;
@@ -291,8 +292,33 @@ impl<R: Real> System<'_, R> {
                     None => T::one(),
                 }
             }
+            PlantGuard::Network(NetworkGuard::Sonic { branch, forwards }) => {
+                let network = &self.plant.network;
+                let (Some(place), Some((behind, per_pressure))) =
+                    (self.plant.places.branches[branch], network.sonic::<T>(branch, forwards))
+                else {
+                    return T::one();
+                };
+                let atmosphere = T::of(network.atmosphere);
+                let pressure = self.pressure(behind, state).unwrap_or(atmosphere);
+                let left = per_pressure * (pressure + T::constant(self.band) * atmosphere) - state[place];
+                if forwards { left } else { -left }
+            }
+            PlantGuard::Network(NetworkGuard::Slower { branch }) => {
+                let Some(forwards) = mode.network.branches[branch].sonic else { return T::one() };
+                self.evaluate(time, state, mode, at);
+                let network = &self.plant.network;
+                let Some((behind, per_pressure)) = network.sonic::<T>(branch, forwards) else { return T::one() };
+                let drive = network.sonic_drive(branch, forwards, self.pressure_rate(behind, mode, at), &at.network);
+                // A border as wide as that which the flow has passed, over the time of a wave through the cell.
+                let per_time = match network.branches[branch].kind {
+                    BranchKind::Inertia(hose) => T::of(hose.wave_speed() / hose.tube().length()),
+                    _ => T::one(),
+                };
+                drive + per_pressure.magnitude() * per_time * T::constant(self.band) * T::of(network.atmosphere)
+            }
             PlantGuard::Network(guard) => {
-                if let NetworkGuard::Poppet { .. } = guard {
+                if let NetworkGuard::Poppet { .. } | NetworkGuard::Limit { .. } = guard {
                     self.enter_distances(time, state, mode, at);
                     self.enter_air(time, state, mode, at);
                 } else {

@@ -4,7 +4,7 @@ use super::crossing::PlantEventKind;
 use super::evaluation::{Evaluation, System};
 use super::guard::PlantGuard;
 use super::mode::PlantMode;
-use crate::engine::Hybrid;
+use crate::engine::{Halt, Hybrid};
 use crate::error::Error;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::system::GuardForm;
@@ -37,7 +37,7 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         System::rates(self, time, state, mode, work, rates);
     }
 
-    fn settling_rate(&self, _time: R, state: &[R], mode: &PlantMode<R>, work: &mut Evaluation<R>) -> f64 {
+    fn settling_rate(&self, state: &[R], mode: &PlantMode<R>, work: &mut Evaluation<R>) -> f64 {
         System::settling_rate(self, state, mode, work)
     }
 
@@ -89,11 +89,7 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
         System::project(self, time, state, mode, work);
     }
 
-    fn crawls(&self, time: R, advance: f64, event: Option<PlantEventKind>) -> Error {
-        System::crawls(self, time, advance, event)
-    }
-
-    fn stuck(&self, time: R, state: &[R], _mode: &PlantMode<R>) -> Error {
-        System::stuck(self, time, state)
+    fn halts(&self, time: R, state: &[R], why: Halt, event: Option<PlantEventKind>) -> Error {
+        System::halts(self, time, state, why, event)
     }
 }

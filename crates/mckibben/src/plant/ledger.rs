@@ -400,6 +400,6 @@ impl PlantTrajectory {
         let mut keeper = Bookkeeper::new(self.plant(), self.relative_tolerance());
         self.each_piece(|piece| keeper.add(piece));
         let (state, mode) = self.at(self.duration());
-        keeper.close(self.duration(), &state, mode)
+        keeper.finish(self.duration(), &state, mode)
     }
 }

@@ -18,6 +18,7 @@
 mod bookkeeping;
 mod crossing;
 mod dense;
+mod ends;
 mod evaluation;
 mod exergy;
 mod friction_start;
@@ -30,20 +31,20 @@ mod linear;
 mod measure;
 mod mode;
 mod of_rig;
+mod progress;
 mod run;
 mod sample;
 mod scale;
 mod shares;
 mod sliding;
 mod start;
-mod step;
+mod stream;
 mod tendon;
 mod trajectory;
 mod wire;
 
-pub use bookkeeping::Bookkeeper;
 pub use crossing::{Part, PlantEventKind};
-pub use friction_start::InitialFriction;
+pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{PlantGuard, Touching};
 pub use joint::{
     JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
@@ -61,16 +62,16 @@ pub use of_rig::SupplyNodes;
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
-pub use step::{PlantConsumer, PlantStep};
+pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};
 pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
 
 use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::convert::{AnewOfEach, Convert};
 use crate::error::Error;
+use crate::limit;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
-use crate::network::flow::Varying;
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::parameter::Parameter;
 use crate::scalar::Scalar;
@@ -167,16 +168,10 @@ pub struct Places {
     /// The nodes and branches that have a state, each with its place.
     pub(crate) state_nodes: Vec<[usize; 2]>,
     pub(crate) state_branches: Vec<[usize; 2]>,
-    /// The nodes whose pressure changes, and for each branch whether what flows at its ends counts there.
-    pub(crate) varying: Vec<(usize, Varying)>,
-    pub(crate) counts: Vec<[bool; 2]>,
-    /// The outlets of regulators that a node of the network feeds, each with that node, the last outlet first.
-    pub(crate) drawn: Vec<[usize; 2]>,
     /// The actuators of each mechanism.
     pub members: Vec<Vec<usize>>,
-    /// Whether the air of each actuator keeps an energy balance, and whether that of any does.
+    /// Whether the air of each actuator keeps an energy balance.
     pub(crate) keeps_heat: Vec<bool>,
-    pub(crate) any_keeps_heat: bool,
     /// The node of the network that is each actuator's chamber.
     pub(crate) chambers: Vec<Option<usize>>,
     /// How many states there are.
@@ -189,10 +184,10 @@ impl Plant {
     /// A plant of actuators on mechanisms, fed by a network.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a reference to a part that is not there, an actuator with a valve of its own, a given
+    /// [`Error::Misuse`] for a reference to a part that is not there, an actuator with a valve of its own, a given
     /// pressure in an actuator that the network feeds, or a command that its valve cannot follow.
     pub fn new(actuators: Vec<Mounted>, network: Network, mechanisms: Vec<Mechanism>) -> Result<Self, Error> {
-        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         for (index, mounted) in actuators.iter().enumerate() {
             let Some(mechanism) = mechanisms.get(mounted.mechanism) else {
                 return wrong("an actuator pulls on a mechanism that is not there", "name one of the mechanisms");
@@ -223,10 +218,13 @@ impl Plant {
             let is_fed =
                 |node: usize| matches!(network.nodes[node].kind, NodeKind::Chamber { actuator } if actuator == index);
             let fed = network.branches.iter().any(|branch| is_fed(branch.from) || is_fed(branch.to));
-            if mounted.pressure.is_some() && (fed || mounted.tendon.is_some()) {
+            if mounted.pressure.is_some() && mounted.tendon.is_some() {
+                return Err(Error::NotImplemented(&limit::PRESSURE_TENDON));
+            }
+            if mounted.pressure.is_some() && fed {
                 return wrong(
-                    "the pressure in an actuator is given over time, and a valve, a leak or a tendon would change it too",
-                    "leave out [valve], [hose], actuator.leakage and [tendon], or leave out [pressure]",
+                    "the pressure in an actuator is given over time, and a valve or a leak would change it too",
+                    "leave out [valve], [hose] and actuator.leakage, or leave out [pressure]",
                 );
             }
         }
@@ -338,21 +336,6 @@ impl Places {
         };
         places.state_nodes = stated(&places.nodes);
         places.state_branches = stated(&places.branches);
-        let outlets = network.nodes.iter().enumerate().rev();
-        places.drawn = outlets
-            .filter_map(|(index, node)| match node.kind {
-                NodeKind::Outlet { inlet, .. } => inlet.map(|inlet| [index, inlet]),
-                _ => None,
-            })
-            .collect();
-        let varying = |(index, node): (usize, &crate::network::Node<S>)| match node.kind {
-            NodeKind::Chamber { actuator } => Some((index, Varying::Chamber(actuator))),
-            _ => places.nodes[index].map(|place| (index, Varying::State(place))),
-        };
-        places.varying = network.nodes.iter().enumerate().filter_map(varying).collect();
-        let counts = |node: usize| !matches!(network.nodes[node].kind, NodeKind::Atmosphere | NodeKind::Source);
-        places.counts = network.branches.iter().map(|branch| [counts(branch.from), counts(branch.to)]).collect();
-        places.any_keeps_heat = places.keeps_heat.contains(&true);
         places
     }
 

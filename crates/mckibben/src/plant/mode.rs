@@ -1,12 +1,15 @@
 //! The discrete state of a plant: which formulas hold.
 
+use super::evaluation::System;
 use super::sliding::Facet;
 use crate::command::Driver;
 use crate::mechanism::Contact;
 use crate::network::mode::NetworkMode;
 use crate::scalar::Real;
-use crate::simulation::Mode;
 use crate::simulation::member::Trace;
+use crate::simulation::{Extent, Mode, Sliding};
+use crate::valve::Ports;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// The discrete state of an actuator.
@@ -56,4 +59,51 @@ pub struct PlantMode<R: Real = f64> {
     pub(crate) arms: Vec<usize>,
     /// The drivers, with what their controllers remember.
     pub drivers: Vec<Driver<R>>,
+}
+
+impl<R: Real> System<'_, R> {
+    /// The mode of a plant of which nothing but the pieces of its laws is known yet, in a state: all paths as their valves begin,
+    /// all actuators at rest between their limits, no contacts.
+    pub(super) fn first_mode(&self, state: &[R]) -> PlantMode<R> {
+        let plant = self.plant;
+        let mut arms = vec![0; plant.places.arms];
+        for (mounted, here) in plant.actuators.iter().zip(&plant.places.actuators) {
+            let (position, _) = plant.places.mechanisms[mounted.mechanism].of(state);
+            mounted.coupling.pieces(position, &mut arms[here.arms..here.arms + mounted.coupling.arm_count()]);
+        }
+        let actuator =
+            |(member, here): (&crate::simulation::member::Member<'_, R>, &super::ActuatorPlaces)| ActuatorMode {
+                mode: Mode {
+                    ports: Ports::CLOSED,
+                    supply_zone: None,
+                    exhaust_zone: None,
+                    effectiveness_piece: member.effectiveness_piece(state[here.pressure]),
+                    pressed: member.pressed(state[here.pressure]),
+                    force_piece: Default::default(),
+                    extent: Extent::Free,
+                    sliding: Sliding::Held,
+                    clamped: false,
+                },
+                on_stop: false,
+                loose: false,
+                trace: None,
+                isothermal: None,
+                rows_passed: 0,
+            };
+        let mechanism = |here: &super::MechanismPlaces| MechanismMode {
+            frozen: false,
+            stops: vec![[Contact::None; 2]; here.coordinates],
+            foot: Contact::None,
+            basis: Vec::new(),
+            facets: Vec::new(),
+            corners_passed: 0,
+        };
+        PlantMode {
+            actuators: self.members.iter().zip(&plant.places.actuators).map(actuator).collect(),
+            mechanisms: plant.places.mechanisms.iter().map(mechanism).collect(),
+            network: plant.network.begin(),
+            arms,
+            drivers: Vec::new(),
+        }
+    }
 }

@@ -2,10 +2,8 @@
 
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
-use super::sample::{Observer, PlantSample};
 use super::start::PlantStart;
-use super::step::{PlantConsumer, PlantStep, StepReading};
-use super::trajectory::{PieceView, PlantTrajectory};
+use super::trajectory::PlantTrajectory;
 use super::{Plant, PlantEventKind};
 use crate::command::{Driver, PlantMeasurement};
 use crate::engine::{Integrator, Pace, Piece, Statistics};
@@ -81,7 +79,7 @@ impl<R: Real> PlantRun<R> {
     /// Starts at t = 0 with drivers, in place of the commands of the valves that are theirs.
     ///
     /// # Errors
-    /// As [`Plant::start`]; [`Error::Unsupported`] for a driver of parts that are not there, and for two of one valve.
+    /// As [`Plant::start`]; [`Error::Misuse`] for a driver of parts that are not there, and for two of one valve.
     pub fn with_drivers(
         plant: &Plant<R>,
         start: &PlantStart<R>,
@@ -101,7 +99,7 @@ impl<R: Real> PlantRun<R> {
         let mut mode = system.begin(&mut state, &memories, &mut at);
         system.check_ends(R::zero(), &state, &mode, &mut at)?;
         mode.drivers = drivers;
-        let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin() };
+        let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin(0.0) };
         Ok(Self { plant, relative_tolerance, reached })
     }
 
@@ -141,14 +139,6 @@ impl<R: Real> PlantRun<R> {
         System::new(&self.plant, self.relative_tolerance).measure(*time, state, mode, &mut Evaluation::new(&self.plant))
     }
 
-    /// Everything that is known at the time that has been reached, after any event there.
-    pub fn sample(&self) -> PlantSample<R> {
-        let PlantSnapshot { time, state, mode, .. } = &self.reached;
-        let mut sample = PlantSample::new(&self.plant);
-        Observer::new(&self.plant, self.relative_tolerance).observe(*time, state, mode, &mut sample);
-        sample
-    }
-
     /// The sizes by which errors in the states are scaled now.
     pub(crate) fn scales(&self) -> Vec<f64> {
         let mut scales = alloc::vec![0.0; self.state().len()];
@@ -164,7 +154,7 @@ impl<R: Real> PlantRun<R> {
     /// Goes back, or on, to where a run of the same plant was.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a snapshot of another plant.
+    /// [`Error::Misuse`] for a snapshot of another plant.
     pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
         let (ours, theirs) = (&self.reached, snapshot);
         let alike = ours.state.len() == theirs.state.len()
@@ -175,7 +165,7 @@ impl<R: Real> PlantRun<R> {
             && ours.mode.network.nodes.len() == theirs.mode.network.nodes.len()
             && ours.mode.network.valves.len() == theirs.mode.network.valves.len();
         if !alike {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a snapshot of another plant is restored",
                 remedy: "restore what a run of the same plant has saved",
             });
@@ -187,10 +177,10 @@ impl<R: Real> PlantRun<R> {
     /// Sets what a valve does from now on, in place of all that was to come.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no such valve, it has a driver, or it cannot do what is asked;
+    /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot do what is asked;
     /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
     pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
-        let wrong = |what, remedy| Err(Error::Unsupported { what, remedy });
+        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         if valve >= self.plant.network.valves.len() {
             return wrong("a valve is set that is not there", "name a valve of the network");
         }
@@ -204,13 +194,13 @@ impl<R: Real> PlantRun<R> {
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a mechanism that is not external; [`Error::Table`] unless there is one rate for each
+    /// [`Error::Misuse`] for a mechanism that is not external; [`Error::Table`] unless there is one rate for each
     /// coordinate; [`Error::OutOfRange`] for a rate that is not finite.
     pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
         let external =
             matches!(self.plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
         if !external {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "rates are set of a mechanism whose motion no host gives",
                 remedy: "name an external mechanism",
             });
@@ -286,25 +276,5 @@ impl<R: Real> PlantRun<R> {
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<PlantTrajectory<R>, Error> {
         PlantTrajectory::record(self, until, watch)
-    }
-
-    /// Goes on to `until` in s and hands each accepted step to `consumer`; nothing is kept, so memory does not grow with the
-    /// run.
-    ///
-    /// # Errors
-    /// As [`PlantRun::advance_to`], and those of the consumer, such as [`Error::Interrupted`].
-    pub fn stream_to(&mut self, until: R, consumer: &mut PlantConsumer<'_, R>) -> Result<(), Error> {
-        // Samples need the parts alone, and not the commands, which a run may continue.
-        let plant = self.plant.clone();
-        let (reading, mut mode) = (StepReading::new(&plant, self.relative_tolerance), self.mode().clone());
-        self.extend(until, &mut |piece| {
-            let (arc, end) = (piece.arc, piece.end);
-            let view = PieceView { start: arc.start, step: arc.step, end, points: &arc.points, mode: &mode };
-            consumer(&PlantStep::new(view, piece.event, &reading))?;
-            if let Some((_, after)) = piece.event {
-                mode = after.clone();
-            }
-            Ok(())
-        })
     }
 }

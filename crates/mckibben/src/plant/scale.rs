@@ -8,6 +8,7 @@ use super::{Mounted, Plant, tendon};
 use crate::air::Process;
 use crate::dual::Dual;
 use crate::mechanism::{Contact, Mechanism};
+use crate::network::piping::Piping;
 use crate::network::{BranchKind, NodeKind};
 use crate::scalar::{Real, Scalar};
 use crate::simulation::member::Member;
@@ -45,9 +46,9 @@ impl<'a, R: Real> System<'a, R> {
             })
             .collect();
         let band = members.first().map_or(relative_tolerance, |member| member.band);
-        let wires = Wire::all(plant);
+        let (wires, piping) = (Wire::all(plant), Piping::new(plant));
         let mut system =
-            Self { plant, members, wires, first_coordinate, band, usual_torque: Vec::new(), arms: Vec::new() };
+            Self { plant, members, wires, piping, first_coordinate, band, usual_torque: Vec::new(), arms: Vec::new() };
         system.enter_usual();
         system
     }
@@ -282,7 +283,8 @@ impl<'a, R: Real> System<'a, R> {
         if network.branches.is_empty() {
             return 0.0;
         }
-        let settling = core::mem::take(&mut at.settling);
+        let mut sums = core::mem::take(&mut at.settling);
+        sums.fill(0.0);
         // By how much the pressure of each node rises with what flows in, in Pa/kg.
         let answer = |node: usize| match &network.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
@@ -298,8 +300,6 @@ impl<'a, R: Real> System<'a, R> {
             NodeKind::Chamber { actuator } => at.units[*actuator].pressure_rate.value(),
             _ => network.node_rate(node, &mode.network, &at.network).value(),
         };
-        let mut sums = settling;
-        sums.fill(0.0);
         let mut fastest: f64 = 0.0;
         for (node, kind) in network.nodes.iter().enumerate() {
             match &kind.kind {
@@ -325,7 +325,7 @@ impl<'a, R: Real> System<'a, R> {
             let flow = at.network.flows[index].value();
             let zone = of_branch.zone;
             let gap = near - far;
-            let closing = rate(to) - rate(from);
+            let closing = || rate(to) - rate(from);
             // Where the pressures are equal, their flow says nothing of its slope.
             let slope = |gap: f64| {
                 if gap == 0.0 { self.slope_at_rest(index, mode, at) } else { (flow / gap).abs() }
@@ -336,7 +336,7 @@ impl<'a, R: Real> System<'a, R> {
                     Some(FlowZone::SubsonicIn | FlowZone::SubsonicOut) => {
                         // Below the speed of sound the slope grows without bound as the pressures meet: the time until they
                         // would counts.
-                        fastest = fastest.max(MEETING * closing / gap);
+                        fastest = fastest.max(MEETING * closing() / gap);
                         (0.5 * flow / gap).abs()
                     }
                     _ => 0.0,

@@ -62,11 +62,7 @@ impl<R: Real> System<'_, R> {
         let remembered = (&of_actuator.trace, self.bristles(i, state));
         let rubbing = member.rubbing([length, T::zero()], &of_actuator.mode, remembered);
         let pressure = state[self.plant.places.actuators[i].pressure];
-        let on_stop = match self.plant.places.actuators[i].length {
-            Some(_) => length.le(T::of(member.actuator.limits().min_length())),
-            None => of_actuator.on_stop,
-        };
-        member.actuator.holdable(length, pressure, on_stop, rubbing)
+        member.actuator.holdable(length, pressure, of_actuator.on_stop, rubbing)
     }
 
     /// Decides how the actuators of a mechanism slide that may be at rest: those whose distance changes no faster than `slow`
@@ -89,14 +85,8 @@ impl<R: Real> System<'_, R> {
             }
             let is_slow = at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
             let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
-            let of_actuator = &mut mode.actuators[i].mode;
-            let friction = self.members[i].actuator.friction();
-            of_actuator.sliding = match friction.has_direction() {
-                false => Sliding::Frictionless,
-                true if at.units[i].rate.value() < 0.0 => Sliding::Shortening,
-                true => Sliding::Lengthening,
-            };
-            let holds = friction.has_coulomb() || mode.actuators[i].on_stop;
+            mode.actuators[i].mode.sliding = self.slides(i, at.units[i].rate.value());
+            let holds = self.members[i].actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
             if slow && mode.actuators[i].mode.extent != Extent::Slack {
                 if holds {
                     resting.push(i);
@@ -197,7 +187,6 @@ impl<R: Real> System<'_, R> {
             if places.actuators[i].length.is_some() || mode.actuators[i].mode.extent == Extent::Slack {
                 continue;
             }
-            let friction = self.members[i].actuator.friction();
             let heading = match resting.iter().position(|&it| it == i) {
                 _ if frozen => {
                     mode.actuators[i].mode.sliding = Sliding::Stuck;
@@ -216,7 +205,7 @@ impl<R: Real> System<'_, R> {
                 }
                 None => at.units[i].rate.value(),
             };
-            self.head(i, mode, heading, friction.has_direction());
+            self.head(i, mode, heading);
         }
         self.clamp_all(m, time, state, mode, at);
     }
@@ -256,7 +245,7 @@ impl<R: Real> System<'_, R> {
             }
         }
         for &(i, heading) in &headings {
-            self.head(i, mode, heading, self.members[i].actuator.friction().has_direction());
+            self.head(i, mode, heading);
         }
         self.stick(m, state, mode, at, &sticking);
         self.clamp_all(m, time, state, mode, at);
@@ -264,16 +253,12 @@ impl<R: Real> System<'_, R> {
 
     /// Sets an actuator sliding the way that the sign of `heading` says; one on its shortest length that this would shorten
     /// falls slack.
-    fn head(&self, i: usize, mode: &mut PlantMode<R>, heading: f64, has_direction: bool) {
+    fn head(&self, i: usize, mode: &mut PlantMode<R>, heading: f64) {
         if heading < 0.0 && mode.actuators[i].on_stop {
             mode.actuators[i].mode.extent = Extent::Slack;
         }
         mode.actuators[i].on_stop = false;
-        mode.actuators[i].mode.sliding = match (has_direction, heading < 0.0) {
-            (false, _) => Sliding::Frictionless,
-            (true, true) => Sliding::Shortening,
-            (true, false) => Sliding::Lengthening,
-        };
+        mode.actuators[i].mode.sliding = self.slides(i, heading);
     }
 
     /// Lets actuators of a mechanism stick: finds which of them hold it, whether they hold all of it, and their facets.
@@ -379,12 +364,7 @@ impl<R: Real> System<'_, R> {
             }
             let velocity = at.units[i].rate.value();
             let heading = if velocity == 0.0 { acceleration } else { velocity };
-            mode.actuators[i].mode.sliding = match self.members[i].actuator.friction().has_direction() {
-                _ if heading == 0.0 => Sliding::Held,
-                false => Sliding::Frictionless,
-                true if heading < 0.0 => Sliding::Shortening,
-                true => Sliding::Lengthening,
-            };
+            mode.actuators[i].mode.sliding = if heading == 0.0 { Sliding::Held } else { self.slides(i, heading) };
         }
         self.clamp_all(m, time, state, mode, at);
     }

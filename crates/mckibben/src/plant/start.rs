@@ -2,7 +2,7 @@
 
 use super::evaluation::{Evaluation, System};
 use super::friction_start::InitialFriction;
-use super::mode::{ActuatorMode, MechanismMode, PlantMode};
+use super::mode::PlantMode;
 use super::{Mounted, Plant};
 use crate::actuator::Actuator;
 use crate::error::{Error, Requirement};
@@ -14,15 +14,12 @@ use crate::network::NodeKind;
 use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Real, Scalar};
-use crate::simulation::{Extent, Mode, Sliding};
-use crate::valve::Ports;
+use crate::simulation::Extent;
 use alloc::vec;
 use alloc::vec::Vec;
 
 /// Part of its shortest length by which an actuator may miss it and be on it.
 const ON_THE_STOP: f64 = 1e-14;
-/// Part of its length by which an end without viscous friction may miss its balance.
-const UNBALANCED: f64 = 1e-6;
 
 /// The air of an actuator at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +104,7 @@ impl<R: Real> Plant<R> {
     ///
     /// # Errors
     /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
-    /// pressure or temperature that is not physical; [`Error::Unsupported`] for a start of friction that remembers nothing;
+    /// pressure or temperature that is not physical; [`Error::Misuse`] for a start of friction that remembers nothing;
     /// [`Error::Inconsistent`] for a force that friction cannot hold, and for a length that an actuator cannot have.
     pub fn start(&self, start: &PlantStart<R>) -> Result<Vec<R>, Error> {
         self.start_with_memories(start).map(|(state, _)| state)
@@ -286,44 +283,7 @@ impl<R: Real> System<'_, R> {
     ) -> PlantMode<R> {
         let plant = self.plant;
         let time = R::zero();
-        let mut arms = vec![0; plant.places.arms];
-        for (mounted, here) in plant.actuators.iter().zip(&plant.places.actuators) {
-            let (position, _) = plant.places.mechanisms[mounted.mechanism].of(state);
-            mounted.coupling.pieces(position, &mut arms[here.arms..here.arms + mounted.coupling.arm_count()]);
-        }
-        let actuator = |i: usize| ActuatorMode {
-            mode: Mode {
-                ports: Ports::CLOSED,
-                supply_zone: None,
-                exhaust_zone: None,
-                effectiveness_piece: self.members[i].effectiveness_piece(state[plant.places.actuators[i].pressure]),
-                pressed: self.members[i].pressed(state[plant.places.actuators[i].pressure]),
-                force_piece: Default::default(),
-                extent: Extent::Free,
-                sliding: Sliding::Held,
-                clamped: false,
-            },
-            on_stop: false,
-            loose: false,
-            trace: None,
-            isothermal: None,
-            rows_passed: 0,
-        };
-        let mechanism = |m: usize| MechanismMode {
-            frozen: false,
-            stops: vec![[Contact::None; 2]; plant.places.mechanisms[m].coordinates],
-            foot: Contact::None,
-            basis: Vec::new(),
-            facets: Vec::new(),
-            corners_passed: 0,
-        };
-        let mut mode = PlantMode {
-            actuators: (0..plant.actuators.len()).map(actuator).collect(),
-            mechanisms: (0..plant.mechanisms.len()).map(mechanism).collect(),
-            network: plant.network.begin(),
-            arms,
-            drivers: Vec::new(),
-        };
+        let mut mode = self.first_mode(state);
         for (i, mounted) in plant.actuators.iter().enumerate() {
             if let Some(course) = &mounted.pressure {
                 let its = &mut mode.actuators[i];
@@ -378,65 +338,6 @@ impl<R: Real> System<'_, R> {
         self.follow_all(time, state, &mut mode, at, None);
         self.settle_ends(time, state, &mut mode, at);
         mode
-    }
-
-    /// That the ends on tendons can start where they are: nothing has a mass there, so that without viscous friction their
-    /// tensions balance from the start on, and friction that falls with velocity needs a viscous one that outweighs the fall.
-    ///
-    /// # Errors
-    /// [`Error::Inconsistent`] otherwise.
-    pub(crate) fn check_ends(
-        &self,
-        time: R,
-        state: &[R],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<R>,
-    ) -> Result<(), Error> {
-        self.enter_distances(time, state, mode, at);
-        for (i, mounted) in self.plant.actuators.iter().enumerate() {
-            let Some(tendon) = &mounted.tendon else { continue };
-            let (actuator, unit) = (&mounted.actuator, at.units[i]);
-            let (friction, pressure) = (actuator.friction(), state[self.plant.places.actuators[i].pressure]);
-            let kinetic: R = actuator.coulomb_bound(unit.length, pressure);
-            let mut fall = friction.coulomb().steepest_fall(kinetic.value());
-            if let Some(law) = friction.lugre() {
-                fall += law.steepest_fall(actuator.secant_stiffness(unit.length, pressure).value());
-            }
-            if friction.viscous().value() < fall {
-                return Err(Error::Inconsistent {
-                    parameter: &parameter::VISCOUS,
-                    value: friction.viscous().value(),
-                    requirement: Requirement {
-                        relation: "on a tendon must be at least",
-                        other: "the steepest fall of dry friction with velocity, here at the start",
-                        value: fall,
-                        unit: "N*s/m",
-                    },
-                    remedy: "raise viscous or stribeck_velocity, or lower static_ratio or damping_time: an end without a mass \
-                             would have no velocity of its own",
-                });
-            }
-            if super::tendon::is_damped(actuator, &mode.actuators[i]) {
-                continue;
-            }
-            let pull = super::tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
-            let (least, most) = self.holdable(i, state, mode, unit.length);
-            let missed = (pull - most.value()).max(least.value() - pull);
-            if missed > UNBALANCED * tendon.stiffness().value() * unit.length.value() {
-                return Err(Error::Inconsistent {
-                    parameter: &parameter::INITIAL_LENGTH,
-                    value: unit.length.value(),
-                    requirement: Requirement {
-                        relation: "on a tendon without viscous friction must balance; the tendon's tension misses",
-                        other: "what the actuator holds there",
-                        value: missed,
-                        unit: "N",
-                    },
-                    remedy: "leave the length out, or give actuator.friction.viscous",
-                });
-            }
-        }
-        Ok(())
     }
 
     /// The contacts of a mechanism in a state.
@@ -494,42 +395,5 @@ impl<R: Real> System<'_, R> {
             its.mode.extent = member.extent_at([unit.distance, unit.rate], above, pushed);
             its.on_stop = on_stop && its.mode.extent == Extent::Free && unit.rate.value() == 0.0;
         }
-    }
-
-    /// The mode of an actuator on a tendon at the start.
-    fn begin_end(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
-        let mounted = &self.plant.actuators[i];
-        let (Some(tendon), member) = (&mounted.tendon, &self.members[i]) else { return };
-        self.enter_distances(time, state, mode, at);
-        let unit = at.units[i];
-        let limits = member.actuator.limits();
-        let its = &mut mode.actuators[i];
-        its.loose = (unit.distance - unit.length - tendon.rest_length()).value() <= 0.0;
-        let beyond = unit.length.value() > limits.max_length().value();
-        its.mode.extent = if beyond { Extent::Taut } else { Extent::Free };
-        its.mode.sliding = Sliding::Stuck;
-        let friction = member.actuator.friction();
-        let on_the_stop = unit.length.value() <= limits.min_length().value();
-        let (least, most) = self.holdable(i, state, mode, unit.length);
-        let pull = super::tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
-        let sliding = |heading: f64| match friction.has_direction() {
-            false => Sliding::Frictionless,
-            true if heading < 0.0 => Sliding::Shortening,
-            true => Sliding::Lengthening,
-        };
-        let heading = if pull - most.value() > member.force_band {
-            1.0
-        } else if pull - least.value() < -member.force_band {
-            -1.0
-        } else if friction.has_coulomb() || on_the_stop {
-            return;
-        } else {
-            // It goes the way of the balance, however small.
-            mode.actuators[i].mode.sliding = sliding(1.0);
-            self.follow_all(time, state, mode, at, None);
-            self.enter_distances(time, state, mode, at);
-            self.velocity_of_end(i, time, state, mode, at).value()
-        };
-        mode.actuators[i].mode.sliding = sliding(heading);
     }
 }

@@ -6,7 +6,6 @@ use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::run::PlantRun;
 use super::start::PlantStart;
-use super::step::{PlantConsumer, PlantStep, StepReading};
 use crate::command::PlantDecision;
 use crate::engine::{Statistics, arc};
 use crate::error::Error;
@@ -165,33 +164,30 @@ impl<R: Real> PlantTrajectory<R> {
         &self.segments
     }
 
-    /// Hands each step to `consumer` in order of time, as [`PlantRun::stream_to`] did on the way.
-    ///
-    /// # Errors
-    /// Those of the consumer.
-    pub fn replay(&self, consumer: &mut PlantConsumer<'_, R>) -> Result<(), Error> {
-        let reading = StepReading::new(&self.plant, self.relative_tolerance);
-        let mut result = Ok(());
-        let (mut index, last) = (0, self.segments.len() - 1);
-        self.each_piece(|view| {
-            let segment = self.pieces[index].segment;
-            index += 1;
-            let next = self.pieces.get(index).map_or(last, |piece| piece.segment);
-            let event = (next > segment).then(|| (self.events[segment].kind, &self.segments[segment + 1]));
-            if result.is_ok() {
-                result = consumer(&PlantStep::new(view, event, &reading));
-            }
-        });
-        result
-    }
-
     /// Calls `visit` with each step in order of time.
     pub(crate) fn each_piece(&self, mut visit: impl FnMut(PieceView<'_, R>)) {
+        // Nothing fails.
+        let _ = self.each_piece_with_event(|view, _| {
+            visit(view);
+            Ok(())
+        });
+    }
+
+    /// Calls `visit` with each step in order of time, the event that ended it and the mode after that.
+    pub(crate) fn each_piece_with_event(
+        &self,
+        mut visit: impl FnMut(PieceView<'_, R>, Option<(&PlantEvent<R>, &PlantMode<R>)>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let size = arc_size(self.plant.places().states);
         for (index, Kept { start, step, end, segment }) in self.pieces.iter().enumerate() {
             let points = &self.points[index * size..(index + 1) * size];
-            visit(PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] });
+            let view = PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] };
+            // Each event begins a segment.
+            let next = self.pieces.get(index + 1).map_or(self.segments.len() - 1, |next| next.segment);
+            let event = if next > *segment { self.events.get(*segment).zip(self.segments.get(next)) } else { None };
+            visit(view, event)?;
         }
+        Ok(())
     }
 
     /// How many pieces have begun by a time in s; `near` is a guess.

@@ -43,13 +43,13 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
     ) -> Result<Self, Error> {
         for valve in valves {
             let Some(actuation) = valve else {
-                return Err(Error::Unsupported {
+                return Err(Error::Misuse {
                     what: "a controller is given, but the actuator has no valve",
                     remedy: "give the actuator a valve, or simulate it without a controller",
                 });
             };
             if !actuation.solenoid.has_seats() {
-                return Err(Error::Unsupported {
+                return Err(Error::Misuse {
                     what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
                     remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
                 });

@@ -29,7 +29,7 @@ pub struct Controlled<R: Real = f64> {
 /// rig's own command. Sampling instants, ends of pulses and motions of seats are exact instants.
 ///
 /// # Errors
-/// As [`super::simulate`]; [`Error::Unsupported`] when the rig has no valve or its valve cannot do what the controller asks.
+/// As [`super::simulate`]; [`Error::Misuse`] when the rig has no valve or its valve cannot do what the controller asks.
 pub fn simulate_controlled<R: Real, C: Controller<R>>(
     rig: &Rig<R>,
     start: State<R>,
@@ -131,7 +131,7 @@ impl<R: Real<Time = R>, C: Controller<R>> ControlledStepper<R, C> {
     /// Starts at t = 0 in a state, with a controller in place of the rig's own command: its own, or a reference to one.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the rig has no valve or its valve cannot do what the controller asks.
+    /// [`Error::Misuse`] when the rig has no valve or its valve cannot do what the controller asks.
     pub fn new(
         rig: &Rig<R>,
         start: State<R>,
@@ -186,7 +186,7 @@ impl<R: Real<Time = R>, C: Controller<R>> ControlledStepper<R, C> {
     /// Goes on to `until` in one step, divided where something switches and at sampling instants.
     ///
     /// # Errors
-    /// As [`super::FixedStepper::advance_to`]; [`Error::Unsupported`] when the valve cannot do what the controller asks.
+    /// As [`super::FixedStepper::advance_to`]; [`Error::Misuse`] when the valve cannot do what the controller asks.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
             let instant = self.clockwork.next();

@@ -75,7 +75,7 @@ impl<'a, R: Real<Time = R>> FixedStepper<'a, R> {
     ///
     /// # Errors
     /// [`Error::Stopped`] when the step was so long that it left the physics; the state is then the last good one.
-    /// [`Error::Unsupported`] for a rig whose pressure is given over time.
+    /// [`Error::Misuse`] for a rig whose pressure is given over time.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         self.journey.advance_to(self.rig, self.method, until)
     }

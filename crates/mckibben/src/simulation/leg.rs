@@ -49,7 +49,7 @@ impl LegStepper {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a number outside its range, or an actuator that would be longer
-    /// than its thread; [`Error::Unsupported`] for a line that fixed steps cannot take.
+    /// than its thread; [`Error::NotImplemented`] for a line that fixed steps cannot take.
     pub fn new(
         leg: Leg,
         state: LegState,
@@ -97,7 +97,7 @@ impl<R: Real<Time = R>> LegStepper<R> {
     /// The same leg whose six valves one manifold feeds, in place of each rig's own supply.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a strand without a valve, and for a manifold that is at another time than the leg.
+    /// [`Error::Misuse`] for a strand without a valve, and for a manifold that is at another time than the leg.
     pub fn with_manifold(mut self, manifold: Manifold<R>) -> Result<Self, Error> {
         manifold.feed(&mut self.actuators)?;
         self.manifold = Some(manifold);

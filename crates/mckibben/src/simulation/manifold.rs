@@ -131,7 +131,7 @@ impl<R: Real<Time = R>> Manifold<R> {
     /// Sets the pressure at the valves of actuators that are at the time of the manifold.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for an actuator at another time; else as [`ModularActuator::feed`]. Actuators before the one
+    /// [`Error::Misuse`] for an actuator at another time; else as [`ModularActuator::feed`]. Actuators before the one
     /// that is refused have been fed.
     pub fn feed(&self, actuators: &mut [ModularActuator<R>]) -> Result<(), Error> {
         check_in_step(self.state.time, actuators)?;
@@ -142,7 +142,7 @@ impl<R: Real<Time = R>> Manifold<R> {
     /// on.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for an actuator at another time; else as [`Manifold::advance`] and [`ModularActuator::feed`].
+    /// [`Error::Misuse`] for an actuator at another time; else as [`Manifold::advance`] and [`ModularActuator::feed`].
     pub fn serve(&mut self, until: R, actuators: &mut [ModularActuator<R>]) -> Result<(), Error> {
         check_in_step(until, actuators)?;
         let drawn = actuators.iter().fold(R::zero(), |sum, actuator| sum + actuator.drawn());
@@ -154,11 +154,11 @@ impl<R: Real<Time = R>> Manifold<R> {
     /// together; below zero where more flowed back.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a time that is not later; [`Error::Stopped`] where a pressure would fall to nothing. The
+    /// [`Error::Misuse`] for a time that is not later; [`Error::Stopped`] where a pressure would fall to nothing. The
     /// manifold is then where it was last.
     pub fn advance(&mut self, until: R, drawn: R) -> Result<(), Error> {
         if !self.state.time.lt(until) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a manifold cannot be moved back in time or in no time",
                 remedy: "give a time later than the last",
             });
@@ -205,7 +205,7 @@ fn check_in_step<R: Real<Time = R>>(time: R, actuators: &[ModularActuator<R>]) -
     if actuators.iter().all(there) {
         return Ok(());
     }
-    Err(Error::Unsupported {
+    Err(Error::Misuse {
         what: "an actuator on a manifold is at another time than the manifold",
         remedy: "move every actuator to the same time, in one step, before the manifold serves them",
     })

@@ -131,6 +131,10 @@ impl<'a, R: Real> Member<'a, R> {
     /// says whether it is at the end of its branch.
     pub(crate) fn follow(&self, trace: &mut Option<Trace<R>>, length: R, sliding: Sliding, slips: bool) {
         let (Some(trace), Some(hysteresis)) = (trace, self.actuator.friction().hysteresis()) else { return };
+        // A branch lasts until it ends or the length turns. Taken anew at its very end, it would end there again by rounding.
+        if !slips && sliding.direction() == trace.direction {
+            return;
+        }
         if slips {
             hysteresis.slip(&mut trace.memory, trace.direction, length);
         } else {

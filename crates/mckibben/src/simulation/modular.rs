@@ -116,22 +116,16 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// rig's load and command do not count.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Unsupported`] for a tendon in
+    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Misuse`] for a tendon in
     /// series, and for a valve without seats.
     pub fn new(rig: &Rig<R>, start: State<R>, pulse_frequency: R) -> Result<Self, Error> {
         parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
         if rig.tendon().is_some() {
-            return Err(Error::Unsupported {
-                what: "a modular actuator has no tendon in series of its own",
-                remedy: "make a TendonActuator, or leave out [tendon]",
-            });
+            return Err(Error::NotImplemented(&crate::limit::MODULAR_TENDON));
         }
         rig.check_pressure_is_free()?;
         if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
-            return Err(Error::Unsupported {
-                what: "a modular actuator is driven by requests, which neither a pressure regulator nor a proportional spool takes",
-                remedy: "choose a valve with seats such as valve.kind = \"three-way\"",
-            });
+            return Err(Error::NotImplemented(&crate::limit::MODULAR_VALVE));
         }
         let rig = rig.clone().guided();
         let mut walk = Walk::new(&rig, stepped(&rig, start));
@@ -187,7 +181,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// does not pull; its shortest length where it pulls even there.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that air cannot have; [`Error::Unsupported`] where the
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that air cannot have; [`Error::Misuse`] where the
     /// braid pushes up to the length at which its law ends.
     pub fn rest_length(&self, gauge: GaugePressure<R>) -> Result<R, Error> {
         let air = self.rig.actuator().air();
@@ -250,11 +244,11 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// temperature stays the supply's.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no valve, or the rig has a supply of its own that changes;
+    /// [`Error::Misuse`] when there is no valve, or the rig has a supply of its own that changes;
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that no supply may have. Then nothing has changed.
     pub fn feed(&mut self, pressure: AbsolutePressure<R>) -> Result<(), Error> {
         if self.rig.line().supply.is_some() {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "an actuator is fed whose own line already has a reservoir or a regulator",
                 remedy: "leave them out of the actuator's line, or give it no other supply",
             });
@@ -266,7 +260,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
             return Err(below_vacuum(&parameter::SUPPLY_GAUGE_PRESSURE, gauge, air));
         }
         let Some(valve) = self.rig.valve_mut() else {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "an actuator is fed, but it has no valve",
                 remedy: "give the actuator a valve, or leave it sealed and off the manifold",
             });
@@ -278,11 +272,11 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// What is asked of the valve from now on. Pulses begin with the next period, which may be now.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no valve, it cannot do what is asked, or has a dead time; [`Error::OutOfRange`] for
+    /// [`Error::Misuse`] when there is no valve, it cannot do what is asked, or has a dead time; [`Error::OutOfRange`] for
     /// a duty cycle outside 0 to 1. Then nothing has changed.
     pub fn drive(&mut self, drive: Drive<R>) -> Result<(), Error> {
         let Some(actuation) = self.rig.actuation() else {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "something is asked of a valve, but the actuator has none",
                 remedy: "give the actuator a valve, or leave it sealed",
             });
@@ -306,19 +300,19 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// The ends go in a straight line to a distance of `length` m at `until` s, later than the time that has been reached.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a time that is not later, and for more than [`MOST_PARTS`] parts and edges of pulses;
+    /// [`Error::Misuse`] for a time that is not later, and for more than [`MOST_PARTS`] parts and edges of pulses;
     /// [`Error::Stopped`] when that leaves the physics. The actuator is then where it was last.
     pub fn move_to(&mut self, until: R, length: R) -> Result<(), Error> {
         let (from, before) = (self.time(), self.going());
         if !from.lt(until) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "the ends of an actuator cannot be moved back in time or in no time",
                 remedy: "give a time later than the last",
             });
         }
         let pulses = if self.modulator.drive().is_some() { (until * self.pulse_frequency).value() } else { 0.0 };
         if !(self.parts_until(until) <= MOST_PARTS && pulses <= MOST_PULSES && until.value().is_finite()) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a step has more than ten million parts and edges of pulses",
                 remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
             });

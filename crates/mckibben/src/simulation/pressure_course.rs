@@ -18,6 +18,7 @@ use crate::air::{Chamber, Flow};
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::force::Statics;
+use crate::limit;
 use crate::line::split;
 #[cfg(feature = "alloc")]
 use crate::parameter;
@@ -25,11 +26,11 @@ use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Real, Scalar};
 
-/// What such a pressure does not go together with.
-const ALONE: Error = Error::Unsupported {
-    what: "only the event-located engine takes a pressure that is given over time, in place of valve and line, and without a tendon \
-           in series",
-    remedy: "set run.engine = \"event-located\" and leave out [valve], [hose], actuator.leakage and [tendon], or leave out [pressure]",
+/// Two things that make the pressure.
+#[cfg(feature = "alloc")]
+const VALVE_TOO: Error = Error::Misuse {
+    what: "the pressure is given over time, and a valve or a leak would change it too",
+    remedy: "leave out [valve], [hose] and actuator.leakage, or leave out [pressure]",
 };
 
 #[cfg(feature = "alloc")]
@@ -116,12 +117,15 @@ impl Rig {
     /// [`Initial`](super::Initial) says.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a rig with a valve, a leak or a tendon in series; [`Error::Inconsistent`] for a pressure
+    /// [`Error::Misuse`] for a rig with a valve or a leak, [`Error::NotImplemented`] for one with a tendon; [`Error::Inconsistent`] for a pressure
     /// below vacuum.
     #[cfg(feature = "alloc")]
     pub fn with_pressure(self, course: PressureCourse) -> Result<Self, Error> {
-        if self.actuator().valve().is_some() || self.has_plumbing() || self.tendon().is_some() {
-            return Err(ALONE);
+        if self.tendon().is_some() {
+            return Err(Error::NotImplemented(&limit::PRESSURE_TENDON));
+        }
+        if self.actuator().valve().is_some() || self.has_plumbing() {
+            return Err(VALVE_TOO);
         }
         let (air, least) = (self.actuator().air(), course.least());
         if least.absolute(air.atmosphere()).0 <= 0.0 {
@@ -135,11 +139,11 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// That the air of the actuator is what its valve makes it.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a pressure that is given over time.
+    /// [`Error::NotImplemented`] for a pressure that is given over time.
     pub(crate) fn check_pressure_is_free(&self) -> Result<(), Error> {
         match self.pressure_course() {
             None => Ok(()),
-            Some(_) => Err(ALONE),
+            Some(_) => Err(Error::NotImplemented(&limit::PRESSURE_FIXED_STEP)),
         }
     }
 }

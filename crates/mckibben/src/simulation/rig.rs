@@ -115,11 +115,11 @@ impl<S: Scalar> Initial<S> {
 /// That something drives the valve if there is one, and that the valve can do what it is asked.
 pub(super) fn check_drive(actuator: &Actuator, actuation: Option<&Actuation>) -> Result<(), Error> {
     match (actuation, actuator.valve()) {
-        (None, Some(_)) => Err(Error::Unsupported {
+        (None, Some(_)) => Err(Error::Misuse {
             what: "the actuator has a valve, but no command drives it",
             remedy: "give a command, or leave the valve out for a sealed actuator",
         }),
-        (Some(_), None) => Err(Error::Unsupported {
+        (Some(_), None) => Err(Error::Misuse {
             what: "a command is given, but the actuator has no valve",
             remedy: "give the actuator a valve, or leave the command out",
         }),
@@ -202,12 +202,12 @@ impl Rig {
     /// An actuator with its load, and with what drives its valve if it has one.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the actuator has a valve and nothing drives it, the other way round, or the valve
+    /// [`Error::Misuse`] when the actuator has a valve and nothing drives it, the other way round, or the valve
     /// cannot do what the command asks; [`Error::Inconsistent`] for a set point beyond the supply.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
         check_drive(&actuator, actuation.as_ref())?;
         if load.motion() == Some(&Motion::Guided) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "nobody moves the ends of a rig whose motion is guided from outside",
                 remedy: "make a `ModularActuator` of a rig with any other load",
             });
@@ -218,23 +218,20 @@ impl Rig {
     /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
+    /// [`Error::Misuse`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
     /// regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
         if !line.is_none() {
             self.check_pressure_is_free()?;
         }
         if self.actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a hose or a reservoir is given, but the actuator has no valve",
                 remedy: "give the actuator a valve, or leave the hose and the reservoir out",
             });
         }
         if self.regulator().is_some() && line.supply.is_some() {
-            return Err(Error::Unsupported {
-                what: "a pressure regulator is taken as fed at any pressure above its set point, so its supply must be constant",
-                remedy: "leave out the reservoir and the regulator of [supply], or choose a valve with seats",
-            });
+            return Err(Error::NotImplemented(&crate::limit::REGULATOR_SUPPLY));
         }
         Ok(Self { line, ..self }.with_transport())
     }
@@ -242,14 +239,11 @@ impl Rig {
     /// The same rig with an elastic tendon between actuator and load: both engines take it.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a prescribed motion.
+    /// [`Error::NotImplemented`] for a prescribed motion.
     pub fn with_tendon(self, tendon: SeriesTendon) -> Result<Self, Error> {
         self.check_pressure_is_free()?;
         if self.load.motion().is_some() {
-            return Err(Error::Unsupported {
-                what: "a tendon in series has a load or held ends, and no prescribed motion yet",
-                remedy: "set load.kind = \"hanging-mass\", \"constant-force\" or \"isometric\", or leave out [tendon]",
-            });
+            return Err(Error::NotImplemented(&crate::limit::TENDON_MOTION));
         }
         Ok(Self { tendon: Some(tendon), ..self })
     }
@@ -268,7 +262,7 @@ impl Rig {
     /// The state at the start.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Unsupported`] when an
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Misuse`] when an
     /// equilibrium is asked for and there is none.
     pub fn start(&self, initial: &Initial) -> Result<State, Error> {
         check_air(&self.actuator, initial.gauge_pressure, initial.temperature)?;
@@ -458,7 +452,7 @@ impl<S: Real> Rig<S> {
     /// The state at a start that has been checked, over any scalar with one value.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when an equilibrium is asked for and there is none.
+    /// [`Error::NoSolution`] when an equilibrium is asked for and there is none.
     pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
         let air = self.actuator.air();
         let gauge = match &self.pressure {
@@ -483,10 +477,10 @@ impl<S: Real> Rig<S> {
     /// if need be, and at the shortest length when the actuator pulls harder than the load even there.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the load has no equilibrium: an isometric one, or one that pushes.
+    /// [`Error::NoSolution`] when the load has no equilibrium: an isometric one, or one that pushes.
     pub fn equilibrium(&self, pressure: AbsolutePressure<S>) -> Result<S, Error> {
         let Some(inertia) = self.load.inertia() else {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "an isometric load has no equilibrium length: it holds any length",
                 remedy: "give initial.length a length",
             });
@@ -504,7 +498,7 @@ impl<S: Real> Rig<S> {
         let thread = self.actuator.law().law.end_length().value();
         let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
         if at(bracket.1) < 0.0 {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "the load would pull the braid straight: there is no equilibrium below the thread length",
                 remedy: "lighten the load or stiffen actuator.limit.stiffness",
             });
@@ -513,7 +507,7 @@ impl<S: Real> Rig<S> {
             return if pull.value() >= 0.0 {
                 Ok(limits.min_length())
             } else {
-                Err(Error::Unsupported {
+                Err(Error::NoSolution {
                     what: "the load pushes the attachments together: there is no equilibrium",
                     remedy: "give initial.length a length",
                 })

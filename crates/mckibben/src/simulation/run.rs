@@ -67,7 +67,7 @@ pub struct RunEnd<R: Real = f64> {
 /// A step from which samples can be read at times.
 pub trait Readable {
     /// What is read.
-    type Sample: Copy;
+    type Sample;
 
     /// Whether the next step begins after a time in s. Of the steps that have begun by a time the last one holds it.
     fn holds(&self, time: f64) -> bool;

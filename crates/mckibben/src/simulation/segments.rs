@@ -19,7 +19,7 @@ use crate::scalar::Real;
 ///
 /// # Errors
 /// As [`super::simulate`]; [`Error::Stopped`] also for a state at a joint that no actuator can be in, and
-/// [`Error::Unsupported`] for a rig that remembers more than its four states: with an air line, a pressure regulator,
+/// [`Error::NotImplemented`] for a rig that remembers more than its four states: with an air line, a pressure regulator,
 /// a tendon in series or hysteresis.
 pub fn simulate_in_segments<R: Real>(
     rig: &Rig<R>,
@@ -32,10 +32,7 @@ pub fn simulate_in_segments<R: Real>(
     rig.check_counts(duration.value())?;
     let remembers = rig.actuator().friction().hysteresis().is_some() || rig.tendon().is_some();
     if rig.has_plumbing() || remembers {
-        return Err(Error::Unsupported {
-            what: "a run in segments sets the four states anew, but this rig remembers more than them",
-            remedy: "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole",
-        });
+        return Err(Error::NotImplemented(&crate::limit::SEGMENTS_MEMORY));
     }
     let mut simulation = Simulation::begin(rig.clone(), start, relative_tolerance)?;
     let mut kept = Kept::of(&simulation);

@@ -52,7 +52,7 @@ impl Snapshot {
     /// What gave these [`Snapshot::numbers`]; an actuator of the same rig goes on from there to the same bits.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for numbers that no snapshot of this version has.
+    /// [`Error::Misuse`] for numbers that no snapshot of this version has.
     pub fn of_numbers(numbers: &[f64]) -> Result<Self, Error> {
         let nothing = Course { time: 0.0, state: [0.0; PIPED], held: Held::nothing() };
         let walk = Walk { course: nothing, progress: Progress::none(), ports: Ports::CLOSED };
@@ -63,7 +63,7 @@ impl Snapshot {
         if row.is_whole() && pressure.0 > 0.0 && air_mass > 0.0 {
             return Ok(snapshot);
         }
-        Err(Error::Unsupported {
+        Err(Error::Misuse {
             what: "these numbers are no state of an actuator",
             remedy: "give those that a state of this version was kept as, all of them in their order",
         })

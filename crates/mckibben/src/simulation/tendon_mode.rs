@@ -60,7 +60,7 @@ impl<R: Real> Rig<R> {
     /// That the event-located engine can take the rig's tendon, if there is one, from a start on.
     ///
     /// # Errors
-    /// [`Error::Inconsistent`] below the shortest length; [`Error::Unsupported`] for friction that depends on the velocity
+    /// [`Error::Inconsistent`] below the shortest length; [`Error::NotImplemented`] for friction that depends on the velocity
     /// without viscous friction.
     pub fn check_located(&self, start: &State<R>) -> Result<(), Error> {
         if self.tendon().is_none() {
@@ -82,7 +82,7 @@ impl<R: Real> Rig<R> {
         }
         let falls = friction.coulomb().falls() || friction.lugre().is_some_and(|law| law.is_damped());
         if friction.viscous().value() == 0.0 && falls {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "the event-located engine takes friction that depends on the velocity in series with a tendon only \
                        beside viscous friction: without, an end that has no mass would jump",
                 remedy: "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"",

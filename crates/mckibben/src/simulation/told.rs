@@ -88,7 +88,7 @@ impl<R: Real> Told<R> {
 
     fn change(&mut self, (valve, progress): Driven<'_, R>, time: R, demand: Demand<R>) -> Result<(), Error> {
         let Some(actuation) = valve else {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "something is asked of a valve, but the actuator has none",
                 remedy: "give the actuator a valve, or leave it sealed",
             });
@@ -158,10 +158,7 @@ pub(crate) fn check_restart<R: Real>(rig: &Rig<R>) -> Result<(), Error> {
     rig.check_pressure_is_free()?;
     match rig.load().motion() {
         None => Ok(()),
-        Some(_) => Err(Error::Unsupported {
-            what: "a rig begins in the middle of a run whose load follows a motion that is given from t = 0",
-            remedy: "give it a load that moves by itself, or begin a new run",
-        }),
+        Some(_) => Err(Error::NotImplemented(&crate::limit::BEGIN_MOTION)),
     }
 }
 
@@ -199,7 +196,7 @@ impl<R: Real<Time = R>> ToldStepper<R> {
     /// Starts at a time in s in a state, with nothing asked of its valve: the rig's own command does not count.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a motion of the load, or a pressure, that is given over time.
+    /// [`Error::Misuse`] for a motion of the load, or a pressure, that is given over time.
     pub fn begin_at(time: R, rig: Rig<R>, start: State<R>, method: Method) -> Result<Self, Error> {
         check_restart(&rig)?;
         let rig = rig.not_asked();
@@ -230,7 +227,7 @@ impl<R: Real<Time = R>> ToldStepper<R> {
     /// From now on the valve is asked for this, in place of whatever was to come.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a number
+    /// [`Error::Misuse`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a number
     /// outside its range. Then nothing has changed.
     pub fn tell(&mut self, demand: impl Into<Demand<R>>) -> Result<(), Error> {
         let time = self.time();

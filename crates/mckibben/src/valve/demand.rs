@@ -45,7 +45,7 @@ impl<S: Real> Solenoid<S> {
     /// Checks that the valve can do what is demanded.
     ///
     /// # Errors
-    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for a set point of a valve that is no pressure regulator and a
+    /// As [`Solenoid::check_request`]; [`Error::Misuse`] for a set point of a valve that is no pressure regulator and a
     /// position of one that is no proportional spool; [`Error::OutOfRange`] for a number outside its range.
     pub fn check_demand(&self, demand: &Demand<S>) -> Result<(), Error> {
         let within = |parameter: &'static parameter::Parameter, value: S| parameter.check(value.value()).map(drop);

@@ -81,7 +81,7 @@ impl FiveWay {
     /// What the outputs A and B do under a command, in which `fill` and `exhaust` are those of output A.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for `hold` on a 5/2 valve, which has no third position.
+    /// [`Error::Misuse`] for `hold` on a 5/2 valve, which has no third position.
     pub fn outputs(&self, command: &Command) -> Result<[FiveWayOutput; 2], Error> {
         use ValveKind::{FillHoldExhaust, ThreeWay, ThreeWayNormallyOpen};
         let (kinds, hold) = match self.rest {
@@ -91,7 +91,7 @@ impl FiveWay {
             FiveWayRest::Pressurised => ([ThreeWayNormallyOpen; 2], Request::Fill),
         };
         if self.rest == FiveWayRest::Returned && command.asks_for(Request::Hold) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a 5/2 valve cannot hold: it has two positions",
                 remedy: "take a 5/3 valve, or ask for fill and exhaust only",
             });

@@ -69,25 +69,25 @@ impl ValveKind {
 }
 
 /// A pressure regulator is asked for what only a seat can do.
-const NO_SEAT: Error = Error::Unsupported {
+const NO_SEAT: Error = Error::Misuse {
     what: "a pressure regulator neither fills, holds nor exhausts on request: it takes set points of pressure",
     remedy: "set command.kind = \"set-points\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
 /// A proportional spool is asked for what only a seat can do.
-const NO_REQUEST: Error = Error::Unsupported {
+const NO_REQUEST: Error = Error::Misuse {
     what: "a proportional spool neither fills, holds nor exhausts on request: it takes positions",
     remedy: "set command.kind = \"positions\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
 /// A valve is told where to go that only a spool can.
-pub(super) const NO_SPOOL: Error = Error::Unsupported {
+pub(super) const NO_SPOOL: Error = Error::Misuse {
     what: "positions are given, but the valve is no proportional spool",
     remedy: "set valve.kind = \"proportional-spool\", or ask for fill, hold or exhaust",
 };
 
 /// A valve is told a pressure that only a regulator can keep.
-pub(super) const NO_REGULATOR: Error = Error::Unsupported {
+pub(super) const NO_REGULATOR: Error = Error::Misuse {
     what: "set points of pressure are given, but the valve is no pressure regulator",
     remedy: "set valve.kind = \"pressure-regulator\", or ask for fill, hold or exhaust",
 };
@@ -192,7 +192,7 @@ impl Solenoid {
     /// Checks that the valve can do what the command asks.
     ///
     /// # Errors
-    /// As [`Solenoid::check_request`]; [`Error::Unsupported`] for set points of a valve that is no pressure regulator, for
+    /// As [`Solenoid::check_request`]; [`Error::Misuse`] for set points of a valve that is no pressure regulator, for
     /// positions of one that is no proportional spool, and for requests of one that is either.
     pub fn check(&self, command: &Command) -> Result<(), Error> {
         match (self.spool, command.has_positions()) {
@@ -216,7 +216,7 @@ impl<S: Scalar> Solenoid<S> {
     /// Checks that the valve can do what is asked.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
+    /// [`Error::Misuse`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
     /// pressure regulator or a proportional spool.
     pub fn check_request(&self, request: Request) -> Result<(), Error> {
         if self.regulator.is_some() {
@@ -238,7 +238,7 @@ impl<S: Scalar> Solenoid<S> {
             ),
             ValveKind::FillHoldExhaust => return Ok(()),
         };
-        if request == impossible { Err(Error::Unsupported { what, remedy }) } else { Ok(()) }
+        if request == impossible { Err(Error::Misuse { what, remedy }) } else { Ok(()) }
     }
 
     /// The same solenoid over another scalar.
@@ -286,17 +286,14 @@ impl<S: Scalar> Solenoid<S> {
     /// That what is asked drives the coil at once, for those that keep no command.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a valve with a dead time.
+    /// [`Error::NotImplemented`] for a valve with a dead time.
     #[cfg(feature = "alloc")]
     pub(crate) fn check_acts_at_once(&self) -> Result<(), Error>
     where
         S: Real,
     {
         if self.dead_time().value() > 0.0 {
-            return Err(Error::Unsupported {
-                what: "a valve with a dead time is driven by a host that keeps nothing of what it has asked for",
-                remedy: "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`",
-            });
+            return Err(Error::NotImplemented(&crate::limit::DEAD_TIME_HOST));
         }
         Ok(())
     }

@@ -36,7 +36,9 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     if let Some(prepared) = Prepared::of(&document, &[])? {
         let rows = prepared.plan().rows;
         match prepared.sweep().record() {
-            Record::Reductions(_) if rows <= RUNS => return picture(sweep::svg(&prepared, Theme::Auto)?, "sweep", ""),
+            Record::Reductions(_) | Record::PlantReductions(_) if rows <= RUNS => {
+                return picture(sweep::svg(&prepared, Theme::Auto)?, "sweep", "");
+            }
             _ => note = format!("One run; mckibben sweep {} does the {rows} of its sweep.", file.display()),
         }
     }

@@ -98,8 +98,8 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
 /// Drives a run by the pressure that was measured, in place of what the scenario says.
 fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
     if scenario.has_joint() {
-        let title = format!("the run `{}` is of a joint, which no measured pressure drives yet", recording.name);
-        return Err(Failure::input(title, "leave out `input`: the pressures are fitted as the valves make them"));
+        let limit = &mckibben::limit::SEGMENTS_PRESSURE;
+        return Err(Failure::input(format!("the run `{}`: {}", recording.name, limit.title()), limit.remedy));
     }
     let (measured, time, mut gauge_pressure) = pressure_over_time(recording)?;
     if measured == Quantity::AbsolutePressure {

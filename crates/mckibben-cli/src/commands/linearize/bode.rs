@@ -2,10 +2,12 @@
 
 use super::Model;
 use super::joint::JointModel;
+use super::named::{Named, NamedModel, named};
+use super::plant::PlantModel;
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
-use mckibben::linearize::{Averaged, Phasor, Pole, Signal, StateSpace};
+use mckibben::linearize::{Phasor, Pole};
 use std::f64::consts::{PI, TAU};
 
 /// Points in each decade of frequency.
@@ -15,44 +17,54 @@ const BEYOND: (f64, f64) = (1.0, 6.0);
 
 /// What a figure shows of a model.
 struct View<'m> {
-    system: &'m StateSpace,
+    system: NamedModel,
     poles: &'m [Pole],
-    averaged: &'m [Averaged],
+    /// Frequencies in Hz of the pulses that are averaged.
+    averaged: Vec<f64>,
     /// The outputs, of which the first two that the model has are drawn.
-    outputs: &'static [&'static str],
+    outputs: Vec<String>,
     caption: String,
 }
 
 /// The figure of one input; the valve's where none is named.
 pub(super) fn figure(model: &Model, input: Option<&str>) -> Result<Figure, Failure> {
-    let averaged = model.linear.averaged.as_slice();
-    let outputs = &["length", "pressure", "tension"];
-    draw(&View { system: &model.system, poles: &model.poles, averaged, outputs, caption: caption(model) }, input)
+    let averaged = model.linear.averaged.iter().map(|of| of.frequency).collect();
+    let outputs = ["length", "pressure", "tension"].map(str::to_owned).to_vec();
+    let system = named(&model.system);
+    draw(&View { system, poles: &model.poles, averaged, outputs, caption: caption(model) }, input)
 }
 
 /// The figure of one input of a joint; the agonist's valve's where none is named.
 pub(super) fn of_joint(model: &JointModel, input: Option<&str>) -> Result<Figure, Failure> {
-    let averaged = model.linear.averaged.as_ref().map_or(&[][..], |both| &both[..]);
-    let outputs = &["angle", "actuator_torque"];
-    draw(&View { system: &model.system, poles: &model.poles, averaged, outputs, caption: model.caption() }, input)
+    let averaged = model.linear.averaged.iter().flatten().map(|of| of.frequency).collect();
+    let outputs = ["angle", "actuator_torque"].map(str::to_owned).to_vec();
+    let system = named(&model.system);
+    draw(&View { system, poles: &model.poles, averaged, outputs, caption: model.caption() }, input)
+}
+
+/// The figure of one input of a plant; its first where none is named.
+pub(super) fn of_plant(model: &PlantModel, input: Option<&str>) -> Result<Figure, Failure> {
+    let averaged = model.linear.averages.iter().map(|of| of.frequency).collect();
+    let (system, caption) = (model.system.clone(), model.caption());
+    draw(&View { system, poles: &model.poles, averaged, outputs: model.drawn(), caption }, input)
 }
 
 fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
-    let system = view.system;
-    let names: Vec<&str> = system.inputs.iter().map(|signal| signal.name).collect();
+    let system = &view.system;
+    let names: Vec<&str> = system.inputs.iter().map(|signal| signal.name.as_str()).collect();
     let name = input.or(names.first().copied()).unwrap_or_default();
-    let Some(input) = system.input(name) else {
+    let Some(input) = names.iter().position(|known| *known == name) else {
         let title = format!("--input: the model has no input `{name}`");
         return Err(Failure::input(title, format!("give one of {}", names.join(", "))));
     };
     let (low, high) = range(view);
     let count = ((high - low) * POINTS).ceil();
     let x: Vec<f64> = (0..=count as usize).map(|n| low + (high - low) * n as f64 / count).collect();
-    let shown = view.outputs.iter().filter_map(|name| system.output(name)).take(2);
+    let shown = view.outputs.iter().filter_map(|name| system.outputs.iter().position(|of| of.name == *name)).take(2);
     let mut phase = Panel::new(quarters());
     let (mut figure, mut least, mut greatest) = (Figure::new(decades("frequency", "Hz", low, high)), 0.0_f64, 0.0_f64);
     for (place, output) in shown.enumerate() {
-        let signal = system.outputs[output];
+        let signal = &system.outputs[output];
         let response: Vec<Option<Phasor>> =
             x.iter().map(|decade| system.response(input, output, TAU * 10_f64.powf(*decade))).collect();
         let magnitude: Vec<f64> = response.iter().map(|g| g.map_or(f64::NAN, |g| g.magnitude().log10())).collect();
@@ -60,8 +72,8 @@ fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
             .iter()
             .filter(|value| value.is_finite())
             .fold((f64::MAX, f64::MIN), |ends, value| (ends.0.min(*value), ends.1.max(*value)));
-        let label = format!("{} over {}", words(signal.name), words(name));
-        let axis = decades(&label, &unit(&signal, &system.inputs[input]), bottom.floor(), top.ceil());
+        let label = format!("{} over {}", words(&signal.name), words(name));
+        let axis = decades(&label, &unit(signal, &system.inputs[input]), bottom.floor(), top.ceil());
         let colour = Colour::Category(place);
         let panel = Panel::new(axis).series(Series::line("", x.clone(), magnitude).colour(colour));
         figure = figure.panel(lines(view, panel, place == 0, low, high));
@@ -69,7 +81,7 @@ fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
         for angle in angles.iter().filter(|angle| angle.is_finite()) {
             (least, greatest) = (least.min(*angle), greatest.max(*angle));
         }
-        phase = phase.series(Series::line(words(signal.name), x.clone(), angles).colour(colour));
+        phase = phase.series(Series::line(words(&signal.name), x.clone(), angles).colour(colour));
     }
     phase.y =
         phase.y.starting_at((least / 90.0).floor() * 90.0 - 15.0).ending_at((greatest / 90.0).ceil() * 90.0 + 15.0);
@@ -82,7 +94,7 @@ fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
 /// The decades of frequency in Hz between which the figure runs.
 fn range(view: &View<'_>) -> (f64, f64) {
     let moving = view.poles.iter().map(|pole| pole.natural_frequency() / TAU).filter(|frequency| *frequency > 0.0);
-    let pwm = view.averaged.iter().map(|averaged| averaged.frequency);
+    let pwm = view.averaged.iter().copied();
     let (least, greatest) =
         moving.chain(pwm).fold((f64::MAX, 0.0_f64), |ends, value| (ends.0.min(value), ends.1.max(value)));
     if greatest == 0.0 {
@@ -96,9 +108,9 @@ fn range(view: &View<'_>) -> (f64, f64) {
 fn lines(view: &View<'_>, mut panel: Panel, told: bool, low: f64, high: f64) -> Panel {
     let pairs = view.poles.iter().filter(|pole| pole.imaginary > 0.0).map(Pole::natural_frequency);
     let mut marked: Vec<(f64, String)> = pairs.map(|rate| (rate / TAU, quantity(rate / TAU, "Hz"))).collect();
-    for averaged in view.averaged {
-        if marked.iter().all(|(frequency, _)| *frequency != averaged.frequency) {
-            marked.push((averaged.frequency, "PWM".to_owned()));
+    for pulses in &view.averaged {
+        if marked.iter().all(|(frequency, _)| frequency != pulses) {
+            marked.push((*pulses, "PWM".to_owned()));
         }
     }
     for (frequency, words) in marked {
@@ -155,9 +167,9 @@ fn words(name: &str) -> String {
 }
 
 /// The unit of an output over that of an input.
-fn unit(output: &Signal, input: &Signal) -> String {
+fn unit(output: &Named, input: &Named) -> String {
     let typeset = |unit: &str| unit.replace('*', "·");
-    let (of, per) = (typeset(output.unit), typeset(input.unit));
+    let (of, per) = (typeset(&output.unit), typeset(&input.unit));
     match per.as_str() {
         "" => of,
         unit if unit.contains(['/', '·']) => format!("{of}/({unit})"),

@@ -2,7 +2,9 @@
 
 use super::Model;
 use super::joint::JointModel;
-use mckibben::linearize::{Averaged, Controllability, Pole, Signal, StateSpace};
+use super::named::{Named, NamedModel, named};
+use super::plant::PlantModel;
+use mckibben::linearize::{Averaged, Controllability, Pole};
 use mckibben::load::Load;
 use mckibben_scenario::Assumed;
 use serde_json::{Map, Value, json};
@@ -42,11 +44,11 @@ fn kind(model: &Model) -> &'static str {
 
 /// The model as JSON. A number without a bound is `null`.
 pub(super) fn json(model: &Model) -> String {
-    let system = &model.system;
+    let (system, names) = (&model.system, named(&model.system));
     let point: Map<String, Value> = point(model).into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
     let poles: Vec<Value> = model.poles.iter().map(pole).collect();
     let inputs = system.inputs.iter().zip(&model.reach);
-    let reach: Vec<Value> = inputs.map(|(input, reach)| controllability(input, reach)).collect();
+    let reach: Vec<Value> = inputs.map(|(input, reach)| controllability(input.name, reach)).collect();
     let equivalent = model.oscillation.map(|(amplitude, frequency)| {
         let damping = model.linear.equivalent_damping(amplitude, frequency).ok();
         json!({
@@ -61,9 +63,9 @@ pub(super) fn json(model: &Model) -> String {
         "model": kind(model),
         "operating_point": point,
         "taut": model.linear.point.is_taut(),
-        "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
-        "outputs": signals(&system.outputs),
+        "states": signals(&names.states),
+        "inputs": signals(&names.inputs),
+        "outputs": signals(&names.outputs),
         "A": system.a, "B": system.b, "C": system.c, "D": system.d,
         "poles": poles,
         "controllability": reach,
@@ -87,9 +89,9 @@ fn pole(pole: &Pole) -> Value {
     })
 }
 
-fn controllability(input: &Signal, reach: &Controllability) -> Value {
+fn controllability(input: &str, reach: &Controllability) -> Value {
     json!({
-        "input": input.name,
+        "input": input,
         "rank": reach.rank,
         "condition": reach.condition,
         "singular_values": reach.singular_values,
@@ -131,7 +133,7 @@ pub(super) fn over_fastest(averaged: &Averaged, poles: &[Pole]) -> Option<f64> {
 
 /// The model of a joint as JSON.
 pub(super) fn joint_json(model: &JointModel) -> String {
-    let system = &model.system;
+    let (system, names) = (&model.system, named(&model.system));
     let point: Map<String, Value> =
         model.point().into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
     let inputs = system.inputs.iter().zip(&model.reach);
@@ -142,19 +144,60 @@ pub(super) fn joint_json(model: &JointModel) -> String {
         "scenario": model.name,
         "model": if model.linear.averaged.is_some() { "joint-averaged-pwm" } else { "joint-held-valves" },
         "operating_point": point,
-        "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
-        "outputs": signals(&system.outputs),
+        "states": signals(&names.states),
+        "inputs": signals(&names.inputs),
+        "outputs": signals(&names.outputs),
         "A": system.a, "B": system.b, "C": system.c, "D": system.d,
         "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
-        "controllability": inputs.map(|(input, reach)| controllability(input, reach)).collect::<Vec<_>>(),
+        "controllability": inputs.map(|(input, reach)| controllability(input.name, reach)).collect::<Vec<_>>(),
         "pwm": model.linear.averaged.as_ref().map(|both| both.each_ref().map(|of| pwm(of, &model.poles, &[]))),
         "assumed": assumptions(&model.assumed),
     });
     format!("{document:#}\n")
 }
 
-fn signals(signals: &[Signal]) -> Vec<Value> {
+/// The model of a plant as JSON.
+pub(super) fn plant_json(model: &PlantModel) -> String {
+    let system = &model.system;
+    let point: Map<String, Value> = model.point().into_iter().map(|(name, value)| (name, json!(value))).collect();
+    let inputs = system.inputs.iter().zip(&model.reach);
+    let averages = model.linear.averages.iter().map(|of| {
+        json!({
+            "of": model.valve(of.valve),
+            "frequency_hz": of.frequency,
+            "duty": of.duty,
+            "supply_share": of.shares[0],
+            "exhaust_share": of.shares[1],
+            "validity": {
+                "duty_from": of.duty_range.0,
+                "duty_to": of.duty_range.1,
+                "seats_follow": of.follows(),
+                "pressure_ripple_pa": of.pressure_ripple,
+                "pressure_margin_pa": of.pressure_margin,
+                "ripple_is_small": of.ripple_is_small(),
+            },
+        })
+    });
+    let document = json!({
+        "format": "mckibben-linear-model",
+        "version": VERSION,
+        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
+        "scenario": model.name,
+        "model": model.kind(),
+        "operating_point": point,
+        "states": signals(&system.states),
+        "inputs": signals(&system.inputs),
+        "outputs": signals(&system.outputs),
+        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
+        "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
+        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
+        "pwm": averages.collect::<Vec<_>>(),
+        "assumed": assumptions(&model.assumed),
+    });
+    format!("{document:#}\n")
+}
+
+fn signals(signals: &[Named]) -> Vec<Value> {
     signals.iter().map(|s| json!({ "name": s.name, "symbol": s.symbol, "unit": s.unit })).collect()
 }
 
@@ -167,17 +210,11 @@ pub(super) fn matlab(model: &Model) -> String {
     let kind = if model.linear.averaged.is_some() { "valve under PWM on average" } else { "valve held shut" };
     let mut values = point(model);
     values.extend(model.linear.averaged.as_ref().map(|averaged| ("frequency_hz", averaged.frequency)));
-    script(&model.name, kind, &values, &model.system, &model.poles)
+    script(&model.name, kind, &owned(values), &named(&model.system), &model.poles)
 }
 
 /// A model, the values at its point and its poles as a script.
-pub(super) fn script(
-    name: &str,
-    kind: &str,
-    point: &[(&'static str, f64)],
-    system: &StateSpace,
-    poles: &[Pole],
-) -> String {
+pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &NamedModel, poles: &[Pole]) -> String {
     let mut text = String::new();
     let mut line = |words: &str| {
         text.push_str(words);
@@ -189,15 +226,16 @@ pub(super) fn script(
     line(&format!("% Written by mckibben {}.", env!("CARGO_PKG_VERSION")));
     line("");
     for (name, value) in point {
-        line(&format!("point.{name} = {value:e};"));
+        // A name of a file may have a hyphen, which a script would take for a minus.
+        line(&format!("point.{} = {value:e};", name.replace('-', "_")));
     }
     line("");
     for (name, signals) in [("states", &system.states), ("inputs", &system.inputs), ("outputs", &system.outputs)] {
-        let names = |of: fn(&Signal) -> &'static str| -> String {
+        let names = |of: fn(&Named) -> &str| -> String {
             signals.iter().map(|signal| format!("'{}'", of(signal))).collect::<Vec<_>>().join(", ")
         };
-        line(&format!("{name} = {{{}}};", names(|signal| signal.name)));
-        line(&format!("{name}_units = {{{}}};", names(|signal| signal.unit)));
+        line(&format!("{name} = {{{}}};", names(|signal| &signal.name)));
+        line(&format!("{name}_units = {{{}}};", names(|signal| &signal.unit)));
     }
     line("");
     for (name, rows) in [("A", &system.a), ("B", &system.b), ("C", &system.c), ("D", &system.d)] {
@@ -211,6 +249,11 @@ pub(super) fn script(
     line("  model = ss(A, B, C, D);");
     line("end");
     text
+}
+
+/// Values with names of their own.
+pub(super) fn owned(values: Vec<(&'static str, f64)>) -> Vec<(String, f64)> {
+    values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 fn matrix(name: &str, rows: &[Vec<f64>]) -> String {

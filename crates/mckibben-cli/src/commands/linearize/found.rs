@@ -1,10 +1,12 @@
 //! The linear model of whatever a scenario describes.
 
 use super::joint::JointModel;
+use super::named::{NamedModel, named};
+use super::plant::PlantModel;
 use super::{LinearizeArguments, Model, bode, export, given, told};
 use crate::failure::Failure;
 use crate::plot::Figure;
-use mckibben::linearize::{Pole, StateSpace};
+use mckibben::linearize::Pole;
 use mckibben_scenario::Document;
 
 /// A linear model at an operating point, with what is known about it.
@@ -13,6 +15,7 @@ pub struct Found(Kind);
 enum Kind {
     Actuator(Box<Model>),
     Joint(Box<JointModel>),
+    Plant(Box<PlantModel>),
 }
 
 impl Found {
@@ -21,6 +24,10 @@ impl Found {
     /// # Errors
     /// The scenario is wrong, or it has no such point.
     pub fn of(name: &str, document: &Document, arguments: &LinearizeArguments) -> Result<Self, Failure> {
+        if let Some(experiment) = document.plant_experiment()? {
+            let model = PlantModel::new(name, &experiment, arguments, document.assumed())?;
+            return Self(Kind::Plant(Box::new(model))).checked();
+        }
         if let Some(experiment) = document.joint_experiment()? {
             let model = JointModel::new(name, &experiment, arguments, document.assumed())?;
             return Self(Kind::Joint(Box::new(model))).checked();
@@ -38,11 +45,12 @@ impl Found {
 
     /// The model, if every number of its matrices and of its point is finite.
     fn checked(self) -> Result<Self, Failure> {
-        let StateSpace { a, b, c, d, .. } = self.system();
+        let NamedModel { a, b, c, d, .. } = self.system();
         let entries = [("A", a), ("B", b), ("C", c), ("D", d)]
             .into_iter()
-            .flat_map(|(name, rows)| rows.iter().flatten().map(move |value| (name, *value)));
-        let poles = self.poles().iter().flat_map(|pole| [pole.real, pole.imaginary].map(|part| ("a pole", part)));
+            .flat_map(|(name, rows)| rows.into_iter().flatten().map(move |value| (name.to_owned(), value)));
+        let poles = self.poles().iter();
+        let poles = poles.flat_map(|pole| [pole.real, pole.imaginary].map(|part| ("a pole".to_owned(), part)));
         let fault = entries.chain(self.point()).chain(poles).find(|(_, value)| !value.is_finite());
         match fault {
             Some((name, value)) => Err(Failure::not_finite(&format!("{name} of the linear model: {value}"))),
@@ -51,10 +59,11 @@ impl Found {
     }
 
     /// The matrices, of all states or of those that are needed, as was asked.
-    pub fn system(&self) -> &StateSpace {
+    pub fn system(&self) -> NamedModel {
         match &self.0 {
-            Kind::Actuator(model) => &model.system,
-            Kind::Joint(model) => &model.system,
+            Kind::Actuator(model) => named(&model.system),
+            Kind::Joint(model) => named(&model.system),
+            Kind::Plant(model) => model.system.clone(),
         }
     }
 
@@ -63,14 +72,16 @@ impl Found {
         match &self.0 {
             Kind::Actuator(model) => &model.poles,
             Kind::Joint(model) => &model.poles,
+            Kind::Plant(model) => &model.poles,
         }
     }
 
     /// The values at the operating point, each name with its unit at the end.
-    pub fn point(&self) -> Vec<(&'static str, f64)> {
+    pub fn point(&self) -> Vec<(String, f64)> {
         match &self.0 {
-            Kind::Actuator(model) => export::point(model),
-            Kind::Joint(model) => model.point(),
+            Kind::Actuator(model) => export::owned(export::point(model)),
+            Kind::Joint(model) => export::owned(model.point()),
+            Kind::Plant(model) => model.point(),
         }
     }
 
@@ -79,6 +90,7 @@ impl Found {
         match &self.0 {
             Kind::Actuator(model) => export::json(model),
             Kind::Joint(model) => model.json(),
+            Kind::Plant(model) => export::plant_json(model),
         }
     }
 
@@ -87,6 +99,7 @@ impl Found {
         match &self.0 {
             Kind::Actuator(model) => export::matlab(model),
             Kind::Joint(model) => model.matlab(),
+            Kind::Plant(model) => model.matlab(),
         }
     }
 
@@ -98,6 +111,7 @@ impl Found {
         match &self.0 {
             Kind::Actuator(model) => bode::figure(model, input),
             Kind::Joint(model) => bode::of_joint(model, input),
+            Kind::Plant(model) => bode::of_plant(model, input),
         }
     }
 
@@ -105,6 +119,7 @@ impl Found {
         match &self.0 {
             Kind::Actuator(model) => told::text(model),
             Kind::Joint(model) => model.text(),
+            Kind::Plant(model) => model.text(),
         }
     }
 }

@@ -6,6 +6,8 @@
 //! | a PWM on both actuators | on average | the balance at the pressures of the mean flows |
 //! | else | held shut | the balance at the scenario's initial gauge pressures |
 
+use super::export::owned;
+use super::named::named;
 use super::{LinearizeArguments, export, told};
 use crate::failure::Failure;
 use crate::joint::NAMES;
@@ -134,9 +136,9 @@ impl JointModel {
             text.push_str(&format!("\n{heading}\n{}", told::lines(&told::pwm(averaged, &self.poles, Vec::new()))));
         }
         for (heading, table) in [
-            ("Model", told::matrices(&self.system)),
+            ("Model", told::matrices(&named(&self.system))),
             ("Poles", told::poles(&self.poles)),
-            ("Controllability", told::reach(&self.system, &self.reach)),
+            ("Controllability", told::reach(&named(&self.system), &self.reach)),
         ] {
             text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
         }
@@ -151,7 +153,7 @@ impl JointModel {
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
         let kind = format!("antagonistic joint, {}", self.valves());
-        export::script(&self.name, &kind, &self.point(), &self.system, &self.poles)
+        export::script(&self.name, &kind, &owned(self.point()), &named(&self.system), &self.poles)
     }
 }
 

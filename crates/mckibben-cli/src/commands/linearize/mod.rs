@@ -8,6 +8,8 @@
 //! | `export` | the model as JSON and as a MATLAB or Octave script |
 //! | `bode` | the figure |
 //! | `joint` | all of this for an antagonistic joint |
+//! | `plant` | all of this for a file of many actuators |
+//! | `named` | signals by names that a file may choose |
 //!
 //! Everything is computed by [`mckibben::linearize`]. Checked by `tests/linearize.rs`.
 
@@ -16,6 +18,8 @@ mod export;
 mod found;
 mod given;
 mod joint;
+mod named;
+mod plant;
 mod told;
 
 use crate::failure::Failure;
@@ -28,6 +32,7 @@ pub use found::Found;
 use given::{Measure, angle, length, load, pressure, stiffness, temperature};
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::{Assumed, Document};
+pub use named::{Named, NamedModel};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben linearize` is asked.
@@ -45,6 +50,8 @@ The point:
   --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --pressure nor
   --length is given. With --pwm the duty follows from the pressure. Otherwise the valve is held shut, and the mass
   flow into the actuator is the input.
+  Of a file of many actuators pulsed and proportional valves are taken by their commands; where there are none, or with
+  controllers, all valves are held shut at the initial pressures. With --pwm the commands are those that hold these.
 
 Exit codes:
   0  done

@@ -2,12 +2,13 @@
 
 use super::Model;
 use super::export::over_fastest;
+use super::named::{Named, NamedModel, named};
 use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::terminal::{HEADING, NOTABLE, styled, width, wrap};
 use mckibben::ActuatorState;
 use mckibben::air::Process;
-use mckibben::linearize::{Averaged, Controllability, Pole, Signal, StateSpace};
+use mckibben::linearize::{Averaged, Controllability, Pole};
 use mckibben::load::Load;
 use mckibben::simulation::State;
 use mckibben::valve::Ports;
@@ -29,9 +30,9 @@ pub(super) fn text(model: &Model) -> String {
         ));
     }
     for (heading, table) in [
-        ("Model", matrices(&model.system)),
+        ("Model", matrices(&named(&model.system))),
         ("Poles", poles(&model.poles)),
-        ("Controllability", reach(&model.system, &model.reach)),
+        ("Controllability", reach(&named(&model.system), &model.reach)),
     ] {
         text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
     }
@@ -140,12 +141,12 @@ pub(super) fn pwm(averaged: &Averaged, poles: &[Pole], swings: Vec<String>) -> V
     lines
 }
 
-pub(super) fn matrices(system: &StateSpace) -> Table {
-    let named = |signal: &Signal| match signal.unit {
-        "" => signal.symbol.to_owned(),
+pub(super) fn matrices(system: &NamedModel) -> Table {
+    let titled = |signal: &Named| match signal.unit.as_str() {
+        "" => signal.symbol.clone(),
         unit => format!("{} {unit}", signal.symbol),
     };
-    let columns = system.states.iter().chain(&system.inputs).map(named);
+    let columns = system.states.iter().chain(&system.inputs).map(titled);
     let row = |name: String, of_states: &[f64], of_inputs: &[f64]| -> Vec<String> {
         let entries = of_states.iter().chain(of_inputs).map(|entry| match entry {
             0.0 => "0".to_owned(),
@@ -158,12 +159,17 @@ pub(super) fn matrices(system: &StateSpace) -> Table {
         rows.push(row(format!("d{}/dt", state.symbol), a, b));
     }
     for (output, (c, d)) in
-        system.outputs.iter().zip(system.c.iter().zip(&system.d)).filter(|(o, _)| o.name == "tension")
+        system.outputs.iter().zip(system.c.iter().zip(&system.d)).filter(|(o, _)| is_tension(&o.name))
     {
-        rows.push(row(named(output), c, d));
+        rows.push(row(titled(output), c, d));
     }
     let head = std::iter::once(String::new()).chain(columns).collect();
     Table { caption: "rates and tension by states and inputs, as differences from the point".to_owned(), head, rows }
+}
+
+/// Whether an output is the tension of an actuator.
+fn is_tension(name: &str) -> bool {
+    name.rsplit('.').next() == Some("tension")
 }
 
 pub(super) fn poles(poles: &[Pole]) -> Table {
@@ -196,7 +202,7 @@ pub(super) fn poles(poles: &[Pole]) -> Table {
     }
 }
 
-pub(super) fn reach(system: &StateSpace, reach: &[Controllability]) -> Table {
+pub(super) fn reach(system: &NamedModel, reach: &[Controllability]) -> Table {
     let rows = system.inputs.iter().zip(reach).map(|(input, reach)| {
         let condition = if reach.condition.is_finite() { digits(reach.condition) } else { "∞".to_owned() };
         let values: Vec<String> = reach.singular_values.iter().map(|value| format!("{value:.1e}")).collect();

@@ -160,20 +160,20 @@ impl<R: Real> JointPlant<R> {
     /// A controller of agonist and antagonist as the driver of both valves.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when an actuator has no valve, or one without seats.
+    /// [`Error::Misuse`] when an actuator has no valve, or one without seats.
     pub fn driver<C>(&self, controller: C, set_up: (Sampling<R>, JointSensors<R>)) -> Result<Driver<R>, Error>
     where
         R: Send + Sync + 'static,
         C: JointController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
         let [Some(agonist), Some(antagonist)] = self.feeds else {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a controller is given, but the actuator has no valve",
                 remedy: "give the actuator a valve, or simulate it without a controller",
             });
         };
         if self.plant.network().valves.iter().any(|valve| !valve.solenoid.has_seats()) {
-            return Err(Error::Unsupported {
+            return Err(Error::Misuse {
                 what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
                 remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
             });

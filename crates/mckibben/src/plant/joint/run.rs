@@ -24,9 +24,9 @@ pub struct JointTrajectory<R: Real = f64> {
 
 /// An accepted step of a joint's run: every sample within it, by dense output, and the event that ended it.
 #[derive(Clone, Copy, Debug)]
-pub struct JointStep<'s, 'p, R: Real = f64> {
-    joint: &'s JointPlant<R>,
-    step: &'s PlantStep<'s, 'p, R>,
+pub struct JointStep<'s> {
+    joint: &'s JointPlant,
+    step: &'s PlantStep<'s>,
 }
 
 /// Reads samples of a run of a joint, with room that is used again: quickest where the times do not fall from one to the next.
@@ -52,17 +52,17 @@ impl<'t, R: Real> JointReader<'t, R> {
 }
 
 /// Takes each accepted step of a joint's run in order of time; its error ends the run.
-pub type JointConsumer<'c, R = f64> = dyn FnMut(&JointStep<'_, '_, R>) -> Result<(), Error> + 'c;
+pub type JointConsumer<'c> = dyn FnMut(&JointStep<'_>) -> Result<(), Error> + 'c;
 
 /// What holds at the end of a joint's run of which nothing else is kept.
 #[derive(Clone, Debug)]
-pub struct JointRunEnd<R: Real = f64> {
+pub struct JointRunEnd {
     /// The joint; under a controller its commands are the tables of all that the controller requested.
-    pub rig: JointRig<R>,
+    pub rig: JointRig,
     /// The last sample.
-    pub sample: JointSample<R>,
+    pub sample: JointSample,
     /// The run of the plant.
-    pub run: PlantRun<R>,
+    pub run: PlantRun,
 }
 
 impl<R: Real> JointPlant<R> {
@@ -120,7 +120,9 @@ impl<R: Real> JointPlant<R> {
         let events = trajectory.events().iter().zip(modes).filter_map(event).collect();
         Ok(JointTrajectory { joint: self.clone(), rig, trajectory, events })
     }
+}
 
+impl JointPlant {
     /// Simulates the joint as [`JointPlant::record`] does and hands each accepted step to `consumer`; nothing is kept but the
     /// requests to valves that a driver has.
     ///
@@ -128,31 +130,24 @@ impl<R: Real> JointPlant<R> {
     /// As [`JointPlant::simulate`], those of the driver's controller, and those of the consumer.
     pub fn stream(
         &self,
-        state: &JointState<R>,
-        span: (R, f64),
-        driver: Option<Driver<R>>,
-        consumer: &mut JointConsumer<'_, R>,
-    ) -> Result<JointRunEnd<R>, Error> {
+        state: &JointState,
+        span: (f64, f64),
+        driver: Option<Driver>,
+        consumer: &mut JointConsumer<'_>,
+    ) -> Result<JointRunEnd, Error> {
         let mut run = self.begin(state, span, driver)?;
         let mut network = run.plant().network().clone();
         run.stream_to(span.0, &mut |step| {
-            if let Some((event, after)) = step.event()
+            if let (Some(event), Some(after)) = (step.event(), step.mode_after())
                 && let Part::Driver(driver) = event.kind.part
             {
                 network.record_settings(after.drivers[driver].valves(), event.time, &after.network);
             }
             consumer(&JointStep { joint: self, step })
         })?;
-        Ok(JointRunEnd { rig: self.rig_commanded(&network), sample: self.reached(&run), run })
+        Ok(JointRunEnd { rig: self.rig_commanded(&network), sample: self.sample(&run.sample()), run })
     }
 
-    /// What holds at the time that a run of the plant has reached.
-    fn reached(&self, run: &PlantRun<R>) -> JointSample<R> {
-        self.sample(&run.sample())
-    }
-}
-
-impl JointPlant {
     /// The sizes by which the errors of the joint's six states are scaled in a state: angle, angular velocity, and pressure and
     /// mass of air of agonist and antagonist.
     pub(crate) fn usual_sizes(&self, state: &JointState, relative_tolerance: f64) -> Result<[f64; 6], Error> {
@@ -220,69 +215,63 @@ impl<R: Real> JointTrajectory<R> {
         let times = SampleTimes::new(self.duration().value(), interval);
         self.at_each(times.times().map(R::constant))
     }
+}
 
+impl JointTrajectory {
     /// Hands each step to `consumer` in order of time, as [`JointPlant::stream`] did on the way.
     ///
     /// # Errors
     /// Those of the consumer.
-    pub fn replay(&self, consumer: &mut JointConsumer<'_, R>) -> Result<(), Error> {
+    pub fn replay(&self, consumer: &mut JointConsumer<'_>) -> Result<(), Error> {
         self.trajectory.replay(&mut |step| consumer(&JointStep { joint: &self.joint, step }))
     }
-}
 
-impl JointTrajectory {
     /// The ledger of energy and exergy of the whole run.
     pub fn ledger(&self) -> PlantLedger {
         self.trajectory.ledger()
     }
 }
 
-impl<'p, R: Real> JointStep<'_, 'p, R> {
+impl<'s> JointStep<'s> {
     /// The step of the plant.
-    pub fn plant(&self) -> &PlantStep<'_, 'p, R> {
+    pub fn plant(&self) -> &'s PlantStep<'s> {
         self.step
     }
 
     /// Start of the step in s.
-    pub fn start(&self) -> R {
+    pub fn start(&self) -> f64 {
         self.step.start()
     }
 
     /// End of the step in s.
-    pub fn end(&self) -> R {
+    pub fn end(&self) -> f64 {
         self.step.end()
     }
 
     /// The event that ended the step, if one did.
-    pub fn event(&self) -> Option<JointEvent<R>> {
-        let (event, after) = self.step.event()?;
+    pub fn event(&self) -> Option<JointEvent> {
+        let (event, after) = (self.step.event()?, self.step.mode_after()?);
         let kind = self.joint.event_kind(event.kind)?;
         let (before, after) = (self.joint.mode(self.step.mode()), self.joint.mode(after));
         Some(JointEvent { time: event.time, kind, before, after })
     }
 
     /// What the controller decided at the sampling instant that ended the step, if one did.
-    pub fn decision(&self) -> Option<JointDecision<R>> {
-        let (event, after) = self.step.event()?;
-        let Part::Driver(driver) = event.kind.part else { return None };
-        self.joint.decision(after.drivers[driver].last()?)
-    }
-
-    /// The sample at `time` in s, kept within the step.
-    pub fn at(&self, time: R) -> JointSample<R> {
-        self.joint.sample(&self.step.at(time))
+    pub fn decision(&self) -> Option<JointDecision> {
+        let (_, decision) = self.step.decision()?;
+        self.joint.decision(decision)
     }
 
     /// Calls `visit` with the weight in s, the sample, and each actuator's flows as of [`JointPlant::valve_flows`], at the Gauss
     /// points of the step: `Σ weight · f` over all steps is the integral of f over the run, to the order of the dense output.
-    pub fn quadrature(&self, mut visit: impl FnMut(R, &JointSample<R>, [[Flow<R>; 2]; 2])) {
+    pub fn quadrature(&self, mut visit: impl FnMut(f64, &JointSample, [[Flow; 2]; 2])) {
         self.step.quadrature(|weight, sample| {
             visit(weight, &self.joint.sample(sample), self.joint.valve_flows(sample));
         });
     }
 }
 
-impl Readable for JointStep<'_, '_> {
+impl Readable for JointStep<'_> {
     type Sample = JointSample;
 
     fn holds(&self, time: f64) -> bool {
@@ -290,6 +279,6 @@ impl Readable for JointStep<'_, '_> {
     }
 
     fn read(&self, time: f64) -> JointSample {
-        self.at(time)
+        self.joint.sample(&self.step.read(time))
     }
 }

@@ -8,13 +8,13 @@
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::line::{Hose, HoseKind};
-use crate::mechanism::{Contact, Mechanism};
+use crate::mechanism::Mechanism;
 use crate::network::{BranchKind, NodeKind};
 use crate::plant::evaluation::{Evaluation, System};
-use crate::plant::mode::{ActuatorMode, MechanismMode, PlantMode};
+use crate::plant::mode::PlantMode;
 use crate::plant::{Mounted, Plant};
 use crate::scalar::Scalar;
-use crate::simulation::{Actuation, Extent, Mode, Sliding};
+use crate::simulation::{Actuation, Extent, Sliding};
 use crate::valve::{Approach, Command, Openings, Port, Ports, actual_duty_cycle};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -265,48 +265,12 @@ fn enter_mode(
 ) -> PlantMode<Number> {
     let plant = system.plant;
     let time = Number::constant(0.0);
-    let mut arms = vec![0; plant.places.arms];
-    for (mounted, here) in plant.actuators.iter().zip(&plant.places.actuators) {
-        let (position, _) = plant.places.mechanisms[mounted.mechanism].of(state);
-        mounted.coupling.pieces(position, &mut arms[here.arms..here.arms + mounted.coupling.arm_count()]);
-    }
-    let actuator = |i: usize| {
-        let (member, pressure) = (&system.members[i], state[plant.places.actuators[i].pressure]);
-        let has_direction = member.actuator.friction().has_direction();
-        ActuatorMode {
-            mode: Mode {
-                ports: Ports::CLOSED,
-                supply_zone: None,
-                exhaust_zone: None,
-                effectiveness_piece: member.effectiveness_piece(pressure),
-                pressed: member.pressed(pressure),
-                force_piece: Default::default(),
-                extent: Extent::Free,
-                sliding: if has_direction { Sliding::Held } else { Sliding::Frictionless },
-                clamped: false,
-            },
-            on_stop: false,
-            loose: false,
-            trace: None,
-            isothermal: None,
-            rows_passed: 0,
+    let mut mode = system.first_mode(state);
+    for (i, its) in mode.actuators.iter_mut().enumerate() {
+        if !system.members[i].actuator.friction().has_direction() {
+            its.mode.sliding = Sliding::Frictionless;
         }
-    };
-    let mechanism = |m: usize| MechanismMode {
-        frozen: false,
-        stops: vec![[Contact::None; 2]; plant.places.mechanisms[m].coordinates],
-        foot: Contact::None,
-        basis: Vec::new(),
-        facets: Vec::new(),
-        corners_passed: 0,
-    };
-    let mut mode = PlantMode {
-        actuators: (0..plant.actuators.len()).map(actuator).collect(),
-        mechanisms: (0..plant.mechanisms.len()).map(mechanism).collect(),
-        network: plant.network.begin(),
-        arms,
-        drivers: Vec::new(),
-    };
+    }
     for m in 0..plant.mechanisms.len() {
         system.enter_contacts(m, state, &mut mode);
     }

@@ -167,7 +167,7 @@ impl JointRig {
     /// A joint with its agonist and its antagonist.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
+    /// [`Error::Misuse`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
     /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         for Driven { actuator, actuation } in &driven {
@@ -195,7 +195,7 @@ impl JointRig {
     /// The state at the start.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Unsupported`] when an
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Misuse`] when an
     /// equilibrium is asked for and there is none.
     pub fn start(&self, initial: &JointInitial) -> Result<JointState, Error> {
         for i in 0..2 {
@@ -317,7 +317,7 @@ impl<S: Real> JointRig<S> {
     /// The state at a start that has been checked, over any scalar with one value.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when an equilibrium is asked for and there is none.
+    /// [`Error::NoSolution`] when an equilibrium is asked for and there is none.
     pub fn begin(&self, initial: &JointInitial<S>) -> Result<JointState<S>, Error> {
         let actuators = self.actuators();
         let pressure = core::array::from_fn(|i| initial.gauge_pressure[i].absolute(actuators[i].air().atmosphere()));
@@ -351,7 +351,7 @@ impl<S: Real> JointRig<S> {
     /// shortest length if it turns the joint no further than that. Of several such angles, one.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the load would pull a braid straight.
+    /// [`Error::NoSolution`] when the load would pull a braid straight.
     pub fn equilibrium(&self, pressure: [AbsolutePressure<S>; 2]) -> Result<S, Error> {
         let pressure = pressure.map(|pressure| pressure.0);
         let torque = |angle: S| self.static_torque(angle, pressure);
@@ -371,7 +371,7 @@ impl<S: Real> JointRig<S> {
         }
         let (low, high) = (low.value(), high.value());
         if at(low) < 0.0 || at(high) > 0.0 {
-            return Err(Error::Unsupported {
+            return Err(Error::NoSolution {
                 what: "the load would pull a braid straight: there is no angle at which the joint is in equilibrium",
                 remedy: "lighten the load, stiffen actuator.limit.stiffness or give the joint stops",
             });

@@ -152,12 +152,12 @@ impl<R: Real<Time = R>> JointStepper<R> {
     /// What is asked of both valves from now on. Pulses begin with the next period, which may be now.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when an actuator has no valve, it cannot do what is asked, or has a dead time;
+    /// [`Error::Misuse`] when an actuator has no valve, it cannot do what is asked, or has a dead time;
     /// [`Error::OutOfRange`] for a duty cycle outside 0 to 1. Then nothing has changed.
     pub fn drive(&self, course: &mut JointCourse<R>, drives: [Drive<R>; 2]) -> Result<(), Error> {
         for i in 0..2 {
             let Some(actuation) = &self.rig.driven[i].actuation else {
-                return Err(Error::Unsupported {
+                return Err(Error::Misuse {
                     what: "something is asked of a valve, but the actuator has none",
                     remedy: "give both actuators a valve, or leave them sealed",
                 });

@@ -1,0 +1,131 @@
+//! The figures of a run of a plant: extremes, events, and the ledger of energy, exergy and air.
+//!
+//! A run is observed step by step as it is made, at the sample interval and at least at [`LEAST_SAMPLES`] instants: nothing of
+//! it is kept.
+
+use crate::observation::Range;
+use mckibben::engine::Statistics;
+use mckibben::network::NodeKind;
+use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
+use mckibben::simulation::{EventKind, Reading, SampleTimes};
+use mckibben_scenario::{PlantExperiment, PlantQuantity};
+use std::collections::BTreeMap;
+
+/// Samples in which extremes are looked for at least.
+const LEAST_SAMPLES: f64 = 2000.0;
+
+/// Everything that is observed.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// Steps, evaluations and events.
+    pub statistics: Statistics,
+    /// How many events of each kind there were.
+    pub events: BTreeMap<EventKind, u64>,
+    /// What the table of states shows.
+    pub rows: Vec<Row>,
+    /// Where energy, exergy and air went.
+    pub ledger: PlantLedger,
+}
+
+/// A line of the table of states; without a unit a heading.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// What it is of.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The value at the end.
+    pub last: f64,
+    /// The least and the greatest value.
+    pub range: Range,
+    quantity: Option<PlantQuantity>,
+    /// What is subtracted: the atmosphere of a gauge pressure.
+    less: f64,
+}
+
+/// Observes a run.
+pub(crate) struct Observer<'e> {
+    experiment: &'e PlantExperiment,
+    events: BTreeMap<EventKind, u64>,
+    rows: Vec<Row>,
+    keeper: PlantLedgerKeeper<'e>,
+    samples: Reading<Box<dyn Iterator<Item = f64>>>,
+}
+
+impl<'e> Observer<'e> {
+    pub(crate) fn new(experiment: &'e PlantExperiment) -> Self {
+        let run = &experiment.run;
+        let interval = run.sample_interval.min(run.duration / LEAST_SAMPLES);
+        let times = SampleTimes::new(run.duration, interval).times();
+        Self {
+            experiment,
+            events: BTreeMap::new(),
+            rows: rows(experiment),
+            keeper: PlantLedgerKeeper::new(&experiment.plant, run.relative_tolerance),
+            samples: Reading::new(Box::new(times), run.duration),
+        }
+    }
+
+    /// Takes a step.
+    pub(crate) fn step(&mut self, step: &PlantStep<'_>) {
+        let Self { experiment, events, rows, keeper, samples } = self;
+        keeper.step(step);
+        let Ok(()) = samples.step(step, |sample: &PlantSample| {
+            see(rows, experiment, sample);
+            Ok::<_, std::convert::Infallible>(())
+        });
+        if let Some(event) = step.event() {
+            *events.entry(event.kind.kind).or_insert(0) += 1;
+        }
+    }
+
+    /// The figures of a run that has come to its end.
+    pub(crate) fn finish(mut self, run: &PlantRun) -> Observation {
+        see(&mut self.rows, self.experiment, &run.sample());
+        let ledger = self.keeper.finish(run);
+        Observation { statistics: run.statistics(), events: self.events, rows: self.rows, ledger }
+    }
+}
+
+fn see(rows: &mut [Row], of: &PlantExperiment, sample: &PlantSample) {
+    for row in rows {
+        if let Some(quantity) = row.quantity {
+            row.last = quantity.of(&of.plant, sample) - row.less;
+            row.range.see(row.last);
+        }
+    }
+}
+
+fn rows(of: &PlantExperiment) -> Vec<Row> {
+    let atmosphere = of.plant.network().atmosphere;
+    let row = |name: &str, unit, quantity, less| Row {
+        name: name.to_owned(),
+        unit,
+        last: 0.0,
+        range: Range::NONE,
+        quantity,
+        less,
+    };
+    let mut rows = Vec::new();
+    for its in of.coordinates() {
+        let unit = if its.is_angle { "rad" } else { "m" };
+        rows.push(row(&its.name, unit, Some(PlantQuantity::Position(its.mechanism, its.index)), 0.0));
+    }
+    for (index, name) in of.names.actuators.iter().enumerate() {
+        rows.push(row(name, "", None, 0.0));
+        rows.push(row("length", "m", Some(PlantQuantity::Length(index)), 0.0));
+        rows.push(row("tension", "N", Some(PlantQuantity::Tension(index)), 0.0));
+        rows.push(row("gauge pressure", "Pa", Some(PlantQuantity::Pressure(index)), atmosphere));
+    }
+    for (name, node) in &of.names.nodes {
+        rows.push(row(&format!("{name}, gauge"), "Pa", Some(PlantQuantity::NodePressure(*node)), atmosphere));
+    }
+    rows
+}
+
+/// The air in kg that all sources of a run gave: sources without end, and regulators that no other supply feeds.
+pub(crate) fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
+    let kinds = of.plant.network().nodes.iter().map(|node| &node.kind);
+    let gives = |kind: &NodeKind| !matches!(kind, NodeKind::Atmosphere);
+    kinds.zip(&ledger.nodes).filter(|(kind, _)| gives(kind)).map(|(_, node)| node.supplied.mass).sum()
+}

@@ -1,0 +1,114 @@
+//! What makes physical sense and is not implemented: one table, from which messages and documentation are made.
+//!
+//! A combination that makes no sense, such as `hold` of a three-way valve, is [misuse](crate::Error::Misuse) and no limit; a
+//! point that does not exist, such as the balance of a load that nothing holds, is [no
+//! solution](crate::Error::NoSolution).
+
+use core::fmt::{Display, Formatter, Result};
+
+/// Two features that do not work together yet.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// What is not implemented.
+    pub feature: &'static str,
+    /// With what, beginning with a preposition.
+    pub with: &'static str,
+    /// What to do instead.
+    pub remedy: &'static str,
+}
+
+/// A limit without what to do instead.
+#[derive(Debug)]
+pub struct Title<'l>(&'l Limit);
+
+impl Limit {
+    /// What is not implemented with what, without the remedy: for messages that show it apart.
+    pub fn title(&self) -> Title<'_> {
+        Title(self)
+    }
+}
+
+impl Display for Title<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Limit { feature, with, .. } = self.0;
+        write!(f, "{feature} is not implemented {with}")
+    }
+}
+
+impl Display for Limit {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{}; {}", self.title(), self.remedy)
+    }
+}
+
+/// A row of the table.
+const fn limit(feature: &'static str, with: &'static str, remedy: &'static str) -> Limit {
+    Limit { feature, with, remedy }
+}
+
+/// Declares the rows and the table of them all.
+macro_rules! limits {
+    ($($name:ident: $feature:literal, $with:literal, $remedy:literal;)*) => {
+        $(#[doc = concat!("Not implemented: ", $feature, " ", $with, ".")]
+        pub static $name: Limit = limit($feature, $with, $remedy);)*
+
+        /// All of them, in the order of the documentation.
+        pub static LIMITS: &[&Limit] = &[$(&$name),*];
+    };
+}
+
+limits! {
+    PLANT_FIXED_STEP: "run.engine = \"fixed-step\"", "for a plant of several actuators",
+        "leave out run.engine, or set it to \"event-located\"";
+    PLANT_ANTAGONIST: "[antagonist]", "in a file of several actuators",
+        "write a chain of one joint with two actuators";
+    PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
+        "run it with `mckibben simulate`, `sweep` or `linearize`, or write a file of one actuator or joint";
+    PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Plants`, environments and derivatives",
+        "use `simulate`, `sweep` or `linearize`, or write a scenario of one actuator or joint";
+    PLANT_MODEL: "a controller by the model", "of a joint within a longer chain, with tendons, or with other than one moment arm each",
+        "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
+    REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
+        "let it draw from a supply of constant pressure, or choose a valve with seats";
+    JOINT_TENDON: "an elastic tendon", "with load.kind = \"antagonistic-joint\"",
+        "leave out [tendon], or write a plant: a chain of one joint with two actuators";
+    JOINT_PRESSURE: "a pressure that is given over time", "with load.kind = \"antagonistic-joint\"",
+        "leave out [pressure], or write a plant: a chain of one joint with two actuators";
+    JOINT_LINE: "a hose, a leak, a reservoir or a regulator", "with load.kind = \"antagonistic-joint\"",
+        "leave them out, or write a plant: a chain of one joint with two actuators";
+    JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
+        "run it with `mckibben simulate`, or choose another load.kind";
+    JOINT_POSITION: "a position or a set point", "for the valves of a joint or a leg that a host drives",
+        "ask for \"duty\" or \"request\"";
+    CONTROLLER_HERE: "command.kind = \"controller\"", "where a command known beforehand is due",
+        "run it by `mckibben simulate`, or choose another command.kind";
+    CONTROLLER_VALVE: "a controller", "of a valve that is neither three-way nor fill-hold-exhaust",
+        "set valve.kind to one of these";
+    CONTROLLER_STEP: "a fixed step that is chosen by an accuracy", "under a controller",
+        "give run.step, such as \"0.1 ms\"";
+    CONTROLLER_PAIR: "pressures by angle and stiffness", "for another law of force than the ideal braid's",
+        "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness";
+    TENDON_MOTION: "a prescribed motion", "with a tendon in series",
+        "set load.kind = \"hanging-mass\", \"constant-force\" or \"isometric\", or leave out [tendon]";
+    TENDON_FALLING: "friction that depends on the velocity, without viscous friction", "in series with a tendon",
+        "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"";
+    PRESSURE_FIXED_STEP: "a pressure that is given over time", "in the fixed-step engine",
+        "set run.engine = \"event-located\", or leave out [pressure]";
+    PRESSURE_TENDON: "a pressure that is given over time", "in an actuator on a tendon",
+        "leave out [tendon], or drive the pressure by a valve";
+    MODULAR_TENDON: "a tendon in series", "in a modular actuator", "make a TendonActuator, or leave out [tendon]";
+    MODULAR_VALVE: "a pressure regulator or a proportional spool", "as the valve of a modular actuator",
+        "choose a valve with seats such as valve.kind = \"three-way\"";
+    BEGIN_MOTION: "a beginning in the middle of a run", "of a load whose motion is given from t = 0",
+        "give it a load that moves by itself, or begin a new run";
+    DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
+        "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
+    LINEAR_LINE: "a linear model by `linearize`", "with an air line or a pressure regulator",
+        "name the actuator, as in [actuators.muscle], or leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats";
+    AVERAGE_STROKE: "the average over pulses", "of seats that take their time",
+        "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes";
+    SEGMENTS_JOINT: "a run in segments", "of an antagonistic joint", "give search.horizon in place of search.segments";
+    SEGMENTS_PRESSURE: "a measured pressure as input", "of an antagonistic joint", "leave out `input`: the pressures are fitted as the valves make them";
+    SEGMENTS_MEMORY: "a run in segments", "of a rig that remembers more than its four states",
+        "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";
+}

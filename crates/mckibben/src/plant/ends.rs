@@ -1,0 +1,281 @@
+//! The ends of actuators on elastic tendons: how they start, what follows when one of their modes ends, and their balance.
+//!
+//! Nothing has a mass between an actuator and its tendon, so that its end sticks, slides and comes to a limit by the balance
+//! of both tensions, whatever the mechanism does. The [tendon](super::tendon) says how fast it slides.
+
+use super::evaluation::{Evaluation, System};
+use super::guard::PlantGuard;
+use super::mode::PlantMode;
+use super::tendon;
+use crate::dual::Dual;
+use crate::error::{Error, Requirement};
+use crate::parameter;
+use crate::scalar::Real;
+use crate::simulation::member::Member;
+use crate::simulation::{EventKind, Extent, Guard, Sliding};
+
+/// Part of its length by which an end without viscous friction may miss its balance.
+const UNBALANCED: f64 = 1e-6;
+
+impl<R: Real> System<'_, R> {
+    /// How an actuator slides whose length changes with the sign of `heading`; zero counts as longer.
+    #[inline]
+    pub(super) fn slides(&self, i: usize, heading: f64) -> Sliding {
+        match self.members[i].actuator.friction().has_direction() {
+            false => Sliding::Frictionless,
+            true if heading < 0.0 => Sliding::Shortening,
+            true => Sliding::Lengthening,
+        }
+    }
+
+    /// The mode of an actuator on a tendon at the start.
+    pub(super) fn begin_end(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        let mounted = &self.plant.actuators[i];
+        let (Some(tendon), member) = (&mounted.tendon, &self.members[i]) else { return };
+        self.enter_distances(time, state, mode, at);
+        let unit = at.units[i];
+        let limits = member.actuator.limits();
+        let its = &mut mode.actuators[i];
+        its.loose = (unit.distance - unit.length - tendon.rest_length()).value() <= 0.0;
+        let beyond = unit.length.value() > limits.max_length().value();
+        its.mode.extent = if beyond { Extent::Taut } else { Extent::Free };
+        its.mode.sliding = Sliding::Stuck;
+        let friction = member.actuator.friction();
+        let on_the_stop = unit.length.value() <= limits.min_length().value();
+        its.on_stop = on_the_stop;
+        let (least, most) = self.holdable(i, state, mode, unit.length);
+        let pull = tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
+        let heading = if pull - most.value() > member.force_band {
+            1.0
+        } else if pull - least.value() < -member.force_band {
+            -1.0
+        } else if friction.has_coulomb() || on_the_stop {
+            return;
+        } else {
+            // It goes the way of the balance, however small.
+            mode.actuators[i].mode.sliding = self.slides(i, 1.0);
+            self.follow_all(time, state, mode, at, None);
+            self.enter_distances(time, state, mode, at);
+            self.velocity_of_end(i, time, state, mode, at).value()
+        };
+        let its = &mut mode.actuators[i];
+        (its.mode.sliding, its.on_stop) = (self.slides(i, heading), false);
+    }
+
+    /// That the ends on tendons can start where they are: nothing has a mass there, so that without viscous friction their
+    /// tensions balance from the start on, and friction that falls with velocity needs a viscous one that outweighs the fall.
+    ///
+    /// # Errors
+    /// [`Error::Inconsistent`] otherwise.
+    pub(crate) fn check_ends(
+        &self,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        self.enter_distances(time, state, mode, at);
+        for (i, mounted) in self.plant.actuators.iter().enumerate() {
+            let Some(tendon) = &mounted.tendon else { continue };
+            let (actuator, unit) = (&mounted.actuator, at.units[i]);
+            let (friction, pressure) = (actuator.friction(), state[self.plant.places.actuators[i].pressure]);
+            let kinetic: R = actuator.coulomb_bound(unit.length, pressure);
+            let mut fall = friction.coulomb().steepest_fall(kinetic.value());
+            if let Some(law) = friction.lugre() {
+                fall += law.steepest_fall(actuator.secant_stiffness(unit.length, pressure).value());
+            }
+            if friction.viscous().value() < fall {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::VISCOUS,
+                    value: friction.viscous().value(),
+                    requirement: Requirement {
+                        relation: "on a tendon must be at least",
+                        other: "the steepest fall of dry friction with velocity, here at the start",
+                        value: fall,
+                        unit: "N*s/m",
+                    },
+                    remedy: "raise viscous or stribeck_velocity, or lower static_ratio or damping_time: an end without a mass \
+                             would have no velocity of its own",
+                });
+            }
+            if tendon::is_damped(actuator, &mode.actuators[i]) {
+                continue;
+            }
+            let pull = tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
+            let (least, most) = self.holdable(i, state, mode, unit.length);
+            let missed = (pull - most.value()).max(least.value() - pull);
+            if missed > UNBALANCED * tendon.stiffness().value() * unit.length.value() {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::INITIAL_LENGTH,
+                    value: unit.length.value(),
+                    requirement: Requirement {
+                        relation: "on a tendon without viscous friction must balance; the tendon's tension misses",
+                        other: "what the actuator holds there",
+                        value: missed,
+                        unit: "N",
+                    },
+                    remedy: "leave the length out, or give actuator.friction.viscous",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Crosses a guard of an actuator on a tendon.
+    pub(super) fn cross_end(
+        &self,
+        i: usize,
+        guard: Guard,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<EventKind, Error> {
+        let (limits, friction) = (self.members[i].actuator.limits(), self.members[i].actuator.friction());
+        let place = self.plant.places.actuators[i].length.unwrap_or(0);
+        let its = &mut mode.actuators[i];
+        Ok(match guard {
+            Guard::ThreadLength => {
+                return Err(Error::Stopped {
+                    time: time.value(),
+                    reason: "the load pulled a braid straight",
+                    quantity: "length",
+                    value: state[place].value(),
+                    unit: "m",
+                    remedy: "lighten the load or stiffen actuator.limit.stiffness",
+                });
+            }
+            Guard::Slack => {
+                state[place] = limits.min_length();
+                its.mode.sliding = Sliding::Stuck;
+                its.on_stop = true;
+                EventKind::Stick
+            }
+            Guard::Rest => {
+                self.check_no_jump(i, time, state, mode, at)?;
+                let its = &mut mode.actuators[i];
+                if friction.has_coulomb() {
+                    its.mode.sliding = Sliding::Stuck;
+                    if its.mode.extent == Extent::Rebound {
+                        its.mode.extent = Extent::Taut;
+                    }
+                    EventKind::Stick
+                } else {
+                    its.mode.sliding = opposite(its.mode.sliding);
+                    EventKind::Reversal
+                }
+            }
+            Guard::BreakLonger | Guard::BreakShorter => {
+                its.on_stop = false;
+                its.mode.sliding = self.slides(i, if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                self.check_no_jump(i, time, state, mode, at)?;
+                EventKind::BreakAway
+            }
+            Guard::TendonLoose | Guard::TendonTight => {
+                its.loose = guard == Guard::TendonLoose;
+                if its.loose { EventKind::TendonLoose } else { EventKind::TendonTight }
+            }
+            Guard::Taut | Guard::Untaut => {
+                state[place] = limits.max_length();
+                let taut = guard == Guard::Taut;
+                its.mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                if taut { EventKind::Taut } else { EventKind::Untaut }
+            }
+            Guard::Slip => EventKind::Slip,
+            _ => return Member::<R>::cross(guard, &mut its.mode).ok_or_else(|| self.unknown_guard(time)),
+        })
+    }
+
+    /// That an end, on the border of what dry friction holds, slides no faster than a border is wide.
+    fn check_no_jump(
+        &self,
+        i: usize,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        /// Viscous force in widths of a border above which the end has jumped.
+        const JUMP: f64 = 1e3;
+        let member = &self.members[i];
+        if !member.actuator.friction().coulomb().falls() {
+            return Ok(());
+        }
+        self.enter_distances(time, state, mode, at);
+        let velocity = self.velocity_of_end(i, time, state, mode, at).value();
+        if member.damping(&mode.actuators[i].mode) * velocity.abs() <= JUMP * member.force_band {
+            return Ok(());
+        }
+        Err(Error::Stopped {
+            time: time.value(),
+            reason: "dry friction falls with velocity faster than viscous friction grows, and an end without a mass jumps",
+            quantity: "velocity of the actuator's end",
+            value: velocity,
+            unit: "m/s",
+            remedy: "raise actuator.friction.viscous or stribeck_velocity, or lower static_ratio",
+        })
+    }
+
+    /// After an event that lets the rates of ends on tendons jump: rest or reversal where an end would slide against its
+    /// direction, and break-away where no friction holds it.
+    pub(crate) fn settle_ends(&self, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        for i in 0..self.members.len() {
+            if self.plant.actuators[i].tendon.is_none() {
+                continue;
+            }
+            let friction = self.members[i].actuator.friction();
+            let fires = |guard, mode: &PlantMode<R>, at: &mut Evaluation<R>| {
+                self.guard(PlantGuard::Of(i, guard), time, state, mode, at).value() < 0.0
+            };
+            let sliding = mode.actuators[i].mode.sliding;
+            let next = match sliding {
+                Sliding::Lengthening | Sliding::Shortening if fires(Guard::Rest, mode, at) => {
+                    if friction.has_coulomb() { Sliding::Stuck } else { opposite(sliding) }
+                }
+                Sliding::Stuck if fires(Guard::BreakLonger, mode, at) => self.slides(i, 1.0),
+                Sliding::Stuck if fires(Guard::BreakShorter, mode, at) => self.slides(i, -1.0),
+                same => same,
+            };
+            if next != sliding {
+                mode.actuators[i].mode.sliding = next;
+                mode.actuators[i].on_stop = false;
+                self.follow(i, time, state, mode, at, false);
+            }
+        }
+    }
+
+    /// Brings the length of an actuator on a tendon to where both tensions are equal, with the air sealed, where nothing but
+    /// the balance holds it.
+    pub(super) fn keep_balance(&self, i: usize, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
+        let (mounted, its) = (&self.plant.actuators[i], &mode.actuators[i]);
+        let here = self.plant.places.actuators[i];
+        let (Some(tendon), Some(place)) = (&mounted.tendon, here.length) else { return };
+        if its.mode.sliding == Sliding::Stuck || tendon::is_damped(&mounted.actuator, its) {
+            return;
+        }
+        self.enter_distances(time, state, mode, at);
+        let mut unit = at.units[i];
+        (unit.flow, unit.warmth) = (crate::air::Flow::none(), R::zero());
+        let sealed = (&unit, &at.chambers[i]);
+        let per_length = self.air_rate(i, sealed, R::one()) - self.air_rate(i, sealed, R::zero());
+        let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
+        let length = Dual::variable(state[place], 0);
+        let pressure = Dual { value: state[here.pressure], slope: [per_length] };
+        let bristles = self.bristles(i, state).map(|bent| Dual { value: bent, slope: [R::zero()] });
+        let excess = self.excess(i, tendon, its, [distance, length, pressure], bristles);
+        let step = excess.value / excess.slope[0];
+        if step.value().is_finite() {
+            state[place] = state[place] - step;
+            state[here.pressure] = state[here.pressure] - step * per_length;
+        }
+    }
+}
+
+/// The other way.
+pub(super) fn opposite(sliding: Sliding) -> Sliding {
+    match sliding {
+        Sliding::Lengthening => Sliding::Shortening,
+        Sliding::Shortening => Sliding::Lengthening,
+        same => same,
+    }
+}
