@@ -7,9 +7,10 @@
 //! the law and the command that grows cost. Both must end in the same place: the steps of the first are
 //! divided at the sampling instants besides, so the two differ by rounding.
 
+use mckibben::plant::JointPlant;
 use mckibben::simulation::{
     ControlledJointStepper, ControlledStepper, FixedStepper, JointRig, JointState, JointStepper, Method, Rig, State,
-    simulate, simulate_controlled, simulate_joint, simulate_joint_controlled,
+    simulate, simulate_controlled,
 };
 use mckibben_scenario::{ControlledExperiment, ControlledJointExperiment, Document, Run};
 use std::path::Path;
@@ -46,8 +47,9 @@ fn measure(file: &str) -> Result<[f64; 5], String> {
     }
     if let Some(of) = document.joint_experiment().map_err(told)? {
         let open = open_joint(&of.rig, of.start, &of.run)?;
+        let joint = JointPlant::new(&of.rig).map_err(|error| error.to_string())?;
         let located =
-            located(&of.run, |until| simulate_joint(&of.rig, of.start, until, of.run.relative_tolerance).map(drop))?;
+            located(&of.run, |until| joint.simulate(&of.start, until, of.run.relative_tolerance).map(drop))?;
         return Ok(row(open.map(|(cost, _)| cost), [f64::NAN; 2], located));
     }
     if let Some(of) = document.controlled_experiment().map_err(told)? {
@@ -106,8 +108,10 @@ fn controlled_joint(of: &ControlledJointExperiment) -> Result<[f64; 5], String> 
         same(end, replayed.1)?;
         (closed[place], open[place]) = (cost, replayed.0);
     }
+    let joint = JointPlant::new(rig).map_err(|error| error.to_string())?;
     let located = located(run, |until| {
-        simulate_joint_controlled(rig, start, until, run.relative_tolerance, law, (*sampling, *sensors)).map(drop)
+        let driver = joint.driver(law.clone(), (*sampling, *sensors))?;
+        joint.record(&start, (until, run.relative_tolerance), Some(driver), &mut |_| Ok(())).map(drop)
     })?;
     Ok(row(open, closed, located))
 }

@@ -20,7 +20,7 @@ use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::plot::Figure;
 use crate::portrait::{self, Over};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
-use mckibben::plant::{PlantReader, PlantSample};
+use mckibben::plant::{JointPlant, PlantReader, PlantSample};
 use mckibben::simulation::{JointRig, JointSample, Readable, Reading, Sample, SampleTimes};
 use mckibben_scenario::{
     ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, PlantExperiment,
@@ -208,29 +208,31 @@ impl Ready {
                 Ok(Figures::Actuator(Box::new(figures)))
             }
             Self::Joint(of) => {
-                let mut observer = joint::observation::Observer::new(&of.rig, &run);
+                let plant = JointPlant::new(&of.rig).map_err(shown)?;
+                let mut observer = joint::observation::Observer::new(Some(&plant), &run);
                 let end = through(target, &of_joint(&Goals::default()), &run, shown, |take| {
-                    let end = joint::outcome::stream(&of, &mut |step| {
+                    let end = joint::outcome::stream(&of, &plant, &mut |step| {
                         observer.step(step);
                         take(step)
                     })?;
                     Ok((end.sample, end))
                 })?;
-                let observation = observer.finish(&end);
+                let observation = observer.finish(end.sample, &end.run);
                 Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: None })))
             }
             Self::ControlledJoint(of) => {
-                let mut observer = joint::observation::Observer::new(&of.experiment.rig, &run);
+                let plant = JointPlant::new(&of.experiment.rig).map_err(shown)?;
+                let mut observer = joint::observation::Observer::new(Some(&plant), &run);
                 let goals = Goals::new(joint::control::begin_goals(&of).into());
                 let (end, mut closed) = through(target, &of_joint(&goals), &run, shown, |take| {
-                    let (end, closed) = joint::control::stream(&of, &goals, &mut |step| {
+                    let (end, closed) = joint::control::stream(&of, &plant, &goals, &mut |step| {
                         observer.step(step);
                         take(step)
                     })?;
                     Ok((end.sample, (end, closed)))
                 })?;
                 closed.goals = goals.take();
-                let observation = observer.finish(&end);
+                let observation = observer.finish(end.sample, &end.run);
                 Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: Some(closed) })))
             }
             Self::Plant(of) => {
@@ -394,7 +396,7 @@ impl Finished {
             Self::Joint(of) => {
                 let Some(trajectory) = of.outcome.located() else { return Err(between_samples()) };
                 let rows: record::Rows<'_, JointSample> =
-                    &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
+                    &mut |each| trajectory.at_each(times.iter().copied()).try_for_each(|sample| each(&sample));
                 filled(of.fields(), rows)
             }
             Self::Plant(of) => {
@@ -466,7 +468,7 @@ impl Finished {
             }
             Self::Joint(of) => {
                 let JointRun { run, outcome, control } = of.as_ref();
-                let observer = joint::observation::Observer::new(outcome.rig(), run);
+                let observer = joint::observation::Observer::new(None, run);
                 let observation = observer.finish_of(outcome)?;
                 let observation = observation.ok_or_else(|| Failure::stopped("the run has no sample"))?;
                 let (rig, control) = (outcome.rig().clone(), control.clone());

@@ -7,6 +7,8 @@ use crate::observation::{Observation, Range, Ripple, Steps};
 use crate::quantities::{self, common_prefix, count, given};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
+use mckibben::engine::Statistics;
+use mckibben::plant::PlantLedger;
 use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
@@ -62,7 +64,7 @@ impl Summary<'_> {
             energy(page, &located.work);
             if let Some(audit) = &located.circuit {
                 let sums = [audit.residual(), audit.turnover(), audit.rounding()];
-                circuit(page, audit, self.experiment.rig.actuator().air().process(), sums);
+                circuit(page, &Exergy::of_circuit(audit), self.experiment.rig.actuator().air().process(), sums);
             }
         }
         page.finish(&assumptions(self.assumed))
@@ -303,8 +305,52 @@ fn energy(page: &Page, audit: &EnergyAudit) {
     residual(page, [audit.residual(), turnover, audit.rounding]);
 }
 
+/// Exergy of the air from the supply and where it went, in J.
+pub(crate) struct Exergy {
+    drawn: f64,
+    gas_work: f64,
+    stored: f64,
+    exhaust: f64,
+    throttled: f64,
+    mixed: f64,
+    heat: f64,
+    /// Least work of a compressor for what was drawn.
+    compressor: f64,
+    /// Work on the load.
+    work: f64,
+}
+
+impl Exergy {
+    pub(crate) fn of_circuit(of: &CircuitAudit) -> Self {
+        let CircuitAudit { drawn, compressor, stored, exhaust, throttled, mixed, heat, work, .. } = *of;
+        let (gas_work, work) = (work.gas_work, work.load);
+        Self { drawn, gas_work, stored, exhaust, throttled, mixed, heat, compressor, work }
+    }
+
+    pub(crate) fn of_plant(of: &PlantLedger) -> Self {
+        let of = of.total();
+        Self {
+            drawn: of.drawn,
+            gas_work: of.gas_work,
+            stored: of.stored,
+            exhaust: of.exhaust,
+            throttled: of.throttled,
+            mixed: of.mixed,
+            heat: of.heat_loss,
+            compressor: of.least_work,
+            work: of.work,
+        }
+    }
+}
+
+/// Steps, evaluations and events of a plant's run.
+pub(crate) fn counts(of: Statistics) -> Counts {
+    let Statistics { explicit_steps, implicit_steps, rejected_steps, evaluations, events } = of;
+    Counts { explicit_steps, implicit_steps, rejected_steps, evaluations, events }
+}
+
 /// Where the exergy of the air from the supply went; with what does not close, the turnover, and what rounding may leave, in J.
-pub(crate) fn circuit(page: &Page, audit: &CircuitAudit, process: Process, sums: [f64; 3]) {
+pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]) {
     page.heading("Exergy of the supply's air");
     let heat = match process {
         Process::Isentropic | Process::Polytropic { .. } => {
@@ -312,15 +358,15 @@ pub(crate) fn circuit(page: &Page, audit: &CircuitAudit, process: Process, sums:
         }
         Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
     };
-    let (work, [_, turnover, _]) = (audit.work.gas_work, sums);
+    let [_, turnover, _] = sums;
     let named = [
-        ("drawn", audit.drawn, "work potential at the supply's temperature and outside pressure"),
-        ("gas work", work, "by the gauge pressure, see Energy"),
-        ("left inside", audit.stored, "gained by the air in the actuator"),
-        ("exhaust", audit.exhaust, "thrown out with the air"),
-        ("valve", audit.throttled, "destroyed in the valve on the way in"),
-        ("mixing", audit.mixed, "destroyed as air of two temperatures mixes"),
-        ("heat", audit.heat, heat),
+        ("drawn", of.drawn, "work potential at the supply's temperature and outside pressure"),
+        ("gas work", of.gas_work, "by the gauge pressure, see Energy"),
+        ("left inside", of.stored, "gained by the air in the actuator"),
+        ("exhaust", of.exhaust, "thrown out with the air"),
+        ("valve", of.throttled, "destroyed in the valve on the way in"),
+        ("mixing", of.mixed, "destroyed as air of two temperatures mixes"),
+        ("heat", of.heat, heat),
     ];
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
     for (index, (name, value, where_to)) in named.into_iter().enumerate() {
@@ -329,10 +375,14 @@ pub(crate) fn circuit(page: &Page, audit: &CircuitAudit, process: Process, sums:
         }
     }
     residual(page, sums);
-    if let (Some(whole), Some(compressor)) = (audit.efficiency(), audit.compressor_efficiency()) {
-        let compressor_work = page.quantity(audit.compressor, "J");
-        page.value("efficiency", &page.percent(whole), "work on the load over what was drawn");
-        page.value("of compressor", &page.percent(compressor), &format!("over its isothermal work, {compressor_work}"));
+    if of.drawn > 0.0 && of.compressor > 0.0 {
+        let compressor_work = page.quantity(of.compressor, "J");
+        page.value("efficiency", &page.percent(of.work / of.drawn), "work on the load over what was drawn");
+        page.value(
+            "of compressor",
+            &page.percent(of.work / of.compressor),
+            &format!("over its isothermal work, {compressor_work}"),
+        );
     }
 }
 

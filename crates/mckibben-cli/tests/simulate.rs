@@ -3,7 +3,8 @@
 mod common;
 
 use common::{Folder, of_repository};
-use mckibben::simulation::{simulate, simulate_joint};
+use mckibben::plant::JointPlant;
+use mckibben::simulation::simulate;
 use mckibben_scenario::Document;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor as _;
@@ -346,7 +347,8 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
     let mut document = Document::load(&file).expect("TOML");
     document.set_text("run.duration", "\"0.2 s\"").expect("a path");
     let experiment = document.joint_experiment().expect("good").expect("a joint");
-    let trajectory = simulate_joint(&experiment.rig, experiment.start, 0.2, 1e-8).expect("runs");
+    let trajectory =
+        JointPlant::new(&experiment.rig).and_then(|joint| joint.simulate(&experiment.start, 0.2, 1e-8)).expect("runs");
     let records: Vec<_> = reader.records().map(|record| record.expect("a row")).collect();
     for (record, sample) in records.iter().zip(trajectory.samples(1e-3)) {
         let number = |column: usize| record[column].parse::<f64>().expect("a number");

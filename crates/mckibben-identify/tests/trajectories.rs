@@ -2,7 +2,8 @@
 
 mod noise;
 
-use mckibben::simulation::{JointSample, simulate, simulate_joint};
+use mckibben::plant::JointPlant;
+use mckibben::simulation::{JointSample, simulate};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Loss, Search, Unknown};
 use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
@@ -331,7 +332,7 @@ const OF_BOTH: [&str; 4] = ["load.inertia", "load.damping", "actuator.turns", "a
 /// A run of a joint as a rig would record it.
 fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
     let of = truth.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
-    let run = simulate_joint(&of.rig, of.start, 0.5, 1e-10).expect("a run");
+    let run = JointPlant::new(&of.rig).and_then(|joint| joint.simulate(&of.start, 0.5, 1e-10)).expect("a run");
     let times: Vec<f64> = (1..=200).map(|step| 2.5e-3 * f64::from(step)).collect();
     let mut noise = Noise::new(seed);
     let gauge = |sample: &JointSample, i: usize| sample.actuators[i].pressure.0 - truth.air.atmospheric_pressure;
@@ -382,7 +383,8 @@ fn a_joint_gives_back_its_limb_and_both_braids() {
     }
     for (scenario, simulated) in found.scenarios.iter().zip(&found.simulated) {
         let of = scenario.joint_experiment().expect("a scenario that runs").expect("a joint");
-        let again = simulate_joint(&of.rig, of.start, 0.5, 1e-9).expect("a run").at(0.4);
+        let again =
+            JointPlant::new(&of.rig).and_then(|joint| joint.simulate(&of.start, 0.5, 1e-9)).expect("a run").at(0.4);
         assert!((simulated.read(Observed::Angle, 0.4) - again.angle).abs() < 1e-7);
         assert!((simulated.read(Observed::AntagonistLength, 0.4) - again.actuators[1].length).abs() < 1e-8);
         assert!((simulated.read(Observed::Torque, 0.4) - again.torque).abs() < 1e-5);

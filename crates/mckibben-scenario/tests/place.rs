@@ -1,6 +1,7 @@
 //! Numbers by their path: what is set is what is differentiated by, for every number of many scenarios.
 
-use mckibben::simulation::{JointState, simulate, simulate_joint};
+use mckibben::plant::JointPlant;
+use mckibben::simulation::{JointState, simulate};
 use mckibben::valve::Ports;
 use mckibben::{AbsolutePressure, Actuator, ActuatorState, Dual, Over, Real};
 use mckibben_scenario::keys::KEYS;
@@ -264,7 +265,13 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
         |scenario: &Scenario| scenario.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
     let of = |scenario: &Scenario| {
         let of = experiment(scenario);
-        numbers(simulate_joint(&of.rig, of.start, 0.11, 1e-12).expect("a run").at(0.11).state())
+        numbers(
+            JointPlant::new(&of.rig)
+                .and_then(|joint| joint.simulate(&of.start, 0.11, 1e-12))
+                .expect("a run")
+                .at(0.11)
+                .state(),
+        )
     };
     let (sizes, plain) = (of(&scenario), experiment(&scenario).rig);
     let mut names = Vec::new();
@@ -286,7 +293,10 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
             continue;
         }
         let start = rig.begin(&initial).expect("a start");
-        let end = simulate_joint(&rig, start, Dual::of(0.11), 1e-12).expect("a run").at(Dual::of(0.11));
+        let end = JointPlant::new(&rig)
+            .and_then(|joint| joint.simulate(&start, Dual::of(0.11), 1e-12))
+            .expect("a run")
+            .at(Dual::of(0.11));
         let exact = numbers(end.state()).map(|number| number.slope[0]);
         if compare("a joint", &place, value, &sizes, &exact, &difference(&scenario, &place, of), 2e-4) {
             names.push(if of_both { format!("both {}", place.path()) } else { place.path() });

@@ -102,11 +102,6 @@ impl Actuator {
         Ok(Self { law, limits, friction, external_volume, air, valve: None })
     }
 
-    /// The actuator without its valve.
-    pub fn without_valve(self) -> Self {
-        Self { valve: None, ..self }
-    }
-
     /// The same actuator with a valve.
     pub fn with_valve(self, valve: Valve) -> Self {
         Self { valve: Some(valve), ..self }
@@ -114,6 +109,11 @@ impl Actuator {
 }
 
 impl<S: Scalar> Actuator<S> {
+    /// The actuator without its valve.
+    pub fn without_valve(self) -> Self {
+        Self { valve: None, ..self }
+    }
+
     /// The same actuator over another scalar; `function` is told which parameter each number is.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Actuator<T> {
         self.convert(&mut Anew(function))

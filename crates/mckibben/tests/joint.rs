@@ -7,9 +7,8 @@ use crate::common::random;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::load::{Limb, MomentArm, Stops, Tendon};
-use mckibben::simulation::{
-    EventKind, InitialAngle, InitialLength, JointInitial, JointTrajectory, Turning, simulate_joint,
-};
+use mckibben::plant::{JointPlant, JointTrajectory, Turning};
+use mckibben::simulation::{EventKind, InitialAngle, InitialLength, JointInitial};
 use mckibben::valve::{Command, Request};
 use mckibben::{Dual, Error, GaugePressure, Real};
 use proptest::prelude::*;
@@ -104,13 +103,16 @@ fn energy_and_air_balance_with_everything_at_work() {
     for kind in [EventKind::Valve, EventKind::StopReached, EventKind::Reversal] {
         assert!(kinds.contains(&kind), "{kind:?} does not happen");
     }
-    let audit = run.audit();
-    assert_within(audit.residual(), 0.0, 1e-6 * audit.turnover());
-    for of in &audit.actuators {
-        assert_within(of.residual(), 0.0, 1e-6 * audit.turnover());
-        assert_within(of.air_residual(), 0.0, 1e-6 * of.air_in);
+    let ledger = run.ledger();
+    let (work, air) = (ledger.work(), ledger.air());
+    assert_within(work.residual, 0.0, 1e-6 * work.turnover);
+    assert_within(air.residual, 0.0, 1e-6 * air.turnover);
+    assert_within(ledger.mechanism_residual(0, &[0, 1]), 0.0, 1e-6 * work.turnover);
+    for of in &ledger.actuators {
+        assert_within(of.work_residual(), 0.0, 1e-6 * work.turnover);
+        assert!(of.dissipated() > 0.0, "{of:?}");
     }
-    assert!(audit.damping > 0.0 && audit.stops > 0.0 && audit.dissipated() > 0.0);
+    assert!(ledger.mechanisms[0].damping > 0.0 && ledger.mechanisms[0].stops > 0.0);
 }
 
 /// Each law on the agonist, another on the antagonist; the lines of a force map are events of the actuator that has it.
@@ -130,10 +132,11 @@ fn energy_and_air_balance_on_every_law_of_force() {
             run.events().iter().filter(|event| event.kind.actuator == Some(of) && is_line(event.kind.kind)).count()
         };
         assert!(lines(0) == 0 && lines(1) > 4, "{name}: {} and {} lines", lines(0), lines(1));
-        let audit = run.audit();
-        assert!(audit.residual().abs() < 1e-6 * audit.turnover(), "{name}: {audit:?}");
-        for of in &audit.actuators {
-            assert!(of.residual().abs() < 1e-6 * audit.turnover(), "{name}: {of:?}");
+        let ledger = run.ledger();
+        let work = ledger.work();
+        assert!(work.residual.abs() < 1e-6 * work.turnover, "{name}: {ledger:?}");
+        for of in &ledger.actuators {
+            assert!(of.work_residual().abs() < 1e-6 * work.turnover, "{name}: {of:?}");
         }
     }
 }
@@ -191,10 +194,11 @@ fn a_joint_with_hysteresis_balances_its_energy() {
         pair.papers[1].command = Some(pulses(7.0, 0.3));
         pair.limb.distance = 0.12;
     });
-    let audit = pair.run(1.0, 1e-9).audit();
-    assert_within(audit.residual(), 0.0, 1e-6 * audit.turnover());
-    for of in &audit.actuators {
-        assert_within(of.residual(), 0.0, 1e-6 * audit.turnover());
+    let ledger = pair.run(1.0, 1e-9).ledger();
+    let work = ledger.work();
+    assert_within(work.residual, 0.0, 1e-6 * work.turnover);
+    for of in &ledger.actuators {
+        assert_within(of.work_residual(), 0.0, 1e-6 * work.turnover);
         assert!(of.slip > 0.0 && of.coulomb == 0.0, "{of:?}");
     }
 }
@@ -260,7 +264,8 @@ fn derivatives_by_a_parameter_are_those_of_finite_differences() {
         angular_velocity: constant(0.0),
     };
     let start = rig.begin(&initial).expect("a start");
-    let run = simulate_joint(&rig, start, constant(0.2), 1e-11).expect("runs");
+    let joint = JointPlant::new(&rig).expect("a plant");
+    let run = joint.simulate(&start, constant(0.2), 1e-11).expect("runs");
     let angle = run.at(constant(0.2)).angle;
     assert_close(angle.value(), at(0.3), 1e-9);
     let step = 1e-4;
@@ -272,7 +277,8 @@ const CASES: u32 = 3000;
 
 /// Where the work of both gases went is accounted for, to the tolerance of each step.
 fn check_energy(run: &JointTrajectory, duration: f64, tolerance: f64) -> Result<(), TestCaseError> {
-    let (audit, counts, joint) = (run.audit(), run.counts(), run.rig().joint());
+    let (ledger, counts, joint) = (run.ledger(), run.statistics(), run.rig().joint());
+    let work = ledger.work();
     let [mut gas, mut length, mut pressure] = [[0.0_f64; 2]; 3];
     let mut speed = 0.0_f64;
     for sample in run.samples(duration / 53.0) {
@@ -287,11 +293,11 @@ fn check_energy(run: &JointTrajectory, duration: f64, tolerance: f64) -> Result<
     let accounted = Accounted {
         states: 6,
         steps: (counts.explicit_steps + counts.implicit_steps, tolerance),
-        energy: audit.turnover() + gas[0] + gas[1] + 2.0 * joint.weight() + 0.5 * joint.inertia() * speed * speed,
+        energy: work.turnover + gas[0] + gas[1] + 2.0 * joint.weight() + 0.5 * joint.inertia() * speed * speed,
         falling: (falling(0) + falling(1), duration),
     };
-    let (residual, allowed) = (audit.residual(), accounted.allowed());
-    prop_assert!(residual.abs() <= allowed, "{residual:e} J, allowed {allowed:e} J: {audit:?} {accounted:?}");
+    let (residual, allowed) = (work.residual, accounted.allowed());
+    prop_assert!(residual.abs() <= allowed, "{residual:e} J, allowed {allowed:e} J: {ledger:?} {accounted:?}");
     Ok(())
 }
 
@@ -302,7 +308,7 @@ fn random_joints_reach_their_end() {
     let result = runner(CASES).run(&pairs(), |(pair, duration, tolerance)| {
         let run = match pair.try_run(duration, tolerance) {
             Ok(run) => run,
-            Err(Error::Stopped { reason: "the joint pulled a braid straight", .. }) => return Ok(()),
+            Err(Error::Stopped { reason: "the load pulled a braid straight", .. }) => return Ok(()),
             Err(error @ Error::Stopped { .. }) => return Err(TestCaseError::fail(error.to_string())),
             // A start that the joint cannot have.
             Err(_) => return Ok(()),

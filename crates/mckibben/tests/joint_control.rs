@@ -7,12 +7,14 @@ use mckibben::control::{
     JointTracker, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensor, SetPoint,
 };
 use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
+use mckibben::plant::{JointEvent, JointPlant, JointTrajectory};
 use mckibben::simulation::{
-    Actuation, ControlledJoint, ControlledJointStepper, Driven, EventKind, InitialAngle, JointEvent, JointInitial,
-    JointRig, JointStepper, Method, simulate_joint, simulate_joint_controlled,
+    Actuation, ControlledJointStepper, Driven, EventKind, InitialAngle, JointInitial, JointRig, JointState,
+    JointStepper, Method,
 };
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
+use std::fmt::Debug;
 
 const RADIUS: f64 = 0.015;
 const REST: f64 = 0.082;
@@ -63,16 +65,39 @@ fn initial(papers: &[Paper; 2]) -> JointInitial {
     }
 }
 
-fn run(duration: f64, controller: &impl JointController, sampling: Sampling) -> ControlledJoint {
+/// A controller that a driver can have.
+trait Law: JointController<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static {}
+
+impl<C: JointController<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static> Law for C {}
+
+/// The open loop.
+fn simulate(rig: &JointRig, start: &JointState, duration: f64, tolerance: f64) -> JointTrajectory {
+    JointPlant::new(rig).and_then(|joint| joint.simulate(start, duration, tolerance)).expect("a run")
+}
+
+/// The closed loop.
+fn simulate_controlled(
+    rig: &JointRig,
+    start: &JointState,
+    span: (f64, f64),
+    controller: &impl Law,
+    set_up: (Sampling, JointSensors),
+) -> Result<JointTrajectory, Error> {
+    let joint = JointPlant::new(rig)?;
+    let driver = joint.driver(controller.clone(), set_up)?;
+    joint.record(start, span, Some(driver), &mut |_| Ok(()))
+}
+
+fn run(duration: f64, controller: &impl Law, sampling: Sampling) -> JointTrajectory {
     run_with(paper(), duration, controller, sampling)
 }
 
-fn run_with(paper: Paper, duration: f64, controller: &impl JointController, sampling: Sampling) -> ControlledJoint {
+fn run_with(paper: Paper, duration: f64, controller: &impl Law, sampling: Sampling) -> JointTrajectory {
     let papers = [paper.clone(), paper];
     let rig = rig(&papers);
     let start = rig.start(&initial(&papers)).expect("a start");
-    simulate_joint_controlled(&rig, start, duration, 1e-9, controller, (sampling, JointSensors::perfect()))
-        .expect("a run")
+    let set_up = (sampling, JointSensors::perfect());
+    simulate_controlled(&rig, &start, (duration, 1e-9), controller, set_up).expect("a run")
 }
 
 fn sampling(rate: f64, delay: usize) -> Sampling {
@@ -85,7 +110,7 @@ fn seats(events: &[JointEvent]) -> Vec<(f64, Option<usize>)> {
 }
 
 /// Asks what a table asks.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Replay(Vec<(f64, Request)>);
 
 impl Controller for Replay {
@@ -111,12 +136,11 @@ fn a_replayed_timetable_is_the_open_loop() {
     });
     let open_rig = rig(&papers);
     let start = open_rig.start(&initial(&papers)).expect("a start");
-    let open = simulate_joint(&open_rig, start, 0.7, 1e-10).expect("a run");
+    let open = simulate(&open_rig, &start, 0.7, 1e-10);
     let sensors = JointSensors::perfect();
     let closed =
-        simulate_joint_controlled(&open_rig, start, 0.7, 1e-10, &tables.map(Replay), (sampling(100.0, 0), sensors))
-            .expect("a run")
-            .trajectory;
+        simulate_controlled(&open_rig, &start, (0.7, 1e-10), &tables.map(Replay), (sampling(100.0, 0), sensors))
+            .expect("a run");
     let (a, b) = (seats(open.events()), seats(closed.events()));
     assert_eq!((a.len(), b.len()), (8, 8));
     for ((time, actuator), (other, of)) in a.into_iter().zip(b) {
@@ -137,7 +161,8 @@ fn a_replayed_timetable_is_the_open_loop() {
 fn samples_are_exact_instants_and_show_the_trajectory() {
     let regulator = Regulator::Pid(Pid::new(Quantity::Angle, 0.4, Output::FillHoldExhaust).expect("a controller"));
     let angle = SetPoint::constant(Quantity::Angle, 0.3).expect("a set point");
-    let ControlledJoint { trajectory, decisions } = run(0.5, &JointTracker { angle, regulator }, sampling(70.0, 1));
+    let trajectory = run(0.5, &JointTracker { angle, regulator }, sampling(70.0, 1));
+    let decisions = trajectory.decisions();
     let times: Vec<f64> = decisions.iter().map(|decision| decision.seen.time).collect();
     assert_eq!(times, (0..=35).map(|k| f64::from(k) / 70.0).collect::<Vec<_>>());
     for decision in &decisions {
@@ -163,10 +188,10 @@ fn samples_are_exact_instants_and_show_the_trajectory() {
 fn what_was_asked_gives_the_same_run_without_the_controller() {
     let regulator = Regulator::Pid(Pid::new(Quantity::Angle, 0.4, Output::FillHoldExhaust).expect("a controller"));
     let angle = SetPoint::constant(Quantity::Angle, 0.25).expect("a set point");
-    let closed = run(0.6, &JointTracker { angle, regulator }, sampling(50.0, 1)).trajectory;
+    let closed = run(0.6, &JointTracker { angle, regulator }, sampling(50.0, 1));
     let papers = [paper(), paper()];
     let start = closed.rig().start(&initial(&papers)).expect("a start");
-    let open = simulate_joint(closed.rig(), start, 0.6, 1e-9).expect("a run");
+    let open = simulate(closed.rig(), &start, 0.6, 1e-9);
     for sample in open.samples(0.01) {
         assert_within(closed.at(sample.time).angle, sample.angle, 1e-6);
     }
@@ -197,8 +222,8 @@ fn fixed_steps_come_to_the_same_run() {
         let errors = [250, 1_000].map(|steps| {
             let law = swing();
             let stepper = stepped(&law, sampling(rate, delay), steps);
-            assert_eq!(stepper.decisions().len(), located.decisions.len());
-            let (last, exact) = (stepper.sample(), located.trajectory.at(0.4));
+            assert_eq!(stepper.decisions().len(), located.decisions().len());
+            let (last, exact) = (stepper.sample(), located.at(0.4));
             let pressure = |i: usize| (last.actuators[i].pressure.0 / exact.actuators[i].pressure.0 - 1.0).abs();
             (last.angle - exact.angle).abs().max(pressure(0)).max(pressure(1))
         });
@@ -213,8 +238,8 @@ fn slow_seats_are_controlled_by_both_engines() {
     let rig = ramped(&papers, [6e-3, 9e-3]);
     let start = rig.start(&initial(&papers)).expect("a start");
     let (law, with) = (swing(), (sampling(33.0, 1), JointSensors::perfect()));
-    let closed = simulate_joint_controlled(&rig, start, 0.4, 1e-10, &law, with).expect("a run").trajectory;
-    let open = simulate_joint(closed.rig(), start, 0.4, 1e-10).expect("a run");
+    let closed = simulate_controlled(&rig, &start, (0.4, 1e-10), &law, with).expect("a run");
+    let open = simulate(closed.rig(), &start, 0.4, 1e-10);
     assert_within(closed.at(0.4).angle, open.at(0.4).angle, 1e-7);
     let errors = [250, 1_000].map(|steps| {
         let mut stepper = ControlledJointStepper::new(&rig, start, Method::Rk4, &law, with).expect("a stepper");
@@ -275,7 +300,8 @@ fn two_masses_of_air_set_angle_and_stiffness() {
             paper.delays = (0.0, 0.0);
             paper.standard = FlowStandard::Orifice { flow_area: 1e-8 };
         });
-        let ControlledJoint { trajectory, decisions } = run_with(fine, 6.0, &law, sampling(2000.0, 0));
+        let trajectory = run_with(fine, 6.0, &law, sampling(2000.0, 0));
+        let decisions = trajectory.decisions();
         let last = trajectory.at(6.0);
         let seen = &decisions.last().expect("a decision").seen;
         for i in 0..2 {
@@ -302,7 +328,7 @@ fn a_regulator_of_the_pressures_holds_the_angle_too() {
     ];
     let aim = JointAim::new(actuators, joint(), set_points, GaugePressure(95.0 * PSI)).expect("within reach");
     let regulator = Regulator::Relay(Relay::new(Quantity::Pressure, 1.0 * PSI, 0.0, Between::Hold).expect("a relay"));
-    let last = run(4.0, &FeedForward { aim, regulator }, sampling(500.0, 0)).trajectory.at(4.0);
+    let last = run(4.0, &FeedForward { aim, regulator }, sampling(500.0, 0)).at(4.0);
     let pressure = last.actuators.map(|sample| sample.pressure);
     assert_within(last.angle, 0.2, 0.03);
     assert_close(rig.stiffness(last.angle, pressure, Held::Pressures), 1.0, 0.03);
@@ -313,7 +339,7 @@ fn a_relay_keeps_the_angle_in_its_dead_band() {
     let band = 0.03;
     let regulator = Regulator::Relay(Relay::new(Quantity::Angle, band, 0.0, Between::Hold).expect("a relay"));
     let angle = SetPoint::steps(Quantity::Angle, vec![0.0, 2.0], vec![0.25, -0.1]).expect("a set point");
-    let trajectory = run(4.0, &JointTracker { angle, regulator }, sampling(200.0, 0)).trajectory;
+    let trajectory = run(4.0, &JointTracker { angle, regulator }, sampling(200.0, 0));
     assert_within(trajectory.at(2.0).angle, 0.25, band + 1e-3);
     assert_within(trajectory.at(4.0).angle, -0.1, band + 1e-3);
 }
@@ -329,10 +355,10 @@ fn sensors_round_what_the_controller_sees() {
     let mut sensors = JointSensors::perfect();
     sensors.angle = Sensor::new(Quantity::Angle, step, None).expect("a sensor");
     let law = JointTracker { angle, regulator };
-    let of = simulate_joint_controlled(&rig, start, 0.5, 1e-9, &law, (sampling(100.0, 0), sensors)).expect("a run");
-    for JointMeasurement { time, angle, .. } in of.decisions.iter().map(|decision| decision.seen) {
+    let of = simulate_controlled(&rig, &start, (0.5, 1e-9), &law, (sampling(100.0, 0), sensors)).expect("a run");
+    for JointMeasurement { time, angle, .. } in of.decisions().into_iter().map(|decision| decision.seen) {
         assert_within(angle / step, (angle / step).round(), 1e-9);
-        assert_within(angle, of.trajectory.at(time).angle, 0.5 * step + 1e-12);
+        assert_within(angle, of.at(time).angle, 0.5 * step + 1e-12);
     }
 }
 
@@ -344,7 +370,7 @@ fn what_cannot_be_controlled_is_refused() {
     let half = rig(&papers);
     let start = half.start(&initial(&papers)).expect("a start");
     let with = (sampling(100.0, 0), JointSensors::perfect());
-    let error = simulate_joint_controlled(&half, start, 0.1, 1e-9, &law, with).expect_err("refused");
+    let error = simulate_controlled(&half, &start, (0.1, 1e-9), &law, with).expect_err("refused");
     assert!(error.to_string().contains("the actuator has no valve"), "{error}");
     let actuators = [paper().actuator(), paper().actuator()];
     let slack = SetPoint::sinusoid(Quantity::Angle, 0.0, 1.5, 1.0, 0.0).expect("a set point");

@@ -6,10 +6,8 @@ use crate::common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre};
 use mckibben::load::Stops;
-use mckibben::simulation::{
-    Actuation, EventKind, InitialAngle, JointInitial, JointStepper, JointTrajectory, Method, Rig, simulate,
-    simulate_joint,
-};
+use mckibben::plant::{JointPlant, JointTrajectory};
+use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointInitial, JointStepper, Method, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Regulated, Regulator, Request, Solenoid, Spool, ValveKind};
 use mckibben::{AbsolutePressure, Dual, GaugePressure, Real};
 
@@ -222,14 +220,14 @@ fn the_audits_close() {
     for hysteresis in [None, Some(falling())] {
         for (name, solenoid, command) in valves() {
             let run = pair(solenoid, command, hysteresis).run(0.5, 1e-10);
-            let (audit, circuit) = (run.audit(), run.circuit().expect("valves"));
-            let open = [audit.residual() / audit.turnover(), circuit.residual() / circuit.turnover()];
-            println!("{name}: {open:?}, {:?}", run.counts());
-            assert!(open.iter().all(|open| open.abs() < 1e-6), "{name}: {open:?} {audit:?}");
-            let air: f64 = audit.actuators.iter().map(|of| of.air_in).sum();
-            assert!(audit.air_residual().abs() < 1e-7 * air, "{name}: {audit:?}");
+            let ledger = run.ledger();
+            let open = [ledger.work(), ledger.energy(), ledger.exergy()].map(|of| of.residual / of.turnover);
+            println!("{name}: {open:?}, {:?}", run.statistics());
+            assert!(open.iter().all(|open| open.abs() < 1e-6), "{name}: {open:?} {ledger:?}");
+            let air = ledger.air();
+            assert!(air.residual.abs() < 1e-7 * air.turnover, "{name}: {air:?}");
             if hysteresis.is_some() {
-                assert!(audit.actuators.iter().all(|of| of.slip > 0.0), "{name}: {audit:?}");
+                assert!(ledger.actuators.iter().all(|of| of.slip > 0.0), "{name}: {ledger:?}");
             }
         }
     }
@@ -253,7 +251,8 @@ fn derivatives_are_those_of_finite_differences() {
             angle: InitialAngle::At(constant(0.1)),
             angular_velocity: constant(0.0),
         };
-        let run = simulate_joint(&rig, rig.begin(&initial).expect("a start"), constant(0.2), TIGHT).expect("a run");
+        let (joint, start) = (JointPlant::new(&rig).expect("a plant"), rig.begin(&initial).expect("a start"));
+        let run = joint.simulate(&start, constant(0.2), TIGHT).expect("a run");
         let angle = run.at(constant(0.2)).angle;
         let (mass, step) = (pair.limb.mass, 1e-5);
         assert_close(angle.value(), at(mass), 1e-8);

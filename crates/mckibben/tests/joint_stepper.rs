@@ -7,9 +7,10 @@ use crate::common::random::runner;
 use crate::common::{PSI, Paper, assert_close, assert_within};
 use mckibben::control::Drive;
 use mckibben::load::{Joint, MomentArm, Stops, Tendon};
+use mckibben::plant::JointPlant;
 use mckibben::simulation::{
     Actuation, Driven, EventKind, FixedStepper, InitialAngle, JointRig, JointState, JointStepper, Method, Rig,
-    SampleTimes, joint_step_for_accuracy, simulate_joint,
+    SampleTimes, joint_step_for_accuracy,
 };
 use mckibben::valve::{Command, FlowStandard, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
 use proptest::prelude::*;
@@ -357,7 +358,7 @@ fn random_joints_near_the_event_located_engine() {
         });
         let rig = pair.rig().expect("a rig");
         let start = rig.start(&pair.initial()).expect("a start");
-        let exact = simulate_joint(&rig, start, 0.5, 1e-10).expect("a run");
+        let exact = JointPlant::new(&rig).and_then(|joint| joint.simulate(&start, 0.5, 1e-10)).expect("a run");
         let stepper = JointStepper::new(rig, Method::Stable);
         // Each state's largest error as a part of the range that it covers.
         let states: Vec<[f64; 6]> = exact.samples(1e-3).map(|sample| numbers(sample.state())).collect();

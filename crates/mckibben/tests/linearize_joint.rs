@@ -7,7 +7,8 @@ use mckibben::GaugePressure;
 use mckibben::control::Held;
 use mckibben::linearize::{Content, JointBalance, JointLinearization, StateSpace, average_joint, linearize_joint};
 use mckibben::load::{MomentArm, Tendon};
-use mckibben::simulation::{JointState, State, simulate_joint};
+use mckibben::plant::JointPlant;
+use mckibben::simulation::{JointState, State};
 use mckibben::valve::{Command, FlowStandard, Request};
 use std::f64::consts::PI;
 
@@ -139,7 +140,7 @@ fn simulated_pulses_swing_about_the_balance_of_the_mean_flows() {
     let model = averaged(&pair);
     let [first, second] = model.averaged.as_ref().expect("averaged");
     assert!(first.follows() && second.follows() && first.ripple_is_small() && second.ripple_is_small());
-    let run = simulate_joint(&model.rig, model.state, 0.5, 1e-9).expect("runs");
+    let run = JointPlant::new(&model.rig).and_then(|joint| joint.simulate(&model.state, 0.5, 1e-9)).expect("runs");
     // The mean over the last periods.
     let samples: Vec<_> = (0..4000).map(|n| run.at(0.4 + 0.1 * f64::from(n) / 4000.0)).collect();
     for i in 0..2 {
@@ -193,7 +194,7 @@ fn it_is_the_difference_of_two_simulated_trajectories() {
                 2 | 4 => start.pressure[(disturbed - 2) / 2].0 += sign * sizes[disturbed],
                 _ => start.air_mass[(disturbed - 3) / 2] += sign * sizes[disturbed],
             }
-            let run = simulate_joint(&model.rig, start, 0.1, 1e-12).expect("runs");
+            let run = JointPlant::new(&model.rig).and_then(|joint| joint.simulate(&start, 0.1, 1e-12)).expect("runs");
             numbers(run.at(0.1).state())
         };
         let (plus, minus) = (run(1.0), run(-1.0));

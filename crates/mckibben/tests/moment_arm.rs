@@ -6,7 +6,8 @@ use crate::common::random::runner;
 use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, bisect, slope};
 use mckibben::control::{AntagonisticPair, Held};
 use mckibben::load::{MomentArm, Tendon};
-use mckibben::simulation::{EventKind, InitialAngle, simulate_joint};
+use mckibben::plant::JointPlant;
+use mckibben::simulation::{EventKind, InitialAngle};
 use mckibben::valve::{Command, Request};
 use mckibben::{AbsolutePressure, Dual, GaugePressure};
 use proptest::prelude::*;
@@ -172,8 +173,8 @@ fn torque_is_arm_times_tension_and_energy_closes() {
         assert_close(agonist.velocity, -arms[0] * sample.angular_velocity, 1e-9);
         assert_close(antagonist.velocity, arms[1] * sample.angular_velocity, 1e-9);
     }
-    let audit = run.audit();
-    assert_within(audit.residual(), 0.0, 1e-8 * audit.turnover());
+    let work = run.ledger().work();
+    assert_within(work.residual, 0.0, 1e-8 * work.turnover);
 }
 
 /// Static torque written out anew, with the pressures kept or following their volumes.
@@ -229,7 +230,7 @@ fn small_oscillations_have_the_period_of_the_whole_stiffness() {
     assert_within(start.angle, balance, 1e-9);
     let mut start = start;
     start.angular_velocity = 1e-4 * (stiffness / 1e-3).sqrt();
-    let run = simulate_joint(&rig, start, 10.5 * period, 1e-11).expect("runs");
+    let run = JointPlant::new(&rig).and_then(|joint| joint.simulate(&start, 10.5 * period, 1e-11)).expect("runs");
     let crossing =
         |count: f64| bisect((count - 0.05) * period, (count + 0.05) * period, |time| run.at(time).angle - balance);
     assert_close((crossing(10.0) - crossing(0.5)) / 9.5, period, 1e-5);
@@ -251,8 +252,8 @@ fn a_run_may_begin_on_a_row() {
             arm * after.actuators[0].tension - pair.tendons[1].arm.at(after.angle)[0] * after.actuators[1].tension,
             1e-12,
         );
-        let audit = run.audit();
-        assert_within(audit.residual(), 0.0, 1e-8 * audit.turnover());
+        let work = run.ledger().work();
+        assert_within(work.residual, 0.0, 1e-8 * work.turnover);
     }
 }
 

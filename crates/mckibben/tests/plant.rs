@@ -1,7 +1,16 @@
-//! Plants: those of one actuator are their rigs, those of a joint their joints.
+//! Plants: those of one actuator are their rigs; a joint is a plant.
+//!
+//! One program: the engine of plants is compiled once. `cargo test --test plant NAME::` runs one file.
 
 mod common;
 
+mod joint;
+mod joint_circuit;
+mod joint_control;
+mod joint_located;
+mod joint_stepper;
+mod linearize_joint;
+mod moment_arm;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;
@@ -11,7 +20,6 @@ mod plant_linear;
 mod plant_linear_analysis;
 mod plant_linear_closed_forms;
 mod plant_linear_pulses;
-mod plant_of_joint;
 mod plant_of_rig;
 mod plant_progress;
 mod plant_random;

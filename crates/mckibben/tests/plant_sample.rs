@@ -1,4 +1,4 @@
-//! Samples of plants: those of the engines of rigs and joints, shares of what sticks, derivatives, and what an event leaves.
+//! Samples of plants: those of the engine of rigs, equations of a joint, shares of what sticks, derivatives, and what an event leaves.
 
 use crate::common::joint::Pair;
 use crate::common::{ATMOSPHERE, GRAVITY, INCH, PSI, Paper, ROOM, assert_close, assert_within, bisect, scaled};
@@ -10,7 +10,7 @@ use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{
     InitialAir, Mounted, Plant, PlantReader, PlantSample, PlantStart, PlantTrajectory, simulate_plant,
 };
-use mckibben::simulation::{Rig, SeriesTendon, simulate, simulate_joint};
+use mckibben::simulation::{Rig, SeriesTendon, simulate};
 use mckibben::valve::{Command, Port, Request};
 use mckibben::{Dual, GaugePressure, Real, Scalar, parameter};
 
@@ -123,23 +123,27 @@ fn samples_of_joints() {
     for (name, pair, duration) in [("swings and sticks", swings, 2.0), ("driven", driven, 0.3)] {
         let rig = pair.rig().expect(name);
         let start = rig.start(&pair.initial()).expect(name);
-        let (tolerance, interval) = (1e-10, duration / 150.0);
-        let old = simulate_joint(&rig, start, duration, tolerance).expect(name);
         let plant = Plant::of_joint(&rig).expect(name);
-        let run = simulate_plant(&plant, &Plant::start_of_joint(&rig, &start), duration, tolerance).expect(name);
-        let olds: Vec<_> = old.samples(interval).collect();
-        let news: Vec<_> = run.samples(interval).collect();
-        let pairs = |read: &dyn Fn(usize) -> [f64; 2], least: f64, what: &str| {
-            let most = apart(&(0..olds.len()).map(read).collect::<Vec<_>>(), least);
-            assert!(most < 1e-7, "{name}: {what} differs by {most:e}");
-        };
-        pairs(&|k| [olds[k].angle, news[k].mechanisms[0].position[0]], 0.1, "angle");
-        pairs(&|k| [olds[k].angular_velocity, news[k].mechanisms[0].rate[0]], 0.1, "angular velocity");
-        pairs(&|k| [olds[k].torque, news[k].mechanisms[0].actuator_force[0]], 1.0, "torque");
-        for i in 0..2 {
-            pairs(&|k| [olds[k].actuators[i].tension, news[k].actuators[i].tension], 10.0, "tension");
-            pairs(&|k| [olds[k].actuators[i].length, news[k].actuators[i].length], 1e-3, "length");
-            pairs(&|k| [olds[k].actuators[i].mass_flow, news[k].actuators[i].mass_flow], 1e-4, "flow");
+        let run = simulate_plant(&plant, &Plant::start_of_joint(&rig, &start), duration, 1e-10).expect(name);
+        let news: Vec<_> = run.samples(duration / 150.0).collect();
+        let joint = rig.joint();
+        for sample in &news {
+            let of = &sample.mechanisms[0];
+            let (angle, rate) = (of.position[0], of.rate[0]);
+            let leverage = joint.leverage(angle);
+            let tensions = [0, 1].map(|i| sample.actuators[i].tension);
+            let torque = leverage.torque_of(tensions);
+            assert_within(of.actuator_force[0], torque, 1e-12 * (1.0 + torque.abs()));
+            let whole = torque + joint.other_torque(angle, rate);
+            assert_within(of.acceleration[0] * joint.inertia(), whole, 1e-9 * (1.0 + torque.abs()));
+            for (i, actuator) in sample.actuators.iter().enumerate() {
+                assert_close(actuator.length, leverage.lengths[i], 1e-14);
+                assert_within(actuator.velocity, leverage.slopes()[i] * rate, 1e-14);
+                let its = &rig.driven()[i].actuator;
+                assert_close(actuator.volume, its.volume(actuator.length), 1e-12);
+                let content = actuator.air_mass * its.air().gas_constant() * actuator.temperature;
+                assert_close(actuator.pressure.0 * actuator.volume, content, 1e-12);
+            }
         }
         if name.ends_with("sticks") {
             let last = news.last().expect("a sample");

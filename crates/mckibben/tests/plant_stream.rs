@@ -1,10 +1,15 @@
 //! A run that is streamed gives what a kept one gives, number for number: samples, events, decisions and the ledger.
 
-use crate::common::Paper;
+use crate::common::joint::Pair;
+use crate::common::{PSI, Paper};
+use mckibben::Error;
 use mckibben::command::Driver;
-use mckibben::control::{Between, Quantity, Relay, Sampling, Sensors, SetPoint, Tracker};
-use mckibben::plant::{Plant, PlantLedgerKeeper, PlantRun, PlantSample};
+use mckibben::control::{
+    Between, JointSensors, JointTracker, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint, Tracker,
+};
+use mckibben::plant::{JointPlant, Plant, PlantLedgerKeeper, PlantRun, PlantSample};
 use mckibben::simulation::{Reading, SampleTimes};
+use mckibben::valve::ValveKind;
 
 #[test]
 fn a_streamed_run_is_the_kept_one() {
@@ -86,4 +91,104 @@ fn a_consumer_ends_the_run() {
     assert_eq!((steps, run.time()), (3, 0.0));
     // It is as good as new.
     run.advance_to(0.01).expect("goes on");
+}
+
+const END: f64 = 0.5;
+/// Does not divide the run.
+const INTERVAL: f64 = 0.7e-3;
+
+fn times() -> Reading<impl Iterator<Item = f64>> {
+    Reading::new(SampleTimes::new(END, INTERVAL).times(), END)
+}
+
+/// What is read is compared by its text: every bit of a number shows in it, and so does the sign of a zero.
+fn text(what: &impl std::fmt::Debug) -> String {
+    format!("{what:?}")
+}
+
+/// The quadrature of the flow into the air is the air that is gained.
+#[test]
+fn a_quadrature_gives_the_air_that_is_gained() {
+    let pair = Pair::of(Paper::pwm(25.0, 0.5));
+    let run = pair.run(END, 1e-8);
+    let mut air = [0.0; 2];
+    run.plant()
+        .replay(&mut |step| {
+            step.quadrature(|weight, sample| {
+                air.iter_mut().zip(&sample.actuators).for_each(|(air, of)| *air += weight * of.mass_flow);
+            });
+            Ok(())
+        })
+        .expect("it is kept");
+    for (i, air) in air.into_iter().enumerate() {
+        let gained = run.at(END).actuators[i].air_mass - run.at(0.0).actuators[i].air_mass;
+        assert!((air - gained).abs() < 1e-8 * gained, "{air} {gained}");
+    }
+}
+
+#[test]
+fn a_joint_is_read_as_its_trajectory_is() {
+    let pair = Pair::of(Paper::pwm(25.0, 0.5)).with(|pair| pair.damping = 0.01);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let joint = JointPlant::new(&rig).expect("a plant");
+    let kept = joint.simulate(&start, END, 1e-8).expect("a run");
+    let (mut reading, mut samples, mut events) = (times(), Vec::new(), Vec::new());
+    let mut ledger = PlantLedgerKeeper::new(joint.plant(), 1e-8);
+    let end = joint
+        .stream(&start, (END, 1e-8), None, &mut |step| {
+            ledger.step(step.plant());
+            events.extend(step.event());
+            reading.step(step, |sample| {
+                samples.push(*sample);
+                Ok(())
+            })
+        })
+        .expect("a run");
+    samples.extend(std::iter::repeat_n(end.sample, kept.samples(INTERVAL).count() - samples.len()));
+    assert_eq!(text(&samples), text(&kept.samples(INTERVAL).collect::<Vec<_>>()));
+    assert_eq!((events.as_slice(), end.run.statistics()), (kept.events(), kept.statistics()));
+    assert_eq!(text(&ledger.finish(&end.run)), text(&kept.ledger()));
+    let mut replayed = Vec::new();
+    kept.replay(&mut |step| {
+        replayed.extend(step.event());
+        Ok(())
+    })
+    .expect("it is kept");
+    assert_eq!(replayed, events);
+}
+
+fn regulator(quantity: Quantity, band: f64) -> Regulator {
+    Regulator::Pid(Pid::new(quantity, band, Output::FillHoldExhaust).expect("a controller"))
+}
+
+#[test]
+fn a_controlled_joint_is_read_as_its_trajectory_is() {
+    let paper = Paper::pwm(50.0, 0.5).gauge(30.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    let pair = Pair::of(paper).with(|pair| pair.damping = 0.03);
+    let rig = pair.rig().expect("a rig");
+    let start = rig.start(&pair.initial()).expect("a start");
+    let angle = SetPoint::constant(Quantity::Angle, 0.1).expect("a set point");
+    let law = JointTracker { angle, regulator: regulator(Quantity::Angle, 0.5) };
+    let with = (Sampling::new(40.0, 0).expect("a rate"), JointSensors::perfect());
+    let joint = JointPlant::new(&rig).expect("a plant");
+    let driver = || Some(joint.driver(law.clone(), with).expect("a driver"));
+    let kept = joint.record(&start, (END, 1e-8), driver(), &mut |_| Ok(())).expect("a run");
+    let (mut decisions, mut reading, mut samples) = (Vec::new(), times(), Vec::new());
+    let end = joint
+        .stream(&start, (END, 1e-8), driver(), &mut |step| {
+            reading.step(step, |sample| {
+                let before = (sample.time * 40.0 * (1.0 + 1e-14)) as usize + 1;
+                assert!(decisions.len() >= before, "no decision yet for {} s", sample.time);
+                samples.push(*sample);
+                Ok::<_, Error>(())
+            })?;
+            decisions.extend(step.decision());
+            Ok(())
+        })
+        .expect("a run");
+    samples.extend(std::iter::repeat_n(end.sample, kept.samples(INTERVAL).count() - samples.len()));
+    assert_eq!(text(&samples), text(&kept.samples(INTERVAL).collect::<Vec<_>>()));
+    assert_eq!(text(&decisions), text(&kept.decisions()));
+    assert_eq!(end.rig, *kept.rig());
 }

@@ -3,16 +3,13 @@
 use crate::common::joint::Pair;
 use crate::common::{PSI, Paper, ROOM, assert_within};
 use mckibben::Error;
-use mckibben::control::{
-    JointSensors, JointTracker, Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker,
-};
+use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
 use mckibben::friction::{Hysteresis, LuGre};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{
-    AcceptedJointStep, AcceptedStep, JointLedger, Ledger, Reading, Rig, SampleTimes, simulate, simulate_controlled,
-    simulate_controlled_into, simulate_into, simulate_joint, simulate_joint_controlled, simulate_joint_controlled_into,
-    simulate_joint_into,
+    AcceptedStep, Ledger, Reading, Rig, SampleTimes, simulate, simulate_controlled, simulate_controlled_into,
+    simulate_into,
 };
 use mckibben::valve::{Command, Request, ValveKind};
 
@@ -75,29 +72,6 @@ fn samples_events_and_accounts_are_those_of_the_trajectory() {
     }
 }
 
-#[test]
-fn a_joint_is_read_as_its_trajectory_is() {
-    let pair = Pair::of(Paper::pwm(25.0, 0.5)).with(|pair| pair.damping = 0.01);
-    let rig = pair.rig().expect("a rig");
-    let start = rig.start(&pair.initial()).expect("a start");
-    let kept = simulate_joint(&rig, start, END, 1e-8).expect("a run");
-    let (mut reading, mut samples, mut events) = (times(), Vec::new(), Vec::new());
-    let mut ledger = JointLedger::new(&rig);
-    let end = simulate_joint_into(&rig, start, END, 1e-8, &mut |step: &AcceptedJointStep<'_>| {
-        ledger.step(step);
-        events.extend(step.event());
-        reading.step(step, |sample| {
-            samples.push(*sample);
-            Ok(())
-        })
-    })
-    .expect("a run");
-    samples.extend(std::iter::repeat_n(end.sample, kept.samples(INTERVAL).count() - samples.len()));
-    assert_eq!(text(&samples), text(&kept.samples(INTERVAL).collect::<Vec<_>>()));
-    assert_eq!((events.as_slice(), end.counts), (kept.events(), kept.counts()));
-    assert_eq!(text(&ledger.finish(&end)), text(&(kept.audit(), kept.circuit())));
-}
-
 fn regulator(quantity: Quantity, band: f64) -> Regulator {
     Regulator::Pid(Pid::new(quantity, band, Output::FillHoldExhaust).expect("a controller"))
 }
@@ -134,37 +108,6 @@ fn a_controlled_run_is_read_as_its_trajectory_is() {
     assert_eq!(text(&samples), text(&kept.trajectory.samples(INTERVAL).collect::<Vec<_>>()));
     assert_eq!(text(&decided.into_inner()), text(&kept.decisions));
     assert_eq!(end.rig, *kept.trajectory.rig());
-}
-
-#[test]
-fn a_controlled_joint_is_read_as_its_trajectory_is() {
-    let paper = Paper::pwm(50.0, 0.5).gauge(30.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
-    let pair = Pair::of(paper).with(|pair| pair.damping = 0.03);
-    let rig = pair.rig().expect("a rig");
-    let start = rig.start(&pair.initial()).expect("a start");
-    let angle = SetPoint::constant(Quantity::Angle, 0.1).expect("a set point");
-    let law = JointTracker { angle, regulator: regulator(Quantity::Angle, 0.5) };
-    let with = (Sampling::new(40.0, 0).expect("a rate"), JointSensors::perfect());
-    let kept = simulate_joint_controlled(&rig, start, END, 1e-8, &law, with).expect("a run");
-    let (mut decisions, mut reading, mut samples) = (Vec::new(), times(), Vec::new());
-    let end = simulate_joint_controlled_into(
-        &rig,
-        start,
-        (END, 1e-8),
-        &law,
-        with,
-        &mut |step| {
-            reading.step(step, |sample| {
-                samples.push(*sample);
-                Ok(())
-            })
-        },
-        &mut |_, decision| decisions.push(decision),
-    )
-    .expect("a run");
-    samples.extend(std::iter::repeat_n(end.sample, kept.trajectory.samples(INTERVAL).count() - samples.len()));
-    assert_eq!(text(&samples), text(&kept.trajectory.samples(INTERVAL).collect::<Vec<_>>()));
-    assert_eq!(text(&decisions), text(&kept.decisions));
 }
 
 /// What a consumer fails by ends the run, at once.

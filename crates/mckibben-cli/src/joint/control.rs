@@ -5,10 +5,8 @@ use crate::closed_loop::{Goal, Goals, asked};
 use crate::engine::{self, Way};
 use mckibben::Error;
 use mckibben::control::{Held, Quantity, SetPoint};
-use mckibben::simulation::{
-    ControlledJoint, ControlledJointStepper, JointConsumer, JointDecision, JointRig, JointRunEnd,
-    simulate_joint_controlled_into, simulate_joint_controlled_watched,
-};
+use mckibben::plant::{JointConsumer, JointPlant, JointRunEnd};
+use mckibben::simulation::{ControlledJointStepper, JointDecision, JointRig};
 use mckibben_scenario::{ControlledJointExperiment, Engine, JointExperiment};
 
 /// What a controller did in a run.
@@ -38,9 +36,10 @@ pub fn close(
     match run.engine {
         Engine::EventLocated => {
             let span = (run.duration, run.relative_tolerance);
-            let ControlledJoint { trajectory, decisions } =
-                simulate_joint_controlled_watched(rig, *start, span, law, with, watch)?;
-            let closed = closed(of, trajectory.rig(), &decisions);
+            let joint = JointPlant::new(rig)?;
+            let driver = joint.driver(law.clone(), with)?;
+            let trajectory = joint.record(start, span, Some(driver), &mut watch)?;
+            let closed = closed(of, trajectory.rig(), &trajectory.decisions());
             Ok((Outcome::Located(Box::new(trajectory)), closed))
         }
         Engine::FixedStep => {
@@ -72,27 +71,23 @@ pub fn close(
 /// What the core finds, and what the consumer fails by.
 pub(crate) fn stream(
     of: &ControlledJointExperiment,
+    joint: &JointPlant,
     goals: &Goals,
     consumer: &mut JointConsumer<'_>,
 ) -> Result<(JointRunEnd, Closed), Error> {
     let ControlledJointExperiment { experiment, law, sampling, sensors, .. } = of;
     let JointExperiment { rig, start, run } = experiment;
     let (mut samples, mut way) = (0, Way::begin(run));
-    let end = simulate_joint_controlled_into(
-        rig,
-        *start,
-        (run.duration, run.relative_tolerance),
-        law,
-        (*sampling, *sensors),
-        &mut |step| {
-            way.at(step.end());
-            consumer(step)
-        },
-        &mut |rig, decision| {
+    let driver = joint.driver(law.clone(), (*sampling, *sensors))?;
+    let end = joint.stream(start, (run.duration, run.relative_tolerance), Some(driver), &mut |step| {
+        way.at(step.end());
+        consumer(step)?;
+        if let Some(decision) = step.decision() {
             samples += 1;
             add(&mut goals.borrow_mut(), of, rig, &decision);
-        },
-    )?;
+        }
+        Ok(())
+    })?;
     let requests = requests(&end.rig);
     Ok((end, Closed { goals: Vec::new(), samples, requests }))
 }

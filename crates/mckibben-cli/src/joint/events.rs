@@ -7,7 +7,8 @@
 use super::NAMES;
 use crate::events::{Log, OF_ACTUATOR, extent, words, zone};
 use crate::terminal::{FAINT, styled};
-use mckibben::simulation::{Contact, End, JointEvent, JointMode, Turning};
+use mckibben::mechanism::Contact;
+use mckibben::plant::{JointEvent, JointMode, Turning};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
@@ -25,7 +26,7 @@ pub fn table(events: &[JointEvent]) -> String {
 
 /// What holds after an event for whom it happened to.
 fn then(actuator: Option<usize>, mode: &JointMode) -> String {
-    let Some(index) = actuator else { return format!("{}, {}", turning(mode.turning), contact(mode.contact)) };
+    let Some(index) = actuator else { return format!("{}, {}", turning(mode.turning), contact(mode.stops)) };
     let mode = &mode.actuators[index];
     let mut then = vec![mode.ports.name()];
     then.extend(mode.supply_zone.or(mode.exhaust_zone).map(zone));
@@ -41,7 +42,7 @@ pub fn log(events: &[JointEvent]) -> Log {
     let row = |event: &JointEvent| {
         let after = &event.after;
         let whose = event.kind.actuator.map_or("", |index| NAMES[index]);
-        let own = [event.kind.kind.name(), whose, turning(after.turning), contact(after.contact)];
+        let own = [event.kind.kind.name(), whose, turning(after.turning), contact(after.stops)];
         own.into_iter().chain(after.actuators.iter().flat_map(words)).map(Cow::Borrowed).collect()
     };
     Log {
@@ -60,12 +61,12 @@ fn turning(turning: Turning) -> &'static str {
     }
 }
 
-fn contact(contact: Contact) -> &'static str {
-    match contact {
-        Contact::None => "none",
-        Contact::Pressed(End::Lower) => "lower-pressed",
-        Contact::Pressed(End::Upper) => "upper-pressed",
-        Contact::Rebound(End::Lower) => "lower-rebound",
-        Contact::Rebound(End::Upper) => "upper-rebound",
+fn contact(stops: [Contact; 2]) -> &'static str {
+    match stops {
+        [Contact::None, Contact::None] => "none",
+        [Contact::Pressed, _] => "lower-pressed",
+        [_, Contact::Pressed] => "upper-pressed",
+        [Contact::Rebound, _] => "lower-rebound",
+        [_, Contact::Rebound] => "upper-rebound",
     }
 }

@@ -4,13 +4,11 @@
 //! samples.
 
 use super::outcome::Outcome;
-use super::summary::add_air;
 use crate::observation::{AirUse, Range, Steps};
 use mckibben::Error;
-use mckibben::simulation::{
-    AcceptedJointStep, Counts, EventKind, JointAudit, JointCircuitAudit, JointLedger, JointRunEnd, JointSample,
-    Reading, SampleTimes,
-};
+use mckibben::engine::Statistics;
+use mckibben::plant::{JointPlant, JointStep, PlantLedger, PlantLedgerKeeper, PlantRun};
+use mckibben::simulation::{EventKind, JointSample, Reading, SampleTimes};
 use mckibben_scenario::Run;
 use std::collections::BTreeMap;
 
@@ -36,30 +34,31 @@ pub struct Observation {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Located {
     /// Steps, evaluations and events.
-    pub counts: Counts,
+    pub counts: Statistics,
     /// How many events of each kind there were.
     pub events: BTreeMap<EventKind, u64>,
     /// Air of agonist and antagonist.
     pub air: [AirUse; 2],
-    /// Where the work of both gases went.
-    pub work: JointAudit,
-    /// Where the exergy of the supplies' air went, where there is an account of it.
-    pub circuit: Option<JointCircuitAudit>,
+    /// Where the work of both gases and the exergy of the supplies' air went.
+    pub ledger: PlantLedger,
+    /// Whether an actuator has a valve, through which it draws air.
+    pub draws: bool,
 }
 
 /// Observes a joint's run on its way.
-pub struct Observer {
+pub struct Observer<'j> {
     joint: [Range; 3],
     actuators: [[Range; 3]; 2],
     air: [AirUse; 2],
     events: BTreeMap<EventKind, u64>,
-    ledger: JointLedger,
+    /// Of a run by the event-located engine.
+    ledger: Option<PlantLedgerKeeper<'j>>,
     samples: Reading<Box<dyn Iterator<Item = f64>>>,
 }
 
-impl Observer {
-    /// Begins to observe a run of a joint.
-    pub fn new(rig: &mckibben::simulation::JointRig, run: &Run) -> Self {
+impl<'j> Observer<'j> {
+    /// Begins to observe a run of a joint: by the event-located engine, of its plant.
+    pub fn new(joint: Option<&'j JointPlant>, run: &Run) -> Self {
         let interval = run.sample_interval.min(run.duration / LEAST_SAMPLES);
         let times: Box<dyn Iterator<Item = f64>> = Box::new(SampleTimes::new(run.duration, interval).times());
         Self {
@@ -67,18 +66,22 @@ impl Observer {
             actuators: [[Range::NONE; 3]; 2],
             air: [AirUse::default(); 2],
             events: BTreeMap::new(),
-            ledger: JointLedger::new(rig),
+            ledger: joint.map(|joint| PlantLedgerKeeper::new(joint.plant(), run.relative_tolerance)),
             samples: Reading::new(times, run.duration),
         }
     }
 
     /// Observes an accepted step of the event-located engine.
-    pub fn step(&mut self, step: &AcceptedJointStep<'_>) {
+    pub fn step(&mut self, step: &JointStep<'_>) {
         let Self { joint, actuators, air, events, ledger, samples } = self;
-        ledger.step(step);
-        step.quadrature(|weight, sample, mode| {
+        if let Some(ledger) = ledger {
+            ledger.step(step.plant());
+        }
+        step.quadrature(|weight, sample, flows| {
             see(joint, actuators, sample);
-            add_air(air, step.rig(), weight, sample, mode);
+            for (air, flows) in air.iter_mut().zip(flows) {
+                air.see(weight, flows);
+            }
         });
         let Ok(()) = samples.step(step, |sample| {
             see(joint, actuators, sample);
@@ -90,12 +93,16 @@ impl Observer {
     }
 
     /// The figures of a run of the event-located engine that has come to its end.
-    pub fn finish(mut self, end: &JointRunEnd) -> Observation {
-        let (work, circuit) = self.ledger.finish(end);
-        see(&mut self.joint, &mut self.actuators, &end.sample);
+    pub fn finish(mut self, last: JointSample, run: &PlantRun) -> Observation {
+        let ledger = self.ledger.take().map(|ledger| ledger.finish(run)).unwrap_or_default();
+        self.close(last, (run.statistics(), !run.plant().network().valves.is_empty()), ledger)
+    }
+
+    fn close(mut self, last: JointSample, (counts, draws): (Statistics, bool), ledger: PlantLedger) -> Observation {
+        see(&mut self.joint, &mut self.actuators, &last);
         let Self { joint, actuators, air, events, .. } = self;
-        let located = Some(Located { counts: end.counts, events, air, work, circuit });
-        Observation { last: end.sample, joint, actuators, located, steps: None }
+        let located = Some(Located { counts, events, air, ledger, draws });
+        Observation { last, joint, actuators, located, steps: None }
     }
 
     /// The figures of a run that was kept, or made at fixed steps; none without a sample.
@@ -105,11 +112,14 @@ impl Observer {
     pub fn finish_of(mut self, outcome: &Outcome) -> Result<Option<Observation>, Error> {
         match outcome {
             Outcome::Located(trajectory) => {
-                let end = trajectory.replay(&mut |step| {
+                self.ledger = None;
+                trajectory.replay(&mut |step| {
                     self.step(step);
                     Ok(())
                 })?;
-                Ok(Some(self.finish(&end)))
+                let draws = !trajectory.plant().plant().network().valves.is_empty();
+                let last = trajectory.at(trajectory.duration());
+                Ok(Some(self.close(last, (trajectory.statistics(), draws), trajectory.ledger())))
             }
             Outcome::Stepped(stepped) => {
                 let Self { mut joint, mut actuators, .. } = self;

@@ -4,10 +4,8 @@
 
 use crate::engine::{self, Way};
 use mckibben::Error;
-use mckibben::simulation::{
-    JointConsumer, JointEvent, JointRig, JointRunEnd, JointSample, JointStepError, JointStepper, JointTrajectory,
-    simulate_joint_into, simulate_joint_watched,
-};
+use mckibben::plant::{JointConsumer, JointEvent, JointPlant, JointRunEnd, JointTrajectory};
+use mckibben::simulation::{JointRig, JointSample, JointStepError, JointStepper};
 use mckibben_scenario::{Engine, JointExperiment};
 
 /// A joint's finished run.
@@ -56,18 +54,32 @@ pub fn run(of: &JointExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Erro
 /// How far a run is that keeps every step where the engine is the event-located one.
 pub(crate) fn way(of: &JointExperiment) -> Way {
     match of.run.engine {
-        Engine::EventLocated => Way::begin(&of.run).keeping(of.rig.bytes_per_step()),
+        Engine::EventLocated => keeping(of),
         Engine::FixedStep => Way::begin(&of.run),
     }
 }
 
-/// Runs a joint by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
+/// How far a run is that keeps every step.
+fn keeping(of: &JointExperiment) -> Way {
+    let way = Way::begin(&of.run);
+    match JointPlant::new(&of.rig) {
+        Ok(joint) => way.keeping(joint.plant().bytes_per_step()),
+        // What cannot be run says so when it is run.
+        Err(_) => way,
+    }
+}
+
+/// Runs a joint, with its plant, by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
 ///
 /// # Errors
 /// What the core finds, and what the consumer fails by.
-pub(crate) fn stream(of: &JointExperiment, consumer: &mut JointConsumer<'_>) -> Result<JointRunEnd, Error> {
+pub(crate) fn stream(
+    of: &JointExperiment,
+    joint: &JointPlant,
+    consumer: &mut JointConsumer<'_>,
+) -> Result<JointRunEnd, Error> {
     let (run, mut way) = (&of.run, Way::begin(&of.run));
-    simulate_joint_into(&of.rig, of.start, run.duration, run.relative_tolerance, &mut |step| {
+    joint.stream(&of.start, (run.duration, run.relative_tolerance), None, &mut |step| {
         way.at(step.end());
         consumer(step)
     })
@@ -77,8 +89,9 @@ pub(crate) fn stream(of: &JointExperiment, consumer: &mut JointConsumer<'_>) -> 
 ///
 /// # Errors
 /// What the core finds.
-pub fn locate(of: &JointExperiment, watch: impl FnMut(f64) -> Result<(), Error>) -> Result<Outcome, Error> {
-    let trajectory = simulate_joint_watched(&of.rig, of.start, of.run.duration, of.run.relative_tolerance, watch)?;
+pub fn locate(of: &JointExperiment, mut watch: impl FnMut(f64) -> Result<(), Error>) -> Result<Outcome, Error> {
+    let span = (of.run.duration, of.run.relative_tolerance);
+    let trajectory = JointPlant::new(&of.rig)?.record(&of.start, span, None, &mut watch)?;
     Ok(Outcome::Located(Box::new(trajectory)))
 }
 

@@ -6,7 +6,8 @@ use crate::closed_loop::Goal;
 use crate::plot::{Axis, Dash, Figure, Panel, Series, Span};
 use crate::portrait::{Bands, POINTS, wanted};
 use mckibben::control::Quantity;
-use mckibben::simulation::{EventKind, JointEvent};
+use mckibben::plant::JointEvent;
+use mckibben::simulation::EventKind;
 use std::f64::consts::PI;
 
 /// The figure of a run.

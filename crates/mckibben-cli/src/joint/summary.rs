@@ -7,9 +7,10 @@ use crate::describe;
 use crate::failure::Failure;
 use crate::observation::{AirUse, Range};
 use crate::quantities::{count, given};
-use crate::summary::{Page, assumptions, circuit, cost, effort, events, goals, residual, step_of};
+use crate::summary::{Exergy, Page, assumptions, circuit, cost, counts, effort, events, goals, residual, step_of};
 use crate::terminal::{FAINT, styled};
-use mckibben::simulation::{JointAudit, JointMode, JointRig, JointSample, JointTrajectory};
+use mckibben::plant::{ActuatorLedger, Balance, JointTrajectory, MechanismLedger, PlantLedger};
+use mckibben::simulation::JointRig;
 use mckibben_scenario::{Assumed, Scenario};
 use std::time::Duration;
 
@@ -51,10 +52,10 @@ impl Summary<'_> {
         }
         if let Some(located) = located {
             air(page, located.air);
-            energy(page, &located.work);
-            if let Some(audit) = &located.circuit {
+            energy(page, &located.ledger);
+            if located.draws {
                 let process = self.rig.driven()[0].actuator.air().process();
-                circuit(page, &audit.total(), process, [audit.residual(), audit.turnover(), audit.rounding()]);
+                circuit(page, &Exergy::of_plant(&located.ledger), process, sums(&located.ledger.exergy()));
             }
         }
         page.finish(&assumptions(self.assumed))
@@ -70,7 +71,8 @@ impl Summary<'_> {
         }
         page.line("air", &describe::air(&scenario.air.process));
         page.line("engine", &describe::engine(run));
-        let mut steps = self.observation.located.as_ref().map_or_else(String::new, |located| cost(located.counts));
+        let mut steps =
+            self.observation.located.as_ref().map_or_else(String::new, |located| cost(counts(located.counts)));
         if let Some(of) = &self.observation.steps {
             page.line("step", &step_of(page, of.step, of.chosen, run));
             steps = format!("{} steps", count(of.steps));
@@ -109,16 +111,12 @@ impl Summary<'_> {
 /// The air of agonist and antagonist in a run.
 pub(crate) fn used(trajectory: &JointTrajectory) -> [AirUse; 2] {
     let mut used = [AirUse::default(); 2];
-    trajectory.quadrature(|weight, sample, mode| add_air(&mut used, trajectory.rig(), weight, sample, mode));
+    // Nothing fails that returns no error.
+    let _ = trajectory.replay(&mut |step| {
+        step.quadrature(|weight, _, flows| used.iter_mut().zip(flows).for_each(|(air, flows)| air.see(weight, flows)));
+        Ok(())
+    });
     used
-}
-
-/// Adds the air of both at a point of a quadrature with its weight in s.
-pub(super) fn add_air(used: &mut [AirUse; 2], rig: &JointRig, weight: f64, sample: &JointSample, mode: &JointMode) {
-    for (index, air) in used.iter_mut().enumerate() {
-        let actuator = &rig.driven()[index].actuator;
-        air.see_actuator(actuator, weight, &sample.actuators[index], &mode.actuators[index]);
-    }
 }
 
 fn air(page: &Page, used: [AirUse; 2]) {
@@ -129,14 +127,26 @@ fn air(page: &Page, used: [AirUse; 2]) {
     }
 }
 
-fn energy(page: &Page, audit: &JointAudit) {
+fn energy(page: &Page, ledger: &PlantLedger) {
     page.heading("Energy");
-    let [first, second] = &audit.actuators;
     let joules = |value: f64| format!("{} J", page.digits(value));
-    page.value("gas work", &joules(first.gas_work), "by the agonist's gauge pressure");
-    page.value("", &joules(second.gas_work), "by the antagonist's");
-    page.value("to the limb", &joules(audit.gain), "kinetic and potential, pressed stops included");
-    page.value("dissipated", &joules(first.dissipated() + second.dissipated()), "in both actuators");
-    page.value("", &joules(audit.damping + audit.stops), "in the joint and its stops");
-    residual(page, [audit.residual(), audit.turnover(), audit.rounding()]);
+    let (actuators, limbs) = (&ledger.actuators, &ledger.mechanisms);
+    for (of, (name, whose)) in actuators.iter().zip([("gas work", "agonist's gauge pressure"), ("", "antagonist's")]) {
+        page.value(name, &joules(of.gas_work), &format!("by the {whose}"));
+    }
+    let limb = |of: &dyn Fn(&MechanismLedger) -> f64| limbs.iter().map(of).sum::<f64>();
+    page.value(
+        "to the limb",
+        &joules(limb(&|of| of.kinetic + of.potential)),
+        "kinetic and potential, pressed stops included",
+    );
+    let dissipated = actuators.iter().map(ActuatorLedger::dissipated).sum();
+    page.value("dissipated", &joules(dissipated), "in both actuators");
+    page.value("", &joules(limb(&|of| of.damping + of.stops)), "in the joint and its stops");
+    residual(page, sums(&ledger.work()));
+}
+
+/// What does not close of a sum, the turnover, and what rounding may leave.
+fn sums(of: &Balance) -> [f64; 3] {
+    [of.residual, of.turnover, of.rounding]
 }

@@ -5,13 +5,11 @@ use super::control;
 use crate::describe;
 use crate::failure::Failure;
 use crate::quantities::{common_prefix, count, given};
-use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual};
+use crate::summary::{Page, assumptions, cost, counts, events, goals_by_name, residual_in as residual};
 use crate::terminal::{FAINT, styled};
-use mckibben::engine::Statistics;
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
-use mckibben::simulation::Counts;
 use mckibben_scenario::Assumed;
 use std::time::Duration;
 
@@ -60,9 +58,7 @@ impl Summary<'_> {
             page.line("supplies", &supplies.join(", "));
         }
         page.line("engine", &describe::engine(&of.run));
-        let Statistics { explicit_steps, implicit_steps, rejected_steps, evaluations, events } =
-            self.run.observation.statistics;
-        let cost = cost(Counts { explicit_steps, implicit_steps, rejected_steps, evaluations, events });
+        let cost = cost(counts(self.run.observation.statistics));
         page.line("cost", &format!("{cost}, {}", page.quantity(self.elapsed.as_secs_f64(), "s")));
     }
 

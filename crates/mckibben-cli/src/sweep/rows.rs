@@ -430,7 +430,7 @@ fn look_at_joint(run: &joint::outcome::Outcome, of: &JointExperiment, goals: Vec
     };
     match (record, run.located()) {
         (Record::Samples(times), Some(trajectory)) => {
-            times.iter().for_each(|time| recorder.see_joint(&trajectory.at(*time), &of.rig));
+            trajectory.at_each(times.iter().copied()).for_each(|sample| recorder.see_joint(&sample, &of.rig));
         }
         _ => run.samples(of.run.sample_interval).for_each(|sample| recorder.see_joint(&sample, &of.rig)),
     }

@@ -34,7 +34,7 @@ pub use held_out::HeldOutRun;
 pub use rest::{Drift, Unexplained};
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use sensitivities::Asked;
-pub use simulated::{Simulated, Watch};
+pub use simulated::{Simulated, SimulatedReader, Watch};
 
 use crate::adjustable::Adjustable;
 use crate::least_squares::{Evaluation, Model};
@@ -235,8 +235,9 @@ impl Runs<'_> {
 
     /// Visits each reading with its residual.
     fn compare<R: Real>(&self, run: &Recorded, simulated: &Simulated<R>, mut visit: impl FnMut(R)) {
+        let mut reading = SimulatedReader::new(simulated);
         for (observed, time, value) in self.readings(run) {
-            let simulated = simulated.read(observed, R::constant(time));
+            let simulated = reading.read(observed, R::constant(time));
             visit((simulated - R::constant(value)) / R::constant(self.scale(observed)));
         }
     }

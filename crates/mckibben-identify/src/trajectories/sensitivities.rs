@@ -8,7 +8,7 @@
 //! the side on which the run lies.
 
 use super::simulated::{Plant, Watch};
-use super::{Observed, Simulated};
+use super::{Observed, Simulated, SimulatedReader};
 use crate::adjustable::Adjustable;
 use mckibben::{Error, Real};
 use rayon::prelude::*;
@@ -68,8 +68,8 @@ impl Asked {
     }
 
     fn read<'r, R: Real>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {
-        self.times
-            .iter()
-            .flat_map(move |time| self.observed.iter().map(move |observed| run.read(*observed, R::constant(*time))))
+        let (mut reading, width) = (SimulatedReader::new(run), self.observed.len());
+        (0..width * self.times.len())
+            .map(move |place| reading.read(self.observed[place % width], R::constant(self.times[place / width])))
     }
 }

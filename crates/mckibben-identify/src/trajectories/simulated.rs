@@ -3,9 +3,9 @@
 use super::Observed;
 use crate::adjustable::{Adjustable, Seeded};
 use mckibben::parameter::Parameter;
+use mckibben::plant::{JointPlant, JointReader, JointTrajectory};
 use mckibben::simulation::{
-    Initial, JointInitial, JointRig, JointTrajectory, Rig, Sample, State, Trajectory, simulate_joint_watched,
-    simulate_watched,
+    Initial, JointInitial, JointRig, JointSample, Rig, Sample, State, Trajectory, simulate_watched,
 };
 use mckibben::{Actuator, Error, Real};
 use mckibben_scenario::Scenario;
@@ -62,7 +62,9 @@ impl<R: Real> Plant<R> {
                 Ok(Simulated::Rig(Box::new(run)))
             }
             Self::Joint(of) => {
-                let run = simulate_joint_watched(&of.0, of.0.begin(&of.1)?, duration, tolerance, watch)?;
+                let start = of.0.begin(&of.1)?;
+                let run =
+                    JointPlant::new(&of.0)?.record(&start, (duration, tolerance), None, &mut |time| watch(time))?;
                 Ok(Simulated::Joint(Box::new(run)))
             }
         }
@@ -95,13 +97,37 @@ impl<R: Real> Simulated<R> {
         }
     }
 
-    /// A quantity in SI at a time in s; not a number where the run has none such.
+    /// A quantity in SI at a time in s; not a number where the run has none such. For many use a [`SimulatedReader`].
     pub fn read(&self, observed: Observed, time: R) -> R {
-        match self {
-            Self::Rig(_) if observed.is_of_joint() => R::constant(f64::NAN),
-            Self::Rig(run) => of_actuator(observed, run.rig().actuator(), &run.at(time)),
-            Self::Joint(run) => {
-                let sample = run.at(time);
+        SimulatedReader::new(self).read(observed, time)
+    }
+}
+
+/// Reads quantities of a simulated run: quickest where the times do not fall from one to the next.
+#[derive(Debug)]
+pub struct SimulatedReader<'r, R: Real = f64> {
+    simulated: &'r Simulated<R>,
+    /// Of a joint, with the sample that was read last.
+    joint: Option<(JointReader<'r, R>, Option<JointSample<R>>)>,
+}
+
+impl<'r, R: Real> SimulatedReader<'r, R> {
+    /// Reads a run.
+    pub fn new(simulated: &'r Simulated<R>) -> Self {
+        let joint = match simulated {
+            Simulated::Rig(_) => None,
+            Simulated::Joint(run) => Some((JointReader::new(run), None)),
+        };
+        Self { simulated, joint }
+    }
+
+    /// A quantity in SI at a time in s; not a number where the run has none such.
+    pub fn read(&mut self, observed: Observed, time: R) -> R {
+        match (self.simulated, &mut self.joint) {
+            (Simulated::Joint(run), Some((reader, last))) => {
+                let same = last.filter(|sample| sample.time.value() == time.value());
+                let sample = same.unwrap_or_else(|| reader.read(time));
+                *last = Some(sample);
                 let one = |i: usize| of_actuator(observed, &run.rig().driven()[i].actuator, &sample.actuators[i]);
                 match observed {
                     Observed::Angle => sample.angle,
@@ -111,6 +137,10 @@ impl<R: Real> Simulated<R> {
                     _ => one(0),
                 }
             }
+            (Simulated::Rig(run), _) if !observed.is_of_joint() => {
+                of_actuator(observed, run.rig().actuator(), &run.at(time))
+            }
+            _ => R::constant(f64::NAN),
         }
     }
 }

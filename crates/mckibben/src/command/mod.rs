@@ -25,7 +25,7 @@
 //! | [`Driver::of_function`] | a function, with what it remembers |
 //! | [`Driver::new`] | any [`PlantController`] |
 //!
-//! Checked by `tests/plant_control.rs`: against the engines of one actuator and of a joint, and against the schedule that a
+//! Checked by `tests/plant_control.rs`: against the engine of one actuator and fixed steps of a joint, and against the schedule that a
 //! controller has asked for.
 
 mod adapter;

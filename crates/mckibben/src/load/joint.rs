@@ -239,6 +239,7 @@ impl<S: Scalar> Joint<S> {
         self.leverage_of([self.tendons[0].arm.at(angle), self.tendons[1].arm.at(angle)])
     }
 
+    #[cfg(feature = "alloc")]
     /// The same by the formulas of a piece of each moment arm.
     #[inline(always)]
     pub(crate) fn leverage_in<T: Over<S>>(&self, pieces: [usize; 2], angle: T) -> Leverage<T> {
@@ -289,6 +290,7 @@ impl<S: Scalar> Joint<S> {
 }
 
 impl<S: Real> Joint<S> {
+    #[cfg(feature = "alloc")]
     /// The pieces of both moment arms that hold at an angle in rad.
     pub(crate) fn pieces(&self, angle: S) -> [usize; 2] {
         self.tendons.each_ref().map(|tendon| tendon.arm.piece(angle))

@@ -27,7 +27,7 @@
 //! press is a part of the mode ([`Contact`]).
 //!
 //! Source: Lagrange's equations; the paper's legs are chains of this kind. Checked by `tests/plant_linear_closed_forms.rs` and
-//! `tests/plant_linear_analysis.rs`: frequencies of pendulums; by `tests/plant_of_joint.rs` and `tests/plant_ledger.rs`.
+//! `tests/plant_linear_analysis.rs`: frequencies of pendulums; by `tests/joint.rs` and `tests/plant_ledger.rs`.
 
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};
@@ -260,7 +260,8 @@ fn without_inertia(segments: &[ChainSegment]) -> Option<usize> {
 pub const MAX_JOINTS: usize = 8;
 
 impl<S: Scalar> Chain<S> {
-    fn assemble(
+    /// A chain of numbers that are within their ranges.
+    pub(crate) fn assemble(
         segments: Vec<ChainSegment<S>>,
         joints: Vec<Revolute<S>>,
         [gravity, hanging_angle]: [S; 2],

@@ -17,7 +17,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// Nodes and weights of Gauss–Legendre quadrature with five points on `[0, 1]`, exact to degree 9.
-const GAUSS: [(f64, f64); 5] = [
+pub(super) const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
     (0.5, 0.284_444_444_444_444_44),

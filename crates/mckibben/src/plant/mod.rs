@@ -25,6 +25,7 @@ mod friction_start;
 mod guard;
 mod holding;
 mod hybrid;
+mod joint;
 mod ledger;
 mod linear;
 mod measure;
@@ -45,6 +46,10 @@ mod wire;
 pub use crossing::{Part, PlantEventKind};
 pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{PlantGuard, Touching};
+pub use joint::{
+    JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
+    JointTrajectory, Turning,
+};
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
 };
@@ -237,13 +242,18 @@ impl Plant {
         }
         sliding::check_facets(&actuators, &mechanisms)?;
         network.valves.iter().try_for_each(|valve| valve.solenoid.check(&valve.command))?;
-        let network = network.seen_late();
-        let places = Places::new(&actuators, &network, &mechanisms);
-        Ok(Self { actuators, network, mechanisms, places })
+        Ok(Self::assemble(actuators, network, mechanisms))
     }
 }
 
 impl<S: Scalar> Plant<S> {
+    /// A plant of parts that fit each other.
+    fn assemble(actuators: Vec<Mounted<S>>, network: Network<S>, mechanisms: Vec<Mechanism<S>>) -> Self {
+        let network = network.seen_late();
+        let places = Places::new(&actuators, &network, &mechanisms);
+        Self { actuators, network, mechanisms, places }
+    }
+
     /// The plant over another scalar; `function` gets each parameter with the part that it belongs to, none for the
     /// atmosphere of the whole network.
     ///

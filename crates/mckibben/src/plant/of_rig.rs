@@ -1,4 +1,4 @@
-//! A rig of one actuator and a joint of two as plants: the smallest networks and mechanisms.
+//! A rig of one actuator as a plant: the smallest network and mechanism.
 
 use super::start::{InitialAir, PlantStart};
 use super::{Mounted, Plant};
@@ -6,10 +6,11 @@ use crate::actuator::Actuator;
 use crate::error::Error;
 use crate::line::{Line, Regulator, Reservoir};
 use crate::load::Load;
-use crate::mechanism::{Arm, Chain, ChainSegment, Coupling, JointStops, Mass, Mechanism, Pull, Revolute};
+use crate::mechanism::{Coupling, Mass, Mechanism, Pull};
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::pressure::GaugePressure;
-use crate::simulation::{Actuation, Driven, JointRig, JointState, Rig, State};
+use crate::scalar::Scalar;
+use crate::simulation::{Actuation, Rig, State};
 use crate::valve::{ExhaustTemperature, Port};
 use alloc::vec;
 
@@ -25,14 +26,14 @@ pub struct SupplyNodes {
     pub outlet: usize,
 }
 
-impl Network {
+impl<S: Scalar> Network<S> {
     /// Adds what feeds an actuator: its valve with the paths to supply and surroundings, its hose, its leak, and the
     /// reservoir and regulator of its own supply.
-    pub fn feed(&mut self, index: usize, actuator: &Actuator, actuation: Option<&Actuation>, line: &Line) {
-        let temperature = actuator.valve().map_or(ROOM, |valve| valve.supply.temperature());
-        let outside = self.node(NodeKind::Atmosphere, 0.0, temperature);
+    pub fn feed(&mut self, index: usize, actuator: &Actuator<S>, actuation: Option<&Actuation<S>>, line: &Line<S>) {
+        let temperature = actuator.valve().map_or(S::constant(ROOM), |valve| valve.supply.temperature());
+        let outside = self.node(NodeKind::Atmosphere, S::zero(), temperature);
         let mut feed = outside;
-        let mut copies = 1.0;
+        let mut copies = S::one();
         if let Some(valve) = actuator.valve().filter(|_| actuation.is_some()) {
             let gauge = valve.supply.gauge_pressure().0;
             let (reservoir, regulator) = match &line.supply {
@@ -52,14 +53,14 @@ impl Network {
     /// the atmosphere that a compressor draws from.
     pub fn supply(
         &mut self,
-        [gauge, temperature]: [f64; 2],
-        reservoir: Option<&Reservoir>,
-        regulator: Option<&Regulator>,
+        [gauge, temperature]: [S; 2],
+        reservoir: Option<&Reservoir<S>>,
+        regulator: Option<&Regulator<S>>,
         inlet: Option<usize>,
         outside: usize,
     ) -> SupplyNodes {
         let reservoir = reservoir.map(|reservoir| {
-            let tank = self.node(NodeKind::Reservoir(*reservoir), 0.0, temperature);
+            let tank = self.node(NodeKind::Reservoir(*reservoir), S::zero(), temperature);
             if reservoir.compressor().is_some() {
                 self.branch(outside, tank, BranchKind::Compressor);
             }
@@ -81,11 +82,11 @@ impl Network {
     pub fn draw(
         &mut self,
         index: usize,
-        actuator: &Actuator,
-        actuation: Option<&Actuation>,
-        line: &Line,
+        actuator: &Actuator<S>,
+        actuation: Option<&Actuation<S>>,
+        line: &Line<S>,
         [mut feed, outside]: [usize; 2],
-        copies: f64,
+        copies: S,
     ) -> Option<[usize; 2]> {
         let temperature = self.nodes[outside].temperature;
         let mut drawn = None;
@@ -94,17 +95,17 @@ impl Network {
             if let Some(regulator) = solenoid.regulator() {
                 let gauge = valve.supply.gauge_pressure().0;
                 let kind = NodeKind::Port { regulator: *regulator, valve: its, feed: gauge };
-                feed = self.node(kind, 0.0, temperature);
+                feed = self.node(kind, S::zero(), temperature);
             }
             let chamber = self.chamber(index, temperature);
             let into = match &line.hose {
-                Some(hose) => self.hose(*hose, chamber, 0.0),
+                Some(hose) => self.hose(*hose, chamber, S::zero()),
                 None => chamber,
             };
             let ambient = valve.exhaust_temperature == ExhaustTemperature::Ambient;
             for (from, port) in [(feed, Port::Supply), (outside, Port::Exhaust)] {
                 let law = *valve.law_of(port);
-                let copies = if port == Port::Supply { copies } else { 1.0 };
+                let copies = if port == Port::Supply { copies } else { S::one() };
                 self.branch(from, into, BranchKind::Path { law, valve: its, port, ambient, copies });
             }
             drawn = Some([its, into]);
@@ -140,57 +141,6 @@ impl Plant {
             pressure: rig.pressure_course().cloned(),
         };
         Self::new(vec![mounted], network, vec![mechanism])
-    }
-
-    /// The plant of a joint.
-    ///
-    /// # Errors
-    /// As [`Plant::new`].
-    pub fn of_joint(rig: &JointRig) -> Result<Self, Error> {
-        let joint = rig.joint();
-        let limb = joint.limb();
-        let segment = ChainSegment { length: 0.0, mass: limb.mass, distance: limb.distance, inertia: limb.inertia };
-        let stops = joint.stops();
-        let stops = JointStops { ends: stops.ends, stiffness: stops.stiffness, damping: stops.damping };
-        let revolute = Revolute { torque: joint.torque(), damping: joint.damping(), stops };
-        let chain = Chain::new(vec![segment], vec![revolute], [limb.gravity, limb.hanging_angle], None)?;
-        let mut network = Network::new(rig.driven()[0].actuator.air());
-        let mut mounted = vec![];
-        for (index, Driven { actuator, actuation }) in rig.driven().iter().enumerate() {
-            network.feed(index, actuator, actuation.as_ref(), &Line::NONE);
-            let tendon = &joint.tendons()[index];
-            let sign = if index == 0 { 1.0 } else { -1.0 };
-            let arms = vec![Arm { joint: 0, sign, arm: tendon.arm }];
-            mounted.push(Mounted {
-                actuator: actuator.clone().without_valve(),
-                mechanism: 0,
-                coupling: Coupling::Arms { rest_length: tendon.rest_length, arms },
-                tendon: None,
-                pressure: None,
-            });
-        }
-        Self::new(mounted, network, vec![Mechanism::Chain(chain)])
-    }
-
-    /// The start of the plant of a joint in a state of that joint.
-    pub fn start_of_joint(rig: &JointRig, state: &JointState) -> PlantStart {
-        let lengths = rig.joint().lengths(state.angle);
-        let air = [0, 1].map(|i| {
-            let actuator = &rig.driven()[i].actuator;
-            let air = actuator.air();
-            let volume = actuator.volume(lengths[i]);
-            InitialAir {
-                gauge_pressure: state.pressure[i].gauge(air.atmosphere()),
-                temperature: state.pressure[i].0 * volume / (state.air_mass[i] * air.gas_constant()),
-            }
-        });
-        PlantStart {
-            positions: vec![vec![state.angle]],
-            rates: vec![vec![state.angular_velocity]],
-            air: air.to_vec(),
-            lengths: vec![None; 2],
-            friction: vec![],
-        }
     }
 
     /// The start of the plant of a rig in a state of that rig.

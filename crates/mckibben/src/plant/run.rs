@@ -141,6 +141,13 @@ impl<R: Real> PlantRun<R> {
         System::new(&self.plant, self.relative_tolerance).measure(*time, state, mode, &mut Evaluation::new(&self.plant))
     }
 
+    /// The sizes by which errors in the states are scaled now.
+    pub(crate) fn scales(&self) -> Vec<f64> {
+        let mut scales = alloc::vec![0.0; self.state().len()];
+        System::new(&self.plant, self.relative_tolerance).scales(self.state(), self.mode(), &mut scales);
+        scales
+    }
+
     /// Where the run is.
     pub fn save(&self) -> PlantSnapshot<R> {
         self.reached.clone()

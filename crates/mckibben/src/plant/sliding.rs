@@ -21,7 +21,7 @@
 //! largest force that can be held. Actuators that share no coordinate are blocks of their own.
 //!
 //! Source: the complementarity problem of set-valued friction, after Moreau (see [`holding`]). Checked by
-//! `tests/plant_reference.rs`, against a program that decides by brute force who sticks, and by `tests/plant_of_joint.rs`.
+//! `tests/plant_reference.rs`, against a program that decides by brute force who sticks, and by `tests/joint.rs`.
 
 use super::Mounted;
 use super::dense::{dot, factor, solve};

@@ -4,7 +4,7 @@
 //!
 //! Checked by `tests/plant_stream.rs`.
 
-use super::bookkeeping::Bookkeeper;
+use super::bookkeeping::{Bookkeeper, GAUSS};
 use super::crossing::Part;
 use super::ledger::PlantLedger;
 use super::mode::PlantMode;
@@ -107,6 +107,22 @@ impl PlantStep<'_> {
     /// Writes the sample at a time in s, kept within the step, to `sample`, which was made for the same plant.
     pub fn read_into(&self, time: f64, sample: &mut PlantSample) {
         self.reads.read_into(self.view, time, sample);
+    }
+}
+
+impl PlantStep<'_> {
+    /// Calls `visit` with the weight in s and the sample at the Gauss points of the step: `Σ weight · f` over all steps is the
+    /// integral of f over the run, to the order of the dense output.
+    pub fn quadrature(&self, mut visit: impl FnMut(f64, &PlantSample)) {
+        let length = self.end() - self.start();
+        if length <= 0.0 {
+            return;
+        }
+        let mut sample = PlantSample::new(self.reads.plant());
+        for (node, weight) in GAUSS {
+            self.read_into(self.start() + length * node, &mut sample);
+            visit(length * weight, &sample);
+        }
     }
 }
 

@@ -159,6 +159,11 @@ impl<R: Real> PlantTrajectory<R> {
         (state, mode)
     }
 
+    /// The modes: at the start, and after each event.
+    pub fn modes(&self) -> &[PlantMode<R>] {
+        &self.segments
+    }
+
     /// Calls `visit` with each step in order of time.
     pub(crate) fn each_piece(&self, mut visit: impl FnMut(PieceView<'_, R>)) {
         // Nothing fails.
@@ -220,6 +225,13 @@ impl<R: Real> PlantTrajectory<R> {
         let mode = &self.segments[piece.segment];
         system.project(time, state, mode, work);
         (time, mode)
+    }
+}
+
+impl<R: Real> Plant<R> {
+    /// What a kept run of this plant takes in bytes for each step, its events not counted.
+    pub fn bytes_per_step(&self) -> usize {
+        size_of::<Kept<R>>() + arc_size(self.places().states) * size_of::<R>()
     }
 }
 

@@ -134,22 +134,6 @@ impl Exergy {
 }
 
 impl CircuitAudit {
-    /// Both together, term by term, but for the work, which stays that of the first.
-    pub(super) fn and(self, other: &Self) -> Self {
-        Self {
-            drawn: self.drawn + other.drawn,
-            compressor: self.compressor + other.compressor,
-            stored: self.stored + other.stored,
-            exhaust: self.exhaust + other.exhaust,
-            throttled: self.throttled + other.throttled,
-            mixed: self.mixed + other.mixed,
-            heat: self.heat + other.heat,
-            heat_gain: self.heat_gain + other.heat_gain,
-            rounding: self.rounding + other.rounding,
-            work: self.work,
-        }
-    }
-
     /// Adds the air of an instant of `weight` s.
     pub(super) fn add<R: Real>(
         &mut self,

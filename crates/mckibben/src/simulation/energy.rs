@@ -104,28 +104,6 @@ impl EnergyAudit {
 }
 
 impl EnergyAudit {
-    /// Both together, term by term.
-    pub(super) fn and(self, other: &Self) -> Self {
-        Self {
-            gas_work: self.gas_work + other.gas_work,
-            effectiveness_loss: self.effectiveness_loss + other.effectiveness_loss,
-            bladder_storage: self.bladder_storage + other.bladder_storage,
-            load: self.load + other.load,
-            braid_storage: self.braid_storage + other.braid_storage,
-            tendon_storage: self.tendon_storage + other.tendon_storage,
-            viscous: self.viscous + other.viscous,
-            coulomb: self.coulomb + other.coulomb,
-            slip: self.slip + other.slip,
-            hysteresis_storage: self.hysteresis_storage + other.hysteresis_storage,
-            braid: self.braid + other.braid,
-            slack: self.slack + other.slack,
-            air_in: self.air_in + other.air_in,
-            air_out: self.air_out + other.air_out,
-            air_gain: self.air_gain + other.air_gain,
-            rounding: self.rounding + other.rounding,
-        }
-    }
-
     /// Adds what happens in an instant of `weight` s: the flows and what is dissipated. Returns the work on the ends in J.
     /// `flow` is that from and to outside of all volumes that are counted; the widths are of the hysteresis, in m over the
     /// secant stiffness, and of what dissipates of it.

@@ -188,6 +188,7 @@ impl<'a, R: Real> Member<'a, R> {
         actuator.signed_force(ends, rubbing, mode.extent == Extent::Taut, factors)
     }
 
+    #[cfg(feature = "alloc")]
     /// Tension in N while the ends move: what the load feels.
     #[inline(always)]
     pub(crate) fn tension<T: Over<R>>(
@@ -251,6 +252,7 @@ impl<'a, R: Real> Member<'a, R> {
         }
     }
 
+    #[cfg(feature = "alloc")]
     /// Decides anew whether the force is kept from pushing.
     pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
         let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;

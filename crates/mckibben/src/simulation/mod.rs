@@ -5,15 +5,14 @@
 //! * [`FixedStepper`]: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time.
 //!   How far it lies from the other, and the step that an accuracy needs, is measured in [`accuracy`].
 //!
-//! [`simulate_joint`] is the first of the two for a joint that two actuators turn against each other, [`JointStepper`] the
-//! second. [`simulate_controlled`]
-//! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way,
-//! [`simulate_joint_controlled`] the first of these for a joint.
+//! A joint that two actuators turn against each other is a plant where every event is located
+//! ([`JointPlant`](crate::plant::JointPlant)), and goes through time at fixed steps by [`JointStepper`]. [`simulate_controlled`]
+//! and [`ControlledStepper`] are the two with a [controller](crate::control) that decides the valve's command on the way.
 //!
 //! Whatever goes through time at fixed steps is a [`Stepper`].
 //!
-//! [`simulate_into`] keeps nothing: it hands each accepted step to a consumer, of which a [`Trajectory`] is one, and so do
-//! [`simulate_controlled_into`], [`simulate_joint_into`] and [`simulate_joint_controlled_into`].
+//! [`simulate_into`] keeps nothing: it hands each accepted step to a consumer, of which a [`Trajectory`] is one, and so does
+//! [`simulate_controlled_into`].
 //!
 //! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop,
 //! and a [`Manifold`] feeds several that are unlike from one supply.
@@ -92,15 +91,10 @@ pub use hybrid::{Phase, RigSystem};
 pub use integrator::{Counts, Integrator, Piece, PieceOf};
 #[cfg(feature = "alloc")]
 pub use joint::{
-    AcceptedJointStep, ControlledJoint, ControlledJointStepper, JointAudit, JointCircuitAudit, JointConsumer,
-    JointCourse, JointDecision, JointEvent, JointLedger, JointRunEnd, JointSample, JointStepError, JointStepper,
-    JointTrajectory, joint_step_for_accuracy, simulate_joint, simulate_joint_controlled,
-    simulate_joint_controlled_into, simulate_joint_controlled_watched, simulate_joint_into, simulate_joint_watched,
+    ControlledJointStepper, JointCourse, JointDecision, JointSample, JointStepError, JointStepper,
+    joint_step_for_accuracy,
 };
-pub use joint::{
-    Contact, Driven, End, InitialAngle, JointEventKind, JointGuard, JointInitial, JointMode, JointPhase, JointRig,
-    JointState, JointSystem, Turning,
-};
+pub use joint::{Driven, InitialAngle, JointInitial, JointRig, JointState};
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
 pub use leg::{LegSample, LegStepper};

@@ -12,7 +12,6 @@ use super::joint::{Driven, JointRig};
 use super::rig::{Actuation, Rig};
 use super::system::GuardForm;
 use crate::actuator::Actuator;
-use crate::dual::Dual;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::{Over, Real};
 use crate::valve::{Approach, Command, Port, Regulator, RegulatorClock, Valve, is_due};
@@ -102,13 +101,6 @@ impl<'a, R: Real> RegulatedPort<'a, R> {
     /// The absolute pressure in Pa that is in force.
     fn set_point(&self, mode: &PortMode) -> Option<R> {
         self.command.set_point(mode.passed.checked_sub(1)?).map(|(_, gauge)| gauge + self.atmosphere)
-    }
-
-    /// How fast in 1/s the pressure settles.
-    pub(super) fn settling_rate<const N: usize>(&self, state: &[R; N], mode: &PortMode) -> f64 {
-        let mut seeded = state.map(Dual::<R, 1>::of);
-        seeded[self.place] = Dual::variable(state[self.place], 0);
-        -self.rate(&seeded, mode).slope[0].value()
     }
 
     /// `dp/dt` in Pa/s.

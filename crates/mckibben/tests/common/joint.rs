@@ -3,9 +3,8 @@
 use super::random::{Case, cases};
 use super::{GRAVITY, Paper};
 use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
-use mckibben::simulation::{
-    Actuation, Driven, InitialAngle, InitialLength, JointInitial, JointRig, JointTrajectory, simulate_joint,
-};
+use mckibben::plant::{JointPlant, JointTrajectory};
+use mckibben::simulation::{Actuation, Driven, InitialAngle, InitialLength, JointInitial, JointRig};
 use mckibben::valve::{Command, Solenoid};
 use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
@@ -73,7 +72,7 @@ impl Pair {
 
     pub(crate) fn try_run(&self, duration: f64, tolerance: f64) -> Result<JointTrajectory, Error> {
         let rig = self.rig()?;
-        simulate_joint(&rig, rig.start(&self.initial())?, duration, tolerance)
+        JointPlant::new(&rig)?.simulate(&rig.start(&self.initial())?, duration, tolerance)
     }
 
     pub(crate) fn run(&self, duration: f64, tolerance: f64) -> JointTrajectory {

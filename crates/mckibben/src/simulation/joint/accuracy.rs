@@ -5,14 +5,13 @@
 //! Checked by `tests/joint_stepper.rs`.
 
 use super::stepper::JointStepper;
-use super::system::JointSystem;
 use super::{JointRig, JointState};
 use crate::error::Error;
 use crate::parameter;
+use crate::plant::JointPlant;
 use crate::simulation::accuracy::{LEAST_RANGE, PILOT, REFERENCE, longest_step};
 use crate::simulation::kernel::Method;
 use crate::simulation::sample::SampleTimes;
-use crate::simulation::system::HybridSystem;
 use alloc::vec::Vec;
 
 /// The step of a joint, and its error.
@@ -30,7 +29,7 @@ pub struct JointStepError {
 /// [`PILOT`] seconds, with the error that was measured. The steps divide the interval.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for an accuracy or interval outside its range; as [`super::simulate_joint`];
+/// [`Error::OutOfRange`] for an accuracy or interval outside its range; as [`JointPlant::simulate`];
 /// [`Error::Inconsistent`] when even the shortest step is not accurate enough.
 pub fn joint_step_for_accuracy(
     rig: &JointRig,
@@ -43,11 +42,11 @@ pub fn joint_step_for_accuracy(
     parameter::SAMPLE_INTERVAL.check(interval)?;
     let (part, tightest, loosest) = REFERENCE;
     let (compared, tolerance) = (duration.min(PILOT), (part * accuracy).clamp(tightest, loosest));
-    let reference = super::simulate_joint(rig, start, compared, tolerance)?;
+    let joint = JointPlant::new(rig)?;
+    let reference = joint.simulate(&start, compared, tolerance)?;
     let times = SampleTimes::new(compared, interval);
     let expected: Vec<[f64; 6]> = reference.samples(interval).map(|sample| sample.state().to_array()).collect();
-    let system = JointSystem::new(rig, tolerance);
-    let usual: [f64; 6] = system.scales(&start.to_array(), &system.begin(&start.to_array()));
+    let usual = joint.usual_sizes(&start, tolerance)?;
     let scales: [f64; 6] = core::array::from_fn(|n| {
         let values = expected.iter().map(|state| state[n]);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));

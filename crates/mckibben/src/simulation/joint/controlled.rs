@@ -1,14 +1,12 @@
-//! A joint with a controller in the loop, by both engines: one clockwork samples for both valves.
+//! A joint with a controller in the loop at fixed steps: one clockwork samples for both valves.
 //!
-//! Checked by `tests/joint_control.rs`.
+//! With every event located [`JointPlant::driver`](crate::plant::JointPlant::driver) takes the controller. Checked by `tests/joint_control.rs`.
 
-use super::run::{JointConsumer, JointRunEnd, JointSimulation};
+use super::sample::JointSample;
 use super::stepper::{JointCourse, JointStepper};
-use super::trajectory::{JointSample, JointTrajectory, Kept};
 use super::{JointRig, JointState};
 use crate::control::{Drive, JointController, JointMeasurement, JointSensors, Quantity, Sampling};
 use crate::error::Error;
-use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::closed_loop::{Clockwork, measurement};
 use crate::simulation::kernel::Method;
@@ -25,115 +23,6 @@ pub struct JointDecision<R = f64> {
     pub aim: [Option<(Quantity, R)>; 2],
     /// What the valves of agonist and antagonist are to do once the decision takes effect.
     pub drive: [Drive<R>; 2],
-}
-
-/// The run of a joint under control.
-#[derive(Clone, Debug)]
-pub struct ControlledJoint<R: Real = f64> {
-    /// The run; the commands of its rig are the tables of all that the controller asked for.
-    pub trajectory: JointTrajectory<R>,
-    /// What was decided at each sampling instant, in order of time.
-    pub decisions: Vec<JointDecision<R>>,
-}
-
-/// Simulates a joint from a state at t = 0 for `duration` s as [`super::simulate_joint`] does, with a controller in place of
-/// the rig's own commands. Sampling instants, ends of pulses and motions of seats are exact instants.
-///
-/// # Errors
-/// As [`super::simulate_joint`]; [`Error::Misuse`] when an actuator has no valve or its valve cannot do what the
-/// controller asks.
-pub fn simulate_joint_controlled<R: Real, C: JointController<R>>(
-    rig: &JointRig<R>,
-    start: JointState<R>,
-    duration: R,
-    relative_tolerance: f64,
-    controller: &C,
-    (sampling, sensors): (Sampling<R>, JointSensors<R>),
-) -> Result<ControlledJoint<R>, Error> {
-    simulate_joint_controlled_watched(
-        rig,
-        start,
-        (duration, relative_tolerance),
-        controller,
-        (sampling, sensors),
-        |_| Ok(()),
-    )
-}
-
-/// The same as [`simulate_joint_controlled`], calling `watch` with the time in s that has been reached, now and then: it may show it, or end the run by
-/// an error such as [`Error::Interrupted`].
-///
-/// # Errors
-/// As [`simulate_joint_controlled`], and those of `watch`.
-pub fn simulate_joint_controlled_watched<R: Real, C: JointController<R>>(
-    rig: &JointRig<R>,
-    start: JointState<R>,
-    (duration, relative_tolerance): (R, f64),
-    controller: &C,
-    set_up: (Sampling<R>, JointSensors<R>),
-    mut watch: impl FnMut(f64) -> Result<(), Error>,
-) -> Result<ControlledJoint<R>, Error> {
-    let (mut kept, mut decisions) = (None, Vec::new());
-    let simulation = run(
-        rig,
-        start,
-        (duration, relative_tolerance),
-        controller,
-        set_up,
-        &mut |simulation, until| {
-            let kept = kept.get_or_insert_with(|| Kept::of(simulation));
-            simulation.extend(until, &mut |step| kept.take(step, &mut watch))
-        },
-        &mut |_, decision| decisions.push(decision),
-    )?;
-    let kept = kept.unwrap_or_else(|| Kept::of(&simulation));
-    Ok(ControlledJoint { trajectory: kept.finish(simulation, &mut watch)?, decisions })
-}
-
-/// Simulates a joint under control as [`simulate_joint_controlled`] does and hands each accepted step to `consumer` and each
-/// decision, with the joint, to `decided`; nothing is kept but the requests to the valves, which are the joint's commands. A
-/// decision comes before the steps that follow its sampling instant.
-///
-/// # Errors
-/// As [`simulate_joint_controlled`], and those of the consumer.
-pub fn simulate_joint_controlled_into<R: Real, C: JointController<R>>(
-    rig: &JointRig<R>,
-    start: JointState<R>,
-    span: (R, f64),
-    controller: &C,
-    set_up: (Sampling<R>, JointSensors<R>),
-    consumer: &mut JointConsumer<'_, R>,
-    decided: &mut dyn FnMut(&JointRig<R>, JointDecision<R>),
-) -> Result<JointRunEnd<R>, Error> {
-    let mut extend = |simulation: &mut JointSimulation<R>, until| simulation.extend(until, consumer);
-    let simulation = run(rig, start, span, controller, set_up, &mut extend, decided)?;
-    simulation.finish(consumer)
-}
-
-/// Takes a run on to a time in s.
-type Extend<'e, R> = dyn FnMut(&mut JointSimulation<R>, R) -> Result<(), Error> + 'e;
-
-/// Takes a run under control to its end by `extend`; the last step is not handed on yet.
-fn run<R: Real, C: JointController<R>>(
-    rig: &JointRig<R>,
-    start: JointState<R>,
-    (duration, relative_tolerance): (R, f64),
-    controller: &C,
-    (sampling, sensors): (Sampling<R>, JointSensors<R>),
-    extend: &mut Extend<'_, R>,
-    decided: &mut dyn FnMut(&JointRig<R>, JointDecision<R>),
-) -> Result<JointSimulation<R>, Error> {
-    parameter::DURATION.check(duration.value())?;
-    rig.check_counts(duration.value())?;
-    sampling.check_counts(duration.value())?;
-    let mut rig = rig.clone();
-    let clockwork: TwoValves<R, C> = Clockwork::begin(controller.begin(), sampling, rig.valves())?;
-    clockwork.run(JointSimulation::begin(rig, start, relative_tolerance)?, duration, extend, |simulation, clockwork| {
-        let truth = simulation.reached();
-        let decision = decide(clockwork, (controller, &sensors), &truth, simulation.rig_mut())?;
-        decided(simulation.rig_mut(), decision);
-        Ok(())
-    })
 }
 
 /// Takes the sample that is due, and continues the commands of the rig up to the next.
@@ -167,7 +56,7 @@ impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
     /// Starts at t = 0 in a state, with a controller in place of the rig's own commands: its own, or a reference to one.
     ///
     /// # Errors
-    /// [`Error::Misuse`] when an actuator has no valve or its valve cannot do what the controller asks.
+    /// [`Error::Unsupported`] when an actuator has no valve or its valve cannot do what the controller asks.
     pub fn new(
         rig: &JointRig<R>,
         start: JointState<R>,
@@ -207,7 +96,7 @@ impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
     /// Goes on to `until` s in one step, divided where something switches and at sampling instants.
     ///
     /// # Errors
-    /// As [`JointStepper::advance_to`]; [`Error::Misuse`] when a valve cannot do what the controller asks.
+    /// As [`JointStepper::advance_to`]; [`Error::Unsupported`] when a valve cannot do what the controller asks.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
             let instant = self.clockwork.next();

@@ -4,8 +4,7 @@
 //! of the angular acceleration by angle and angular velocity, and for each actuator's pressure the steeper of tangent and
 //! secant to the open port's; what couples these blocks is left out, which the order 2 of Verwer's scheme allows.
 
-use super::system::{ANGLE, PRESSURE, VELOCITY};
-use super::{JointRig, JointState};
+use super::{ANGLE, JointRig, JointState, PRESSURE, VELOCITY};
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;

@@ -13,52 +13,31 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
-//! The event-located engine goes through time here, and [`JointStepper`] at fixed steps, both with a controller too
-//! ([`ControlledJointStepper`]). Checked by `tests/joint.rs`.
+//! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at fixed steps, with a
+//! controller too ([`ControlledJointStepper`]). Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
 
 #[cfg(feature = "alloc")]
 mod accuracy;
-mod beside;
-#[cfg(feature = "alloc")]
-mod circuit;
 #[cfg(feature = "alloc")]
 mod controlled;
-mod crossing;
-#[cfg(feature = "alloc")]
-mod energy;
 #[cfg(feature = "alloc")]
 mod kernel;
-mod mode;
 #[cfg(feature = "alloc")]
-mod run;
+mod sample;
 #[cfg(feature = "alloc")]
 mod stepper;
-mod system;
-#[cfg(feature = "alloc")]
-mod trajectory;
-mod turning;
 
 #[cfg(feature = "alloc")]
 pub use accuracy::{JointStepError, joint_step_for_accuracy};
 #[cfg(feature = "alloc")]
-pub use circuit::JointCircuitAudit;
+pub use controlled::{ControlledJointStepper, JointDecision};
 #[cfg(feature = "alloc")]
-pub use controlled::{
-    ControlledJoint, ControlledJointStepper, JointDecision, simulate_joint_controlled, simulate_joint_controlled_into,
-    simulate_joint_controlled_watched,
-};
-#[cfg(feature = "alloc")]
-pub use energy::{JointAudit, JointLedger};
-pub use mode::{Contact, End, JointEventKind, JointGuard, JointMode, Turning};
-#[cfg(feature = "alloc")]
-pub use run::{AcceptedJointStep, JointConsumer, JointRunEnd, simulate_joint_into};
+pub use sample::JointSample;
 #[cfg(feature = "alloc")]
 pub use stepper::{JointCourse, JointStepper};
-pub use system::{JointPhase, JointSystem};
-#[cfg(feature = "alloc")]
-pub use trajectory::{JointEvent, JointSample, JointTrajectory, simulate_joint, simulate_joint_watched};
 
 use super::rig::{Actuation, check_air, check_drive};
+#[cfg(feature = "alloc")]
 use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::control::Held;
@@ -74,6 +53,17 @@ use crate::plant::Part;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::root;
 use crate::scalar::{Over, Real, Scalar};
+#[cfg(feature = "alloc")]
+use crate::valve::Command;
+
+/// Places of angle and angular velocity among the six states.
+#[cfg(feature = "alloc")]
+const ANGLE: usize = 0;
+#[cfg(feature = "alloc")]
+const VELOCITY: usize = 1;
+/// Places of the pressures; each is followed by the mass of the air.
+#[cfg(feature = "alloc")]
+const PRESSURE: [usize; 2] = [2, 4];
 
 /// An actuator and what drives its valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,6 +95,7 @@ pub struct JointState<S = f64> {
 }
 
 impl<S: Scalar> JointState<S> {
+    #[cfg(feature = "alloc")]
     pub(crate) fn to_array(self) -> [S; 6] {
         let Self { angle, angular_velocity, pressure, air_mass } = self;
         [angle, angular_velocity, pressure[0].0, air_mass[0], pressure[1].0, air_mass[1]]
@@ -265,6 +256,18 @@ impl<S: Scalar> JointRig<S> {
         JointRig { driven, joint: self.joint.convert(convert) }
     }
 
+    /// The joint with other commands of its valves; an actuator without one keeps what it has.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn commanded(&self, commands: [Option<Command<S>>; 2]) -> Self {
+        let mut rig = self.clone();
+        for (driven, command) in rig.driven.iter_mut().zip(commands) {
+            if let (Some(actuation), Some(command)) = (&mut driven.actuation, command) {
+                actuation.command = command;
+            }
+        }
+        rig
+    }
+
     /// Agonist and antagonist.
     pub fn driven(&self) -> &[Driven<S>; 2] {
         &self.driven
@@ -306,6 +309,7 @@ impl<S: Real> JointRig<S> {
         of(0) + of(1)
     }
 
+    #[cfg(feature = "alloc")]
     fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
         Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None, pressure: None }
     }

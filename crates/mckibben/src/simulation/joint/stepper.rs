@@ -30,9 +30,8 @@
 //! Checked by `tests/joint_stepper.rs`.
 
 use super::kernel::Held;
-use super::system::{ANGLE, PRESSURE, VELOCITY};
-use super::trajectory::JointSample;
-use super::{JointRig, JointState};
+use super::sample::JointSample;
+use super::{ANGLE, JointRig, JointState, PRESSURE, VELOCITY};
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
 use crate::force::Statics;
