@@ -210,6 +210,7 @@ impl<S: Scalar> Hose<S> {
     }
 
     /// The flow in kg/s of air at an absolute pressure in Pa that goes at the speed of sound, `κ A P/c`.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn sonic_flow<T: Over<S>>(&self, pressure: T) -> T {
         pressure * T::of(self.polytropic_index * self.tube.area() / self.wave_speed)
