@@ -65,7 +65,7 @@ fn elements_that_slip_together_do_so_once_each() {
     let law = MaxwellSlip::new(&[1e-5, 1e-4, 4e-4], &[0.5, 0.3, 0.2]).expect("elements");
     let paper = Paper::sealed().with(|it| {
         (it.coulomb_width, it.viscous) = (0.0, 0.0);
-        it.hysteresis = Some(Hysteresis::MaxwellSlip(law.clone()));
+        it.hysteresis = Some(Hysteresis::MaxwellSlip(law));
     });
     let run = |count: usize| {
         let mass = Mass::new(0.5 * count as f64, Pull::Force(20.0 * count as f64), None).expect("a mass");

@@ -51,6 +51,7 @@ pub(crate) struct Piece<'i, R, M, K> {
 pub(crate) struct Pace {
     /// Length of the next step in s; none before the first.
     step: Option<f64>,
+    is_new: bool,
     is_implicit: bool,
     stiff_steps: u32,
     implicit_run: u32,
@@ -65,6 +66,7 @@ impl Pace {
     pub(crate) fn begin(time: f64) -> Self {
         Self {
             step: None,
+            is_new: true,
             is_implicit: false,
             stiff_steps: 0,
             implicit_run: 0,
@@ -202,7 +204,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     ) -> Self {
         let mut integrator = Self::new(system, time, state, mode, until, relative_tolerance);
         if let Some(step) = pace.step {
-            (integrator.step, integrator.fresh, integrator.is_new) = (step, false, false);
+            (integrator.step, integrator.fresh, integrator.is_new) = (step, false, pace.is_new);
             (integrator.is_implicit, integrator.stiff_steps) = (pace.is_implicit, pace.stiff_steps);
         }
         (integrator.implicit_run, integrator.events_here) = (pace.implicit_run, pace.events_here);
@@ -214,6 +216,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     pub(crate) fn pace(&self) -> Pace {
         Pace {
             step: (!self.fresh).then_some(self.step),
+            is_new: self.is_new,
             is_implicit: self.is_implicit,
             stiff_steps: self.stiff_steps,
             implicit_run: self.implicit_run,

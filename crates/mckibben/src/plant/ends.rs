@@ -14,6 +14,8 @@ use crate::scalar::Real;
 use crate::simulation::member::Member;
 use crate::simulation::{EventKind, Extent, Guard, Sliding};
 
+/// Force in widths of a border above which an end has jumped: viscous, or missing where there is no viscosity.
+const JUMP: f64 = 1e3;
 /// Part of its length by which an end without viscous friction may miss its balance.
 const UNBALANCED: f64 = 1e-6;
 
@@ -168,6 +170,7 @@ impl<R: Real> System<'_, R> {
             Guard::BreakLonger | Guard::BreakShorter => {
                 its.on_stop = false;
                 its.mode.sliding = self.slides(i, if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                self.check_balance(i, time, state, mode, at)?;
                 self.check_no_jump(i, time, state, mode, at)?;
                 EventKind::BreakAway
             }
@@ -186,6 +189,29 @@ impl<R: Real> System<'_, R> {
         })
     }
 
+    /// That an end without viscous friction which breaks away is on its balance, and kept there.
+    fn check_balance(
+        &self,
+        i: usize,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        let (mounted, its) = (&self.plant.actuators[i], &mode.actuators[i]);
+        let Some(tendon) = mounted.tendon.as_ref().filter(|_| !tendon::is_damped(&mounted.actuator, its)) else {
+            return Ok(());
+        };
+        // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
+        self.enter_distances(time, state, mode, at);
+        let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
+        let missed = self.excess(i, tendon, its, ends, self.bristles(i, state)).value();
+        if missed.abs() > JUMP * self.members[i].force_band || !self.is_held(i, time, state, mode, at) {
+            return Err(self.jumps(i, time, state, mode, at));
+        }
+        Ok(())
+    }
+
     /// That an end, on the border of what dry friction holds, slides no faster than a border is wide.
     fn check_no_jump(
         &self,
@@ -195,22 +221,7 @@ impl<R: Real> System<'_, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
-        /// Force in widths of a border above which the end has jumped: viscous, or missing where there is no viscosity.
-        const JUMP: f64 = 1e3;
         let member = &self.members[i];
-        let its = &mode.actuators[i];
-        if let Some(tendon) = &self.plant.actuators[i].tendon
-            && its.mode.sliding != Sliding::Stuck
-            && !tendon::is_damped(member.actuator, its)
-        {
-            // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
-            self.enter_distances(time, state, mode, at);
-            let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
-            let missed = self.excess(i, tendon, its, ends, self.bristles(i, state)).value();
-            if missed.abs() > JUMP * member.force_band {
-                return Err(self.jumps(i, time, state, mode, at));
-            }
-        }
         if !member.actuator.friction().coulomb().falls() {
             return Ok(());
         }
@@ -254,14 +265,16 @@ impl<R: Real> System<'_, R> {
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let its = &mode.actuators[i];
             let slides = mounted.tendon.is_some() && its.mode.sliding != Sliding::Stuck;
-            if slides
-                && !tendon::is_damped(&mounted.actuator, its)
-                && self.guard(PlantGuard::Jump(i), time, state, mode, at).value() < 0.0
-            {
+            if slides && !tendon::is_damped(&mounted.actuator, its) && !self.is_held(i, time, state, mode, at) {
                 return Err(self.jumps(i, time, state, mode, at));
             }
         }
         Ok(())
+    }
+
+    /// Whether the stiffness of a sliding end without viscous friction keeps it on its balance.
+    fn is_held(&self, i: usize, time: R, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> bool {
+        self.guard(PlantGuard::Jump(i), time, state, mode, at).value() >= 0.0
     }
 
     /// The error of an end without viscous friction that jumps: its air, near the pressure of the atmosphere or below, holds its
