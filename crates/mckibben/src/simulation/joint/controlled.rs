@@ -56,7 +56,7 @@ impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
     /// Starts at t = 0 in a state, with a controller in place of the rig's own commands: its own, or a reference to one.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when an actuator has no valve or its valve cannot do what the controller asks.
+    /// [`Error::Misuse`] when an actuator has no valve or its valve cannot do what the controller asks.
     pub fn new(
         rig: &JointRig<R>,
         start: JointState<R>,
@@ -96,7 +96,7 @@ impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
     /// Goes on to `until` s in one step, divided where something switches and at sampling instants.
     ///
     /// # Errors
-    /// As [`JointStepper::advance_to`]; [`Error::Unsupported`] when a valve cannot do what the controller asks.
+    /// As [`JointStepper::advance_to`]; [`Error::Misuse`] when a valve cannot do what the controller asks.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         loop {
             let instant = self.clockwork.next();
