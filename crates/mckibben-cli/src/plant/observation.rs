@@ -1,6 +1,6 @@
 //! The figures of a run of a plant: extremes, events, and the ledger of energy, exergy and air.
 //!
-//! A run is observed step by step as it is made, at the sample interval and at least at [`LEAST_SAMPLES`] instants: nothing of
+//! A run is observed step by step as it is made, at the sample interval and at least at 2000 instants: nothing of
 //! it is kept.
 
 use crate::observation::Range;

@@ -100,7 +100,7 @@ fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
     let results: Vec<Values> = match sweep.record() {
         Record::Reductions(list) => list.iter().enumerate().map(|(index, of)| result(*of, at(index))).collect(),
         Record::PlantReductions(list) => {
-            let label = |of: &PlantReduction| of.name.replace('.', " ").replace('_', " ");
+            let label = |of: &PlantReduction| of.name.replace(['.', '_'], " ");
             list.iter().enumerate().map(|(index, of)| scaled(label(of), of.unit, at(index))).collect()
         }
         Record::Samples(_) | Record::Trajectories => Vec::new(),

@@ -250,7 +250,7 @@ duration = "20 ms"
     for (setting, words) in [
         ("actuators.held.initial.friction_force=\"500 N\"", "what the hysteresis holds"),
         ("actuators.held.initial.friction=\"loading\"", "said in two ways"),
-        ("actuators.loading.initial.friction=\"losing\"", "did you mean `loading`?"),
+        ("actuators.loading.initial.friction=\"loadin\"", "did you mean \"loading\"?"),
     ] {
         let output = folder.mckibben().args(["simulate", &file, "--set", setting]).output().expect("it runs");
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
