@@ -299,7 +299,10 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
             base.replace("[run]", "[run]\nengine = \"fixed-step\""),
             "is not implemented for a plant of several actuators",
         ),
-        (format!("{base}[antagonist]\ninitial.gauge_pressure = \"1 bar\"\n"), "is not implemented in a file of several actuators"),
+        (
+            format!("{base}[antagonist]\ninitial.gauge_pressure = \"1 bar\"\n"),
+            "is not implemented in a file of several actuators",
+        ),
         (
             base.replace(
                 "flow_area = \"1.5 mm^2\"\nopening_delay = \"4 ms\"",
