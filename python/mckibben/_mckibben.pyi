@@ -620,7 +620,8 @@ class Scenario:
         """
     def to_toml(self, /) -> str:
         """
-        The scenario as it was understood, as TOML: every value in SI, no preset, no default.
+        The scenario as it was understood, as TOML: every value in SI, no preset, no default. Of many actuators with names: every
+        key that was given, with its value as it was written.
         """
     def with_values(self, /, values: Mapping[str, Any]) -> Scenario:
         """
@@ -700,7 +701,8 @@ class Trajectory:
 
     There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["pressure_pa"]` is a column by its
     name in the files of `mckibben simulate`; those that every run has are attributes too. The columns of a joint begin with
-    its agonist's; those of its antagonist are called `antagonist_length_m` and so on.
+    its agonist's; those of its antagonist are called `antagonist_length_m` and so on. Of many
+    actuators with names every column carries one: `flexor.pressure_pa`, `elbow.angle_rad`, `tank.pressure_pa`.
 
     Arrays cannot be written to: copy one to change it.
     """

@@ -190,7 +190,8 @@ impl Document {
         }
     }
 
-    /// Every key with its value as TOML, a line for each, in the order of the file: documents with equal text say the same.
+    /// Every key with its value as TOML, a line for each, those of a section before its sections and else in the order of the
+    /// file: documents with equal text say the same.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         lines_of(&self.root, "", &mut text);
@@ -212,13 +213,18 @@ impl Document {
     }
 }
 
-/// The keys of a section and of those in it, by their paths.
+/// The keys of a section by their paths, then those of the sections in it: in this order TOML writes a table, so that what is
+/// read from either says the same.
 fn lines_of(table: &Table, above: &str, text: &mut String) {
-    for Entry { name, node, .. } in &table.0 {
-        let path = if above.is_empty() { quoted(name) } else { format!("{above}.{}", quoted(name)) };
+    let path = |name: &str| if above.is_empty() { quoted(name) } else { format!("{above}.{}", quoted(name)) };
+    let is_section = |entry: &&Entry| matches!(entry.node.value, Value::Table(_));
+    for Entry { name, node, .. } in table.0.iter().filter(|entry| !is_section(entry)) {
+        text.push_str(&format!("{} = {}\n", path(name), said(&node.value)));
+    }
+    for Entry { name, node, .. } in table.0.iter().filter(is_section) {
         match &node.value {
-            Value::Table(inner) if !inner.0.is_empty() => lines_of(inner, &path, text),
-            value => text.push_str(&format!("{path} = {}\n", said(value))),
+            Value::Table(inner) if !inner.0.is_empty() => lines_of(inner, &path(name), text),
+            value => text.push_str(&format!("{} = {}\n", path(name), said(value))),
         }
     }
 }
