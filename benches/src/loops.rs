@@ -48,8 +48,7 @@ fn measure(file: &str) -> Result<[f64; 5], String> {
     if let Some(of) = document.joint_experiment().map_err(told)? {
         let open = open_joint(&of.rig, of.start, &of.run)?;
         let joint = JointPlant::new(&of.rig).map_err(|error| error.to_string())?;
-        let located =
-            located(&of.run, |until| joint.simulate(&of.start, until, of.run.relative_tolerance).map(drop))?;
+        let located = located(&of.run, |until| joint.simulate(&of.start, until, of.run.relative_tolerance).map(drop))?;
         return Ok(row(open.map(|(cost, _)| cost), [f64::NAN; 2], located));
     }
     if let Some(of) = document.controlled_experiment().map_err(told)? {
