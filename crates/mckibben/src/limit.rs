@@ -60,7 +60,7 @@ macro_rules! limits {
 limits! {
     PLANT_FIXED_STEP: "run.engine = \"fixed-step\"", "for a plant of several actuators",
         "leave out run.engine, or set it to \"event-located\"";
-    PLANT_ANTAGONIST: "[antagonist]", "in a file of several actuators",
+    PLANT_ANTAGONIST: "`[antagonist]`", "in a file of several actuators",
         "write a chain of one joint with two actuators";
     PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
         "run it with `mckibben simulate`, `sweep` or `linearize`, or write a file of one actuator or joint";
