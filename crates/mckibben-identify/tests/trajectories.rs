@@ -436,7 +436,7 @@ fn what_a_joint_cannot_do_says_why() {
     sought.horizon = Horizon::Segments(0.1);
     let error = sought.identify().expect_err("segments").to_string();
     assert!(
-        error.contains("a run in segments is not implemented of an antagonistic joint")
+        error.contains("a run in segments is not implemented for an antagonistic joint")
             && error.contains("search.horizon"),
         "{error}"
     );

@@ -64,7 +64,7 @@ fn what_is_wrong_is_said() {
         ("three-way", LAWS[2].replace("\"0 s\", \"1 s\"", "\"1 s\", \"0 s\""), "must increase from entry to entry"),
         ("three-way", LAWS[2].replace(", \"1 s\"", ""), "`controller.time` has 1 entries"),
         ("three-way", LAWS[3].replace("\"5 bar\"", "\"-5 bar\""), "give at most the gauge pressure of the supply"),
-        ("two-way", LAWS[0].to_owned(), "a three-way or a fill-hold-exhaust valve"),
+        ("two-way", LAWS[0].to_owned(), "neither three-way nor fill-hold-exhaust"),
     ] {
         let error = document(&text, kind).controlled_experiment().expect_err("refused").to_string();
         assert!(error.contains(part), "{part}:\n{error}");
@@ -128,7 +128,7 @@ fn what_is_wrong_with_a_controller_of_a_joint_is_said() {
             LAWS_OF_JOINTS[0].to_owned() + "\n[antagonist.valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"",
             "valves are of different kinds",
         ),
-        ("five-way", LAWS_OF_JOINTS[0].to_owned(), "a three-way or a fill-hold-exhaust valve"),
+        ("five-way", LAWS_OF_JOINTS[0].to_owned(), "neither three-way nor fill-hold-exhaust"),
     ] {
         let error = joint(&text, kind).controlled_joint_experiment().expect_err("refused").to_string();
         assert!(error.contains(part), "{part}:\n{error}");

@@ -66,7 +66,7 @@ limits! {
         "run it with `mckibben simulate`, `sweep` or `linearize`, or write a file of one actuator or joint";
     PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Plants`, environments and derivatives",
         "use `simulate`, `sweep` or `linearize`, or write a scenario of one actuator or joint";
-    PLANT_MODEL: "a controller by the model", "of a joint within a longer chain, with tendons, or with other than one moment arm each",
+    PLANT_MODEL: "a controller by the model", "for a joint within a longer chain, with tendons, or with other than one moment arm each",
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
         "let it draw from a supply of constant pressure, or choose a valve with seats";
@@ -82,11 +82,11 @@ limits! {
         "ask for \"duty\" or \"request\"";
     CONTROLLER_HERE: "command.kind = \"controller\"", "where a command known beforehand is due",
         "run it by `mckibben simulate`, or choose another command.kind";
-    CONTROLLER_VALVE: "a controller", "of a valve that is neither three-way nor fill-hold-exhaust",
+    CONTROLLER_VALVE: "a controller", "with a valve that is neither three-way nor fill-hold-exhaust",
         "set valve.kind to one of these";
     CONTROLLER_STEP: "a fixed step that is chosen by an accuracy", "under a controller",
         "give run.step, such as \"0.1 ms\"";
-    CONTROLLER_PAIR: "pressures by angle and stiffness", "for another law of force than the ideal braid's",
+    CONTROLLER_PAIR: "a pair of pressures by torque and stiffness", "for another law of force than the ideal braid's",
         "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness";
     TENDON_MOTION: "a prescribed motion", "with a tendon in series",
         "set load.kind = \"hanging-mass\", \"constant-force\" or \"isometric\", or leave out [tendon]";
@@ -99,16 +99,16 @@ limits! {
     MODULAR_TENDON: "a tendon in series", "in a modular actuator", "make a TendonActuator, or leave out [tendon]";
     MODULAR_VALVE: "a pressure regulator or a proportional spool", "as the valve of a modular actuator",
         "choose a valve with seats such as valve.kind = \"three-way\"";
-    BEGIN_MOTION: "a beginning in the middle of a run", "of a load whose motion is given from t = 0",
+    BEGIN_MOTION: "a beginning in the middle of a run", "for a load whose motion is given from t = 0",
         "give it a load that moves by itself, or begin a new run";
     DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
         "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
     LINEAR_LINE: "a linear model by `linearize`", "with an air line or a pressure regulator",
         "name the actuator, as in [actuators.muscle], or leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats";
-    AVERAGE_STROKE: "the average over pulses", "of seats that take their time",
+    AVERAGE_STROKE: "the average over pulses", "for seats that take their time",
         "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes";
-    SEGMENTS_JOINT: "a run in segments", "of an antagonistic joint", "give search.horizon in place of search.segments";
-    SEGMENTS_PRESSURE: "a measured pressure as input", "of an antagonistic joint", "leave out `input`: the pressures are fitted as the valves make them";
-    SEGMENTS_MEMORY: "a run in segments", "of a rig that remembers more than its four states",
+    SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint", "give search.horizon in place of search.segments";
+    SEGMENTS_PRESSURE: "a measured pressure as input", "for an antagonistic joint", "leave out `input`: the pressures are fitted as the valves make them";
+    SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";
 }

@@ -88,7 +88,7 @@ fn every_law_of_force_is_turned_round_with_its_derivatives() {
     assert_within(actuator.static_force(0.08, none.0 + ATMOSPHERE), 0.0, 1e-10);
     assert!(none.0 > 1e3, "{none:?}");
     let error = AntagonisticPair::new([&actuator; 2], [0.08; 2], [0.015; 2]).expect_err("not the ideal braid");
-    assert!(error.to_string().contains("the ideal braid only"), "{error}");
+    assert!(error.to_string().contains("than the ideal braid's"), "{error}");
 }
 
 #[test]

@@ -382,7 +382,7 @@ fn what_has_no_meaning_is_refused() {
     wrong(modular, "three-way");
     let bottle = Reservoir::new([1e-3, 1.0, 293.15], GaugePressure(5e5), None, &paper.air()).expect("a bottle");
     let supply = Some(SupplyLine::new(Some(bottle), None, 1.0).expect("a supply"));
-    wrong(rig.with_line(Line { supply, ..Line::NONE }).expect_err("refused"), "supply must be constant");
+    wrong(rig.with_line(Line { supply, ..Line::NONE }).expect_err("refused"), "behind a reservoir or a regulator");
 
     let three_way =
         Actuation { solenoid: Solenoid::new(ValveKind::ThreeWay, 0.0, 0.0).expect("a valve"), command: good() };
