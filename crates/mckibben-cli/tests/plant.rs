@@ -238,6 +238,11 @@ fn a_mistake_is_shown_where_it_stands() {
     // Values are set by the paths of the file.
     let file = example("plant/arm");
     run(&folder, &["simulate", &file, "--set", "actuators.biceps.turns=2.2", "--set", "run.duration=\"50 ms\""]);
+    // A name that the file has not is a mistake, and no actuator more.
+    let output =
+        folder.mckibben().args(["simulate", &file, "--set", "actuators.bicep.turns=2.2"]).output().expect("it runs");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && error.contains("did you mean `biceps`?"), "{error}");
     let output =
         folder.mckibben().args(["simulate", &file, "--over", "length", "-p", "a.svg"]).output().expect("it runs");
     assert_eq!(output.status.code(), Some(2));

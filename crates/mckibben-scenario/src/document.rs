@@ -7,6 +7,9 @@
 //! Checked by `tests/scenario.rs and tests/diagnostics.rs`.
 
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place, Source};
+use crate::keys;
+use crate::nearest::nearest;
+use crate::reader::list_of;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -138,8 +141,31 @@ impl Document {
             .help("write it as in `valve.efficiency`")
             .into());
         }
+        if let Some(found) = self.nameless(path, &Place::new(source.clone(), 0..path.len())) {
+            return Err(found.into());
+        }
         let root = table_of(&source)?;
         graft(&mut self.root, root, &names)
+    }
+
+    /// That a path leads through a part that the document does not name beside those that it does: a value there would add
+    /// that part.
+    pub(crate) fn nameless(&self, path: &str, place: &Place) -> Option<Diagnostic> {
+        let names: Vec<&str> = path.split('.').collect();
+        let fault = (1..names.len()).find(|end| {
+            let above = names[..*end].join(".");
+            let section = keys::stands_for(&above);
+            // Arms stand under the names of joints, which the reading looks for.
+            let names_parts = section != "coupling.arms" && keys::names_its_entries(&section) && self.contains(&above);
+            names_parts && !self.contains(&names[..=*end].join("."))
+        })?;
+        let known: Vec<&str> = self.named(&names[..fault].join(".")).into_iter().map(|(name, _)| name).collect();
+        let title = format!("the file has no `{}`", names[..=fault].join("."));
+        let found = Diagnostic::at(Class::UnknownKey, place.clone(), title, "names no part of the plant");
+        Some(match nearest(names[fault], known.iter().copied()) {
+            Some(meant) => found.help(format!("did you mean `{meant}`?")),
+            None => found.help(format!("known here: {}", list_of(known.into_iter()))),
+        })
     }
 
     /// Removes the key or section at a path; says whether it was there.

@@ -65,7 +65,7 @@ impl PlantReduction {
 impl Swept {
     /// Reads the first row; the rows are plants.
     pub(super) fn read(document: &Document, varied: &[Varied<'_>]) -> Result<(Self, PlantExperiment), Diagnostics> {
-        Diagnostics::check(varied.iter().filter_map(|varied| nameless(document, varied)).collect())?;
+        Diagnostics::check(varied.iter().filter_map(|varied| document.nameless(&varied.path, &varied.key)).collect())?;
         let mut bare = document.clone();
         bare.remove(SWEEP);
         let mut first = bare.clone();
@@ -107,24 +107,6 @@ impl Swept {
     pub(super) fn text(&self) -> String {
         self.document.to_toml()
     }
-}
-
-/// That a path leads through a part that the file does not name: the first of its values would add that part.
-fn nameless(document: &Document, varied: &Varied<'_>) -> Option<Diagnostic> {
-    let names: Vec<&str> = varied.path.split('.').collect();
-    let fault = (1..names.len()).find(|end| {
-        let section = keys::stands_for(&names[..*end].join("."));
-        // Arms stand under the names of joints, which the reading looks for.
-        let names_parts = section != "coupling.arms" && keys::names_its_entries(&section);
-        names_parts && !document.contains(&names[..=*end].join("."))
-    })?;
-    let known: Vec<&str> = document.named(&names[..fault].join(".")).into_iter().map(|(name, _)| name).collect();
-    let title = format!("the file has no `{}`", names[..=fault].join("."));
-    let found = Diagnostic::at(Class::UnknownKey, varied.key.clone(), title, "names no part of the plant");
-    Some(match nearest(names[fault], known.iter().copied()) {
-        Some(meant) => found.help(format!("did you mean `{meant}`?")),
-        None => found.help(format!("known here: {}", list_of(known.into_iter()))),
-    })
 }
 
 /// What is recorded of a plant, by the words of the file; `given` says whether the file names reductions.
