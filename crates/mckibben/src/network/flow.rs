@@ -20,11 +20,10 @@
 //! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/plant_of_rig.rs`.
 
 use super::mode::NetworkMode;
-use super::piping::{End, Pipe, Piping, Varying};
+use super::piping::{End, Orifice, Pipe, Piping};
 use super::{Branch, BranchKind, Network, Node, NodeKind};
 use crate::air::{Air, Chamber};
 use crate::scalar::{Over, Real, Scalar};
-use crate::valve::{FlowLaw, FlowZone};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -104,89 +103,91 @@ impl<R: Real> Network<R> {
     ) {
         let NetworkState { nodes, flows } = at;
         piping.enter_nodes(around, nodes);
-        let count = piping.pipes.len();
-        let (pipes, modes, flows) = (&piping.pipes[..count], &mode.branches[..count], &mut flows[..count]);
-        for index in 0..count {
-            let (pipe, of_branch, into) = (&pipes[index], &modes[index], &mut flows[index]);
-            let Pipe { kind, from, to, .. } = pipe;
-            // A piece of an orifice's law says which way its air goes, also a little beyond its ends.
-            let (flow, heading) = match kind {
-                BranchKind::Path { law, valve, port, ambient, .. } => {
-                    let Some(zone) = of_branch.zone else {
-                        *into = T::zero();
-                        continue;
-                    };
-                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
-                    let is_inward = zone.is_inward();
-                    let drive = || match (is_inward, *ambient) {
-                        (true, _) => drive(from, around, air, near),
-                        (false, true) => far.pressure * far.per_root_temperature,
-                        (false, false) => drive(to, around, air, far),
-                    };
-                    let flow = orifice(law, zone, near, far, drive);
-                    let flow = match mode.valves[*valve].openings.at(time) {
-                        Some(shares) => flow * shares[*port as usize],
-                        None => flow,
-                    };
-                    (flow, Some(is_inward))
-                }
-                BranchKind::Check { law } => {
-                    let Some(zone) = of_branch.zone else {
-                        *into = T::zero();
-                        continue;
-                    };
-                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
-                    (orifice(law, zone, near, far, || drive(from, around, air, near)), Some(zone.is_inward()))
-                }
-                BranchKind::Loss(hose) => {
-                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
-                    (hose.tube().flow_in(of_branch.regime, near.pressure, far.pressure), None)
-                }
-                BranchKind::Inertia(_) => (pipe.place.map_or(T::zero(), |place| around.state[place]), None),
-                BranchKind::Leak(leakage) => {
-                    let (near, far) = (&nodes[from.node], &nodes[to.node]);
-                    let outwards = near.pressure.lt(far.pressure);
-                    let upstream = T::select(
-                        outwards,
-                        self.temperature(to.node, around.chambers, air),
-                        T::of(self.nodes[from.node].temperature),
-                    );
-                    (leakage.between(near.pressure, far.pressure, T::of(air.gas_constant()) * upstream), None)
-                }
-                BranchKind::Compressor => match &self.nodes[to.node].kind {
-                    NodeKind::Reservoir(reservoir) if of_branch.runs => {
-                        (reservoir.delivery(nodes[to.node].pressure), Some(true))
-                    }
-                    _ => (T::zero(), Some(true)),
-                },
+        for orifice in &piping.orifices {
+            let Orifice { law, from, to, .. } = orifice;
+            let Some(zone) = mode.branches[orifice.branch].zone else {
+                flows[orifice.branch] = T::zero();
+                continue;
             };
-            *into = flow;
-            let at_source = flow * T::of(pipe.copies);
-            match heading {
-                Some(true) => {
-                    self.bring(to, flow, from, around, air, nodes);
-                    take(from, at_source, nodes);
-                }
-                Some(false) => {
-                    take(to, -flow, nodes);
-                    self.bring(from, -at_source, to, around, air, nodes);
-                }
-                None => {
-                    let backwards = flow.lt(T::zero());
-                    let split =
-                        |flow: T| [T::select(backwards, T::zero(), flow), T::select(backwards, -flow, T::zero())];
-                    let ([forward, back], [forward_there, back_there]) = (split(flow), split(at_source));
-                    self.bring(to, forward, from, around, air, nodes);
-                    take(to, back, nodes);
-                    self.bring(from, back_there, to, around, air, nodes);
-                    take(from, forward_there, nodes);
-                }
+            let (near, far) = (&nodes[from.node], &nodes[to.node]);
+            // A piece of an orifice's law says which way its air goes, also a little beyond its ends.
+            let is_inward = zone.is_inward();
+            let mut flow = T::of(law.conductance());
+            flow = flow
+                * match (is_inward, orifice.ambient) {
+                    (true, _) => drive(from, around, air, near),
+                    (false, true) => far.pressure * far.per_root_temperature,
+                    (false, false) => drive(to, around, air, far),
+                };
+            flow = flow
+                * law.in_zone(zone, || match is_inward {
+                    true => (near.pressure - far.pressure) * near.per_pressure,
+                    false => (far.pressure - near.pressure) * far.per_pressure,
+                });
+            if let Some((valve, port)) = orifice.opened
+                && let Some(shares) = mode.valves[valve].openings.at(time)
+            {
+                flow = flow * shares[port as usize];
             }
+            let at_source = flow * T::of(orifice.copies);
+            if is_inward {
+                flows[orifice.branch] = flow;
+                self.bring(to, flow, from, around, air, nodes);
+                take(from, at_source, nodes);
+            } else {
+                flows[orifice.branch] = -flow;
+                take(to, flow, nodes);
+                self.bring(from, at_source, to, around, air, nodes);
+            }
+        }
+        for pipe in &piping.pipes {
+            self.flow_of_pipe(pipe, around, air, mode, nodes, flows);
         }
         for &[outlet, inlet] in &piping.drawn {
             let drawn = nodes[outlet].net();
             nodes[inlet].inward = nodes[inlet].inward + drawn;
         }
+    }
+
+    /// Computes the flow through a branch that is no orifice.
+    #[inline(never)]
+    fn flow_of_pipe<T: Over<R>>(
+        &self,
+        Pipe { branch, kind, from, to, place }: &Pipe<'_, R>,
+        around: Surroundings<'_, T>,
+        air: &Air<R>,
+        mode: &NetworkMode<R>,
+        nodes: &mut [NodeState<T>],
+        flows: &mut [T],
+    ) {
+        let of_branch = &mode.branches[*branch];
+        let (near, far) = (nodes[from.node].pressure, nodes[to.node].pressure);
+        let flow = match kind {
+            BranchKind::Loss(hose) => hose.tube().flow_in(of_branch.regime, near, far),
+            BranchKind::Inertia(_) => place.map_or(T::zero(), |place| around.state[place]),
+            BranchKind::Leak(leakage) => {
+                let outwards = near.lt(far);
+                let upstream = T::select(
+                    outwards,
+                    self.temperature(to.node, around.chambers, air),
+                    T::of(self.nodes[from.node].temperature),
+                );
+                leakage.between(near, far, T::of(air.gas_constant()) * upstream)
+            }
+            BranchKind::Compressor => match &self.nodes[to.node].kind {
+                NodeKind::Reservoir(reservoir) if of_branch.runs => reservoir.delivery(far),
+                _ => T::zero(),
+            },
+            BranchKind::Path { .. } | BranchKind::Check { .. } => return,
+        };
+        flows[*branch] = flow;
+        let backwards = flow.lt(T::zero());
+        let forward = T::select(backwards, T::zero(), flow);
+        let back = T::select(backwards, -flow, T::zero());
+        self.bring(to, forward, from, around, air, nodes);
+        take(to, back, nodes);
+        self.bring(from, back, to, around, air, nodes);
+        take(from, forward, nodes);
     }
 
     /// Adds what comes into a node from another to its sums.
@@ -273,33 +274,18 @@ impl<R: Real> Piping<'_, R> {
     /// Sets the pressures of the nodes that change, and their sums to zero.
     #[inline(always)]
     fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {
-        for &(node, varying) in &self.varying {
-            let of_node = &mut nodes[node];
+        for varying in &self.varying {
+            let of_node = &mut nodes[varying.node];
             (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());
-            match varying {
-                Varying::Chamber(actuator) => {
+            (of_node.pressure, of_node.per_pressure) = match varying.chamber {
+                Some(actuator) => {
                     let chamber = &around.chambers[actuator];
-                    (of_node.pressure, of_node.per_pressure) = (chamber.pressure, chamber.per_pressure);
+                    (chamber.pressure, chamber.per_pressure)
                 }
-                Varying::State(place) => {
-                    of_node.pressure = around.state[place];
-                    of_node.per_pressure = T::one() / of_node.pressure;
+                None => {
+                    let pressure = around.state[varying.place];
+                    (pressure, T::one() / pressure)
                 }
-            }
-        }
-    }
-
-    /// Sets the pressures of the nodes that change alone; `chamber` is the place of an actuator's pressure.
-    pub(crate) fn enter_pressures<T: Scalar>(
-        &self,
-        state: &[T],
-        chamber: impl Fn(usize) -> usize,
-        at: &mut NetworkState<T>,
-    ) {
-        for &(node, varying) in &self.varying {
-            at.nodes[node].pressure = match varying {
-                Varying::Chamber(actuator) => state[chamber(actuator)],
-                Varying::State(place) => state[place],
             };
         }
     }
@@ -322,22 +308,5 @@ fn drive<R: Real, T: Over<R>>(end: &End, around: Surroundings<'_, T>, air: &Air<
             (T::of(air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
         }
         None => at.pressure * at.per_root_temperature,
-    }
-}
-
-/// Flow through an orifice in a zone of its law, positive from `near` to `far`.
-#[inline(always)]
-fn orifice<R: Real, T: Over<R>>(
-    law: &FlowLaw<R>,
-    zone: FlowZone,
-    near: &NodeState<T>,
-    far: &NodeState<T>,
-    drive: impl FnOnce() -> T,
-) -> T {
-    let size = T::of(law.conductance()) * drive();
-    if zone.is_inward() {
-        size * law.in_zone(zone, || (near.pressure - far.pressure) * near.per_pressure)
-    } else {
-        -(size * law.in_zone(zone, || (far.pressure - near.pressure) * far.per_pressure))
     }
 }

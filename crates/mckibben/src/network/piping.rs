@@ -1,17 +1,20 @@
 //! Branches with what lies at their ends, resolved once for a run: what every evaluation would look up again.
 
+use super::flow::NetworkState;
 use super::{BranchKind, NodeKind};
 use crate::plant::Plant;
 use crate::scalar::Scalar;
+use crate::valve::{FlowLaw, Port};
 use alloc::vec::Vec;
 
-/// What the pressure of a node that changes is: that of an actuator's air, or a state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Varying {
-    /// Of which actuator.
-    Chamber(usize),
-    /// At which place.
-    State(usize),
+/// A node whose pressure changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Varying {
+    pub(super) node: usize,
+    /// Place of its pressure among the states.
+    pub(super) place: usize,
+    /// The actuator whose chamber it is.
+    pub(super) chamber: Option<usize>,
 }
 
 /// The node at one end of a branch.
@@ -26,23 +29,40 @@ pub(super) struct End {
     pub(super) warms: bool,
 }
 
-/// A branch between its ends.
+/// A flow path of a valve, or a check valve, between its ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Orifice<'a, R> {
+    /// Which branch.
+    pub(super) branch: usize,
+    pub(super) law: &'a FlowLaw<R>,
+    /// The valve that opens it, and by which of its ports.
+    pub(super) opened: Option<(usize, Port)>,
+    /// Whether air that comes back counts with the ambient temperature.
+    pub(super) ambient: bool,
+    /// How many alike draw from `from`.
+    pub(super) copies: R,
+    pub(super) from: End,
+    pub(super) to: End,
+}
+
+/// Any other branch between its ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pipe<'a, R> {
+    /// Which branch.
+    pub(super) branch: usize,
     pub(super) kind: &'a BranchKind<R>,
     pub(super) from: End,
     pub(super) to: End,
-    /// How many branches alike draw from `from`.
-    pub(super) copies: R,
     /// Place of its flow among the states.
     pub(super) place: Option<usize>,
 }
 
-/// All branches of a network, in their order, and the nodes whose pressure changes.
+/// All branches of a network, and the nodes whose pressure changes.
 #[derive(Clone, Debug)]
 pub(crate) struct Piping<'a, R> {
+    pub(super) orifices: Vec<Orifice<'a, R>>,
     pub(super) pipes: Vec<Pipe<'a, R>>,
-    pub(super) varying: Vec<(usize, Varying)>,
+    pub(super) varying: Vec<Varying>,
     /// The outlets of regulators that a node of the network feeds, each with that node, the last outlet first.
     pub(super) drawn: Vec<[usize; 2]>,
 }
@@ -64,26 +84,46 @@ impl<'a, R: Scalar> Piping<'a, R> {
                 warms: chamber.is_some_and(|actuator| places.keeps_heat[actuator]),
             }
         };
-        let pipes = network.branches.iter().zip(&places.branches).map(|(branch, place)| Pipe {
-            kind: &branch.kind,
-            from: end(branch.from),
-            to: end(branch.to),
-            copies: match branch.kind {
-                BranchKind::Path { copies, .. } => copies,
-                _ => R::one(),
-            },
-            place: *place,
+        let (mut orifices, mut pipes) = (Vec::new(), Vec::new());
+        for (branch, it) in network.branches.iter().enumerate() {
+            let (from, to) = (end(it.from), end(it.to));
+            let (law, opened, ambient, copies) = match &it.kind {
+                BranchKind::Path { law, valve, port, ambient, copies } => {
+                    (law, Some((*valve, *port)), *ambient, *copies)
+                }
+                BranchKind::Check { law } => (law, None, false, R::one()),
+                kind => {
+                    pipes.push(Pipe { branch, kind, from, to, place: places.branches[branch] });
+                    continue;
+                }
+            };
+            orifices.push(Orifice { branch, law, opened, ambient, copies, from, to });
+        }
+        let varying = network.nodes.iter().enumerate().filter_map(|(node, it)| match it.kind {
+            NodeKind::Chamber { actuator } => {
+                Some(Varying { node, place: places.actuators[actuator].pressure, chamber: Some(actuator) })
+            }
+            _ => places.nodes[node].map(|place| Varying { node, place, chamber: None }),
         });
-        let varying =
-            network.nodes.iter().zip(&places.nodes).enumerate().filter_map(|(index, (node, place))| match node.kind {
-                NodeKind::Chamber { actuator } => Some((index, Varying::Chamber(actuator))),
-                _ => place.map(|place| (index, Varying::State(place))),
-            });
         let outlets = network.nodes.iter().enumerate().rev();
         let drawn = outlets.filter_map(|(index, node)| match node.kind {
             NodeKind::Outlet { inlet, .. } => inlet.map(|inlet| [index, inlet]),
             _ => None,
         });
-        Self { pipes: pipes.collect(), varying: varying.collect(), drawn: drawn.collect() }
+        Self { orifices, pipes, varying: varying.collect(), drawn: drawn.collect() }
+    }
+}
+
+impl<R: Scalar> Piping<'_, R> {
+    /// Sets the pressures of the nodes that change alone.
+    pub(crate) fn enter_pressures<T: Scalar>(&self, state: &[T], at: &mut NetworkState<T>) {
+        for varying in &self.varying {
+            at.nodes[varying.node].pressure = state[varying.place];
+        }
+    }
+
+    /// The pressure of a node in Pa in a state; none for one that does not change.
+    pub(crate) fn pressure<T: Copy>(&self, node: usize, state: &[T]) -> Option<T> {
+        self.varying.iter().find(|varying| varying.node == node).map(|varying| state[varying.place])
     }
 }

@@ -207,7 +207,7 @@ impl<'a> Bookkeeper<'a> {
         of.gas_work += weight * gas_power;
         of.effectiveness_loss += weight * (gas_power + static_force * velocity);
         let direction = of_actuator.mode.sliding.direction();
-        let widths = match (observer.system.bristles(i, state), observer.system.members[i].lugre()) {
+        let widths = match (observer.system.bristles(i, state), observer.system.wires[i].member.lugre()) {
             (Some(bent), Some(law)) => {
                 [law.width_at(bent, velocity, direction), law.dissipating(bent, velocity, direction)]
             }

@@ -116,7 +116,7 @@ impl<R: Real> System<'_, R> {
     /// Enters the zones of a valve's flow paths, and decides poppets whose flow has jumped.
     fn enter_valve(&self, valve: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         let network = &self.plant.network;
-        self.enter_pressures(state, &mut at.network);
+        self.piping.enter_pressures(state, &mut at.network);
         let pressures: alloc::vec::Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
         for (index, branch) in network.branches.iter().enumerate() {
             if let BranchKind::Path { valve: its, .. } = branch.kind
@@ -271,7 +271,7 @@ impl<R: Real> System<'_, R> {
         at: &mut Evaluation<R>,
     ) -> Result<EventKind, Error> {
         let m = self.plant.actuators[i].mechanism;
-        let limits = self.members[i].actuator.limits();
+        let limits = self.wires[i].member.actuator.limits();
         match guard {
             Guard::ThreadLength => Err(Error::Stopped {
                 time: time.value(),
@@ -381,7 +381,7 @@ impl<R: Real> System<'_, R> {
         };
         at_rest(Extent::Slack, at);
         let count = self.plant.places.mechanisms[m].coordinates;
-        let first = self.first_coordinate[m];
+        let first = self.plant.places.mechanisms[m].acceleration;
         let gradient = self.gradient(i, &at.gradient).to_vec();
         let back = super::dense::dot(&gradient, &at.acceleration[first..first + count]).value();
         let (held_state, held) = at_rest(Extent::Free, at);
@@ -399,7 +399,8 @@ impl<R: Real> System<'_, R> {
         super::dense::solve(&matrix, count, &mut row);
         let against = (super::dense::dot(&gradient, &row) * most).value() - back;
         let acceleration = back.min(against);
-        acceleration > 0.0 && rate * rate <= 2.0 * acceleration * self.members[i].band * self.members[i].longest
+        acceleration > 0.0
+            && rate * rate <= 2.0 * acceleration * self.wires[i].member.band * self.wires[i].member.longest
     }
 
     /// Takes the memories of all hysteresis on to a state, and to the branches that follow.
@@ -411,7 +412,7 @@ impl<R: Real> System<'_, R> {
         at: &mut Evaluation<R>,
         slips: Option<usize>,
     ) {
-        for i in 0..self.members.len() {
+        for i in 0..self.wires.len() {
             self.follow(i, time, state, mode, at, slips == Some(i));
         }
     }
@@ -429,10 +430,10 @@ impl<R: Real> System<'_, R> {
             return;
         }
         self.enter_distances(time, state, mode, at);
-        let length = self.members[i].actuator.limits().actuator_length(at.units[i].length);
+        let length = self.wires[i].member.actuator.limits().actuator_length(at.units[i].length);
         let its = &mut mode.actuators[i];
         let sliding = its.mode.sliding;
-        self.members[i].follow(&mut its.trace, length, sliding, slips);
+        self.wires[i].member.follow(&mut its.trace, length, sliding, slips);
     }
 
     /// Restores what a step knows exactly: given motions and pressures, isothermal contents, balances without viscosity, and
@@ -455,7 +456,7 @@ impl<R: Real> System<'_, R> {
         for &[branch, place] in &self.plant.places.state_branches {
             if let Some(forwards) = mode.network.branches[branch].sonic
                 && let Some((behind, per_pressure)) = self.plant.network.sonic::<R>(branch, forwards)
-                && let Some(pressure) = self.pressure(behind, state)
+                && let Some(pressure) = self.piping.pressure(behind, state)
             {
                 state[place] = per_pressure * pressure;
             }

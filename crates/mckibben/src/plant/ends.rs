@@ -23,7 +23,7 @@ impl<R: Real> System<'_, R> {
     /// How an actuator slides whose length changes with the sign of `heading`; zero counts as longer.
     #[inline]
     pub(super) fn slides(&self, i: usize, heading: f64) -> Sliding {
-        match self.members[i].actuator.friction().has_direction() {
+        match self.wires[i].member.actuator.friction().has_direction() {
             false => Sliding::Frictionless,
             true if heading < 0.0 => Sliding::Shortening,
             true => Sliding::Lengthening,
@@ -33,7 +33,7 @@ impl<R: Real> System<'_, R> {
     /// The mode of an actuator on a tendon at the start.
     pub(super) fn begin_end(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         let mounted = &self.plant.actuators[i];
-        let (Some(tendon), member) = (&mounted.tendon, &self.members[i]) else { return };
+        let (Some(tendon), member) = (&mounted.tendon, &self.wires[i].member) else { return };
         self.enter_distances(time, state, mode, at);
         let unit = at.units[i];
         let limits = member.actuator.limits();
@@ -133,7 +133,7 @@ impl<R: Real> System<'_, R> {
         mode: &mut PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<EventKind, Error> {
-        let (limits, friction) = (self.members[i].actuator.limits(), self.members[i].actuator.friction());
+        let (limits, friction) = (self.wires[i].member.actuator.limits(), self.wires[i].member.actuator.friction());
         let place = self.plant.places.actuators[i].length.unwrap_or(0);
         let its = &mut mode.actuators[i];
         Ok(match guard {
@@ -206,7 +206,7 @@ impl<R: Real> System<'_, R> {
         self.enter_distances(time, state, mode, at);
         let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
         let missed = self.excess(i, tendon, its, ends, self.bristles(i, state)).value();
-        if missed.abs() > JUMP * self.members[i].force_band || !self.is_held(i, time, state, mode, at) {
+        if missed.abs() > JUMP * self.wires[i].member.force_band || !self.is_held(i, time, state, mode, at) {
             return Err(self.jumps(i, time, state, mode, at));
         }
         Ok(())
@@ -221,7 +221,7 @@ impl<R: Real> System<'_, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
-        let member = &self.members[i];
+        let member = &self.wires[i].member;
         if !member.actuator.friction().coulomb().falls() {
             return Ok(());
         }
@@ -244,7 +244,7 @@ impl<R: Real> System<'_, R> {
     pub(crate) fn balance_ends(&self, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
         /// Newton steps.
         const MOST: u32 = 3;
-        for i in 0..self.members.len() {
+        for i in 0..self.wires.len() {
             for _ in 0..MOST {
                 self.keep_balance(i, time, state, mode, at);
             }
@@ -295,11 +295,11 @@ impl<R: Real> System<'_, R> {
     /// After an event that lets the rates of ends on tendons jump: rest or reversal where an end would slide against its
     /// direction, and break-away where no friction holds it.
     pub(crate) fn settle_ends(&self, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
-        for i in 0..self.members.len() {
+        for i in 0..self.wires.len() {
             if self.plant.actuators[i].tendon.is_none() {
                 continue;
             }
-            let friction = self.members[i].actuator.friction();
+            let friction = self.wires[i].member.actuator.friction();
             let fires = |guard, mode: &PlantMode<R>, at: &mut Evaluation<R>| {
                 self.guard(PlantGuard::Of(i, guard), time, state, mode, at).value() < 0.0
             };

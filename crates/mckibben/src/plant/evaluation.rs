@@ -32,7 +32,6 @@ use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
-use crate::simulation::member::Member;
 use crate::simulation::{Extent, Sliding};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -52,6 +51,20 @@ pub(crate) struct Unit<T> {
     pub(crate) warmth: T,
     pub(crate) pressure_rate: T,
     pub(crate) mass_rate: T,
+}
+
+impl<T: Scalar> Unit<T> {
+    /// Takes what flows into its chamber.
+    #[inline(always)]
+    fn fill<R: Real>(&mut self, wire: &Wire<'_, R>, network: &NetworkState<T>) {
+        (self.flow, self.warmth) = match wire.chamber {
+            Some(node) => {
+                let node = &network.nodes[node];
+                (Flow { inward: node.inward, outward: node.outward }, node.warmth)
+            }
+            None => (Flow::none(), T::zero()),
+        };
+    }
 }
 
 /// A plant at an instant, and room for what is computed on the way.
@@ -116,11 +129,8 @@ impl<T: Scalar> Evaluation<T> {
 #[derive(Clone, Debug)]
 pub(crate) struct System<'a, R: Real> {
     pub(crate) plant: &'a Plant<R>,
-    pub(crate) members: Vec<Member<'a, R>>,
     pub(crate) wires: Vec<Wire<'a, R>>,
     pub(crate) piping: Piping<'a, R>,
-    /// First acceleration of each mechanism among those of all.
-    pub(crate) first_coordinate: Vec<usize>,
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
     /// Usual arms of the actuators, and usual torques on each mechanism.
@@ -151,17 +161,11 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        self.evaluate_here(time, state, mode, at);
-    }
-
-    /// The body of [`System::evaluate`], a part of the rates as of nothing else: what is computed need not be stored first.
-    #[inline(always)]
-    fn evaluate_here<T: Differentiable<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         self.enter_distances(time, state, mode, at);
-        self.enter_air(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at);
-        for mechanism in 0..self.plant.mechanisms.len() {
-            self.accelerate(mechanism, time, state, mode, at);
+        self.enter_flows(time, state, mode, at);
+        self.enter_actuators(time, state, mode, at, |_, _| {});
+        for m in 0..self.plant.mechanisms.len() {
+            self.accelerate(m, time, state, mode, at);
         }
     }
 
@@ -174,15 +178,13 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        let count = self.wires.len();
-        let (wires, modes) = (&self.wires[..count], &mode.actuators[..count]);
-        let (units, chambers) = (&mut at.units[..count], &mut at.chambers[..count]);
-        for i in 0..count {
-            let (wire, of_actuator) = (&wires[i], &modes[i]);
-            let ends = self.enter_ends(i, wire, time, state, (mode, of_actuator), (&mut units[i], &mut at.gradient));
-            let air = &state[wire.pressure..wire.pressure + 2];
+        let Evaluation { units, chambers, gradient, .. } = at;
+        let actuators = self.wires.iter().zip(&mode.actuators);
+        for ((wire, of_actuator), (unit, chamber)) in actuators.zip(units.iter_mut().zip(chambers)) {
+            let [length, velocity] = self.enter_ends(wire, time, state, (mode, of_actuator), (unit, gradient));
+            let (pressure, mass) = (state[wire.places.pressure], state[wire.places.pressure + 1]);
             let slack = of_actuator.mode.extent == Extent::Slack;
-            chambers[i] = wire.actuator.chamber(ends[0], ends[1], air[0], air[1], slack);
+            *chamber = wire.member.actuator.chamber(length, velocity, pressure, mass, slack);
         }
     }
 
@@ -196,14 +198,13 @@ impl<'a, R: Real> System<'a, R> {
         at: &mut Evaluation<T>,
     ) {
         let into = (&mut at.units[i], &mut at.gradient[..]);
-        self.enter_ends(i, &self.wires[i], time, state, (mode, &mode.actuators[i]), into);
+        self.enter_ends(&self.wires[i], time, state, (mode, &mode.actuators[i]), into);
     }
 
     /// Writes distance, length and their rates of an actuator; returns the last two.
     #[inline(always)]
     fn enter_ends<T: Over<R>>(
         &self,
-        i: usize,
         wire: &Wire<'_, R>,
         time: T,
         state: &[T],
@@ -217,20 +218,15 @@ impl<'a, R: Real> System<'a, R> {
             }
             Span::Fixed { position } => [state[position], T::zero()],
             Span::Prescribed => self.prescribed(wire.mechanism, time, of_mechanism),
-            Span::Coupled => self.span(i, state, mode, gradient),
+            Span::Coupled => self.span(wire.index, state, mode, gradient),
         };
-        let (length, velocity) = match wire.length {
+        let (length, velocity) = match wire.places.length {
             Some(place) => (state[place], T::zero()),
             None if of_actuator.mode.sliding == Sliding::Stuck => (distance, T::zero()),
             None => (distance, rate),
         };
         (unit.distance, unit.rate, unit.length, unit.velocity) = (distance, rate, length, velocity);
         [length, velocity]
-    }
-
-    /// Enters the pressures of all nodes of the network, without their flows.
-    pub(crate) fn enter_pressures<T: Over<R>>(&self, state: &[T], at: &mut NetworkState<T>) {
-        self.piping.enter_pressures(state, |actuator| self.wires[actuator].pressure, at);
     }
 
     /// Length and velocity of a prescribed motion.
@@ -267,52 +263,54 @@ impl<'a, R: Real> System<'a, R> {
         [distance, rate]
     }
 
-    /// Computes the flows, and those into each chamber.
-    #[inline(always)]
+    /// Computes all flows, and what of them goes into each chamber.
     pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
-        let Some(first) = self.wires.first() else { return };
-        let network = &self.plant.network;
-        let around = Surroundings { chambers: &at.chambers, state };
-        network.flows(time, &self.piping, around, first.actuator.air(), &mode.network, &mut at.network);
-        let count = self.wires.len();
-        let (wires, units) = (&self.wires[..count], &mut at.units[..count]);
-        for i in 0..count {
-            let unit = &mut units[i];
-            (unit.flow, unit.warmth) = match wires[i].chamber {
-                Some(node) => {
-                    let node = &at.network.nodes[node];
-                    (Flow { inward: node.inward, outward: node.outward }, node.warmth)
-                }
-                None => (Flow::none(), T::zero()),
-            };
+        self.enter_flows(time, state, mode, at);
+        for (wire, unit) in self.wires.iter().zip(&mut at.units) {
+            unit.fill(wire, &at.network);
         }
     }
 
-    /// Computes tensions and air of all actuators.
+    /// Computes all flows.
     #[inline(always)]
-    fn enter_actuators<T: Differentiable<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
-        let count = self.wires.len();
-        let (wires, members, modes) = (&self.wires[..count], &self.members[..count], &mode.actuators[..count]);
-        let (units, chambers) = (&mut at.units[..count], &mut at.chambers[..count]);
-        for i in 0..count {
-            let (wire, member, of_actuator) = (&wires[i], &members[i], &modes[i]);
-            let (unit, chamber) = (&mut units[i], &mut chambers[i]);
-            if wire.length.is_some() {
-                self.enter_end(i, state, of_actuator, unit, chamber);
+    fn enter_flows<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+        let Some(first) = self.wires.first() else { return };
+        let around = Surroundings { chambers: &at.chambers, state };
+        let air = first.member.actuator.air();
+        self.plant.network.flows(time, &self.piping, around, air, &mode.network, &mut at.network);
+    }
+
+    /// Computes tensions and air of all actuators, whose flows are known, and hands each on.
+    #[inline(always)]
+    fn enter_actuators<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+        mut then: impl FnMut(&Wire<'_, R>, &Unit<T>),
+    ) {
+        let Evaluation { units, chambers, network, .. } = at;
+        let actuators = self.wires.iter().zip(&mode.actuators);
+        for ((wire, of_actuator), (unit, chamber)) in actuators.zip(units.iter_mut().zip(chambers)) {
+            unit.fill(wire, network);
+            if wire.places.length.is_some() {
+                self.enter_end(wire.index, state, of_actuator, unit, chamber);
             } else {
                 let ends = [unit.length, unit.velocity, chamber.pressure];
-                let bristles = wire.bristles.map(|place| state[place]);
+                let bristles = wire.places.bristles.map(|place| state[place]);
                 unit.tension = match of_actuator.mode.sliding {
                     Sliding::Stuck => T::zero(),
-                    _ => member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bristles)),
+                    _ => wire.member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bristles)),
                 };
             }
             if wire.is_given {
-                self.enter_given(i, time, of_actuator, unit, chamber);
+                self.enter_given(wire.index, time, of_actuator, unit, chamber);
             } else {
-                unit.pressure_rate = wire.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
+                unit.pressure_rate = wire.member.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
             }
             unit.mass_rate = unit.flow.net();
+            then(wire, unit);
         }
     }
 
@@ -361,7 +359,7 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        let (places, first) = (&self.plant.places.mechanisms[m], self.first_coordinate[m]);
+        let (places, first) = (&self.plant.places.mechanisms[m], self.plant.places.mechanisms[m].acceleration);
         match &self.plant.mechanisms[m] {
             _ if mode.mechanisms[m].frozen => at.acceleration[first..first + places.coordinates].fill(T::zero()),
             Mechanism::Mass(mass) => {
@@ -392,7 +390,7 @@ impl<'a, R: Real> System<'a, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        let (places, first) = (&self.plant.places.mechanisms[m], self.first_coordinate[m]);
+        let (places, first) = (&self.plant.places.mechanisms[m], self.plant.places.mechanisms[m].acceleration);
         let count = places.coordinates;
         self.enter_force(m, state, mode, at);
         let (position, _) = places.of(state);
@@ -440,7 +438,7 @@ impl<'a, R: Real> System<'a, R> {
     /// ```
     fn hold<T: Differentiable<R>>(&self, m: usize, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         let count = self.plant.places.mechanisms[m].coordinates;
-        let first = self.first_coordinate[m];
+        let first = self.plant.places.mechanisms[m].acceleration;
         let basis = &mode.mechanisms[m].basis;
         let held = basis.len();
         // Rows M⁻¹ Jᵀ, the matrix W and the right-hand side: what is small is made where it is needed.
@@ -498,22 +496,29 @@ impl<'a, R: Real> System<'a, R> {
         at: &mut Evaluation<T>,
         rates: &mut [T],
     ) {
-        self.evaluate_here(time, state, mode, at);
+        self.enter_distances(time, state, mode, at);
+        self.enter_flows(time, state, mode, at);
+        self.enter_actuators(time, state, mode, at, |wire, unit| {
+            let places = &wire.places;
+            (rates[places.pressure], rates[places.pressure + 1]) = (unit.pressure_rate, unit.mass_rate);
+            if let Some(place) = places.length {
+                rates[place] = unit.velocity;
+            }
+            if let Some(place) = places.bristles {
+                rates[place] = wire.bristle_rate(state[place], unit.velocity, &mode.actuators[wire.index]);
+            }
+        });
         let Plant { mechanisms, network, places, .. } = self.plant;
-        let count = mechanisms.len();
-        let (of_mechanisms, places_of) = (&mode.mechanisms[..count], &places.mechanisms[..count]);
-        let mut accelerations = &at.acceleration[..];
-        for m in 0..count {
-            let here = &places_of[m];
-            let (its, rest) = accelerations.split_at(here.coordinates);
-            accelerations = rest;
+        for (m, (mechanism, here)) in mechanisms.iter().zip(&places.mechanisms).enumerate() {
+            self.accelerate(m, time, state, mode, at);
             let from = here.first;
-            match &mechanisms[m] {
-                _ if of_mechanisms[m].frozen => rates[from..from + 2 * here.coordinates].fill(T::zero()),
+            let its = &at.acceleration[here.acceleration..here.acceleration + here.coordinates];
+            match mechanism {
+                _ if mode.mechanisms[m].frozen => rates[from..from + 2 * here.coordinates].fill(T::zero()),
                 Mechanism::Mass(_) => (rates[from], rates[from + 1]) = (state[from + 1], its[0]),
                 Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
                 Mechanism::Prescribed(motion) => {
-                    let [_, velocity, _] = motion.at(time, of_mechanisms[m].corners_passed);
+                    let [_, velocity, _] = motion.at(time, mode.mechanisms[m].corners_passed);
                     (rates[from], rates[from + 1]) = (velocity, its[0]);
                 }
                 Mechanism::Chain(_) | Mechanism::External { .. } => {
@@ -522,19 +527,6 @@ impl<'a, R: Real> System<'a, R> {
                         rates[here.rate(k)] = *acceleration;
                     }
                 }
-            }
-        }
-        let count = self.wires.len();
-        let (wires, units) = (&self.wires[..count], &at.units[..count]);
-        for i in 0..count {
-            let (wire, unit) = (&wires[i], &units[i]);
-            rates[wire.pressure] = unit.pressure_rate;
-            rates[wire.pressure + 1] = unit.mass_rate;
-            if let Some(place) = wire.length {
-                rates[place] = unit.velocity;
-            }
-            if let Some(place) = wire.bristles {
-                rates[place] = self.bristle_rate(i, state[place], unit.velocity, &mode.actuators[i]);
             }
         }
         for &[node, place] in &places.state_nodes {
@@ -558,20 +550,13 @@ impl<'a, R: Real> System<'a, R> {
             _ => self.plant.network.node_rate(node, &mode.network, &at.network),
         }
     }
+}
 
-    /// The pressure of a node in Pa in a state; none for one that does not change.
-    pub(crate) fn pressure<T: Copy>(&self, node: usize, state: &[T]) -> Option<T> {
-        let places = &self.plant.places;
-        match self.plant.network.nodes[node].kind {
-            NodeKind::Chamber { actuator } => Some(state[places.actuators[actuator].pressure]),
-            _ => places.nodes[node].map(|place| state[place]),
-        }
-    }
-
-    /// The rate of an actuator's bristles in m/s.
+impl<R: Real> Wire<'_, R> {
+    /// The rate of the bristles in m/s.
     #[inline(always)]
-    fn bristle_rate<T: Over<R>>(&self, i: usize, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {
-        match self.members[i].lugre() {
+    fn bristle_rate<T: Over<R>>(&self, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {
+        match self.member.lugre() {
             Some(law) if of_actuator.mode.extent != Extent::Slack => {
                 law.rate(deflection, velocity, T::constant(of_actuator.mode.sliding.direction()))
             }

@@ -76,7 +76,7 @@ const SLOW: f64 = 0.1;
 impl<R: Real> System<'_, R> {
     /// The velocity in m/s by which zero must be passed before an actuator is at rest: what a few steps may err.
     pub(crate) fn rest_band(&self, i: usize) -> f64 {
-        10.0 * self.band * SLOW * self.members[i].longest
+        10.0 * self.band * SLOW * self.wires[i].member.longest
     }
 
     /// Lists the guards of a mode.
@@ -85,7 +85,7 @@ impl<R: Real> System<'_, R> {
         for m in 0..self.plant.mechanisms.len() {
             self.mechanism_guards(m, mode, guards);
         }
-        for i in 0..self.members.len() {
+        for i in 0..self.wires.len() {
             self.actuator_guards(i, mode, guards);
         }
         let plant = self.plant;
@@ -145,7 +145,7 @@ impl<R: Real> System<'_, R> {
     fn actuator_guards(&self, i: usize, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {
         let (mounted, here) = (&self.plant.actuators[i], &self.plant.places.actuators[i]);
         let of_actuator = &mode.actuators[i];
-        let (member, its) = (&self.members[i], &of_actuator.mode);
+        let (member, its) = (&self.wires[i].member, &of_actuator.mode);
         let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
         let on = |index, bound: R, above: bool| {
             let bound = bound.value();
@@ -315,7 +315,7 @@ impl<R: Real> System<'_, R> {
                     return T::one();
                 };
                 let atmosphere = T::of(network.atmosphere);
-                let pressure = self.pressure(behind, state).unwrap_or(atmosphere);
+                let pressure = self.piping.pressure(behind, state).unwrap_or(atmosphere);
                 let left = per_pressure * (pressure + T::constant(self.band) * atmosphere) - state[place];
                 if forwards { left } else { -left }
             }
@@ -337,7 +337,7 @@ impl<R: Real> System<'_, R> {
                     self.enter_distances(time, state, mode, at);
                     self.enter_air(time, state, mode, at);
                 } else {
-                    self.enter_pressures(state, &mut at.network);
+                    self.piping.enter_pressures(state, &mut at.network);
                 }
                 self.plant.network.guard(guard, &mode.network, self.band, &at.network)
             }
@@ -368,7 +368,7 @@ impl<R: Real> System<'_, R> {
             return T::constant(self.rest_band(i)) + direction * unit.rate;
         }
         let ends = [unit.length, unit.velocity, state[self.plant.places.actuators[i].pressure]];
-        self.members[i].guard(guard, ends, &of_actuator.mode, (&of_actuator.trace, self.bristles(i, state)))
+        self.wires[i].member.guard(guard, ends, &of_actuator.mode, (&of_actuator.trace, self.bristles(i, state)))
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -382,7 +382,7 @@ impl<R: Real> System<'_, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) -> T {
-        let (member, of_actuator) = (&self.members[i], &mode.actuators[i]);
+        let (member, of_actuator) = (&self.wires[i].member, &mode.actuators[i]);
         let band = T::constant(member.force_band);
         let direction = T::constant(of_actuator.mode.sliding.direction());
         let unit = at.units[i];
@@ -440,7 +440,7 @@ impl<R: Real> System<'_, R> {
     pub(crate) fn tendon_scale(&self, i: usize, tendon: &SeriesTendon<R>) -> f64 {
         /// Part of the stretch under the usual force by which lengths are measured.
         const TENSE: f64 = 0.5;
-        let member = &self.members[i];
+        let member = &self.wires[i].member;
         (TENSE * member.force_band / member.band / tendon.stiffness().value()).min(member.longest)
     }
 

@@ -109,6 +109,8 @@ pub struct MechanismPlaces {
     pub first: usize,
     /// How many coordinates there are.
     pub coordinates: usize,
+    /// Its first acceleration among those of all mechanisms.
+    pub(crate) acceleration: usize,
 }
 
 impl MechanismPlaces {
@@ -310,7 +312,8 @@ impl Places {
         let mut places = Self::default();
         for mechanism in mechanisms {
             let coordinates = mechanism.coordinates();
-            places.mechanisms.push(MechanismPlaces { first: places.states, coordinates });
+            let acceleration = places.states / 2;
+            places.mechanisms.push(MechanismPlaces { first: places.states, coordinates, acceleration });
             places.members.push(Vec::new());
             places.states += 2 * coordinates;
         }

@@ -2,6 +2,7 @@
 
 use super::evaluation::System;
 use super::sliding::Facet;
+use super::wire::Wire;
 use crate::command::Driver;
 use crate::mechanism::Contact;
 use crate::network::mode::NetworkMode;
@@ -71,25 +72,24 @@ impl<R: Real> System<'_, R> {
             let (position, _) = plant.places.mechanisms[mounted.mechanism].of(state);
             mounted.coupling.pieces(position, &mut arms[here.arms..here.arms + mounted.coupling.arm_count()]);
         }
-        let actuator =
-            |(member, here): (&crate::simulation::member::Member<'_, R>, &super::ActuatorPlaces)| ActuatorMode {
-                mode: Mode {
-                    ports: Ports::CLOSED,
-                    supply_zone: None,
-                    exhaust_zone: None,
-                    effectiveness_piece: member.effectiveness_piece(state[here.pressure]),
-                    pressed: member.pressed(state[here.pressure]),
-                    force_piece: Default::default(),
-                    extent: Extent::Free,
-                    sliding: Sliding::Held,
-                    clamped: false,
-                },
-                on_stop: false,
-                loose: false,
-                trace: None,
-                isothermal: None,
-                rows_passed: 0,
-            };
+        let actuator = |Wire { member, places, .. }: &Wire<'_, R>| ActuatorMode {
+            mode: Mode {
+                ports: Ports::CLOSED,
+                supply_zone: None,
+                exhaust_zone: None,
+                effectiveness_piece: member.effectiveness_piece(state[places.pressure]),
+                pressed: member.pressed(state[places.pressure]),
+                force_piece: Default::default(),
+                extent: Extent::Free,
+                sliding: Sliding::Held,
+                clamped: false,
+            },
+            on_stop: false,
+            loose: false,
+            trace: None,
+            isothermal: None,
+            rows_passed: 0,
+        };
         let mechanism = |here: &super::MechanismPlaces| MechanismMode {
             frozen: false,
             stops: vec![[Contact::None; 2]; here.coordinates],
@@ -99,7 +99,7 @@ impl<R: Real> System<'_, R> {
             corners_passed: 0,
         };
         PlantMode {
-            actuators: self.members.iter().zip(&plant.places.actuators).map(actuator).collect(),
+            actuators: self.wires.iter().map(actuator).collect(),
             mechanisms: plant.places.mechanisms.iter().map(mechanism).collect(),
             network: plant.network.begin(),
             arms,

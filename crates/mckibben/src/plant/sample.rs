@@ -244,7 +244,7 @@ impl<'a, R: Real> Observer<'a, R> {
             let (position, rate) = places.mechanisms[m].of(state);
             of_mechanism.position.copy_from_slice(position);
             of_mechanism.rate.copy_from_slice(rate);
-            let first = self.system.first_coordinate[m];
+            let first = self.system.plant.places.mechanisms[m].acceleration;
             of_mechanism.acceleration.copy_from_slice(&at.acceleration[first..first + position.len()]);
             of_mechanism.actuator_force.fill(R::zero());
             for &i in &places.members[m] {
@@ -304,7 +304,7 @@ pub(crate) struct Actual<R> {
 pub(crate) fn actual<R: Real>(system: &System<'_, R>, i: usize, mode: &PlantMode<R>, at: &Evaluation<R>) -> Actual<R> {
     let unit = &at.units[i];
     match mode.actuators[i].mode.extent {
-        Extent::Slack => Actual { length: system.members[i].actuator.limits().min_length(), velocity: R::zero() },
+        Extent::Slack => Actual { length: system.wires[i].member.actuator.limits().min_length(), velocity: R::zero() },
         _ => Actual { length: unit.length, velocity: unit.velocity },
     }
 }

@@ -26,29 +26,19 @@ const PRESSED: f64 = 0.5;
 impl<'a, R: Real> System<'a, R> {
     /// A plant whose steps are controlled to `relative_tolerance`.
     pub(crate) fn new(plant: &'a Plant<R>, relative_tolerance: f64) -> Self {
-        let mut first = 0;
-        let first_coordinate = plant.places.mechanisms.iter().map(|here| {
-            first += here.coordinates;
-            first - here.coordinates
-        });
-        let first_coordinate = first_coordinate.collect();
-        let members: Vec<Member<'a, R>> = plant
-            .actuators
-            .iter()
-            .map(|mounted| {
-                let arm = usual_arm(plant, mounted);
-                let pull = match &plant.mechanisms[mounted.mechanism] {
-                    Mechanism::Mass(mass) => mass.pull().value().abs(),
-                    Mechanism::Chain(chain) => chain.usual_torque() / arm,
-                    _ => 0.0,
-                };
-                Member::new(&mounted.actuator, relative_tolerance, pull)
-            })
-            .collect();
-        let band = members.first().map_or(relative_tolerance, |member| member.band);
-        let (wires, piping) = (Wire::all(plant), Piping::new(plant));
-        let mut system =
-            Self { plant, members, wires, piping, first_coordinate, band, usual_torque: Vec::new(), arms: Vec::new() };
+        let wire = |(index, mounted): (usize, &'a Mounted<R>)| {
+            let arm = usual_arm(plant, mounted);
+            let pull = match &plant.mechanisms[mounted.mechanism] {
+                Mechanism::Mass(mass) => mass.pull().value().abs(),
+                Mechanism::Chain(chain) => chain.usual_torque() / arm,
+                _ => 0.0,
+            };
+            Wire::new(plant, index, Member::new(&mounted.actuator, relative_tolerance, pull))
+        };
+        let wires: Vec<Wire<'a, R>> = plant.actuators.iter().enumerate().map(wire).collect();
+        let band = wires.first().map_or(relative_tolerance, |wire| wire.member.band);
+        let piping = Piping::new(plant);
+        let mut system = Self { plant, wires, piping, band, usual_torque: Vec::new(), arms: Vec::new() };
         system.enter_usual();
         system
     }
@@ -59,7 +49,7 @@ impl<'a, R: Real> System<'a, R> {
         self.arms = plant.actuators.iter().map(|mounted| usual_arm(plant, mounted)).collect();
         self.usual_torque = vec![0.0; plant.mechanisms.len()];
         for (i, mounted) in plant.actuators.iter().enumerate() {
-            self.usual_torque[mounted.mechanism] += self.arms[i] * self.members[i].force_band / self.band;
+            self.usual_torque[mounted.mechanism] += self.arms[i] * self.wires[i].member.force_band / self.band;
         }
         for (m, mechanism) in plant.mechanisms.iter().enumerate() {
             if let (Mechanism::Chain(chain), true) = (mechanism, plant.places.members[m].is_empty()) {
@@ -81,7 +71,7 @@ impl<'a, R: Real> System<'a, R> {
             // An actuator measures the coordinates that it spans by its own length.
             let (mut usual, mut stiff) = (f64::INFINITY, f64::INFINITY);
             for &i in &plant.places.members[m] {
-                let (member, arm) = (&self.members[i], self.arms[i]);
+                let (member, arm) = (&self.wires[i].member, self.arms[i]);
                 usual = usual.min(member.longest / arm);
                 if matches!(mode.actuators[i].mode.extent, Extent::Taut | Extent::Rebound) {
                     stiff = stiff.min(member.taut_scale / arm);
@@ -118,7 +108,7 @@ impl<'a, R: Real> System<'a, R> {
             }
         }
         for (i, here) in plant.places.actuators.iter().enumerate() {
-            let member = &self.members[i];
+            let member = &self.wires[i].member;
             scales[here.pressure] += 0.1 * member.atmosphere;
             scales[here.pressure + 1] += 0.1 * member.air_mass;
             if let (Some(place), Some(tendon)) = (here.length, &plant.actuators[i].tendon) {
@@ -147,14 +137,14 @@ impl<'a, R: Real> System<'a, R> {
         for m in 0..self.plant.mechanisms.len() {
             fastest = fastest.max(self.mechanism_settling(m, state, mode, at));
         }
-        for i in 0..self.members.len() {
+        for i in 0..self.wires.len() {
             fastest = fastest.max(self.actuator_settling(i, state, mode, at));
         }
         fastest
     }
 
-    /// How fast the rates of a mechanism settle: the trace of `M⁻¹ D`, which no rate exceeds.
-    fn mechanism_settling(&self, m: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+    /// How fast the rates of a mechanism settle: the trace of `M⁻¹ D`, which no rate exceeds. It overwrites force and matrix.
+    fn mechanism_settling(&self, m: usize, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> f64 {
         let its = &mode.mechanisms[m];
         if its.frozen {
             return 0.0;
@@ -166,38 +156,34 @@ impl<'a, R: Real> System<'a, R> {
             }
             Mechanism::Chain(chain) => {
                 let count = self.plant.places.mechanisms[m].coordinates;
-                let mut damping = vec![0.0; count * count];
+                chain.mass_matrix(self.plant.places.mechanisms[m].of(state).0, &mut at.matrix[..count * count]);
+                dense::factor(&mut at.matrix[..count * count], count);
+                let mut sum = 0.0;
+                let foot = match (chain.belt(), its.foot) {
+                    (Some(belt), Contact::Pressed) => belt.damping.value() * belt.depth.value() * belt.depth.value(),
+                    _ => 0.0,
+                };
                 for (k, joint) in chain.joints().iter().enumerate() {
                     let pressed = its.stops[k].contains(&Contact::Pressed);
                     let stop = if pressed { joint.stops.damping.value() } else { 0.0 };
-                    damping[k * count + k] += joint.damping.value() + stop;
-                }
-                if let (Some(belt), Contact::Pressed) = (chain.belt(), its.foot) {
-                    let reach = belt.depth.value();
-                    for k in 0..count {
-                        damping[k * count + k] += belt.damping.value() * reach * reach;
+                    let damping = joint.damping.value() + stop + foot;
+                    if damping > 0.0 {
+                        at.force[..count].fill(R::zero());
+                        at.force[k] = R::one();
+                        dense::solve(&at.matrix[..count * count], count, &mut at.force[..count]);
+                        sum += damping * at.force[k].value();
                     }
                 }
                 for &i in members {
-                    let own = self.damping(i, state, mode, at);
-                    let gradient = self.gradient(i, &at.gradient);
-                    for a in 0..count {
-                        for b in 0..count {
-                            damping[a * count + b] += own * gradient[a].value() * gradient[b].value();
-                        }
+                    let damping = self.damping(i, state, mode, at);
+                    if damping > 0.0 {
+                        let gradient = self.gradient(i, &at.gradient);
+                        at.force[..count].copy_from_slice(gradient);
+                        dense::solve(&at.matrix[..count * count], count, &mut at.force[..count]);
+                        sum += damping * dense::dot(gradient, &at.force[..count]).value();
                     }
                 }
-                let mut matrix = vec![R::zero(); count * count];
-                self.mass_matrix(m, state, &mut matrix);
-                let mut matrix: Vec<f64> = matrix.into_iter().map(|entry| entry.value()).collect();
-                dense::factor(&mut matrix, count);
-                (0..count)
-                    .map(|k| {
-                        let mut column: Vec<f64> = (0..count).map(|row| damping[row * count + k]).collect();
-                        dense::solve(&matrix, count, &mut column);
-                        column[k]
-                    })
-                    .sum()
+                sum
             }
             Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => 0.0,
         }
@@ -208,7 +194,7 @@ impl<'a, R: Real> System<'a, R> {
         if self.plant.actuators[i].tendon.is_some() {
             return 0.0;
         }
-        let (member, its) = (&self.members[i], &mode.actuators[i]);
+        let (member, its) = (&self.wires[i].member, &mode.actuators[i]);
         let plain = member.damping(&its.mode);
         let moves = its.mode.extent != Extent::Slack && its.mode.sliding != Sliding::Stuck && !its.mode.clamped;
         match self.bristles(i, state) {
@@ -229,7 +215,7 @@ impl<'a, R: Real> System<'a, R> {
         let (mounted, here, its) = (&self.plant.actuators[i], &self.plant.places.actuators[i], &mode.actuators[i]);
         let mut fastest = self.heat_settling(i, at);
         let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
-        if let (Some(place), Some(law)) = (here.bristles, self.members[i].lugre())
+        if let (Some(place), Some(law)) = (here.bristles, self.wires[i].member.lugre())
             && its.mode.extent != Extent::Slack
         {
             let direction = constant(R::constant(its.mode.sliding.direction()));
@@ -246,7 +232,7 @@ impl<'a, R: Real> System<'a, R> {
             let pull = |length: Dual<R, 1>, velocity: Dual<R, 1>| {
                 let bent = self.bristles(i, state).map(constant);
                 let ends = [length, velocity, constant(pressure)];
-                self.members[i].signed_force(ends, &its.mode, (&its.trace, bent)).slope[0].value()
+                self.wires[i].member.signed_force(ends, &its.mode, (&its.trace, bent)).slope[0].value()
             };
             let stiffness = if its.loose { 0.0 } else { tendon.stiffness().value() };
             let per_length = pull(Dual::variable(unit.length, 0), constant(unit.velocity)) + stiffness;

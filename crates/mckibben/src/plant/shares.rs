@@ -63,7 +63,7 @@ impl<R: Real> System<'_, R> {
         if !of_mechanism.frozen {
             let mut matrix = vec![R::zero(); count * count];
             self.mass_matrix(m, state, &mut matrix);
-            let first = self.first_coordinate[m];
+            let first = self.plant.places.mechanisms[m].acceleration;
             for (k, held) in held.iter_mut().enumerate() {
                 let row = &matrix[k * count..(k + 1) * count];
                 *held = *held - dot(row, &at.acceleration[first..first + count]);
@@ -99,7 +99,7 @@ impl<R: Real> System<'_, R> {
             .iter()
             .map(|&i| {
                 let (least, most) = self.holdable(i, state, mode, at.units[i].length);
-                [half * (least + most), half * (most - least) + R::constant(self.members[i].force_band)]
+                [half * (least + most), half * (most - least) + R::constant(self.wires[i].member.force_band)]
             })
             .collect();
         for (a, [middle, _]) in bounds.iter().enumerate() {

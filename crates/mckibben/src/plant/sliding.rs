@@ -60,7 +60,7 @@ impl<R: Real> System<'_, R> {
         if of_actuator.mode.extent == Extent::Slack {
             return (T::zero(), T::zero());
         }
-        let member = &self.members[i];
+        let member = &self.wires[i].member;
         let remembered = (&of_actuator.trace, self.bristles(i, state));
         let rubbing = member.rubbing([length, T::zero()], &of_actuator.mode, remembered);
         let pressure = state[self.plant.places.actuators[i].pressure];
@@ -88,7 +88,7 @@ impl<R: Real> System<'_, R> {
             let is_slow = at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
             let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
             mode.actuators[i].mode.sliding = self.slides(i, at.units[i].rate.value());
-            let holds = self.members[i].actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
+            let holds = self.wires[i].member.actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
             if slow && mode.actuators[i].mode.extent != Extent::Slack {
                 if holds {
                     resting.push(i);
@@ -103,7 +103,7 @@ impl<R: Real> System<'_, R> {
     /// Whether the two points of an actuator pass each other at a dead centre, where its distance rests and its mechanism moves
     /// on: it has no arm to hold it by.
     pub(crate) fn is_at_dead_centre(&self, i: usize, at: &Evaluation<R>) -> bool {
-        let is_short = |entry: &R| entry.value().abs() < DEAD_CENTRE * self.members[i].longest;
+        let is_short = |entry: &R| entry.value().abs() < DEAD_CENTRE * self.wires[i].member.longest;
         matches!(self.plant.actuators[i].coupling, Coupling::Points(_))
             && self.gradient(i, &at.gradient).iter().all(is_short)
     }
@@ -125,7 +125,7 @@ impl<R: Real> System<'_, R> {
         let count = here.coordinates;
         // What cannot hold pulls with its force at rest.
         for &i in &places.members[m] {
-            let friction = self.members[i].actuator.friction();
+            let friction = self.wires[i].member.actuator.friction();
             // An end on a tendon sticks or slides whatever the mechanism does.
             let is_own = places.actuators[i].length.is_none();
             if is_own && mode.actuators[i].mode.sliding == Sliding::Stuck && !resting.contains(&i) {
@@ -167,7 +167,10 @@ impl<R: Real> System<'_, R> {
             .map(|&i| {
                 let (least, most) = self.holdable(i, state, mode, at.units[i].length);
                 // A border must be passed by the band before what rests moves.
-                [(least.value() - self.members[i].force_band).max(0.0), most.value() + self.members[i].force_band]
+                [
+                    (least.value() - self.wires[i].member.force_band).max(0.0),
+                    most.value() + self.wires[i].member.force_band,
+                ]
             })
             .collect();
         let least: Vec<f64> = bounds.iter().map(|[least, _]| *least).collect();
@@ -242,7 +245,7 @@ impl<R: Real> System<'_, R> {
             let size = Scalar::sqrt(dot(gradient, gradient).value() * dot(&normal, &normal).value());
             if Scalar::magnitude(heading) > ROUNDING * size {
                 headings.push((i, heading));
-            } else if self.members[i].actuator.friction().has_coulomb() || mode.actuators[i].on_stop {
+            } else if self.wires[i].member.actuator.friction().has_coulomb() || mode.actuators[i].on_stop {
                 sticking.push(i);
             }
         }
@@ -344,7 +347,7 @@ impl<R: Real> System<'_, R> {
             let bristles = self.bristles(i, state);
             let of_actuator = &mut mode.actuators[i];
             let mut changed = of_actuator.mode;
-            self.members[i].enter_clamp(ends, &mut changed, (&of_actuator.trace, bristles));
+            self.wires[i].member.enter_clamp(ends, &mut changed, (&of_actuator.trace, bristles));
             of_actuator.mode = changed;
         }
     }
@@ -409,7 +412,7 @@ impl<R: Real> System<'_, R> {
             // The tension that leaves most.
             let tension = T::select(lever.lt(T::zero()), most_tension, least_tension);
             most = most - lever * tension;
-            band = band + lever.magnitude() * T::constant(self.members[j].force_band);
+            band = band + lever.magnitude() * T::constant(self.wires[j].member.force_band);
         }
         most + band
     }
@@ -424,7 +427,7 @@ impl<R: Real> System<'_, R> {
         let ends = [length, T::zero(), state[self.plant.places.actuators[i].pressure]];
         let remembered = (&of_actuator.trace, self.bristles(i, state));
         // No mode says whether what rests would push.
-        self.members[i].tension(ends, &of_actuator.mode, remembered).larger(T::zero())
+        self.wires[i].member.tension(ends, &of_actuator.mode, remembered).larger(T::zero())
     }
 
     /// `zᵀR` of what sticking actuators hold of a mechanism that moves.
@@ -437,7 +440,7 @@ impl<R: Real> System<'_, R> {
         at: &mut Evaluation<T>,
     ) -> T {
         let count = self.plant.places.mechanisms[m].coordinates;
-        let first = self.first_coordinate[m];
+        let first = self.plant.places.mechanisms[m].acceleration;
         // R = τ − h − Σ Jᵀ F − M q̈.
         self.enter_force(m, state, mode, at);
         let mut matrix = vec![T::zero(); count * count];

@@ -302,7 +302,7 @@ impl<R: Real> System<'_, R> {
         }
         self.enter_distances(time, state, &mode, at);
         for i in 0..plant.actuators.len() {
-            let (member, here) = (&self.members[i], &plant.places.actuators[i]);
+            let (member, here) = (&self.wires[i].member, &plant.places.actuators[i]);
             let length = at.units[i].length;
             let [pressure, mass] = [state[here.pressure], state[here.pressure + 1]];
             let its = &mut mode.actuators[i];
@@ -314,7 +314,7 @@ impl<R: Real> System<'_, R> {
             };
         }
         let network = &plant.network;
-        self.enter_pressures(state, &mut at.network);
+        self.piping.enter_pressures(state, &mut at.network);
         let pressures: Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
         network.enter(&pressures, &mut mode.network);
         for (node, place) in plant.places.nodes.iter().enumerate() {
@@ -385,7 +385,7 @@ impl<R: Real> System<'_, R> {
             if self.plant.places.actuators[i].length.is_some() {
                 continue;
             }
-            let (member, unit) = (&self.members[i], &at.units[i]);
+            let (member, unit) = (&self.wires[i].member, &at.units[i]);
             let limits = member.actuator.limits();
             let above = [limits.min_length(), limits.max_length()].map(|limit| unit.distance.value() - limit.value());
             // On its shortest length, up to rounding, it is on the stop.

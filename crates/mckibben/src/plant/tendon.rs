@@ -77,7 +77,7 @@ impl<R: Real> System<'_, R> {
 
     /// The actuator's force in N as its end slides at a velocity, over one derivative more.
     fn pull<T: Over<R>>(&self, i: usize, ends: [T; 3], bristles: Option<T>, of_actuator: &ActuatorMode<R>) -> T {
-        self.members[i].signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bristles))
+        self.wires[i].member.signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bristles))
     }
 
     /// The actuator's force less the tendon's in N, as the end begins to slide.
@@ -115,7 +115,7 @@ impl<R: Real> System<'_, R> {
         let at = |velocity: T| {
             let ends = [length, velocity.along(T::one()), pressure];
             let [force, slope] =
-                T::split(self.members[i].signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent)));
+                T::split(self.wires[i].member.signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent)));
             [force - tension, slope]
         };
         let from_zero = || {
@@ -173,10 +173,10 @@ impl<R: Real> System<'_, R> {
         let stiffness = if of_actuator.loose { T::zero() } else { T::of(tendon.stiffness()) };
         let length = unit.length.along(velocity);
         let pressure = chamber.pressure.along(self.air_rate(i, at, velocity));
-        let lugre = self.members[i].lugre().zip(bristles);
+        let lugre = self.wires[i].member.lugre().zip(bristles);
         let bent = lugre.map(|(law, bent)| bent.along(law.rate(bent, velocity, direction)));
         let ends = [length, T::zero().along(T::zero()), pressure];
-        let force = self.members[i].signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent));
+        let force = self.wires[i].member.signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent));
         T::split(force)[1] - stiffness * (unit.rate - velocity)
     }
 
@@ -209,7 +209,7 @@ impl<R: Real> System<'_, R> {
         let at_rest = grows(T::zero());
         let slope = grows(T::one()) - at_rest;
         let mut velocity = -at_rest / slope;
-        let lugre = self.members[i].lugre().zip(bristles);
+        let lugre = self.wires[i].member.lugre().zip(bristles);
         if lugre.is_some_and(|(law, _)| law.falls()) {
             for _ in 0..MOST_SEARCHED {
                 let step = grows(velocity) / slope;

@@ -1,9 +1,9 @@
 //! Where each actuator takes its numbers from, resolved once for a run: what every evaluation would look up again.
 
-use super::Plant;
-use crate::actuator::Actuator;
+use super::{ActuatorPlaces, Plant};
 use crate::mechanism::{Coupling, Mechanism};
 use crate::scalar::Real;
+use crate::simulation::member::Member;
 
 /// How the distance of an actuator follows from the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,14 +29,12 @@ pub(crate) enum Span {
 /// An actuator, its states and what it spans.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wire<'a, R: Real> {
-    pub(crate) actuator: &'a Actuator<R>,
+    /// Which of the plant.
+    pub(crate) index: usize,
+    pub(crate) member: Member<'a, R>,
+    pub(crate) places: ActuatorPlaces,
     pub(crate) mechanism: usize,
     pub(crate) span: Span,
-    /// Place of the pressure; that of the mass of the air is the next.
-    pub(crate) pressure: usize,
-    /// Places of the length on a tendon, and of the bristles.
-    pub(crate) length: Option<usize>,
-    pub(crate) bristles: Option<usize>,
     /// The node of the network that is its chamber.
     pub(crate) chamber: Option<usize>,
     /// Whether its pressure is given over time.
@@ -44,33 +42,28 @@ pub(crate) struct Wire<'a, R: Real> {
 }
 
 impl<'a, R: Real> Wire<'a, R> {
-    /// Those of all actuators of a plant.
-    pub(crate) fn all(plant: &'a Plant<R>) -> alloc::vec::Vec<Self> {
-        let places = &plant.places;
-        let wire = |(i, mounted): (usize, &'a super::Mounted<R>)| {
-            let here = &places.actuators[i];
-            let of_mechanism = &places.mechanisms[mounted.mechanism];
-            let span = match (&plant.mechanisms[mounted.mechanism], &mounted.coupling) {
-                (Mechanism::Prescribed(_), _) => Span::Prescribed,
-                (Mechanism::Fixed, Coupling::Direct { coordinate }) => {
-                    Span::Fixed { position: of_mechanism.position(*coordinate) }
-                }
-                (_, Coupling::Direct { coordinate }) => {
-                    Span::Direct { position: of_mechanism.position(*coordinate), rate: of_mechanism.rate(*coordinate) }
-                }
-                (_, Coupling::Arms { .. } | Coupling::Points(_)) => Span::Coupled,
-            };
-            Self {
-                actuator: &mounted.actuator,
-                mechanism: mounted.mechanism,
-                span,
-                pressure: here.pressure,
-                length: here.length,
-                bristles: here.bristles,
-                chamber: places.chambers[i],
-                is_given: mounted.pressure.is_some(),
+    /// That of an actuator of a plant.
+    pub(crate) fn new(plant: &'a Plant<R>, index: usize, member: Member<'a, R>) -> Self {
+        let (mounted, places) = (&plant.actuators[index], &plant.places);
+        let of_mechanism = &places.mechanisms[mounted.mechanism];
+        let span = match (&plant.mechanisms[mounted.mechanism], &mounted.coupling) {
+            (Mechanism::Prescribed(_), _) => Span::Prescribed,
+            (Mechanism::Fixed, Coupling::Direct { coordinate }) => {
+                Span::Fixed { position: of_mechanism.position(*coordinate) }
             }
+            (_, Coupling::Direct { coordinate }) => {
+                Span::Direct { position: of_mechanism.position(*coordinate), rate: of_mechanism.rate(*coordinate) }
+            }
+            (_, Coupling::Arms { .. } | Coupling::Points(_)) => Span::Coupled,
         };
-        plant.actuators.iter().enumerate().map(wire).collect()
+        Self {
+            index,
+            member,
+            places: places.actuators[index],
+            mechanism: mounted.mechanism,
+            span,
+            chamber: places.chambers[index],
+            is_given: mounted.pressure.is_some(),
+        }
     }
 }

@@ -267,7 +267,7 @@ fn enter_mode(
     let time = Number::constant(0.0);
     let mut mode = system.first_mode(state);
     for (i, its) in mode.actuators.iter_mut().enumerate() {
-        if !system.members[i].actuator.friction().has_direction() {
+        if !system.wires[i].member.actuator.friction().has_direction() {
             its.mode.sliding = Sliding::Frictionless;
         }
     }
@@ -276,7 +276,7 @@ fn enter_mode(
     }
     system.enter_distances(time, state, &mode, at);
     for (i, Mounted { actuator, tendon, .. }) in plant.actuators.iter().enumerate() {
-        let (member, unit, its) = (&system.members[i], &at.units[i], &mut mode.actuators[i]);
+        let (member, unit, its) = (&system.wires[i].member, &at.units[i], &mut mode.actuators[i]);
         let limits = actuator.limits();
         let pressure = state[plant.places.actuators[i].pressure];
         // What is remembered stays as it is: it has no derivative.
@@ -308,7 +308,7 @@ fn enter_mode(
         of_valve.openings = Openings::Shares(openings);
     }
     system.enter_distances(time, state, &mode, at);
-    system.enter_pressures(state, &mut at.network);
+    system.piping.enter_pressures(state, &mut at.network);
     let pressures: Vec<Number> = at.network.nodes.iter().map(|node| node.pressure).collect();
     network.enter(&pressures, &mut mode.network);
     // A compressor rests: what it delivers on average is an input.
