@@ -3,19 +3,20 @@
 use crate::peer::{Peer, Solution};
 use crate::problem::{Problem, SAMPLE_INTERVAL};
 use mckibben::simulation::system::HybridSystem;
-use mckibben::simulation::{Counts, Integrator, RigSystem, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{Counts, Integrator, RigSystem, simulate};
 use std::hint::black_box;
 use std::time::Instant;
 
 /// `mckibben::simulation::simulate` and the rows of its trajectory at the sample instants.
 pub struct Ours;
 
-fn run(problem: &Problem, tolerance: f64) -> Result<Trajectory, String> {
+fn run(problem: &Problem, tolerance: f64) -> Result<RigTrajectory, String> {
     let experiment = &problem.experiment;
     simulate(&experiment.rig, experiment.start, experiment.run.duration, tolerance).map_err(|error| error.to_string())
 }
 
-fn rows(trajectory: &Trajectory) -> Vec<[f64; 2]> {
+fn rows(trajectory: &RigTrajectory) -> Vec<[f64; 2]> {
     trajectory.samples(SAMPLE_INTERVAL).map(|row| [row.length, row.pressure.0]).collect()
 }
 
@@ -41,7 +42,7 @@ impl Peer for Ours {
 
     fn solve(&self, problem: &Problem, tolerance: f64, repeats: u32) -> Result<Solution, String> {
         let trajectory = run(problem, tolerance)?;
-        let counts = trajectory.counts();
+        let counts = trajectory.statistics();
         let samples = rows(&trajectory);
         let seconds = shortest(repeats, || run(problem, tolerance).map(|trajectory| rows(&trajectory)));
         Ok(Solution { seconds, evaluations: counts.evaluations, steps: steps(&counts), events: counts.events, samples })
@@ -77,7 +78,7 @@ impl Profile {
             simulation,
             rows: shortest(Ours.repeats(), || rows(&trajectory)),
             rates: rates_alone(problem, tolerance)?,
-            counts: trajectory.counts(),
+            counts: trajectory.statistics(),
         })
     }
 }

@@ -106,7 +106,7 @@ pub fn scenarios(folder: &Path, names: &[&str]) -> Result<(), String> {
         let mut line = format!("{name:<20}");
         for tolerance in [1e-6, 1e-8, 1e-10] {
             let run = || simulate(&experiment.rig, experiment.start, duration, tolerance);
-            let counts = run().map_err(|error| error.to_string())?.counts();
+            let counts = run().map_err(|error| error.to_string())?.statistics();
             let cost = shortest(Ours.repeats(), run) * 1e6 / duration;
             line += &format!(" {:>20}", format!("{cost:.1} ({:.0})", counts.evaluations as f64 / duration));
         }

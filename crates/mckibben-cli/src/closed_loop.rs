@@ -4,10 +4,8 @@ use crate::engine::Way;
 use crate::engine::{self, Outcome};
 use mckibben::Error;
 use mckibben::control::{Quantity, SetPoint};
-use mckibben::simulation::{
-    Actuation, Consumer, Controlled, ControlledStepper, Decision, Rig, RunEnd, Sample, SampleTimes, Trajectory,
-    simulate_controlled_into, simulate_controlled_watched,
-};
+use mckibben::plant::{RigConsumer, RigPlant, RigRunEnd, RigTrajectory};
+use mckibben::simulation::{Actuation, ControlledStepper, Decision, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
 use mckibben_scenario::{ControlledExperiment, Engine, Experiment};
 use std::cell::RefCell;
@@ -26,7 +24,7 @@ pub struct Closed {
     /// The sampling instants in s.
     instants: Vec<f64>,
     /// By the event-located engine.
-    trajectory: Option<Trajectory>,
+    trajectory: Option<RigTrajectory>,
 }
 
 /// A set point and what was measured of its quantity, at the sampling instants.
@@ -95,7 +93,7 @@ pub fn close(of: &ControlledExperiment, reached: &mut dyn FnMut(f64) -> Result<(
     let run = &of.experiment.run;
     let mut way = Way::begin(run);
     if run.engine == Engine::EventLocated {
-        way = way.keeping(of.experiment.rig.bytes_per_step());
+        way = way.keeping(RigPlant::new(&of.experiment.rig).plant().bytes_per_step());
     }
     close_watched(of, |time| {
         way.kept(time);
@@ -103,33 +101,29 @@ pub fn close(of: &ControlledExperiment, reached: &mut dyn FnMut(f64) -> Result<(
     })
 }
 
-/// Runs the closed loop by the event-located engine and hands each accepted step to `consumer`; of the run nothing is kept but
+/// Runs the closed loop, with its plant, by the event-located engine and hands each accepted step to `consumer`; of the run nothing is kept but
 /// what the controller did, which is added to `goals` and not to the result. A goal has what was decided before a step when the step is handed on.
 ///
 /// # Errors
 /// What the core finds, and what the consumer fails by.
 pub(crate) fn stream(
     of: &ControlledExperiment,
+    plant: &RigPlant,
     goals: &Goals,
-    consumer: &mut Consumer<'_>,
-) -> Result<(RunEnd, Closed), Error> {
+    consumer: &mut RigConsumer<'_>,
+) -> Result<(RigRunEnd, Closed), Error> {
     let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
     let (run, mut instants, mut way) = (experiment.run, Vec::new(), Way::begin(&experiment.run));
-    let end = simulate_controlled_into(
-        &experiment.rig,
-        experiment.start,
-        (run.duration, run.relative_tolerance),
-        law,
-        (*sampling, *sensors),
-        &mut |step| {
-            way.at(step.end());
-            consumer(step)
-        },
-        &mut |decision| {
+    let driver = plant.driver(law.clone(), (*sampling, *sensors))?;
+    let end = plant.stream(&experiment.start, (run.duration, run.relative_tolerance), Some(driver), &mut |step| {
+        way.at(step.end());
+        consumer(step)?;
+        if let Some(decision) = step.decision() {
             instants.push(decision.seen.time);
             add(&mut goals.borrow_mut(), of, &decision);
-        },
-    )?;
+        }
+        Ok(())
+    })?;
     let experiment = Experiment { rig: end.rig.clone(), ..experiment.clone() };
     Ok((end, Closed { experiment, goals: Vec::new(), instants, trajectory: None }))
 }
@@ -152,10 +146,10 @@ pub fn close_watched(
     };
     match run.engine {
         Engine::EventLocated => {
-            let span = (run.duration, run.relative_tolerance);
-            let Controlled { trajectory, decisions } =
-                simulate_controlled_watched(rig, start, span, law, (*sampling, *sensors), watch)?;
-            Ok(closed(&trajectory.rig().clone(), &decisions, Some(trajectory)))
+            let plant = RigPlant::new(rig);
+            let driver = plant.driver(law.clone(), (*sampling, *sensors))?;
+            let trajectory = plant.record(&start, (run.duration, run.relative_tolerance), Some(driver), &mut watch)?;
+            Ok(closed(&trajectory.rig().clone(), &trajectory.decisions(), Some(trajectory)))
         }
         Engine::FixedStep => {
             let (step, _) = experiment.step()?;
@@ -214,7 +208,7 @@ pub(crate) fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Go
 
 impl Closed {
     /// The run, where it is kept: by the event-located engine.
-    pub fn located(&self) -> Option<&Trajectory> {
+    pub fn located(&self) -> Option<&RigTrajectory> {
         self.trajectory.as_ref()
     }
 

@@ -11,18 +11,16 @@
 use crate::progress::Progress;
 use crate::quantities::{self, given};
 use mckibben::Error;
+use mckibben::plant::{RigConsumer, RigPlant, RigRunEnd, RigTrajectory, STEPS_WATCHED};
 use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{
-    Consumer, FixedStepper, Rig, RunEnd, STEPS_WATCHED, Sample, SampleTimes, Trajectory, simulate_into,
-    simulate_watched, steps_between,
-};
+use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, steps_between};
 use mckibben_scenario::{Engine, Experiment, Run};
 
 /// A finished run.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// By the event-located engine.
-    Located(Box<Trajectory>),
+    Located(Box<RigTrajectory>),
     /// By the fixed-step engine.
     Stepped {
         /// What is repeated to read it.
@@ -51,9 +49,10 @@ pub fn run(
     let run = &experiment.run;
     match run.engine {
         Engine::EventLocated => {
-            let (rig, start) = (&experiment.rig, experiment.start);
-            let mut way = Way::begin(run).keeping(rig.bytes_per_step());
-            let trajectory = simulate_watched(rig, start, run.duration, run.relative_tolerance, |time| {
+            let of = RigPlant::new(&experiment.rig);
+            let mut way = Way::begin(run).keeping(of.plant().bytes_per_step());
+            let span = (run.duration, run.relative_tolerance);
+            let trajectory = of.record(&experiment.start, span, None, &mut |time| {
                 way.kept(time);
                 reached(time)
             })?;
@@ -72,13 +71,13 @@ pub fn run(
     }
 }
 
-/// Runs an experiment by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
+/// Runs an experiment, with its plant, by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
 ///
 /// # Errors
 /// As [`run`], and those of the consumer.
-pub fn stream(experiment: &Experiment, consumer: &mut Consumer<'_>) -> Result<RunEnd, Error> {
+pub fn stream(experiment: &Experiment, of: &RigPlant, consumer: &mut RigConsumer<'_>) -> Result<RigRunEnd, Error> {
     let (run, mut way) = (&experiment.run, Way::begin(&experiment.run));
-    simulate_into(&experiment.rig, experiment.start, run.duration, run.relative_tolerance, &mut |step| {
+    of.stream(&experiment.start, (run.duration, run.relative_tolerance), None, &mut |step| {
         way.at(step.end());
         consumer(step)
     })

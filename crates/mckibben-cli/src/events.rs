@@ -8,7 +8,8 @@
 use crate::engine::Outcome;
 use crate::failure::Failure;
 use crate::terminal::{FAINT, styled};
-use mckibben::simulation::{Event, EventKind, Extent, Mode, Sliding};
+use mckibben::plant::RigEvent;
+use mckibben::simulation::{EventKind, Extent, Mode, Sliding};
 use mckibben::valve::FlowZone;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -21,7 +22,7 @@ pub(crate) const OF_ACTUATOR: [&str; 6] =
     ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
 
 /// The events of a run, or `None` where the engine keeps no log of them.
-pub fn of(outcome: &Outcome) -> Option<&[Event]> {
+pub fn of(outcome: &Outcome) -> Option<&[RigEvent]> {
     match outcome {
         Outcome::Located(trajectory) => Some(trajectory.events()),
         Outcome::Stepped { .. } => None,
@@ -29,7 +30,7 @@ pub fn of(outcome: &Outcome) -> Option<&[Event]> {
 }
 
 /// How many events of each kind there are.
-pub fn counts(events: &[Event]) -> BTreeMap<EventKind, u64> {
+pub fn counts(events: &[RigEvent]) -> BTreeMap<EventKind, u64> {
     let mut counts = BTreeMap::new();
     for event in events {
         *counts.entry(event.kind).or_insert(0) += 1;
@@ -38,7 +39,7 @@ pub fn counts(events: &[Event]) -> BTreeMap<EventKind, u64> {
 }
 
 /// The log as a table for people.
-pub fn table(events: &[Event]) -> String {
+pub fn table(events: &[RigEvent]) -> String {
     let mut text = styled(FAINT, format!("{:>16}  {:<12}  {}", "time (s)", "event", "then")) + "\n";
     for event in events {
         let after = &event.after;
@@ -65,10 +66,10 @@ pub struct Log {
 
 impl Log {
     /// The log of an actuator's run.
-    pub fn new(events: &[Event]) -> Self {
+    pub fn new(events: &[RigEvent]) -> Self {
         let columns = ["event"].into_iter().chain(OF_ACTUATOR).map(str::to_owned).collect();
         let row =
-            |event: &Event| [event.kind.name()].into_iter().chain(words(&event.after)).map(Cow::Borrowed).collect();
+            |event: &RigEvent| [event.kind.name()].into_iter().chain(words(&event.after)).map(Cow::Borrowed).collect();
         let times = events.iter().map(|event| event.time).collect();
         Self { columns, times, rows: events.iter().map(row).collect() }
     }

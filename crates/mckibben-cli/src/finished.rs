@@ -20,7 +20,7 @@ use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::plot::Figure;
 use crate::portrait::{self, Over};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
-use mckibben::plant::{JointPlant, PlantReader, PlantSample};
+use mckibben::plant::{JointPlant, PlantReader, PlantSample, RigPlant};
 use mckibben::simulation::{JointRig, JointSample, Readable, Reading, Sample, SampleTimes};
 use mckibben_scenario::{
     ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, PlantExperiment,
@@ -179,31 +179,33 @@ impl Ready {
         let shown = |error: mckibben::Error| Failure::of_core(&error, document);
         match self {
             Self::Actuator(experiment) => {
-                let mut observer = Observer::new(&experiment);
+                let plant = RigPlant::new(&experiment.rig);
+                let mut observer = Observer::new(Some(&plant), &experiment);
                 let fields = of_controlled(&experiment.rig, &Goals::default());
                 let end = through(target, &fields, &run, shown, |take| {
-                    let end = engine::stream(&experiment, &mut |step| {
+                    let end = engine::stream(&experiment, &plant, &mut |step| {
                         observer.step(step);
                         take(step)
                     })?;
                     Ok((end.sample, end))
                 })?;
-                let observation = observer.finish(&end);
+                let observation = observer.finish(end.sample, &end.run);
                 Ok(Figures::Actuator(Box::new(ActuatorFigures { experiment: *experiment, observation, control: None })))
             }
             Self::Controlled(of) => {
-                let mut observer = Observer::new(&of.experiment);
+                let plant = RigPlant::new(&of.experiment.rig);
+                let mut observer = Observer::new(Some(&plant), &of.experiment);
                 let goals = Goals::new(closed_loop::begin_goals(&of).into());
                 let fields = of_controlled(&of.experiment.rig, &goals);
                 let (end, mut closed) = through(target, &fields, &run, shown, |take| {
-                    let (end, closed) = closed_loop::stream(&of, &goals, &mut |step| {
+                    let (end, closed) = closed_loop::stream(&of, &plant, &goals, &mut |step| {
                         observer.step(step);
                         take(step)
                     })?;
                     Ok((end.sample, (end, closed)))
                 })?;
                 closed.goals = goals.take();
-                let (experiment, observation) = (closed.experiment.clone(), observer.finish(&end));
+                let (experiment, observation) = (closed.experiment.clone(), observer.finish(end.sample, &end.run));
                 let figures = ActuatorFigures { experiment, observation, control: Some(closed) };
                 Ok(Figures::Actuator(Box::new(figures)))
             }
@@ -462,7 +464,7 @@ impl Finished {
         Ok(match self {
             Self::Actuator(of) => {
                 let ActuatorRun { experiment, outcome, control } = of.as_ref();
-                let observation = observer.unwrap_or_else(|| Observer::new(experiment)).finish_of(outcome)?;
+                let observation = observer.unwrap_or_else(|| Observer::new(None, experiment)).finish_of(outcome)?;
                 let (experiment, control) = (experiment.clone(), control.clone());
                 Figures::Actuator(Box::new(ActuatorFigures { experiment, observation, control }))
             }

@@ -6,10 +6,9 @@
 use crate::engine::Outcome;
 use mckibben::Actuator;
 use mckibben::air::Flow;
-use mckibben::simulation::{
-    AcceptedStep, CircuitAudit, Counts, EnergyAudit, EventKind, Extent, FixedStepper, Ledger, Mode, Readable, Reading,
-    RunEnd, Sample, SampleTimes,
-};
+use mckibben::engine::Statistics;
+use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantRun, RigPlant, RigStep};
+use mckibben::simulation::{EventKind, Extent, FixedStepper, Mode, Readable, Reading, Sample, SampleTimes};
 use mckibben::valve::Command;
 use mckibben_scenario::Experiment;
 use std::collections::BTreeMap;
@@ -124,13 +123,13 @@ pub struct Ripple {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Located {
     /// Steps, evaluations and events.
-    pub counts: Counts,
+    pub counts: Statistics,
     /// How many events of each kind there were.
     pub events: BTreeMap<EventKind, u64>,
-    /// Where the work of the gas went.
-    pub work: EnergyAudit,
-    /// Where the exergy of the supply's air went, where there is an account of it.
-    pub circuit: Option<CircuitAudit>,
+    /// Where the work of the gas and the exergy of the supply's air went.
+    pub ledger: PlantLedger,
+    /// Whether the actuator has a valve, through which it draws air.
+    pub draws: bool,
 }
 
 /// What only the fixed-step engine gives.
@@ -174,14 +173,14 @@ const LEAST_SAMPLES: f64 = 5000.0;
 type Times = Box<dyn Iterator<Item = f64> + Send>;
 
 /// Observes a run on its way.
-pub struct Observer {
+pub struct Observer<'p> {
     first: Option<Sample>,
     last: Option<Sample>,
     extremes: Extremes,
     air: AirUse,
     window: Option<Window>,
-    /// Of an event-located run.
-    ledger: Ledger,
+    /// Of a run by the event-located engine.
+    ledger: Option<PlantLedgerKeeper<'p>>,
     events: BTreeMap<EventKind, u64>,
     /// Time in s of the last event, until the step that holds it.
     event: Option<f64>,
@@ -258,9 +257,9 @@ impl Window {
     }
 }
 
-impl Observer {
-    /// Begins to observe a run.
-    pub fn new(experiment: &Experiment) -> Self {
+impl<'p> Observer<'p> {
+    /// Begins to observe a run: by the event-located engine, of its plant.
+    pub fn new(of: Option<&'p RigPlant>, experiment: &Experiment) -> Self {
         let (window, end) = (Window::of(experiment), experiment.run.duration);
         // A long step, as of a mass in free flight, may hold an extreme between two of its points; and no figure may
         // contradict the file.
@@ -275,7 +274,7 @@ impl Observer {
             extremes: Extremes::NONE,
             air: AirUse::default(),
             window,
-            ledger: Ledger::new(&experiment.rig),
+            ledger: of.map(|of| PlantLedgerKeeper::new(of.plant(), experiment.run.relative_tolerance)),
             events: BTreeMap::new(),
             event: None,
             samples: Reading::new(Box::new(SampleTimes::new(end, interval).times()), end),
@@ -300,11 +299,15 @@ impl Observer {
     }
 
     /// Observes an accepted step of the event-located engine.
-    pub fn step(&mut self, step: &AcceptedStep<'_>) {
+    pub fn step(&mut self, step: &RigStep<'_>) {
         let Self { first, extremes, air, window, ledger, events, event, samples, points, .. } = self;
-        ledger.step(step);
-        step.quadrature(|_, sample, _| extremes.see(sample));
-        step.valve_flows(|weight, flows| air.see(weight, flows));
+        if let Some(ledger) = ledger {
+            ledger.step(step.plant());
+        }
+        step.quadrature(|weight, sample, flows| {
+            extremes.see(sample);
+            air.see(weight, flows);
+        });
         let read = |sample: &Sample| {
             first.get_or_insert(*sample);
             extremes.see(sample);
@@ -328,17 +331,21 @@ impl Observer {
     }
 
     /// The figures of a run of the event-located engine that has come to its end.
-    pub fn finish(mut self, end: &RunEnd) -> Observation {
-        let (work, circuit) = self.ledger.finish(end);
-        self.extremes.see(&end.sample);
+    pub fn finish(mut self, last: Sample, run: &PlantRun) -> Observation {
+        let ledger = self.ledger.take().map(|ledger| ledger.finish(run)).unwrap_or_default();
+        self.close(last, (run.statistics(), !run.plant().network().valves.is_empty()), ledger)
+    }
+
+    fn close(mut self, last: Sample, (counts, draws): (Statistics, bool), ledger: PlantLedger) -> Observation {
+        self.extremes.see(&last);
         let ripple = self.window.as_ref().and_then(Window::ripple);
         Observation {
-            first: self.first.unwrap_or(end.sample),
-            last: end.sample,
+            first: self.first.unwrap_or(last),
+            last,
             extremes: self.extremes,
             air: self.air,
             ripple,
-            located: Some(Located { counts: end.counts, events: self.events, work, circuit }),
+            located: Some(Located { counts, events: self.events, ledger, draws }),
             steps: None,
         }
     }
@@ -350,11 +357,14 @@ impl Observer {
     pub fn finish_of(mut self, outcome: &Outcome) -> Result<Observation, mckibben::Error> {
         match outcome {
             Outcome::Located(trajectory) => {
-                let end = trajectory.replay(&mut |step| {
+                self.ledger = None;
+                trajectory.replay(&mut |step| {
                     self.step(step);
                     Ok(())
                 })?;
-                Ok(self.finish(&end))
+                let draws = trajectory.rig().actuation().is_some();
+                let last = trajectory.at(trajectory.duration());
+                Ok(self.close(last, (trajectory.statistics(), draws), trajectory.ledger()))
             }
             Outcome::Stepped { experiment, step, chosen, steps, .. } => {
                 // The engine shows at least its start; the stand-in keeps this free of a panic.

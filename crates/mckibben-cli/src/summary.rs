@@ -8,8 +8,7 @@ use crate::quantities::{self, common_prefix, count, given};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
 use mckibben::engine::Statistics;
-use mckibben::plant::PlantLedger;
-use mckibben::simulation::{CircuitAudit, Counts, EnergyAudit};
+use mckibben::plant::{Balance, PlantLedger};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
 use std::cell::{Cell, RefCell};
@@ -61,10 +60,10 @@ impl Summary<'_> {
         }
         self.air(page);
         if let Some(located) = &self.observation.located {
-            energy(page, &located.work);
-            if let Some(audit) = &located.circuit {
-                let sums = [audit.residual(), audit.turnover(), audit.rounding()];
-                circuit(page, &Exergy::of_circuit(audit), self.experiment.rig.actuator().air().process(), sums);
+            energy(page, &located.ledger);
+            if located.draws {
+                let process = self.experiment.rig.actuator().air().process();
+                circuit(page, &Exergy::of_plant(&located.ledger), process, sums(&located.ledger.exergy()));
             }
         }
         page.finish(&assumptions(self.assumed))
@@ -214,7 +213,7 @@ pub(crate) fn effort(page: &Page, samples: usize, requests: &str, air: Option<&s
 }
 
 /// What a run of the event-located engine cost.
-pub(crate) fn cost(counts: Counts) -> String {
+pub(crate) fn cost(counts: Statistics) -> String {
     let steps = count(counts.explicit_steps + counts.implicit_steps);
     let implicit = match counts.implicit_steps {
         0 => String::new(),
@@ -275,11 +274,18 @@ fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
     )
 }
 
-fn energy(page: &Page, audit: &EnergyAudit) {
+/// What does not close of a sum, the turnover, and what rounding may leave.
+pub(crate) fn sums(of: &Balance) -> [f64; 3] {
+    [of.residual, of.turnover, of.rounding]
+}
+
+fn energy(page: &Page, ledger: &PlantLedger) {
+    let ([audit], [load]) = (&ledger.actuators[..], &ledger.mechanisms[..]) else { return };
+    let (work, to_load) = (ledger.work(), load.kinetic + load.potential + load.driven);
     page.heading("Energy");
     let named = [
         ("gas work", audit.gas_work, "by the gauge pressure"),
-        ("to the load", audit.load, "kinetic and potential, or the work on a prescribed motion"),
+        ("to the load", to_load, "kinetic and potential, or the work on a prescribed motion"),
         ("stored", audit.braid_storage, "in the taut braid"),
         ("stored", audit.tendon_storage, "in the tendon in series"),
         ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
@@ -295,14 +301,14 @@ fn energy(page: &Page, audit: &EnergyAudit) {
             "taken by an effectiveness other than 1, or a law beside virtual work",
         ),
     ];
-    let turnover = audit.turnover();
+    let turnover = work.turnover;
     let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
     for (index, (name, value, where_to)) in named.into_iter().enumerate() {
         if index < 2 || value.abs() > 1e-12 * turnover {
             page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
         }
     }
-    residual(page, [audit.residual(), turnover, audit.rounding]);
+    residual(page, sums(&work));
 }
 
 /// Exergy of the air from the supply and where it went, in J.
@@ -321,12 +327,6 @@ pub(crate) struct Exergy {
 }
 
 impl Exergy {
-    pub(crate) fn of_circuit(of: &CircuitAudit) -> Self {
-        let CircuitAudit { drawn, compressor, stored, exhaust, throttled, mixed, heat, work, .. } = *of;
-        let (gas_work, work) = (work.gas_work, work.load);
-        Self { drawn, gas_work, stored, exhaust, throttled, mixed, heat, compressor, work }
-    }
-
     pub(crate) fn of_plant(of: &PlantLedger) -> Self {
         let of = of.total();
         Self {
@@ -341,12 +341,6 @@ impl Exergy {
             work: of.work,
         }
     }
-}
-
-/// Steps, evaluations and events of a plant's run.
-pub(crate) fn counts(of: Statistics) -> Counts {
-    let Statistics { explicit_steps, implicit_steps, rejected_steps, evaluations, events } = of;
-    Counts { explicit_steps, implicit_steps, rejected_steps, evaluations, events }
 }
 
 /// Where the exergy of the air from the supply went; with what does not close, the turnover, and what rounding may leave, in J.

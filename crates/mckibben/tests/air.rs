@@ -2,7 +2,7 @@
 
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::{Air, Chamber, Flow, Process};
-use mckibben::simulation::Trajectory;
+use mckibben::plant::RigTrajectory;
 use mckibben::valve::{Command, ExhaustTemperature, Request};
 use mckibben::{AbsolutePressure, Error};
 use proptest::prelude::*;
@@ -115,7 +115,7 @@ fn charging_ends_at_the_temperatures_of_the_model() {
     }
 }
 
-fn invariant(run: &Trajectory, index: f64) -> Vec<f64> {
+fn invariant(run: &RigTrajectory, index: f64) -> Vec<f64> {
     run.samples(1e-3).map(|s| s.pressure.0 * (s.volume / s.air_mass).powf(index)).collect()
 }
 

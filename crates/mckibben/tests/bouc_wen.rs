@@ -1,5 +1,6 @@
 //! Hysteresis of Bouc and Wen with exponent one. As in `hysteresis.rs` the pressure does not change.
 
+use crate::common::accounts::Audited;
 use crate::common::{
     GRAVITY, LB, Paper, assert_close, assert_within, between, bisect, runge_kutta, slope, stable_error,
 };

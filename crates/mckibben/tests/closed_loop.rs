@@ -6,14 +6,14 @@ use mckibben::control::{
     Between, Controller, Drive, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint,
     Tracker,
 };
-use mckibben::simulation::{
-    Controlled, ControlledStepper, EventKind, FixedStepper, Method, Rig, simulate, simulate_controlled,
-};
+use mckibben::plant::{RigPlant, RigTrajectory};
+use mckibben::simulation::{ControlledStepper, EventKind, FixedStepper, Method, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
 use mckibben::{Dual, Error, Over};
+use std::fmt::Debug;
 
 /// The same command always.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Fixed(Drive);
 
 impl Controller for Fixed {
@@ -40,18 +40,22 @@ fn sampling(rate: f64, delay: usize) -> Sampling {
     Sampling::new(rate, delay).expect("a rate")
 }
 
-fn run(paper: &Paper, duration: f64, controller: &impl Controller, sampling: Sampling) -> Controlled {
-    let sensors = Sensors::perfect();
-    simulate_controlled(&paper.rig(), paper.start(), duration, 1e-9, controller, (sampling, sensors)).expect("a run")
+fn run<C>(paper: &Paper, duration: f64, controller: &C, sampling: Sampling) -> RigTrajectory
+where
+    C: Controller<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static,
+{
+    let of = RigPlant::new(&paper.rig());
+    let driver = of.driver(controller.clone(), (sampling, Sensors::perfect())).expect("a driver");
+    of.record(&paper.start(), (duration, 1e-9), Some(driver), &mut |_| Ok(())).expect("a run")
 }
 
 #[test]
 fn a_constant_duty_is_the_open_loop_with_seats_at_the_same_instants() {
     let paper = Paper::pwm(25.0, 0.4).gauge(20.0 * PSI);
     let pulses = Fixed(Drive::Pulses { duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust });
-    let closed = run(&paper, 0.5, &pulses, sampling(25.0, 0)).trajectory;
+    let closed = run(&paper, 0.5, &pulses, sampling(25.0, 0));
     let open = paper.run(0.5, 1e-9);
-    let seats = |events: &[mckibben::simulation::Event]| -> Vec<f64> {
+    let seats = |events: &[mckibben::plant::RigEvent]| -> Vec<f64> {
         events.iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect()
     };
     assert_eq!(seats(closed.events()), seats(open.events()));
@@ -70,10 +74,10 @@ fn a_constant_duty_is_the_open_loop_with_seats_at_the_same_instants() {
 fn samples_are_exact_instants_and_effects_come_after_the_delay() {
     for (rate, delay) in [(100.0, 0), (30.0, 1), (100.0, 3)] {
         let controlled = run(&fill_hold_exhaust(), 0.2, &Fixed(Drive::Steady(Request::Fill)), sampling(rate, delay));
-        let times: Vec<f64> = controlled.decisions.iter().map(|decision| decision.seen.time).collect();
+        let times: Vec<f64> = controlled.decisions().iter().map(|decision| decision.seen.time).collect();
         let expected: Vec<f64> = (0..=(0.2 * rate) as u32).map(|k| f64::from(k) / rate).collect();
         assert_eq!(times, expected);
-        let events = controlled.trajectory.events();
+        let events = controlled.events();
         let opened = events.iter().find(|event| event.kind == EventKind::Valve).expect("the valve opens");
         assert_within(opened.time, delay as f64 / rate + 4e-3, 1e-15);
     }
@@ -81,10 +85,9 @@ fn samples_are_exact_instants_and_effects_come_after_the_delay() {
 
 #[test]
 fn what_is_seen_is_the_trajectory_at_the_instant() {
-    let Controlled { trajectory, decisions } =
-        run(&fill_hold_exhaust(), 0.4, &pressure_pid(40.0 * PSI), sampling(50.0, 1));
+    let trajectory = run(&fill_hold_exhaust(), 0.4, &pressure_pid(40.0 * PSI), sampling(50.0, 1));
     let atmosphere = trajectory.rig().actuator().air().atmosphere();
-    for decision in &decisions {
+    for decision in &trajectory.decisions() {
         let truth = trajectory.at(decision.seen.time);
         assert_close(decision.seen.length, truth.length, 1e-12);
         assert_close(decision.seen.pressure.0, truth.pressure.gauge(atmosphere).0, 1e-9);
@@ -96,7 +99,7 @@ fn what_is_seen_is_the_trajectory_at_the_instant() {
 fn the_command_that_was_asked_for_gives_the_same_run_without_the_controller() {
     let paper = fill_hold_exhaust();
     let sampling = sampling(40.0, 1).with_pulse_frequency(70.0).expect("a frequency");
-    let closed = run(&paper, 0.6, &pressure_pid(45.0 * PSI), sampling).trajectory;
+    let closed = run(&paper, 0.6, &pressure_pid(45.0 * PSI), sampling);
     let rig = closed.rig().clone();
     let Some(Command::Table { time, .. }) = rig.actuation().map(|drive| &drive.command) else { panic!("a table") };
     assert!(time.len() > 20 && time.windows(2).all(|pair| pair[0] < pair[1]), "{time:?}");
@@ -111,7 +114,8 @@ fn the_command_that_was_asked_for_gives_the_same_run_without_the_controller() {
 fn integral_action_brings_the_pressure_to_its_set_point() {
     let paper = fill_hold_exhaust().with(|rig| rig.delays = (0.0, 0.0));
     let controlled = run(&paper, 4.0, &pressure_pid(45.0 * PSI), sampling(100.0, 0));
-    let late = controlled.decisions.iter().filter(|decision| decision.seen.time > 3.0);
+    let decisions = controlled.decisions();
+    let late = decisions.iter().filter(|decision| decision.seen.time > 3.0);
     for decision in late {
         assert_close(decision.seen.pressure.0, 45.0 * PSI, 5e-3);
     }
@@ -127,12 +131,13 @@ fn a_relay_rests_within_its_dead_band() {
     let set_point = SetPoint::constant(Quantity::Pressure, 45.0 * PSI).expect("a set point");
     let tracker = Tracker::new(Quantity::Pressure, set_point, Regulator::Relay(relay)).expect("a tracker");
     let controlled = run(&paper, 3.0, &tracker, sampling(500.0, 0));
-    let last = controlled.decisions.last().expect("a decision");
+    let decisions = controlled.decisions();
+    let last = decisions.last().expect("a decision");
     assert_eq!(last.drive, Drive::Steady(Request::Hold));
     assert_within(last.seen.pressure.0, 45.0 * PSI, band);
     // At rest nothing is asked any more: with the valve shut the air stays.
-    let early = controlled.trajectory.at(2.5);
-    assert_close(controlled.trajectory.at(3.0).air_mass, early.air_mass, 1e-13);
+    let early = controlled.at(2.5);
+    assert_close(controlled.at(3.0).air_mass, early.air_mass, 1e-13);
 }
 
 /// The fixed-step engine with a controller, in so many steps.
@@ -159,9 +164,9 @@ fn the_fixed_step_engine_comes_to_the_same_run() {
         let located = run(&paper, 0.5, &controller, sampling(rate, delay));
         let errors = [1_000, 4_000].map(|steps| {
             let stepper = stepped(&paper, &controller, sampling(rate, delay), (0.5, steps));
-            let (last, exact) = (stepper.sample(), located.trajectory.at(0.5));
+            let (last, exact) = (stepper.sample(), located.at(0.5));
             let seen = stepper.decisions().last().expect("a decision").seen;
-            assert_eq!(seen.time, located.decisions.last().expect("a decision").seen.time);
+            assert_eq!(seen.time, located.decisions().last().expect("a decision").seen.time);
             (last.length / exact.length - 1.0).abs().max((last.pressure.0 / exact.pressure.0 - 1.0).abs())
         });
         assert!(errors[1] < 1e-4 && errors[1] < (0.5 * errors[0]).max(1e-6), "{errors:?}");
@@ -191,13 +196,15 @@ fn dual_numbers_carry_the_derivative_by_a_set_point_through_the_loop() {
     let tracker = pressure_pid(target)
         .map(|row, value| if row.key == "controller.gauge_pressure" { D::variable(value, 0) } else { D::of(value) });
     let timing = sampling(50.0, 1).map(|_, value| D::of(value));
-    let controlled =
-        simulate_controlled(&wide, begin, D::of(0.3), 1e-11, &tracker, (timing, Sensors::perfect())).expect("a run");
-    let slope = controlled.trajectory.at(D::of(0.3)).pressure.0.slope[0];
+    let of = RigPlant::new(&wide);
+    let driver = of.driver(tracker, (timing, Sensors::perfect())).expect("a driver");
+    let controlled = of.record(&begin, (D::of(0.3), 1e-11), Some(driver), &mut |_| Ok(())).expect("a run");
+    let slope = controlled.at(D::of(0.3)).pressure.0.slope[0];
     let at = |target: f64| {
-        let loop_of = (sampling(50.0, 1), Sensors::perfect());
-        let run = simulate_controlled(&rig, start, 0.3, 1e-11, &pressure_pid(target), loop_of).expect("a run");
-        run.trajectory.at(0.3).pressure.0
+        let of = RigPlant::new(&rig);
+        let driver = of.driver(pressure_pid(target), (sampling(50.0, 1), Sensors::perfect())).expect("a driver");
+        let run = of.record(&start, (0.3, 1e-11), Some(driver), &mut |_| Ok(())).expect("a run");
+        run.at(0.3).pressure.0
     };
     let step = 20.0;
     let difference = common::slope(step, |by| at(target + by));
@@ -210,7 +217,11 @@ fn what_cannot_be_controlled_is_refused() {
     let refused = |rig: &Rig, paper: &Paper, asked: Request, part: &str| {
         let loop_of = (sampling(50.0, 0), Sensors::perfect());
         let controller = Fixed(Drive::Steady(asked));
-        let error = simulate_controlled(rig, paper.start(), 0.1, 1e-8, &controller, loop_of).expect_err("refused");
+        let of = RigPlant::new(rig);
+        let run = of
+            .driver(controller.clone(), loop_of)
+            .and_then(|driver| of.record(&paper.start(), (0.1, 1e-8), Some(driver), &mut |_| Ok(())));
+        let error = run.expect_err("refused");
         assert!(matches!(error, Error::Misuse { .. }) && error.to_string().contains(part), "{error}");
         let stepper = ControlledStepper::new(rig, paper.start(), Method::Stable, &controller, loop_of);
         assert!(stepper.expect_err("refused").to_string().contains(part));

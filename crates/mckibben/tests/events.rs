@@ -1,11 +1,11 @@
 //! The contract of events, clause by clause: the generic integrator on systems whose events are known in closed form.
 //!
-//! The clauses are those of `mckibben::simulation::event`. Rigs meet the same rules in `tests/stops.rs`.
+//! The clauses are those of `mckibben::engine::event`. Rigs meet the same rules in `tests/stops.rs`.
 
 use crate::common::{GRAVITY, Paper, assert_within};
-use mckibben::simulation::system::{GuardForm, Guards, HybridSystem};
-use mckibben::simulation::{Counts, EventKind, Integrator};
-use mckibben::{Error, Over};
+use mckibben::engine::{GuardForm, Halt, Hybrid, Integrator, Statistics};
+use mckibben::simulation::EventKind;
+use mckibben::{Error, Over, Scalar};
 
 /// `y′ᵢ = constantᵢ + timeᵢ t + Σ matrixᵢⱼ yⱼ`.
 #[derive(Clone, Copy, Default)]
@@ -55,38 +55,45 @@ impl Small {
     }
 }
 
-impl HybridSystem<f64, 2> for Small {
+impl Hybrid<f64> for Small {
     type Mode = Mode;
     type Guard = char;
     type Kind = char;
+    type Work<T: Scalar> = ();
 
-    fn rates<T: Over<f64>>(&self, time: T, state: &[T; 2], mode: &Mode) -> [T; 2] {
+    fn states(&self) -> usize {
+        2
+    }
+    fn work<T: Over<f64>>(&self) {}
+    fn rates<T: Over<f64>>(&self, time: T, state: &[T], mode: &Mode, (): &mut (), rates: &mut [T]) {
         let field = (self.field)(mode.0);
-        core::array::from_fn(|i| {
-            T::constant(field.constant[i])
+        for (i, rate) in rates.iter_mut().enumerate() {
+            *rate = T::constant(field.constant[i])
                 + T::constant(field.time[i]) * time
                 + T::constant(field.matrix[i][0]) * state[0]
-                + T::constant(field.matrix[i][1]) * state[1]
-        })
+                + T::constant(field.matrix[i][1]) * state[1];
+        }
     }
-    fn scales(&self, state: &[f64; 2], _mode: &Mode) -> [f64; 2] {
-        state.map(|value| value.abs() + 0.1 * self.magnitude)
+    fn settling_rate(&self, _state: &[f64], mode: &Mode, (): &mut ()) -> f64 {
+        let field = (self.field)(mode.0);
+        (0..2).fold(0.0, |fastest: f64, i| fastest.max(-field.matrix[i][i]))
+    }
+    fn scales(&self, state: &[f64], _mode: &Mode, scales: &mut [f64]) {
+        for (scale, value) in scales.iter_mut().zip(state) {
+            *scale = value.abs() + 0.1 * self.magnitude;
+        }
     }
     fn next_instant(&self, mode: &Mode, until: f64) -> Option<f64> {
         self.instants.get(mode.1).copied().filter(|instant| *instant <= until)
     }
-    fn pass_instant(&self, _time: f64, _state: &mut [f64; 2], mode: &mut Mode) -> Result<char, Error> {
+    fn pass_instant(&self, _time: f64, _state: &mut [f64], mode: &mut Mode, (): &mut ()) -> Result<char, Error> {
         mode.1 += 1;
         Ok('i')
     }
-    fn guards(&self, mode: &Mode) -> Guards<char> {
-        let mut guards = Guards::new();
-        for watch in (self.watches)(mode.0) {
-            guards.add(watch.name, watch.form);
-        }
-        guards
+    fn guards(&self, mode: &Mode, guards: &mut Vec<(char, GuardForm)>) {
+        *guards = (self.watches)(mode.0).iter().map(|watch| (watch.name, watch.form)).collect();
     }
-    fn guard<T: Over<f64>>(&self, guard: char, _time: T, state: &[T; 2], mode: &Mode) -> T {
+    fn guard<T: Over<f64>>(&self, guard: char, _time: T, state: &[T], mode: &Mode, (): &mut ()) -> T {
         let watch = (self.watches)(mode.0).into_iter().find(|watch| watch.name == guard).expect("an armed guard");
         let value = |index: usize, bound: f64| state[index] - T::constant(bound);
         match watch.form {
@@ -98,13 +105,21 @@ impl HybridSystem<f64, 2> for Small {
             }
         }
     }
-    fn cross(&self, guard: char, _time: f64, state: &mut [f64; 2], mode: &mut Mode) -> Result<char, Error> {
+    fn cross(&self, guard: char, _time: f64, state: &mut [f64], mode: &mut Mode, (): &mut ()) -> Result<char, Error> {
         mode.0 += 1;
-        (self.reset)(guard, state);
+        let mut both = [state[0], state[1]];
+        (self.reset)(guard, &mut both);
+        state.copy_from_slice(&both);
         Ok(guard)
     }
-    fn stuck(&self, time: f64, _state: &[f64; 2], _mode: &Mode) -> Error {
-        Error::Stopped { time, reason: "stuck", quantity: "height", value: 0.0, unit: "m", remedy: "none" }
+    fn project(&self, _time: f64, _state: &mut [f64], _mode: &Mode, (): &mut ()) {}
+    fn halts(&self, time: f64, _state: &[f64], why: Halt, _event: Option<char>) -> Error {
+        let reason = match why {
+            Halt::Events => "events",
+            Halt::Step(_) => "step",
+            Halt::Crawls(_) => "crawls",
+        };
+        Error::Stopped { time, reason, quantity: "height", value: 0.0, unit: "m", remedy: "none" }
     }
 }
 
@@ -113,23 +128,27 @@ struct Log {
     events: Vec<(f64, char)>,
     state: [f64; 2],
     mode: Mode,
-    counts: Counts,
+    counts: Statistics,
 }
 
 fn try_run(system: &Small, state: [f64; 2], until: f64) -> Result<Log, Error> {
-    let mut integrator = Integrator::new(system, 0.0, state, (0, 0), until, 1e-9);
+    let mut integrator = Integrator::new(system, 0.0, &state, (0, 0), until, 1e-9);
     let mut events = Vec::new();
     let mut reached = 0.0;
-    while let Some(piece) = integrator.advance()? {
+    let mut before = (0, 0);
+    while integrator.advance()? {
+        let piece = integrator.piece();
         assert!(piece.end >= reached, "time goes back from {reached} to {}", piece.end);
         reached = piece.end;
         if let Some((kind, after)) = piece.event {
-            assert_ne!(piece.mode, after, "a piece has the mode before its event");
+            assert_ne!(before, *after, "an event changes the mode");
+            before = *after;
             events.push((piece.end, kind));
         }
     }
     assert_eq!(integrator.time(), until);
-    Ok(Log { events, state: *integrator.state(), mode: *integrator.mode(), counts: integrator.counts() })
+    let state = [integrator.state()[0], integrator.state()[1]];
+    Ok(Log { events, state, mode: *integrator.mode(), counts: integrator.statistics() })
 }
 
 fn run(system: &Small, state: [f64; 2], until: f64) -> Log {
@@ -221,8 +240,9 @@ fn clause_3_touching_zero_and_leaving_again_is_no_event() {
         assert_eq!(names(&log), "", "{:?}", log.events);
         // A dip a hundred-thousandth wide is found, though the step is 3 s.
         let dipping = Small::new(touching, watch);
-        let mut integrator = Integrator::new(&dipping, 0.0, [1.0 - 1e-10, 0.0], (0, 0), 3.0, 1e-9);
-        let piece = integrator.advance().expect("a step").expect("a piece");
+        let mut integrator = Integrator::new(&dipping, 0.0, &[1.0 - 1e-10, 0.0], (0, 0), 3.0, 1e-9);
+        assert!(integrator.advance().expect("a step"));
+        let piece = integrator.piece();
         assert!(piece.event.is_some());
         // The depth of 1e-10 is the difference of numbers near one, so the place is good to 1e-16/1e-5.
         assert_within(piece.end, 1.0 - 1e-5, 1e-10);
@@ -242,11 +262,14 @@ fn clause_4_one_step_may_span_the_start_and_the_next_crossing() {
     // v = 2t² − 2t: zero at the start, negative, zero again at t = 1. Twelve evaluations take one step over all of it.
     let field = |_| Field { matrix: [[0.0, 1.0], [0.0, 0.0]], constant: [0.0, -2.0], time: [0.0, 4.0] };
     let system = Small::new(field, |crossed| if crossed == 0 { vec![below('r', 1, 0.0)] } else { Vec::new() });
-    let mut integrator = Integrator::new(&system, 0.0, [5.0, 0.0], (0, 0), 10.0, 1e-9);
-    let piece = integrator.advance().expect("a step").expect("a piece");
+    let mut integrator = Integrator::new(&system, 0.0, &[5.0, 0.0], (0, 0), 10.0, 1e-9);
+    assert!(integrator.advance().expect("a step"));
+    let piece = integrator.piece();
     assert_eq!(piece.arc.step, 10.0, "the step did span both zeros");
     assert_within(piece.end, 1.0, 1e-13);
-    assert_within(piece.arc.at(piece.arc.theta(1.0))[1], 0.0, 1e-13);
+    let mut state = [0.0; 2];
+    piece.arc.at((1.0 - piece.arc.start) / piece.arc.step, &mut state);
+    assert_within(state[1], 0.0, 1e-13);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use crate::common;
 use crate::common::laws;
 
+use common::accounts::Audited;
 use common::{PSI, Paper, assert_close, assert_within, slope, spread};
 use mckibben::force::{ForceMap, MAX_MAP, Piece, StaticForce};
 use mckibben::simulation::{EventKind, FixedStepper, Method};

@@ -3,11 +3,13 @@
 //! The pressure is that of a chamber so large that it does not change, so that the static force and the secant stiffness
 //! depend on the length alone and every loop has a closed form.
 
+use crate::common::accounts::Audited;
 use crate::common::{ATMOSPHERE, GRAVITY, LB, Paper, assert_close, assert_within, slope, stable_error};
 use mckibben::air::Process;
 use mckibben::friction::{Coulomb, Hysteresis, MaxwellSlip, Memory};
 use mckibben::load::{Load, Motion};
-use mckibben::simulation::{EventKind, FixedStepper, Method, SampleTimes, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{EventKind, FixedStepper, Method, SampleTimes, simulate};
 use mckibben::{Dual, Error, Over};
 use std::f64::consts::PI;
 
@@ -40,7 +42,7 @@ fn virgin(x: f64) -> f64 {
 }
 
 /// Tension less the static force, over the secant stiffness (13).
-fn width_at(paper: &Paper, run: &Trajectory, time: f64) -> f64 {
+fn width_at(paper: &Paper, run: &RigTrajectory, time: f64) -> f64 {
     let (sample, actuator) = (run.at(time), paper.actuator());
     let resting: f64 = actuator.static_force(sample.length, sample.pressure.0);
     (sample.tension - resting) / actuator.secant_stiffness::<f64>(sample.length, sample.pressure.0)

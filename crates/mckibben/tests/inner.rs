@@ -1,11 +1,11 @@
 //! Modules that no user sees, with the tests inside them. They are compiled here by themselves: a test build of the whole core
 //! would take minutes for them.
 
-// What they take from the core by `crate::scalar`.
+#[allow(dead_code, unreachable_pub, reason = "what only the engines use")]
+#[path = "../src/engine/bernstein.rs"]
+mod bernstein;
+// What it takes from the core by `crate::scalar`.
 use mckibben::scalar;
 
-#[allow(dead_code, unreachable_pub, reason = "what only the engines use")]
-#[path = "../src/simulation/arc.rs"]
-mod arc;
 #[path = "../src/root.rs"]
 mod root;

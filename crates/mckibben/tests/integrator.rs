@@ -1,10 +1,8 @@
 //! The integrator: error against tolerance on problems in closed form, order of the dense output, and a stiff decay.
 
 use crate::common::{assert_close, assert_within};
-use mckibben::Error;
-use mckibben::Over;
-use mckibben::simulation::system::{Guards, HybridSystem};
-use mckibben::simulation::{Counts, Integrator};
+use mckibben::engine::{GuardForm, Halt, Hybrid, Integrator, Statistics};
+use mckibben::{Error, Over, Scalar};
 
 /// Which problem.
 #[derive(Clone, Copy, Debug)]
@@ -41,59 +39,77 @@ impl Problem {
     }
 }
 
-impl HybridSystem<f64, 2> for Problem {
+impl Hybrid<f64> for Problem {
     type Mode = ();
     type Guard = ();
     type Kind = ();
+    type Work<T: Scalar> = ();
 
-    fn rates<T: Over<f64>>(&self, time: T, [a, b]: &[T; 2], (): &()) -> [T; 2] {
-        let (a, b) = (*a, *b);
+    fn states(&self) -> usize {
+        2
+    }
+    fn work<T: Over<f64>>(&self) {}
+    fn rates<T: Over<f64>>(&self, time: T, state: &[T], (): &(), (): &mut (), rates: &mut [T]) {
+        let (a, b) = (state[0], state[1]);
+        (rates[0], rates[1]) = match self {
+            Self::Oscillator => (b, -a),
+            Self::Growth => (a * (T::one() - a), -(b * b)),
+            Self::Stiff => (-T::constant(LAMBDA) * (a - time.cos()), -b),
+        };
+    }
+    fn settling_rate(&self, state: &[f64], (): &(), (): &mut ()) -> f64 {
         match self {
-            Self::Oscillator => [b, -a],
-            Self::Growth => [a * (T::one() - a), -(b * b)],
-            Self::Stiff => [-T::constant(LAMBDA) * (a - time.cos()), -b],
+            Self::Oscillator => 0.0,
+            Self::Growth => f64::max(2.0 * state[0] - 1.0, 2.0 * state[1]),
+            Self::Stiff => LAMBDA,
         }
     }
-    fn scales(&self, state: &[f64; 2], _mode: &Self::Mode) -> [f64; 2] {
-        state.map(|value| value.abs() + 0.1)
+    fn scales(&self, state: &[f64], (): &(), scales: &mut [f64]) {
+        for (scale, value) in scales.iter_mut().zip(state) {
+            *scale = value.abs() + 0.1;
+        }
     }
     fn next_instant(&self, (): &(), _until: f64) -> Option<f64> {
         None
     }
-    fn pass_instant(&self, _time: f64, _state: &mut [f64; 2], (): &mut ()) -> Result<(), Error> {
+    fn pass_instant(&self, _time: f64, _state: &mut [f64], (): &mut (), (): &mut ()) -> Result<(), Error> {
         Ok(())
     }
-    fn guards(&self, (): &()) -> Guards<()> {
-        Guards::new()
+    fn guards(&self, (): &(), guards: &mut Vec<((), GuardForm)>) {
+        guards.clear();
     }
-    fn guard<T: Over<f64>>(&self, (): (), _time: T, _state: &[T; 2], (): &()) -> T {
+    fn guard<T: Over<f64>>(&self, (): (), _time: T, _state: &[T], (): &(), (): &mut ()) -> T {
         T::one()
     }
-    fn cross(&self, (): (), _time: f64, _state: &mut [f64; 2], (): &mut ()) -> Result<(), Error> {
+    fn cross(&self, (): (), _time: f64, _state: &mut [f64], (): &mut (), (): &mut ()) -> Result<(), Error> {
         Ok(())
     }
-    fn stuck(&self, time: f64, _state: &[f64; 2], (): &()) -> Error {
+    fn project(&self, _time: f64, _state: &mut [f64], (): &(), (): &mut ()) {}
+    fn halts(&self, time: f64, _state: &[f64], _why: Halt, _event: Option<()>) -> Error {
         Error::Stopped { time, reason: "stuck", quantity: "y", value: 0.0, unit: "", remedy: "none" }
     }
 }
 
 /// Largest errors at the ends of steps and between them, and the cost.
-fn errors(problem: Problem, until: f64, tolerance: f64) -> (f64, f64, Counts) {
-    let mut integrator = Integrator::new(&problem, 0.0, problem.start(), (), until, tolerance);
-    let apart = |state: [f64; 2], time: f64| {
+fn errors(problem: Problem, until: f64, tolerance: f64) -> (f64, f64, Statistics) {
+    let mut integrator = Integrator::new(&problem, 0.0, &problem.start(), (), until, tolerance);
+    let apart = |state: &[f64], time: f64| {
         let exact = problem.exact(time);
         f64::max((state[0] - exact[0]).abs(), (state[1] - exact[1]).abs())
     };
     let (mut at_ends, mut between) = (0.0_f64, 0.0_f64);
-    while let Some(piece) = integrator.advance().expect("a step") {
+    while integrator.advance().expect("a step") {
+        let piece = integrator.piece();
         assert_eq!(integrator.time(), piece.end);
-        at_ends = at_ends.max(apart(*integrator.state(), piece.end));
+        at_ends = at_ends.max(apart(integrator.state(), piece.end));
         for theta in [0.1, 0.3, 0.5, 0.7, 0.9] {
-            between = between.max(apart(piece.arc.at(theta), piece.arc.start + theta * piece.arc.step));
+            let mut state = [0.0; 2];
+            piece.arc.at(theta, &mut state);
+            between = between.max(apart(&state, piece.arc.start + theta * piece.arc.step));
         }
     }
     assert_eq!(integrator.time(), until);
-    (at_ends, between, integrator.counts())
+    (at_ends, between, integrator.statistics())
 }
 
 #[test]
@@ -149,14 +165,15 @@ fn a_stiff_decay_at_a_hundred_thousand_takes_few_steps() {
 fn the_end_is_reached_exactly_and_stays_reached() {
     for until in [1e-9, 0.1, 1.0 / 3.0, 1e3] {
         let problem = Problem::Oscillator;
-        let mut integrator = Integrator::new(&problem, 0.0, problem.start(), (), until, 1e-8);
+        let mut integrator = Integrator::new(&problem, 0.0, &problem.start(), (), until, 1e-8);
         let mut reached = 0.0;
-        while let Some(piece) = integrator.advance().expect("a step") {
+        while integrator.advance().expect("a step") {
+            let piece = integrator.piece();
             assert_close(piece.arc.start, reached, 1e-15);
             reached = piece.end;
         }
         assert_eq!((reached, integrator.time()), (until, until));
-        assert!(integrator.advance().expect("no step").is_none());
+        assert!(!integrator.advance().expect("no step"));
         let radius = integrator.state()[0].hypot(integrator.state()[1]);
         assert_within(radius, 1.0, 1e-8 * (1.0 + until));
     }

@@ -9,10 +9,10 @@
 use crate::common::{GRAVITY, Paper};
 use mckibben::air::Process;
 use mckibben::load::Load;
-use mckibben::simulation::Trajectory;
+use mckibben::plant::RigTrajectory;
 
-fn check(run: &Trajectory) {
-    let count = run.counts();
+fn check(run: &RigTrajectory) {
+    let count = run.statistics();
     assert!(count.events < 100, "{count:?}");
     for pair in run.events().windows(2) {
         assert!(pair[0].time <= pair[1].time, "{pair:?}");

@@ -4,6 +4,7 @@
 use crate::common;
 use crate::common::laws;
 
+use common::accounts::Audited;
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
 use laws::{
     BLADDER, BOLEN, COEFFICIENTS, END_FACTOR, MEMBRANE, MODULUS, SHAPE, TAPER, THREADS, WALL, all, bladder, extensible,

@@ -1,6 +1,7 @@
 //! The rig with a hose and a leak, by both engines.
 
 use crate::common;
+use common::accounts::Audited;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Leakage, Line};

@@ -5,7 +5,8 @@ use crate::common::{ATMOSPHERE, INCH, LB, LBF, PSI, Paper, ROOM, bisect};
 use mckibben::AbsolutePressure;
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Line};
-use mckibben::simulation::{Rig, State, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{Rig, State, simulate};
 use mckibben::valve::{Command, Request, ValveKind};
 use std::f64::consts::PI;
 
@@ -48,7 +49,7 @@ fn check(label: &str, numbers: &[f64], digits: usize) {
 fn efficiency(kind: HoseKind, [length, bore]: [f64; 2]) -> f64 {
     let paper = filling().process(Process::Isothermal).isometric(3.5 * INCH);
     let beside = paper.clone().with(|rig| rig.external_volume += PI / 4.0 * bore * bore * length);
-    let taken = |run: &Trajectory| {
+    let taken = |run: &RigTrajectory| {
         let at = |psi: f64| bisect(1e-6, 1.0, |time| run.at(time).pressure.0 - ATMOSPHERE - psi * PSI);
         at(80.0) - at(20.0)
     };

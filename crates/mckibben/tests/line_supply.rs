@@ -1,9 +1,11 @@
 //! A supply whose pressure changes: bottle, compressor, regulator, several actuators.
 
 use crate::common;
+use common::accounts::Audited;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::line::{Compressor, Hose, HoseKind, Line, Regulator, Reservoir, SupplyLine};
-use mckibben::simulation::{EventKind, Rig, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{EventKind, Rig, simulate};
 use mckibben::valve::{Command, Request};
 use mckibben::{Dual, Error, GaugePressure, Scalar, parameter};
 
@@ -28,11 +30,11 @@ fn rig(paper: &Paper, line: Line) -> Rig {
     paper.rig().with_line(line).expect("a line")
 }
 
-fn run(paper: &Paper, line: Line, duration: f64) -> Trajectory {
+fn run(paper: &Paper, line: Line, duration: f64) -> RigTrajectory {
     simulate(&rig(paper, line), paper.start(), duration, 1e-9).expect("a run")
 }
 
-fn supply(run: &Trajectory, time: f64) -> f64 {
+fn supply(run: &RigTrajectory, time: f64) -> f64 {
     run.at(time).supply_pressure.expect("it changes").0
 }
 

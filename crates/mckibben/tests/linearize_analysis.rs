@@ -6,7 +6,8 @@ use crate::common::{LB, PSI, Paper, ROOM, assert_close, assert_within, between, 
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, Pole, StateSpace, average, linearize};
-use mckibben::simulation::{Rig, Trajectory};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::Rig;
 use std::f64::consts::{PI, TAU};
 
 const MASS: f64 = 5.0 * LB;
@@ -77,7 +78,7 @@ fn poles_are_roots_of_the_characteristic_polynomial() {
 }
 
 /// The peaks of the length, by the zeros of the velocity.
-fn peaks(run: &Trajectory, duration: f64) -> Vec<(f64, f64)> {
+fn peaks(run: &RigTrajectory, duration: f64) -> Vec<(f64, f64)> {
     let velocity = |time: f64| run.at(time).velocity;
     let count = 4000;
     let time = |n: usize| duration * n as f64 / count as f64;

@@ -5,7 +5,8 @@ use crate::common::tendon::{MASS, REST, STIFFNESS, on_tendon};
 use crate::common::{GRAVITY, INCH, PSI, Paper, ROOM, assert_close, assert_within, runge_kutta};
 use mckibben::air::Process;
 use mckibben::linearize::{Balance, Content, Linearization, StateSpace, linearize};
-use mckibben::simulation::{Rig, State, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{Rig, State, simulate};
 use mckibben::{AbsolutePressure, GaugePressure};
 
 const PROCESSES: [Process; 3] = [Process::Isentropic, Process::Isothermal, Process::Polytropic { index: 1.2 }];
@@ -126,7 +127,7 @@ fn held_ends_leave_the_muscle_what_the_tendon_gives() {
 }
 
 /// The states of the model at a time in s of a run.
-fn numbers(linear: &Linearization, run: &Trajectory, time: f64) -> Vec<f64> {
+fn numbers(linear: &Linearization, run: &RigTrajectory, time: f64) -> Vec<f64> {
     let sample = run.at(time);
     let of = |name: &str| match name {
         "load_distance" => sample.load_distance,

@@ -1,5 +1,6 @@
 //! LuGre's friction, against its closed forms, Dahl's law, and its raw equations by the classical Runge–Kutta method.
 
+use crate::common::accounts::Audited;
 use crate::common::{ATMOSPHERE, GRAVITY, LB, Paper, assert_close, assert_within, between, runge_kutta, slope};
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre, Memory};

@@ -2,6 +2,7 @@
 
 use crate::common;
 use crate::leg::free;
+use common::accounts::Audited;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, between};
 use mckibben::air::Process;
 use mckibben::control::Drive;

@@ -20,7 +20,6 @@ mod plant_linear;
 mod plant_linear_analysis;
 mod plant_linear_closed_forms;
 mod plant_linear_pulses;
-mod plant_of_rig;
 mod plant_progress;
 mod plant_random;
 mod plant_reference;

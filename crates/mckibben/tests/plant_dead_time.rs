@@ -22,7 +22,7 @@ fn rig(solenoid: Solenoid, command: Command) -> (Rig, State) {
 
 fn plant(solenoid: Solenoid, command: Command) -> (Plant, PlantStart) {
     let (rig, start) = rig(solenoid, command);
-    (Plant::of_rig(&rig).expect("a plant"), Plant::start_of_rig(&rig, &start))
+    (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start))
 }
 
 fn seats(run: &PlantTrajectory) -> Vec<f64> {
@@ -232,7 +232,7 @@ fn instants_move_with_the_dead_time_and_errors_name_it() {
     let (piped, state) = rig(solenoid(ValveKind::ThreeWay, 7e-3), Command::Constant(Request::Fill));
     let hose = Hose::new(HoseKind::Lumped, [1.5, 3e-3], [1.82e-5, ROOM, 1.4], piped.actuator().air()).expect("a hose");
     let piped = piped.with_line(Line { hose: Some(hose), ..Line::NONE }).expect("a rig");
-    let plain = Plant::of_rig(&piped).expect("a plant");
+    let plain = Plant::of_rig(&piped);
     let at_start = Plant::start_of_rig(&piped, &state);
     let opened = seats(&simulate_plant(&plain, &at_start, 0.05, 1e-8).expect("a run"));
     assert_within(opened[0], 7e-3 + OPEN + hose.transport_delay(), 1e-15);

@@ -5,15 +5,14 @@ use crate::common::random::{self, runner};
 use crate::common::{ATMOSPHERE, GRAVITY, INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::force::Effectiveness;
-use mckibben::friction::{Hysteresis, LuGre};
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
-use mckibben::load::{Load, MomentArm, Motion};
+use mckibben::load::{Load, MomentArm};
 use mckibben::mechanism::{
     Arm, Belt, Chain, ChainSegment, Coupling, JointStops, Mass, Mechanism, Pull, Revolute, Spring,
 };
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::plant::{Balance, InitialAir, Mounted, Plant, PlantLedger, PlantStart, PlantTrajectory, simulate_plant};
-use mckibben::simulation::{Actuation, InitialLength, JointSample, PressureCourse, Rig, SeriesTendon, simulate};
+use mckibben::simulation::{Actuation, InitialLength, JointSample, PressureCourse, Rig, SeriesTendon};
 use mckibben::valve::{Command, Port, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
@@ -35,7 +34,7 @@ fn assert_closes(what: &str, ledger: &PlantLedger, relative: f64) {
 
 fn run_of(rig: &Rig, paper: &Paper, duration: f64, tolerance: f64) -> PlantTrajectory {
     let start = rig.start(&paper.initial()).expect("a start");
-    let plant = Plant::of_rig(rig).expect("a plant");
+    let plant = Plant::of_rig(rig);
     simulate_plant(&plant, &Plant::start_of_rig(rig, &start), duration, tolerance).expect("the run reaches its end")
 }
 
@@ -265,57 +264,6 @@ fn assert_alike(name: &str, pairs: &[(&str, f64, f64)], turnover: f64) {
     }
 }
 
-/// The ledgers of rigs with a plain valve have what their audits have.
-#[test]
-fn ledgers_of_rigs_are_their_audits() {
-    let balance = Process::EnergyBalance { heat_transfer: 0.5, wall_temperature: 300.0 };
-    let motion = Motion::sinusoid(3.6 * INCH, 0.15 * INCH, 3.0, 0.0, 4.3218 * INCH).expect("a motion");
-    let bristles = Hysteresis::LuGre(LuGre::new(1e-4, 3e-5).expect("a law"));
-    let cases = [
-        ("paper", Paper::pwm(25.0, 0.5)),
-        ("energy", Paper::pwm(25.0, 0.5).process(balance)),
-        ("isothermal", Paper::pwm(25.0, 0.5).process(Process::Isothermal)),
-        ("polytropic", Paper::pwm(10.0, 0.5).process(Process::Polytropic { index: 1.2 })),
-        ("effectiveness", Paper::pwm(25.0, 0.5).with(|it| it.effectiveness = Effectiveness::Constant(0.9))),
-        ("bristles", Paper::pwm(25.0, 0.5).with(|it| it.hysteresis = Some(bristles))),
-        ("prescribed", Paper::pwm(5.0, 0.5).with(|it| it.load = Load::Prescribed(motion))),
-    ];
-    for (name, paper) in cases {
-        let rig = paper.rig();
-        let start = rig.start(&paper.initial()).expect(name);
-        let old = simulate(&rig, start, 0.4, 1e-10).expect(name);
-        let (audit, circuit) = (old.audit(), old.circuit().expect(name));
-        let ledger = run_of(&rig, &paper, 0.4, 1e-10).ledger();
-        let (of, total) = (&ledger.actuators[0], ledger.total());
-        let work = [
-            ("gas_work", of.gas_work, audit.gas_work),
-            ("effectiveness_loss", of.effectiveness_loss, audit.effectiveness_loss),
-            ("braid_storage", of.braid_storage, audit.braid_storage),
-            ("viscous", of.viscous, audit.viscous),
-            ("coulomb", of.coulomb, audit.coulomb),
-            ("slip", of.slip, audit.slip),
-            ("hysteresis_storage", of.hysteresis_storage, audit.hysteresis_storage),
-            ("braid", of.braid, audit.braid),
-            ("slack", of.slack, audit.slack),
-            ("load", of.work, audit.load),
-        ];
-        assert_alike(name, &work, audit.turnover());
-        let air = [
-            ("drawn", total.drawn, circuit.drawn),
-            ("least work", total.least_work, circuit.compressor),
-            ("stored", total.stored, circuit.stored),
-            ("exhaust", total.exhaust, circuit.exhaust),
-            ("throttled", total.throttled, circuit.throttled),
-            ("mixed", total.mixed, circuit.mixed),
-            ("heat", total.heat_loss, circuit.heat),
-            ("heat gain", total.heat, circuit.heat_gain),
-        ];
-        assert_alike(name, &air, circuit.turnover());
-        assert_alike(name, &[("air", of.air_gain, audit.air_gain)], audit.air_in);
-        assert_closes(name, &ledger, 1e-7);
-    }
-}
-
 /// What a joint's ledger has is what follows from its samples: energies of the limb at the ends, and integrals over time.
 #[test]
 fn the_ledger_of_a_joint_follows_from_its_samples() {
@@ -416,11 +364,9 @@ fn a_pressure_regulator_closes() {
         Paper::driven(command.clone()).process(Process::EnergyBalance { heat_transfer: 0.3, wall_temperature: 300.0 });
     let actuation = Actuation { solenoid: Solenoid::regulating(regulator), command };
     let rig = Rig::new(paper.actuator(), Some(actuation), paper.load.clone()).expect("a rig");
-    let old = simulate(&rig, rig.start(&paper.initial()).expect("a start"), 0.6, 1e-10).expect("a run");
-    let (ledger, circuit) = (run_of(&rig, &paper, 0.6, 1e-10).ledger(), old.circuit().expect("a circuit"));
+    let ledger = run_of(&rig, &paper, 0.6, 1e-10).ledger();
     let total = ledger.total();
-    assert_close(total.drawn, circuit.drawn, 1e-6);
-    assert_close(total.stored, circuit.stored, 1e-6);
+    assert!(total.drawn > 0.0 && total.stored > 0.0);
     assert!(total.exhaust > 0.0 && ledger.nodes.iter().any(|of| of.released > 0.0 && of.throttled > 0.0));
     assert_closes("a regulator", &ledger, 1e-7);
 }
@@ -574,7 +520,7 @@ fn random_rigs_close() {
     let result = runner(CASES).run(&random::cases(), |case| {
         let rig = case.paper.rig();
         let Ok(start) = rig.start(&case.paper.initial()) else { return Ok(()) };
-        let plant = Plant::of_rig(&rig).expect("a plant");
+        let plant = Plant::of_rig(&rig);
         left.borrow_mut().add(simulate_plant(&plant, &Plant::start_of_rig(&rig, &start), case.duration, 1e-8))
     });
     result.unwrap_or_else(|error| panic!("{error}"));

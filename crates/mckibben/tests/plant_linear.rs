@@ -141,7 +141,7 @@ fn assert_same(
 
 /// The plant of a rig at a gauge pressure with its valve shut.
 fn plant_at(rig: &Rig, start: &mckibben::simulation::State, gauge: f64) -> PlantLinearization {
-    let plant = Plant::of_rig(rig).expect("a plant");
+    let plant = Plant::of_rig(rig);
     let start = Plant::start_of_rig(rig, start);
     let balance = PlantBalance::Shut(vec![GaugePressure(gauge)]);
     linearize_plant(&plant, &start, &balance, &PlantAir::Temperatures(vec![ROOM])).expect("a model")
@@ -231,7 +231,7 @@ fn a_pulsed_rig_has_the_model_of_its_plant() {
             let rig = paper.rig();
             let start = paper.start();
             let old = average(&rig, Aim::Duty(duty), Content::Of(start)).expect("a balance");
-            let plant = Plant::of_rig(&rig).expect("a plant");
+            let plant = Plant::of_rig(&rig);
             let plant_start = Plant::start_of_rig(&rig, &start);
             let new = linearize_plant(&plant, &plant_start, &PlantBalance::Driven, &PlantAir::Start).expect("a model");
             let pressure = new.point.gauge_pressure(0).0;
@@ -335,7 +335,7 @@ fn a_joint_has_the_model_of_its_plant() {
 fn points_that_cannot_be_are_refused_with_a_remedy() {
     let refused = |paper: &Paper, balance: PlantBalance| {
         let rig = paper.rig();
-        let plant = Plant::of_rig(&rig).expect("a plant");
+        let plant = Plant::of_rig(&rig);
         let start = Plant::start_of_rig(&rig, &paper.start());
         match linearize_plant(&plant, &start, &balance, &PlantAir::Temperatures(vec![ROOM])) {
             Err(error) => error,
@@ -360,7 +360,7 @@ fn points_that_cannot_be_are_refused_with_a_remedy() {
         Paper::driven(Command::Constant(Request::Hold)).with(|rig| rig.kind = ValveKind::TwoWay).gauge(40.0 * PSI);
     let rig = held.rig();
     let model = linearize_plant(
-        &Plant::of_rig(&rig).expect("a plant"),
+        &Plant::of_rig(&rig),
         &Plant::start_of_rig(&rig, &held.start()),
         &PlantBalance::Driven,
         &PlantAir::Start,

@@ -12,7 +12,7 @@ fn a_rig_has_the_poles_ripple_and_reach_of_its_plant() {
     let paper = Paper::pwm(100.0, 0.6).friction(20.0, 0.0);
     let (rig, start) = (paper.rig(), paper.start());
     let old = average(&rig, Aim::Duty(0.6), Content::Of(start)).expect("a model");
-    let plant = Plant::of_rig(&rig).expect("a plant");
+    let plant = Plant::of_rig(&rig);
     let plant_start = Plant::start_of_rig(&rig, &start);
     let new = linearize_plant(&plant, &plant_start, &PlantBalance::Driven, &PlantAir::Start).expect("a model");
     let (theirs, mine) = (old.minimal(), new.minimal());

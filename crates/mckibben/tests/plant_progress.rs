@@ -48,7 +48,7 @@ fn always(request: Request) -> Actuation {
 fn a_run_in_many_short_steps_does_not_crawl() {
     let paper = Paper::sealed();
     let rig = paper.rig();
-    let plant = Plant::of_rig(&rig).expect("a plant");
+    let plant = Plant::of_rig(&rig);
     let start = Plant::start_of_rig(&rig, &paper.start());
     let mut run = PlantRun::new(&plant, &start, 1e-6).expect("a run");
     for count in 1..=100_500_u32 {
@@ -232,7 +232,7 @@ fn a_tiny_isothermal_muscle_keeps_its_air() {
         });
     let paper = paper.isometric(0.009);
     let rig = paper.rig();
-    let plant = Plant::of_rig(&rig).expect("a plant");
+    let plant = Plant::of_rig(&rig);
     let run = simulate_plant(&plant, &Plant::start_of_rig(&rig, &paper.start()), 0.2, 1.6e-6).expect("it runs");
     let ledger = run.ledger();
     for balance in [ledger.air(), ledger.energy(), ledger.exergy()] {

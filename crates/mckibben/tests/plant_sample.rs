@@ -24,7 +24,7 @@ fn apart(pairs: &[[f64; 2]], least: f64) -> f64 {
 /// The run of a rig's plant from the rig's own start.
 fn run_of(rig: &Rig, paper: &Paper, duration: f64, tolerance: f64) -> PlantTrajectory {
     let start = rig.start(&paper.initial()).expect("a start");
-    let plant = Plant::of_rig(rig).expect("a plant");
+    let plant = Plant::of_rig(rig);
     simulate_plant(&plant, &Plant::start_of_rig(rig, &start), duration, tolerance).expect("the run reaches its end")
 }
 
@@ -58,7 +58,7 @@ fn compare_with_rig(name: &str, rig: &Rig, paper: &Paper, duration: f64) {
         pairs(&|old, new| [number(old.ports.supply), number(new.valves[valve].ports.supply)], 1.0, "supply port");
         pairs(&|old, new| [number(old.ports.exhaust), number(new.valves[valve].ports.exhaust)], 1.0, "exhaust port");
     }
-    let plant = Plant::of_rig(rig).expect(name);
+    let plant = Plant::of_rig(rig);
     let node = |wanted: &dyn Fn(&NodeKind) -> bool| plant.network().nodes.iter().position(|node| wanted(&node.kind));
     if let Some(hose) = node(&|kind| matches!(kind, NodeKind::Hose(_))) {
         pairs(&|old, new| [old.hose_pressure.0, new.nodes[hose].pressure.0], 1e4, "hose pressure");
@@ -395,10 +395,10 @@ fn samples_carry_derivatives() {
     let rig = paper.rig();
     let run = |rig: &Rig| {
         let start = rig.start(&paper.initial()).expect("a start");
-        let plant = Plant::of_rig(rig).expect("a plant");
+        let plant = Plant::of_rig(rig);
         simulate_plant(&plant, &Plant::start_of_rig(rig, &start), 0.08, 1e-12).expect("a run")
     };
-    let plant: Plant<Dual<f64, 1>> = Plant::of_rig(&rig).expect("a plant").map(|_, parameter, value| {
+    let plant: Plant<Dual<f64, 1>> = Plant::of_rig(&rig).map(|_, parameter, value| {
         let factor = if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
         Dual { value, slope: [0.0] } * factor
     });

@@ -16,7 +16,7 @@ fn a_streamed_run_is_the_kept_one() {
     let paper = Paper::pwm(25.0, 0.5);
     let rig = paper.rig();
     let start = rig.start(&paper.initial()).expect("a start");
-    let (plant, start) = (Plant::of_rig(&rig).expect("a plant"), Plant::start_of_rig(&rig, &start));
+    let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
     let relay = Relay::new(Quantity::Pressure, 5e3, 0.0, Between::Keep).expect("a relay");
     let set_point = SetPoint::Constant(2e5);
     let tracker =
@@ -80,8 +80,7 @@ fn a_consumer_ends_the_run() {
     let paper = Paper::pwm(25.0, 0.5);
     let rig = paper.rig();
     let start = rig.start(&paper.initial()).expect("a start");
-    let mut run =
-        PlantRun::new(&Plant::of_rig(&rig).expect("a plant"), &Plant::start_of_rig(&rig, &start), 1e-8).expect("a run");
+    let mut run = PlantRun::new(&Plant::of_rig(&rig), &Plant::start_of_rig(&rig, &start), 1e-8).expect("a run");
     let mut steps = 0;
     let ended = run.stream_to(1.0, &mut |step| {
         steps += 1;

@@ -3,11 +3,13 @@
 //! The rigs are the same in every run. `MCKIBBEN_SEED` (a number) draws others and `MCKIBBEN_CASES` sets how many; `MCKIBBEN_CASES=20000 cargo test --release --test runs properties::` is a long run.
 
 use crate::common::ATMOSPHERE;
+use crate::common::accounts::Audited;
 use crate::common::random;
 use mckibben::Error;
 use mckibben::air::Process;
 use mckibben::load::Load;
-use mckibben::simulation::{Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::simulate;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use random::{Accounted, Case, cases, falling_power, runner};
@@ -16,7 +18,7 @@ use std::cell::RefCell;
 /// Rigs that are tried when `MCKIBBEN_CASES` is not set: ten to twenty seconds in the test profile.
 const CASES: u32 = 30_000;
 
-fn check_samples(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
+fn check_samples(case: &Case, run: &RigTrajectory) -> Result<(), TestCaseError> {
     let paper = &case.paper;
     // Between the pressures that air can come from or go to. With heat from the wall a shut chamber may pass them, and a
     // moving wall compresses: the bound is for both ends held and no heat, where pressure is a rising function of air.
@@ -56,8 +58,8 @@ fn check_samples(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
 }
 
 /// Where the work of the gas went is accounted for, to the tolerance of each step.
-fn check_energy(case: &Case, run: &Trajectory) -> Result<(), TestCaseError> {
-    let (audit, counts) = (run.audit(), run.counts());
+fn check_energy(case: &Case, run: &RigTrajectory) -> Result<(), TestCaseError> {
+    let (audit, counts) = (run.audit(), run.statistics());
     let (mass, pull) = match case.paper.load {
         Load::HangingMass { mass, gravity } => (mass, mass * gravity),
         Load::ConstantForce { mass, force } => (mass, force.abs()),
@@ -105,16 +107,16 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
                 check_samples(&case, &run)?;
                 check_energy(&case, &run)?;
                 // Bit for bit the same: states, events and cost.
-                prop_assert_eq!(run.counts(), again.counts());
+                prop_assert_eq!(run.statistics(), again.statistics());
                 prop_assert_eq!(run.events(), again.events());
                 for (a, b) in run.samples(case.duration / 13.0).zip(again.samples(case.duration / 13.0)) {
                     prop_assert_eq!(a, b);
                 }
                 let mut worst = worst.borrow_mut();
-                let rate = (run.counts().evaluations as f64 / case.duration) as u64;
+                let rate = (run.statistics().evaluations as f64 / case.duration) as u64;
                 worst.push((
                     rate,
-                    format!("{:?} in {} s at {:e}: {:?}", run.counts(), case.duration, case.tolerance, case.paper),
+                    format!("{:?} in {} s at {:e}: {:?}", run.statistics(), case.duration, case.tolerance, case.paper),
                 ));
                 worst.sort_by_key(|(rate, _)| std::cmp::Reverse(*rate));
                 worst.truncate(4);
@@ -125,9 +127,11 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
                 tally.borrow_mut()[1] += 1;
                 Ok(())
             }
-            (one, other) => {
-                Err(TestCaseError::fail(format!("{:?} and {:?}", one.map(|r| r.counts()), other.map(|r| r.counts()))))
-            }
+            (one, other) => Err(TestCaseError::fail(format!(
+                "{:?} and {:?}",
+                one.map(|r| r.statistics()),
+                other.map(|r| r.statistics())
+            ))),
         }
     });
     let [no_start, straight, ended] = *tally.borrow();

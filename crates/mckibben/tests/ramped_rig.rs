@@ -1,12 +1,14 @@
 //! A rig whose valve's seats take their time: a closed form, an independent integration, both engines, batches, audits.
 
+use crate::common::accounts::Audited;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope};
 use mckibben::air::Process;
 #[cfg(feature = "batch")]
 use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
-use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
 use mckibben::{Dual, Error, Over};
 
@@ -20,7 +22,7 @@ fn ramped(paper: &Paper, times: [f64; 2]) -> Rig {
     Rig::new(paper.actuator(), Some(Actuation { solenoid, command }), paper.load.clone()).expect("a rig")
 }
 
-fn run(paper: &Paper, times: [f64; 2], duration: f64, tolerance: f64) -> Trajectory {
+fn run(paper: &Paper, times: [f64; 2], duration: f64, tolerance: f64) -> RigTrajectory {
     simulate(&ramped(paper, times), paper.start(), duration, tolerance).expect("a run")
 }
 
@@ -127,7 +129,8 @@ fn both_passages_of_a_three_way_valve_agree_with_an_independent_integration() {
 #[test]
 fn without_times_nothing_changes_and_short_ones_change_little() {
     let paper = Paper::pwm(20.0, 0.6);
-    let bits = |run: &Trajectory| -> Vec<u64> { run.samples(1e-3).map(|sample| sample.pressure.0.to_bits()).collect() };
+    let bits =
+        |run: &RigTrajectory| -> Vec<u64> { run.samples(1e-3).map(|sample| sample.pressure.0.to_bits()).collect() };
     let plain = paper.run(0.3, 1e-9);
     assert_eq!(bits(&run(&paper, [0.0, 0.0], 0.3, 1e-9)), bits(&plain));
     let end = |times| run(&paper, times, 0.3, 1e-11).at(0.3).pressure.0;
@@ -242,13 +245,13 @@ fn behind_a_hose_both_engines_agree() {
 #[test]
 fn the_audits_close() {
     let run = run(&Paper::pwm(20.0, 0.6), [RISE, FALL], 0.4, 1e-10);
-    let audit = run.circuit().expect("a circuit");
-    assert!(audit.residual().abs() < 1e-6 * audit.turnover(), "{audit:?}");
-    assert!(audit.work.air_residual().abs() < 1e-7 * audit.work.air_in);
+    let (circuit, audit) = (run.circuit(), run.audit());
+    assert!(circuit.exergy.residual.abs() < 1e-6 * circuit.exergy.turnover, "{circuit:?}");
+    assert!(audit.air_residual().abs() < 1e-7 * audit.air_in);
     // Samples show the flow that the audit counts.
     let mut flowed = 0.0;
     run.quadrature(|weight, sample, _| flowed += weight * sample.mass_flow);
-    assert_close(flowed, audit.work.air_gain, 1e-6);
+    assert_close(flowed, audit.air_gain, 1e-6);
 }
 
 /// The same with a tenth of the passage: the pressure is far from settled when the run ends.

@@ -7,10 +7,8 @@ use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, Set
 use mckibben::friction::{Hysteresis, LuGre};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion};
-use mckibben::simulation::{
-    AcceptedStep, Ledger, Reading, Rig, SampleTimes, simulate, simulate_controlled, simulate_controlled_into,
-    simulate_into,
-};
+use mckibben::plant::{PlantLedgerKeeper, RigPlant};
+use mckibben::simulation::{Reading, Rig, SampleTimes, simulate};
 use mckibben::valve::{Command, Request, ValveKind};
 
 const END: f64 = 0.5;
@@ -45,16 +43,18 @@ fn samples_events_and_accounts_are_those_of_the_trajectory() {
     for rig in rigs() {
         let kept = simulate(&rig, start, END, 1e-8).expect("a run");
         let (mut reading, mut samples, mut events) = (times(), Vec::new(), Vec::new());
-        let mut ledger = Ledger::new(&rig);
-        let end = simulate_into(&rig, start, END, 1e-8, &mut |step: &AcceptedStep<'_>| {
-            ledger.step(step);
-            events.extend(step.event());
-            reading.step(step, |sample| {
-                samples.push(*sample);
-                Ok(())
+        let of = RigPlant::new(&rig);
+        let mut keeper = PlantLedgerKeeper::new(of.plant(), 1e-8);
+        let end = of
+            .stream(&start, (END, 1e-8), None, &mut |step| {
+                keeper.step(step.plant());
+                events.extend(step.event());
+                reading.step(step, |sample| {
+                    samples.push(*sample);
+                    Ok(())
+                })
             })
-        })
-        .expect("a run");
+            .expect("a run");
         reading
             .finish(&end.sample, |sample| {
                 samples.push(*sample);
@@ -66,8 +66,8 @@ fn samples_events_and_accounts_are_those_of_the_trajectory() {
         assert!(samples.len() > 700 && events.len() > 20, "{} {}", samples.len(), events.len());
         assert_eq!(text(&samples), text(&expected));
         assert_eq!(events, kept.events());
-        assert_eq!(end.counts, kept.counts());
-        assert_eq!(text(&ledger.finish(&end)), text(&(kept.audit(), kept.circuit())));
+        assert_eq!(end.run.statistics(), kept.statistics());
+        assert_eq!(text(&keeper.finish(&end.run)), text(&kept.ledger()));
         assert_eq!(text(&end.sample), text(&kept.at(END)));
     }
 }
@@ -84,30 +84,26 @@ fn a_controlled_run_is_read_as_its_trajectory_is() {
     let target = SetPoint::constant(Quantity::Pressure, 40.0 * PSI).expect("a set point");
     let law = Tracker::new(Quantity::Pressure, target, regulator(Quantity::Pressure, 60.0 * PSI)).expect("a tracker");
     let with = (Sampling::new(50.0, 1).expect("a rate"), Sensors::perfect());
-    let kept = simulate_controlled(&rig, start, END, 1e-8, &law, with).expect("a run");
-    let decided = std::cell::RefCell::new(Vec::new());
+    let of = RigPlant::new(&rig);
+    let driver = || of.driver(law.clone(), with).expect("a driver");
+    let kept = of.record(&start, (END, 1e-8), Some(driver()), &mut |_| Ok(())).expect("a run");
+    let mut decided = Vec::new();
     let (mut reading, mut samples) = (times(), Vec::new());
-    let end = simulate_controlled_into(
-        &rig,
-        start,
-        (END, 1e-8),
-        &law,
-        with,
-        &mut |step| {
-            reading.step(step, |sample| {
-                let before = |time: f64| (time * 50.0 * (1.0 + 1e-14)) as usize + 1;
-                assert!(decided.borrow().len() >= before(sample.time), "no decision yet for {} s", sample.time);
-                samples.push(*sample);
-                Ok(())
-            })
-        },
-        &mut |decision| decided.borrow_mut().push(decision),
-    )
-    .expect("a run");
-    samples.extend(std::iter::repeat_n(end.sample, kept.trajectory.samples(INTERVAL).count() - samples.len()));
-    assert_eq!(text(&samples), text(&kept.trajectory.samples(INTERVAL).collect::<Vec<_>>()));
-    assert_eq!(text(&decided.into_inner()), text(&kept.decisions));
-    assert_eq!(end.rig, *kept.trajectory.rig());
+    let end = of.stream(&start, (END, 1e-8), Some(driver()), &mut |step| {
+        reading.step(step, |sample| {
+            let before = |time: f64| (time * 50.0 * (1.0 + 1e-14)) as usize + 1;
+            assert!(decided.len() >= before(sample.time), "no decision yet for {} s", sample.time);
+            samples.push(*sample);
+            Ok(())
+        })?;
+        decided.extend(step.decision());
+        Ok(())
+    });
+    let end = end.expect("a run");
+    samples.extend(std::iter::repeat_n(end.sample, kept.samples(INTERVAL).count() - samples.len()));
+    assert_eq!(text(&samples), text(&kept.samples(INTERVAL).collect::<Vec<_>>()));
+    assert_eq!(text(&decided), text(&kept.decisions()));
+    assert_eq!(end.rig, *kept.rig());
 }
 
 /// What a consumer fails by ends the run, at once.
@@ -115,7 +111,7 @@ fn a_controlled_run_is_read_as_its_trajectory_is() {
 fn a_consumer_ends_the_run() {
     let paper = Paper::pwm(25.0, 0.5);
     let mut steps = 0;
-    let run = simulate_into(&paper.rig(), paper.start(), END, 1e-8, &mut |step| {
+    let run = RigPlant::new(&paper.rig()).stream(&paper.start(), (END, 1e-8), None, &mut |step| {
         steps += 1;
         if step.end() > 0.1 { Err(Error::Interrupted { time: step.end() }) } else { Ok(()) }
     });
@@ -152,7 +148,9 @@ fn counts_without_measure_are_refused_with_the_count() {
             "controller.pulse_frequency",
         ),
     ] {
-        let run = simulate_controlled(&paper.rig(), paper.start(), 3.0, 1e-8, &law, (sampling, Sensors::perfect()));
+        let of = RigPlant::new(&paper.rig());
+        let driver = of.driver(law.clone(), (sampling, Sensors::perfect())).expect("a driver");
+        let run = of.record(&paper.start(), (3.0, 1e-8), Some(driver), &mut |_| Ok(()));
         refused(run.unwrap_err(), key, 3e12);
     }
 

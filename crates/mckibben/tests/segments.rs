@@ -3,7 +3,8 @@
 
 use crate::common::{PSI, Paper, assert_close, assert_within};
 use mckibben::friction::{Hysteresis, MaxwellSlip};
-use mckibben::simulation::{EventKind, State, Trajectory, simulate_in_segments};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{EventKind, State, simulate_in_segments};
 use mckibben::{AbsolutePressure, Dual, Error, Scalar};
 
 const DURATION: f64 = 0.5;
@@ -13,7 +14,7 @@ fn paper() -> Paper {
     Paper::pwm(25.0, 0.45).gauge(30.0 * PSI)
 }
 
-fn run(paper: &Paper, joints: &[f64], anew: impl FnMut(usize, State) -> State) -> Result<Trajectory, Error> {
+fn run(paper: &Paper, joints: &[f64], anew: impl FnMut(usize, State) -> State) -> Result<RigTrajectory, Error> {
     simulate_in_segments(&paper.rig(), paper.start(), (DURATION, 1e-11), joints, anew)
 }
 
@@ -30,7 +31,7 @@ fn joints_that_change_nothing_leave_the_run_as_it_is() {
         assert_close(part.pressure.0, all.pressure.0, 1e-7);
         assert_close(part.air_mass, all.air_mass, 1e-7);
     }
-    let seats = |run: &Trajectory| -> Vec<f64> {
+    let seats = |run: &RigTrajectory| -> Vec<f64> {
         run.events().iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect()
     };
     assert_eq!(seats(&parts), seats(&whole));
@@ -60,7 +61,7 @@ fn a_joint_sets_the_states_and_the_valve_goes_on() {
         assert_close(is, set, 1e-12);
     }
     assert_close(after.air_mass, air_mass, 1e-12);
-    let last_seat = |run: &Trajectory| {
+    let last_seat = |run: &RigTrajectory| {
         run.events().iter().rev().find(|event| event.kind == EventKind::Valve).map(|event| event.time)
     };
     assert_eq!(last_seat(&joined), last_seat(&whole));

@@ -4,7 +4,8 @@ use crate::common::{ATMOSPHERE, GRAVITY, INCH, LB, LBF, PSI, Paper, assert_close
 use mckibben::air::Process;
 use mckibben::load::{Load, Motion};
 use mckibben::parameter;
-use mckibben::simulation::{EventKind, InitialLength, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{EventKind, InitialLength, simulate};
 use mckibben::valve::{Command, Request, ValveKind};
 use mckibben::{Dual, Error, Over};
 use std::f64::consts::{PI, TAU};
@@ -70,7 +71,7 @@ fn a_start_in_equilibrium_stays_there() {
             assert_close(sample.length, first.length, 1e-9);
             assert_close(sample.pressure.0, first.pressure.0, 1e-9);
         }
-        assert!(run.counts().events == 0, "{:?}", run.events());
+        assert!(run.statistics().events == 0, "{:?}", run.events());
     }
 }
 
@@ -112,7 +113,7 @@ fn a_sealed_muscle_swings_at_the_frequency_of_its_sealed_stiffness() {
     }
 }
 
-fn energy_balance(run: &Trajectory, mass: f64, until: f64) -> (f64, f64, f64) {
+fn energy_balance(run: &RigTrajectory, mass: f64, until: f64) -> (f64, f64, f64) {
     let (mut work, mut size) = (0.0, 0.0);
     run.quadrature(|weight, sample, _| {
         work -= weight * sample.tension * sample.velocity;
@@ -194,7 +195,7 @@ fn a_sample_at_an_edge_of_the_valve_shows_what_holds_after_it() {
 #[test]
 fn events_are_in_order_and_chain_from_mode_to_mode() {
     let run = Paper::pwm(25.0, 0.5).run(1.0, 1e-8);
-    assert_eq!(run.counts().events as usize, run.events().len());
+    assert_eq!(run.statistics().events as usize, run.events().len());
     for pair in run.events().windows(2) {
         assert!(pair[0].time <= pair[1].time);
         assert_eq!(pair[0].after, pair[1].before);
@@ -317,7 +318,7 @@ fn runs_outside_their_ranges_are_refused() {
     let (rig, start) = (Paper::sealed().rig(), Paper::sealed().start());
     let key = |duration, tolerance| match simulate(&rig, start, duration, tolerance) {
         Err(Error::OutOfRange { parameter, .. }) => parameter.key,
-        other => panic!("{:?}", other.map(|run| run.counts())),
+        other => panic!("{:?}", other.map(|run| run.statistics())),
     };
     assert_eq!(key(0.0, 1e-8), "run.duration");
     assert_eq!(key(f64::NAN, 1e-8), "run.duration");

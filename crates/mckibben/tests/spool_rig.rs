@@ -1,5 +1,6 @@
 //! A rig on a proportional spool: an independent integration, a closed form, edges to the instant, both engines, audits.
 
+use crate::common::accounts::Audited;
 use crate::common::{
     ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope,
 };
@@ -8,9 +9,8 @@ use mckibben::air::Process;
 use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
-use mckibben::simulation::{
-    Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, Trajectory, simulate,
-};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, simulate};
 use mckibben::valve::{Command, FlowStandard, Request, Solenoid, Spool, ValveKind};
 use mckibben::{Dual, Error, Over};
 use std::f64::consts::TAU;
@@ -36,7 +36,7 @@ fn start(rig: &Rig, paper: &Paper) -> State {
     rig.start(&paper.initial()).expect("a start")
 }
 
-fn run(paper: &Paper, spool: Spool, command: Command, duration: f64, tolerance: f64) -> Trajectory {
+fn run(paper: &Paper, spool: Spool, command: Command, duration: f64, tolerance: f64) -> RigTrajectory {
     let rig = rig(paper, spool, command);
     simulate(&rig, start(&rig, paper), duration, tolerance).expect("a run")
 }
@@ -60,7 +60,7 @@ fn held() -> Paper {
     })
 }
 
-fn valve_events(run: &Trajectory) -> Vec<f64> {
+fn valve_events(run: &RigTrajectory) -> Vec<f64> {
     run.events().iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect()
 }
 
@@ -207,10 +207,10 @@ fn the_audits_close() {
     let command = positions(&[0.0, 0.1, 0.25], &[0.5, -0.2, 0.8]);
     for overlap in [0.1, -0.1] {
         let run = run(&Paper::sealed(), spool(50.0, 0.3, overlap), command.clone(), 0.4, 1e-10);
-        let audit = run.circuit().expect("a circuit");
-        assert!(audit.residual().abs() < 1e-6 * audit.turnover(), "{audit:?}");
-        assert!(audit.work.residual().abs() < 1e-6 * audit.work.turnover());
-        assert!(audit.work.air_residual().abs() < 1e-7 * audit.work.air_in);
+        let (circuit, audit) = (run.circuit(), run.audit());
+        assert!(circuit.exergy.residual.abs() < 1e-6 * circuit.exergy.turnover, "{circuit:?}");
+        assert!(audit.residual().abs() < 1e-6 * audit.turnover());
+        assert!(audit.air_residual().abs() < 1e-7 * audit.air_in);
     }
 }
 

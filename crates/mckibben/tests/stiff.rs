@@ -2,7 +2,8 @@
 
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
-use mckibben::simulation::{InitialLength, Integrator, RigSystem, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{InitialLength, simulate};
 use mckibben::valve::{Command, Request};
 
 const PROCESSES: [Process; 4] = [
@@ -21,7 +22,7 @@ fn tiny(scale: f64, external_volume: f64, command: Command) -> Paper {
     })
 }
 
-fn worst_difference(run: &Trajectory, reference: &Trajectory) -> (f64, f64) {
+fn worst_difference(run: &RigTrajectory, reference: &RigTrajectory) -> (f64, f64) {
     run.samples(1e-3).zip(reference.samples(1e-3)).fold((0.0, 0.0), |(length, pressure), (a, b)| {
         assert_eq!(a.time, b.time);
         let dp = (a.pressure.0 / b.pressure.0 - 1.0).abs();
@@ -37,7 +38,7 @@ fn a_small_chamber_with_its_passage_open_costs_little_and_is_right() {
                 // Volume 1e-8 to 1e-7 m³ in all: the muscle itself has less than the hose.
                 let paper = tiny(0.1, external, Command::Constant(request)).process(process).isometric(8.5e-3);
                 let run = paper.run(1.0, 1e-7);
-                let counts = run.counts();
+                let counts = run.statistics();
                 assert!(counts.evaluations < 4000, "{process:?}, {external} m³, {request:?}: {counts:?}");
                 let tight = paper.run(1.0, 1e-11);
                 // Errors of some steps at 1e-7 each, and what the settled state forgets of them.
@@ -60,7 +61,7 @@ fn a_breathing_muscle_at_equal_pressure_costs_little_and_is_right() {
                 .gauge(1e5)
                 .with(|rig| (rig.external_volume, rig.length) = (external, InitialLength::At(0.09)));
             let run = paper.run(1.0, 1e-7);
-            let counts = run.counts();
+            let counts = run.statistics();
             // The load bounces off the taut braid and the tendon's slack, and each swing passes the borders of the flow: the cost
             // is by the event.
             let allowed = 2000 + 150 * counts.events;
@@ -78,7 +79,7 @@ fn pulses_into_a_small_chamber_cost_little_and_are_right() {
         let command = Command::pwm(25.0, 0.5, Request::Fill, Request::Exhaust).expect("a command");
         let paper = tiny(0.2, 1e-8, command).process(process).isometric(1.7e-2);
         let run = paper.run(1.0, 1e-7);
-        let counts = run.counts();
+        let counts = run.statistics();
         // Fifty edges a second, each with a phase of choked, subsonic and settled flow.
         assert!(counts.evaluations < 50_000, "{process:?}: {counts:?}");
         let (_, pressure) = worst_difference(&run, &paper.run(1.0, 1e-11));
@@ -91,18 +92,17 @@ fn the_implicit_method_takes_over_where_the_pressure_is_settled() {
     let paper = tiny(0.1, 1e-8, Command::Constant(Request::Exhaust)).isometric(8.5e-3).gauge(1e4);
     let (rig, start) = (paper.rig(), paper.start());
     let run = simulate(&rig, start, 10.0, 1e-8).expect("the run reaches its end");
-    assert!(run.counts().implicit_steps > 0, "{:?}", run.counts());
-    assert!(run.counts().evaluations < 4000, "{:?}", run.counts());
-    // The same through the integrator itself, piece by piece: steps grow far beyond the time of settling.
-    let system = RigSystem::new(&rig, 1e-8);
-    let state = [start.length, start.velocity, start.pressure.0, start.air_mass];
-    let mut integrator = Integrator::new(&system, 0.0, state, system.begin(&state), 10.0, 1e-8);
+    assert!(run.statistics().implicit_steps > 0, "{:?}", run.statistics());
+    assert!(run.statistics().evaluations < 4000, "{:?}", run.statistics());
+    // Steps grow far beyond the time of settling.
     let mut longest = 0.0_f64;
-    while let Some(piece) = integrator.advance().expect("a step") {
-        longest = longest.max(piece.end - piece.arc.start);
-    }
+    run.replay(&mut |step| {
+        longest = longest.max(step.end() - step.start());
+        Ok(())
+    })
+    .expect("a run that is kept");
     assert!(longest > 0.1, "the longest step is {longest} s");
-    assert_within(integrator.state()[2], ATMOSPHERE, 1e-2);
+    assert_within(run.at(10.0).pressure.0, ATMOSPHERE, 1e-2);
 }
 
 #[test]

@@ -5,7 +5,8 @@
 use crate::common::{ATMOSPHERE, GRAVITY, LB, PSI, Paper, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::load::Load;
-use mckibben::simulation::{EventKind, Extent, InitialLength, Sliding, Trajectory};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{EventKind, Extent, InitialLength, Sliding};
 use mckibben::valve::{Command, Request};
 
 const PROCESSES: [Process; 4] = [
@@ -15,7 +16,7 @@ const PROCESSES: [Process; 4] = [
     Process::EnergyBalance { heat_transfer: 0.1, wall_temperature: 293.15 },
 ];
 
-fn count(run: &Trajectory, kind: EventKind) -> usize {
+fn count(run: &RigTrajectory, kind: EventKind) -> usize {
     run.events().iter().filter(|event| event.kind == kind).count()
 }
 
@@ -26,17 +27,17 @@ fn clause_6_an_exhaust_at_equal_pressure_does_not_chatter() {
         // Held at exactly the atmosphere's pressure, or a hair beside it: nothing happens for 10 s.
         for gauge in [0.0, 1e-9, -1e-9, 1e-3, -1e-3] {
             let run = exhaust.clone().gauge(gauge).isometric(0.085).run(10.0, 1e-8);
-            assert!(run.counts().events <= 2, "{process:?} from {gauge} Pa: {:?}", run.events());
-            assert!(run.counts().evaluations < 20_000, "{process:?} from {gauge} Pa: {:?}", run.counts());
+            assert!(run.statistics().events <= 2, "{process:?} from {gauge} Pa: {:?}", run.events());
+            assert!(run.statistics().evaluations < 20_000, "{process:?} from {gauge} Pa: {:?}", run.statistics());
             assert_within(run.at(10.0).pressure.0, ATMOSPHERE, 1e-2);
         }
         // Emptied from 7 bar: choked, subsonic, near equal.
         let run = exhaust.clone().gauge(6e5).isometric(0.085).run(10.0, 1e-8);
-        assert!((2..=6).contains(&run.counts().events), "{process:?}: {:?}", run.events());
+        assert!((2..=6).contains(&run.statistics().events), "{process:?}: {:?}", run.events());
         // The muscle hangs on its taut braid and swings, with its passage open.
         let run = exhaust.clone().run(10.0, 1e-8);
-        assert!(run.counts().events <= 10, "{process:?}: {:?}", run.counts());
-        assert!(run.counts().evaluations < 50_000, "{process:?}: {:?}", run.counts());
+        assert!(run.statistics().events <= 10, "{process:?}: {:?}", run.statistics());
+        assert!(run.statistics().evaluations < 50_000, "{process:?}: {:?}", run.statistics());
     }
 }
 
@@ -57,7 +58,7 @@ fn a_mass_at_rest_on_the_taut_braid_stays_there() {
     for width in [0.0, 1e-4] {
         let paper = Paper::sealed().friction(3.5, width);
         let run = paper.run(10.0, 1e-8);
-        assert_eq!(run.counts().events, 0, "{:?}", run.events());
+        assert_eq!(run.statistics().events, 0, "{:?}", run.events());
         let closed = paper.max_length + 5.0 * LB * GRAVITY / paper.limit_stiffness;
         for sample in run.samples(0.5) {
             assert_close(sample.length, closed, 1e-9);
@@ -83,7 +84,7 @@ fn a_mass_dropped_on_the_taut_braid_hits_it_with_the_speed_of_its_fall() {
         assert!(top >= start * (1.0 - 1e-9), "{top} above {start}");
         let rest = paper.max_length + 5.0 * LB * GRAVITY / paper.limit_stiffness;
         assert_within(run.at(3.0).length, rest, 1e-6);
-        assert!(run.counts().events < 200, "{:?}", run.counts());
+        assert!(run.statistics().events < 200, "{:?}", run.statistics());
         // Without pressure the tension is nowhere below zero, and the braid does not hold the mass back on rebound.
         assert!(run.samples(1e-4).all(|sample| sample.tension >= 0.0));
         assert_eq!(count(&run, EventKind::Rebound), count(&run, EventKind::Untaut));
@@ -126,7 +127,7 @@ fn a_load_that_is_weaker_than_the_muscle_rests_at_the_shortest_length() {
         // It starts there and stays.
         let run = paper.run(5.0, 1e-8);
         assert_eq!(run.at(5.0).length, 0.08);
-        assert!(run.counts().events <= 1, "{:?}", run.events());
+        assert!(run.statistics().events <= 1, "{:?}", run.events());
         assert_within(run.at(5.0).tension, GRAVITY, 1e-12);
         if width == 0.0 {
             // The muscle pulls nearly constantly there, so viscous friction takes less of each smaller bounce: no rest in
@@ -142,10 +143,10 @@ fn a_load_that_is_weaker_than_the_muscle_rests_at_the_shortest_length() {
         for (start, velocity) in [(0.07, 0.0), (0.085, 0.0), (0.08, -0.3), (0.09, 0.5)] {
             let run = paper.clone().from(start, velocity).run(5.0, 1e-8);
             let last = run.at(5.0);
-            assert_eq!((last.length, last.velocity), (0.08, 0.0), "from {start}: {:?}", run.counts());
+            assert_eq!((last.length, last.velocity), (0.08, 0.0), "from {start}: {:?}", run.statistics());
             let end = run.events().last().expect("it came to rest");
             assert_eq!((end.kind, end.after.sliding), (EventKind::Stick, Sliding::Stuck));
-            assert!(run.counts().events < 3000, "from {start}: {:?}", run.counts());
+            assert!(run.statistics().events < 3000, "from {start}: {:?}", run.statistics());
         }
     }
 }

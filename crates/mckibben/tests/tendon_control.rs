@@ -6,11 +6,11 @@ use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within};
 use mckibben::control::{
     Between, Controller, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint, Tracker,
 };
-use mckibben::simulation::{
-    Controlled, ControlledStepper, Decision, FixedStepper, Method, Rig, Sample, simulate, simulate_controlled,
-};
+use mckibben::plant::{RigPlant, RigTrajectory};
+use mckibben::simulation::{ControlledStepper, Decision, FixedStepper, Method, Rig, Sample, simulate};
 use mckibben::valve::{FlowStandard, ValveKind};
 use std::f64::consts::PI;
+use std::fmt::Debug;
 
 const DURATION: f64 = 0.3;
 
@@ -37,9 +37,13 @@ fn set_up(rate: f64, delay: usize) -> (Sampling, Sensors) {
     (Sampling::new(rate, delay).expect("a rate"), Sensors::perfect())
 }
 
-fn located(rig: &Rig, paper: &Paper, controller: &impl Controller, set_up: (Sampling, Sensors)) -> Controlled {
-    simulate_controlled(rig, paper.start(), DURATION, 1e-9, controller, set_up)
-        .unwrap_or_else(|error| panic!("{error}"))
+fn located<C>(rig: &Rig, paper: &Paper, controller: &C, set_up: (Sampling, Sensors)) -> RigTrajectory
+where
+    C: Controller<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static,
+{
+    let of = RigPlant::new(rig);
+    let driver = of.driver(controller.clone(), set_up).expect("a driver");
+    of.record(&paper.start(), (DURATION, 1e-9), Some(driver), &mut |_| Ok(())).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn stepped<C: Controller>(
@@ -69,7 +73,8 @@ fn assert_seen(decision: &Decision, truth: &Sample) {
 fn the_sensors_are_at_the_actuator() {
     let paper = paper(1e-4);
     let rig = on_tendon(&paper, STIFFNESS);
-    let Controlled { trajectory, decisions } = located(&rig, &paper, &length(), set_up(50.0, 0));
+    let trajectory = located(&rig, &paper, &length(), set_up(50.0, 0));
+    let decisions = trajectory.decisions();
     assert_eq!(decisions.len(), 16);
     for decision in &decisions {
         assert_seen(decision, &trajectory.at(decision.seen.time));
@@ -83,7 +88,7 @@ fn the_sensors_are_at_the_actuator() {
 fn what_was_asked_for_gives_the_same_run_without_the_controller() {
     let paper = paper(1e-4);
     let rig = on_tendon(&paper, STIFFNESS);
-    let closed = located(&rig, &paper, &length(), set_up(40.0, 1)).trajectory;
+    let closed = located(&rig, &paper, &length(), set_up(40.0, 1));
     assert!(closed.rig().tendon().is_some());
     let open = simulate(closed.rig(), paper.start(), DURATION, 1e-9).expect("a run");
     for sample in open.samples(0.005) {
@@ -107,8 +112,8 @@ fn fixed_steps_come_to_the_located_run() {
         let exact = located(&rig, &paper, &length(), set_up(rate, delay));
         let errors = [600, 2400].map(|steps| {
             let stepper = stepped((&rig, &paper), length(), set_up(rate, delay), steps);
-            assert_eq!(stepper.decisions().len(), exact.decisions.len());
-            let (last, exact) = (stepper.sample(), exact.trajectory.at(DURATION));
+            assert_eq!(stepper.decisions().len(), exact.decisions().len());
+            let (last, exact) = (stepper.sample(), exact.at(DURATION));
             (last.length / exact.length - 1.0).abs().max((last.load_distance / exact.load_distance - 1.0).abs())
         });
         // Of order 1, with viscous friction.
@@ -125,7 +130,7 @@ fn a_tension_is_kept_by_what_the_tendon_leaves_of_the_length() {
     let rig = on_tendon(&paper, STIFFNESS);
     let start = simulate(&rig, paper.start(), 1e-3, 1e-9).expect("a run").at(0.0);
     let law = tracker(Quantity::Force, start.tension + 12.0, Regulator::Relay(relay));
-    let run = located(&rig, &paper, &law, set_up(500.0, 0)).trajectory.at(DURATION);
+    let run = located(&rig, &paper, &law, set_up(500.0, 0)).at(DURATION);
     let by_steps = stepped((&rig, &paper), &law, set_up(500.0, 0), 600).sample();
     for last in [run, by_steps] {
         assert_within(last.tension, start.tension + 12.0, band);

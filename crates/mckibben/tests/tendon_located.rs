@@ -1,24 +1,26 @@
 //! A load on an elastic tendon, its events located: closed forms, an independent integration, energy, both engines, a stiff tendon.
 
+use crate::common::accounts::Audited;
 use crate::common::tendon::{MASS, REST, STIFFNESS, independent, on_tendon, smooth};
 use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip};
 use mckibben::parameter::{self, Parameter};
-use mckibben::simulation::{EventKind, FixedStepper, Method, Rig, State, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{EventKind, FixedStepper, Method, Rig, State, simulate};
 use mckibben::{Dual, Over};
 use std::f64::consts::TAU;
 
 const TOLERANCE: f64 = 1e-10;
 
-fn located(rig: &Rig, start: State, until: f64) -> Trajectory {
+fn located(rig: &Rig, start: State, until: f64) -> RigTrajectory {
     simulate(rig, start, until, TOLERANCE).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn run(paper: &Paper, until: f64) -> Trajectory {
+fn run(paper: &Paper, until: f64) -> RigTrajectory {
     located(&on_tendon(paper, STIFFNESS), paper.start(), until)
 }
 
-fn happened(run: &Trajectory, kind: EventKind) -> Vec<f64> {
+fn happened(run: &RigTrajectory, kind: EventKind) -> Vec<f64> {
     run.events().iter().filter(|event| event.kind == kind).map(|event| event.time).collect()
 }
 
@@ -163,7 +165,7 @@ fn the_energy_closes() {
             let run = run.unwrap_or_else(|error| panic!("{name}, {isometric}: {error}"));
             let audit = run.audit();
             let open = audit.residual() / audit.turnover();
-            println!("{name} {isometric}: {open:.1e} {:?} events {}", run.counts(), run.events().len());
+            println!("{name} {isometric}: {open:.1e} {:?} events {}", run.statistics(), run.events().len());
             assert!(open.abs() < 1e-6, "{name}, held ends {isometric}: {open} of {audit:?}");
             assert!(audit.dissipated() >= -1e-9 * audit.turnover(), "{name}: {audit:?}");
             assert!(audit.air_residual().abs() < 1e-6 * audit.air_in, "{name}: {audit:?}");

@@ -113,7 +113,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     } else {
         let mut observer = None;
         let mut see = |experiment: &Experiment, sample: &Sample| {
-            observer.get_or_insert_with(|| Observer::new(experiment)).see(sample);
+            observer.get_or_insert_with(|| Observer::new(None, experiment)).see(sample);
         };
         let finished = ready.run(&document, &mut see, &mut |_| Ok(()))?;
         let elapsed = started.elapsed();

@@ -7,9 +7,9 @@ use crate::describe;
 use crate::failure::Failure;
 use crate::observation::{AirUse, Range};
 use crate::quantities::{count, given};
-use crate::summary::{Exergy, Page, assumptions, circuit, cost, counts, effort, events, goals, residual, step_of};
+use crate::summary::{Exergy, Page, assumptions, circuit, cost, effort, events, goals, residual, step_of, sums};
 use crate::terminal::{FAINT, styled};
-use mckibben::plant::{ActuatorLedger, Balance, JointTrajectory, MechanismLedger, PlantLedger};
+use mckibben::plant::{ActuatorLedger, JointTrajectory, MechanismLedger, PlantLedger};
 use mckibben::simulation::JointRig;
 use mckibben_scenario::{Assumed, Scenario};
 use std::time::Duration;
@@ -71,8 +71,7 @@ impl Summary<'_> {
         }
         page.line("air", &describe::air(&scenario.air.process));
         page.line("engine", &describe::engine(run));
-        let mut steps =
-            self.observation.located.as_ref().map_or_else(String::new, |located| cost(counts(located.counts)));
+        let mut steps = self.observation.located.as_ref().map_or_else(String::new, |located| cost(located.counts));
         if let Some(of) = &self.observation.steps {
             page.line("step", &step_of(page, of.step, of.chosen, run));
             steps = format!("{} steps", count(of.steps));
@@ -144,9 +143,4 @@ fn energy(page: &Page, ledger: &PlantLedger) {
     page.value("dissipated", &joules(dissipated), "in both actuators");
     page.value("", &joules(limb(&|of| of.damping + of.stops)), "in the joint and its stops");
     residual(page, sums(&ledger.work()));
-}
-
-/// What does not close of a sum, the turnover, and what rounding may leave.
-fn sums(of: &Balance) -> [f64; 3] {
-    [of.residual, of.turnover, of.rounding]
 }

@@ -5,7 +5,7 @@ use super::control;
 use crate::describe;
 use crate::failure::Failure;
 use crate::quantities::{common_prefix, count, given};
-use crate::summary::{Page, assumptions, cost, counts, events, goals_by_name, residual_in as residual};
+use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual};
 use crate::terminal::{FAINT, styled};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
@@ -58,7 +58,7 @@ impl Summary<'_> {
             page.line("supplies", &supplies.join(", "));
         }
         page.line("engine", &describe::engine(&of.run));
-        let cost = cost(counts(self.run.observation.statistics));
+        let cost = cost(self.run.observation.statistics);
         page.line("cost", &format!("{cost}, {}", page.quantity(self.elapsed.as_secs_f64(), "s")));
     }
 

@@ -15,7 +15,8 @@ use crate::observation::AirUse;
 use crate::record::COLUMNS;
 use mckibben::Error;
 use mckibben::batch::{Batch, ControlledRow, Row, Width};
-use mckibben::simulation::{JointRig, JointSample, Method, Sample, SampleTimes, Trajectory, simulate, steps_between};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{JointRig, JointSample, Method, Sample, SampleTimes, simulate, steps_between};
 use mckibben_scenario::sweep::Quantity;
 use mckibben_scenario::{
     AxisValue, ControlledExperiment, ControlledJointExperiment, Engine, Experiment, JointExperiment, Record, Reduction,
@@ -441,7 +442,7 @@ fn look_at_joint(run: &joint::outcome::Outcome, of: &JointExperiment, goals: Vec
 }
 
 /// Records a run of the event-located engine.
-fn look_at(trajectory: &Trajectory, run: &Run, mut recorder: Recorder<'_>, record: &Record) -> Outcome {
+fn look_at(trajectory: &RigTrajectory, run: &Run, mut recorder: Recorder<'_>, record: &Record) -> Outcome {
     match record {
         Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
         Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => {
@@ -455,8 +456,8 @@ fn look_at(trajectory: &Trajectory, run: &Run, mut recorder: Recorder<'_>, recor
 }
 
 /// Air in kg that came from the supply.
-fn air_used(trajectory: &Trajectory) -> f64 {
+fn air_used(trajectory: &RigTrajectory) -> f64 {
     let mut air = AirUse::default();
-    trajectory.valve_flows(|weight, flows| air.see(weight, flows));
+    trajectory.quadrature(|weight, _, flows| air.see(weight, flows));
     air.from_supply
 }

@@ -239,7 +239,8 @@ impl Trajectory<'_> {
         let start = rig.begin(&self.start.map(number)).ok()?;
         let last = self.time[self.time.len() - 1] - self.time[0];
         let run = simulate(&rig, start, D::constant(last), TOLERANCE).ok()?;
-        Some(self.time.iter().map(|time| run.at(D::constant(time - self.time[0])).length).collect())
+        let times = self.time.iter().map(|time| D::constant(time - self.time[0]));
+        Some(run.at_each(times).map(|sample| sample.length).collect())
     }
 }
 

@@ -3,10 +3,8 @@
 use super::Observed;
 use crate::adjustable::{Adjustable, Seeded};
 use mckibben::parameter::Parameter;
-use mckibben::plant::{JointPlant, JointReader, JointTrajectory};
-use mckibben::simulation::{
-    Initial, JointInitial, JointRig, JointSample, Rig, Sample, State, Trajectory, simulate_watched,
-};
+use mckibben::plant::{JointPlant, JointReader, JointTrajectory, RigPlant, RigReader, RigTrajectory};
+use mckibben::simulation::{Initial, JointInitial, JointRig, JointSample, Rig, Sample, State};
 use mckibben::{Actuator, Error, Real};
 use mckibben_scenario::Scenario;
 
@@ -58,7 +56,8 @@ impl<R: Real> Plant<R> {
     pub(super) fn simulate(&self, duration: R, tolerance: f64, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
         match self {
             Self::Rig(of) => {
-                let run = simulate_watched(&of.0, of.0.begin(&of.1)?, duration, tolerance, watch)?;
+                let start = of.0.begin(&of.1)?;
+                let run = RigPlant::new(&of.0).record(&start, (duration, tolerance), None, &mut |time| watch(time))?;
                 Ok(Simulated::Rig(Box::new(run)))
             }
             Self::Joint(of) => {
@@ -83,7 +82,7 @@ impl<R: Real> Plant<R> {
 #[derive(Clone, Debug)]
 pub enum Simulated<R: Real = f64> {
     /// Of one actuator with its load.
-    Rig(Box<Trajectory<R>>),
+    Rig(Box<RigTrajectory<R>>),
     /// Of two that turn a joint.
     Joint(Box<JointTrajectory<R>>),
 }
@@ -106,25 +105,30 @@ impl<R: Real> Simulated<R> {
 /// Reads quantities of a simulated run: quickest where the times do not fall from one to the next.
 #[derive(Debug)]
 pub struct SimulatedReader<'r, R: Real = f64> {
-    simulated: &'r Simulated<R>,
-    /// Of a joint, with the sample that was read last.
-    joint: Option<(JointReader<'r, R>, Option<JointSample<R>>)>,
+    of: ReaderOf<'r, R>,
+}
+
+/// A reader with what it reads, and the sample that was read last.
+#[derive(Debug)]
+enum ReaderOf<'r, R: Real> {
+    Rig(&'r RigTrajectory<R>, RigReader<'r, R>, Option<Sample<R>>),
+    Joint(&'r JointTrajectory<R>, JointReader<'r, R>, Option<JointSample<R>>),
 }
 
 impl<'r, R: Real> SimulatedReader<'r, R> {
     /// Reads a run.
     pub fn new(simulated: &'r Simulated<R>) -> Self {
-        let joint = match simulated {
-            Simulated::Rig(_) => None,
-            Simulated::Joint(run) => Some((JointReader::new(run), None)),
+        let of = match simulated {
+            Simulated::Rig(run) => ReaderOf::Rig(run, RigReader::new(run), None),
+            Simulated::Joint(run) => ReaderOf::Joint(run, JointReader::new(run), None),
         };
-        Self { simulated, joint }
+        Self { of }
     }
 
     /// A quantity in SI at a time in s; not a number where the run has none such.
     pub fn read(&mut self, observed: Observed, time: R) -> R {
-        match (self.simulated, &mut self.joint) {
-            (Simulated::Joint(run), Some((reader, last))) => {
+        match &mut self.of {
+            ReaderOf::Joint(run, reader, last) => {
                 let same = last.filter(|sample| sample.time.value() == time.value());
                 let sample = same.unwrap_or_else(|| reader.read(time));
                 *last = Some(sample);
@@ -137,10 +141,13 @@ impl<'r, R: Real> SimulatedReader<'r, R> {
                     _ => one(0),
                 }
             }
-            (Simulated::Rig(run), _) if !observed.is_of_joint() => {
-                of_actuator(observed, run.rig().actuator(), &run.at(time))
+            ReaderOf::Rig(run, reader, last) if !observed.is_of_joint() => {
+                let same = last.filter(|sample| sample.time.value() == time.value());
+                let sample = same.unwrap_or_else(|| reader.read(time));
+                *last = Some(sample);
+                of_actuator(observed, run.rig().actuator(), &sample)
             }
-            _ => R::constant(f64::NAN),
+            ReaderOf::Rig(..) => R::constant(f64::NAN),
         }
     }
 }

@@ -258,7 +258,7 @@ impl Tank {
         let start = rig.start(&self.initial(from))?;
         let last = times.iter().copied().fold(0.0, f64::max);
         let run = simulate(&rig, start, last, TOLERANCE)?;
-        Ok(times.iter().map(|time| run.at(*time).pressure.0).collect())
+        Ok(run.at_each(times.iter().copied()).map(|sample| sample.pressure.0).collect())
     }
 
     fn initial(&self, pressure: AbsolutePressure) -> Initial {
@@ -346,7 +346,8 @@ impl Trajectory {
         let start = rig.begin(&initial).ok()?;
         let time = &self.record.time;
         let run = simulate(&rig, start, D::constant(time[time.len() - 1] - time[0]), TOLERANCE).ok()?;
-        Some(time.iter().map(|at| run.at(D::constant(at - time[0])).pressure.0).collect())
+        let times = time.iter().map(|at| D::constant(at - time[0]));
+        Some(run.at_each(times).map(|sample| sample.pressure.0).collect())
     }
 }
 

@@ -33,7 +33,7 @@ mod measurement;
 
 pub use measurement::{PlantMeasurement, PlantSensors};
 
-use crate::control::{Controller, JointController, JointSensors, Quantity, Sampled, Sampling, Sensors};
+use crate::control::{Controller, Drive, JointController, JointSensors, Quantity, Sampled, Sampling, Sensors};
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::Demand;
@@ -74,6 +74,17 @@ pub struct PlantDecision<R = f64> {
     pub aims: Vec<(Quantity, R)>,
     /// What each of the driver's valves is to do once the decision takes effect; `None` where it goes on as it does.
     pub demands: Demands<R>,
+}
+
+impl<R: Real> PlantDecision<R> {
+    /// What the seats of one of the driver's valves are to do; none where it goes on as it does, or has no seats.
+    pub fn drive(&self, valve: usize) -> Option<Drive<R>> {
+        match self.demands.get(valve)?.as_ref()? {
+            Demand::Request(request) => Some(Drive::Steady(*request)),
+            Demand::Pulses { duty, pulse, rest, .. } => Some(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest }),
+            _ => None,
+        }
+    }
 }
 
 /// What stays the same of a driver.

@@ -9,22 +9,19 @@
 //! The control points `pᵢ` bound the polynomial on `[0, 1]` from both sides (the hull property): a quantity whose control
 //! points are all on one side of a threshold does not cross it, anywhere in the step and however briefly.
 
+pub(crate) use super::bernstein::POINTS;
+use super::bernstein::{BINOMIAL, Bernstein};
 use crate::scalar::{Over, Real};
-use crate::simulation::arc::Bernstein;
-pub(crate) use crate::simulation::arc::POINTS;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Binomial coefficients of degree 7.
-const BINOMIAL: [f64; POINTS] = [1.0, 7.0, 21.0, 35.0, 35.0, 21.0, 7.0, 1.0];
-
 /// One step of several states as polynomials in time.
 #[derive(Clone, Debug)]
-pub(crate) struct Arc<R> {
+pub struct Arc<R> {
     /// Start of the step in s.
-    pub(crate) start: R,
+    pub start: R,
     /// Length of the step in s over which θ goes from 0 to 1.
-    pub(crate) step: R,
+    pub step: R,
     /// Control points, those of all states one after the other, point by point.
     pub(crate) points: Vec<R>,
 }
@@ -47,7 +44,7 @@ impl<R: Real> Arc<R> {
     }
 
     /// The states at `θ`, from 0 at the start to 1 at the end of the step.
-    pub(crate) fn at<T: Over<R>>(&self, theta: T, state: &mut [T]) {
+    pub fn at<T: Over<R>>(&self, theta: T, state: &mut [T]) {
         at(&self.points, theta, state);
     }
 

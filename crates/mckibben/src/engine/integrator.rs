@@ -10,13 +10,11 @@
 //! respect to any parameter, through every event. Step sizes and decisions depend on values alone.
 
 use super::arc::{Arc, POINTS};
-use super::crossing::{self, Crossing, Room};
-use super::{Halt, Hybrid, explicit, implicit};
+use super::event::{self, Crossing, MAX_EVENTS_IN_AN_INSTANT, Room};
+use super::{GuardForm, Halt, Hybrid, explicit, implicit};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::scalar::{Real, Scalar};
-use crate::simulation::event::MAX_EVENTS_IN_AN_INSTANT;
-use crate::simulation::system::GuardForm;
 use crate::valve::SIMULTANEOUS;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -37,13 +35,13 @@ pub struct Statistics {
 }
 
 /// A stretch of time within one mode: one step, cut where an event ended it.
-pub(crate) struct Piece<'i, R, M, K> {
+pub struct Piece<'i, R, M, K> {
     /// The states over the step; valid from its start to `end`.
-    pub(crate) arc: &'i Arc<R>,
+    pub arc: &'i Arc<R>,
     /// End of the piece in s.
-    pub(crate) end: R,
+    pub end: R,
     /// What ended it, and the mode after that; `None` when the step simply was over.
-    pub(crate) event: Option<(K, &'i M)>,
+    pub event: Option<(K, &'i M)>,
 }
 
 /// How a run was going where it paused: what it needs beside state and mode to go on as if it had not.
@@ -76,6 +74,11 @@ impl Pace {
         }
     }
 
+    /// The same before a step from other states.
+    pub(crate) fn anew(&self) -> Self {
+        Self { measured_from: self.measured_from, statistics: self.statistics, ..Self::begin(0.0) }
+    }
+
     /// What it has cost so far.
     pub(crate) fn statistics(&self) -> Statistics {
         self.statistics
@@ -102,7 +105,7 @@ const CRAWL_STEPS: u64 = 100_000;
 const LEAST_ADVANCE: f64 = 1e-4;
 
 /// Steps a system through time; each call of [`Integrator::advance`] makes the next piece.
-pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
+pub struct Integrator<'a, R: Real, S: Hybrid<R>> {
     system: &'a S,
     relative_tolerance: f64,
     until: R,
@@ -148,7 +151,7 @@ pub(crate) struct Integrator<'a, R: Real, S: Hybrid<R>> {
 
 impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// Starts at `time` in a state and mode, to go on until `until` (s) with a relative tolerance for each step.
-    pub(crate) fn new(system: &'a S, time: R, state: &[R], mode: S::Mode, until: R, relative_tolerance: f64) -> Self {
+    pub fn new(system: &'a S, time: R, state: &[R], mode: S::Mode, until: R, relative_tolerance: f64) -> Self {
         let states = system.states();
         let explicit = explicit::Attempt::new(states);
         let mut padded = vec![R::zero(); explicit.end.len()];
@@ -227,22 +230,27 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     }
 
     /// The time in s that has been reached.
-    pub(crate) fn time(&self) -> R {
+    pub fn time(&self) -> R {
         self.time
     }
 
     /// The states at that time, after any event there.
-    pub(crate) fn state(&self) -> &[R] {
+    pub fn state(&self) -> &[R] {
         &self.state[..self.states]
     }
 
     /// The mode at that time, after any event there.
-    pub(crate) fn mode(&self) -> &S::Mode {
+    pub fn mode(&self) -> &S::Mode {
         &self.mode
     }
 
+    /// What it has cost so far.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
     /// The piece that was made last.
-    pub(crate) fn piece(&self) -> Piece<'_, R, S::Mode, S::Kind> {
+    pub fn piece(&self) -> Piece<'_, R, S::Mode, S::Kind> {
         Piece { arc: &self.arc, end: self.end, event: self.event.map(|kind| (kind, &self.mode)) }
     }
 
@@ -260,7 +268,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// # Errors
     /// [`Error::Stopped`] when the step length falls below the resolution of time, when events do not let time advance,
     /// or when the system itself cannot go on.
-    pub(crate) fn advance(&mut self) -> Result<bool, Error> {
+    pub fn advance(&mut self) -> Result<bool, Error> {
         let last_event = self.event.take();
         self.check_progress(last_event)?;
         let stop = self.instant.unwrap_or(self.until);
@@ -299,12 +307,12 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
                     seeded: &mut self.seeded,
                     along: &mut self.along,
                 };
-                match crossing::first(self.system, &self.mode, &self.guards, &self.arc, room) {
+                match event::first(self.system, &self.mode, &self.guards, &self.arc, room) {
                     Ok(crossing) => {
                         self.accept(end_time, crossing)?;
                         return Ok(true);
                     }
-                    Err(crossing::NoValue) => {
+                    Err(event::NoValue) => {
                         self.step = 0.25 * length.value();
                         self.has_slope = true;
                     }

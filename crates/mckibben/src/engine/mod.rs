@@ -4,27 +4,50 @@
 //! beyond the mode's own region, so that no step ever spans a kink. The mode says two things about its own end: an *instant*,
 //! known beforehand, and *guards*, functions of the state that are positive while the mode lasts. What happens at the end of
 //! a mode is the system's to say; when it happens is the integrator's to find, by the rules of
-//! [`event`](crate::simulation::event).
+//! [`event`].
 //!
 //! States lie in slices: how many there are is a number and no type.
 
 pub(crate) mod arc;
-pub(crate) mod crossing;
+pub(crate) mod bernstein;
+pub mod event;
 pub(crate) mod explicit;
 pub(crate) mod implicit;
 mod integrator;
 
+pub use arc::Arc;
+pub(crate) use integrator::Pace;
 pub use integrator::Statistics;
-pub(crate) use integrator::{Integrator, Pace, Piece};
+pub use integrator::{Integrator, Piece};
 
 use crate::error::Error;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
-use crate::simulation::system::GuardForm;
 use alloc::vec::Vec;
 use core::fmt::Debug;
 
+/// How a guard is computed from the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GuardForm {
+    /// `y[index] − bound`: the mode lasts while the state is above the bound.
+    Above {
+        /// Which state.
+        index: usize,
+        /// The bound in the state's unit.
+        bound: f64,
+    },
+    /// `bound − y[index]`: the mode lasts while the state is below the bound.
+    Below {
+        /// Which state.
+        index: usize,
+        /// The bound in the state's unit.
+        bound: f64,
+    },
+    /// [`Hybrid::guard`], which is asked.
+    Function,
+}
+
 /// A system that is smooth between events.
-pub(crate) trait Hybrid<R: Real> {
+pub trait Hybrid<R: Real> {
     /// The discrete state.
     type Mode: Clone + Debug;
     /// The name of a guard.
@@ -106,7 +129,7 @@ pub(crate) trait Hybrid<R: Real> {
 
 /// Why a run does not go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Halt {
+pub enum Halt {
     /// Many steps have brought the time on by so much in s alone.
     Crawls(f64),
     /// Events follow each other at one instant without end.

@@ -81,6 +81,11 @@ impl Mass {
 }
 
 impl<S: Scalar> Mass<S> {
+    /// A mass of numbers that have been checked, without a spring.
+    pub(crate) fn assemble(mass: S, pull: Pull<S>) -> Self {
+        Self { mass, pull, spring: None, per_mass: S::one() / mass }
+    }
+
     /// The mass in kg.
     pub fn mass(&self) -> S {
         self.mass

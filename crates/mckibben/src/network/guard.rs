@@ -14,10 +14,10 @@
 use super::flow::NetworkState;
 use super::mode::NetworkMode;
 use super::{Branch, BranchKind, Network, NodeKind};
+use crate::engine::GuardForm;
 use crate::line::{FlowRegime, Poppet};
 use crate::scalar::{Over, Real};
 use crate::simulation::EventKind;
-use crate::simulation::system::GuardForm;
 use crate::valve::{Approach, FlowLaw, FlowZone};
 
 /// Why a formula of a network ends.

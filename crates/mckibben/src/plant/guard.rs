@@ -7,13 +7,13 @@
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::tendon;
+use crate::engine::GuardForm;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Contact, Coupling, Mechanism};
 use crate::network::BranchKind;
 use crate::network::guard::NetworkGuard;
 use crate::scalar::{Differentiable, Real};
 use crate::simulation::member::Trace;
-use crate::simulation::system::GuardForm;
 use crate::simulation::{Extent, Guard, Sliding};
 use alloc::vec::Vec;
 

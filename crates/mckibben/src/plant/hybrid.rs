@@ -4,10 +4,10 @@ use super::crossing::PlantEventKind;
 use super::evaluation::{Evaluation, System};
 use super::guard::PlantGuard;
 use super::mode::PlantMode;
+use crate::engine::GuardForm;
 use crate::engine::{Halt, Hybrid};
 use crate::error::Error;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
-use crate::simulation::system::GuardForm;
 use alloc::vec::Vec;
 
 impl<R: Real> Hybrid<R> for System<'_, R> {

@@ -19,8 +19,10 @@ mod bookkeeping;
 mod crossing;
 mod dense;
 mod ends;
+mod equipment;
 mod evaluation;
 mod exergy;
+mod feed;
 mod friction_start;
 mod guard;
 mod holding;
@@ -30,8 +32,8 @@ mod ledger;
 mod linear;
 mod measure;
 mod mode;
-mod of_rig;
 mod progress;
+mod rig;
 mod run;
 mod sample;
 mod scale;
@@ -41,9 +43,12 @@ mod start;
 mod stream;
 mod tendon;
 mod trajectory;
+mod view;
 mod wire;
 
 pub use crossing::{Part, PlantEventKind};
+pub use equipment::SupplyNodes;
+pub use feed::Feed;
 pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{PlantGuard, Touching};
 pub use joint::{
@@ -58,12 +63,16 @@ pub use linear::{
     ValveAverage, linearize_plant,
 };
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
-pub use of_rig::SupplyNodes;
+pub(crate) use rig::four;
+pub use rig::{
+    RigConsumer, RigEvent, RigPlant, RigReader, RigRunEnd, RigStep, RigTrajectory, simulate, simulate_in_segments,
+};
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
 pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};
-pub use trajectory::{PlantEvent, PlantTrajectory, simulate_plant};
+pub use trajectory::{PlantEvent, PlantTrajectory, STEPS_WATCHED, simulate_plant};
+pub use view::{PlantView, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
 
 use crate::actuator::Actuator;
 use crate::air::Process;

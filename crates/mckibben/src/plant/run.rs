@@ -96,7 +96,7 @@ impl<R: Real> PlantRun<R> {
         }
         let system = System::new(&plant, relative_tolerance);
         let mut at = Evaluation::new(&plant);
-        let mut mode = system.begin(&mut state, &memories, &mut at);
+        let mut mode = system.begin((R::zero(), None), &mut state, &memories, &mut at);
         system.check_ends(R::zero(), &state, &mode, &mut at)?;
         system.balance_ends(R::zero(), &mut state, &mode, &mut at);
         system.check_jumps(R::zero(), &state, &mode, &mut at)?;
@@ -174,6 +174,15 @@ impl<R: Real> PlantRun<R> {
         }
         self.reached = snapshot.clone();
         Ok(())
+    }
+
+    /// Goes on from other states: valves, drivers and what is given over time go on as they were, hysteresis is relaxed.
+    pub(crate) fn go_on_from(&mut self, state: &[R]) {
+        let PlantSnapshot { time, state: own, mode, pace } = &mut self.reached;
+        own.copy_from_slice(state);
+        let system = System::new(&self.plant, self.relative_tolerance);
+        *mode = system.begin((*time, Some(mode)), own, &[], &mut Evaluation::new(&self.plant));
+        *pace = pace.anew();
     }
 
     /// Sets what a valve does from now on, in place of all that was to come.

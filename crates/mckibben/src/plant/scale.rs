@@ -12,7 +12,6 @@ use crate::network::piping::Piping;
 use crate::network::{BranchKind, NodeKind};
 use crate::scalar::{Real, Scalar};
 use crate::simulation::member::Member;
-use crate::simulation::zones::MEETING;
 use crate::simulation::{Extent, Sliding};
 use crate::valve::FlowZone;
 use alloc::vec;
@@ -20,6 +19,8 @@ use alloc::vec::Vec;
 
 /// The part of the usual velocity below which its error counts absolutely.
 const SLOW: f64 = 0.1;
+/// Rate of settling for which two pressures that would meet in a second count.
+const MEETING: f64 = 4.0;
 /// Part of the depth under the usual torque by which a pressed stop is measured.
 const PRESSED: f64 = 0.5;
 

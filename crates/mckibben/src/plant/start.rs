@@ -274,16 +274,21 @@ fn balanced<R: Real>(actuator: &Actuator<R>, tendon: &SeriesTendon<R>, distance:
 }
 
 impl<R: Real> System<'_, R> {
-    /// The mode at t = 0 in a state, which may be set on a border that it lies on; hysteresis without a memory is relaxed.
+    /// The mode at a time in s in a state, which may be set on a border that it lies on; valves and drivers go on as in a former
+    /// mode if there is one. Hysteresis without a memory is relaxed.
     pub(crate) fn begin(
         &self,
+        (time, former): (R, Option<&PlantMode<R>>),
         state: &mut [R],
         memories: &[Option<Memory<R>>],
         at: &mut Evaluation<R>,
     ) -> PlantMode<R> {
         let plant = self.plant;
-        let time = R::zero();
         let mut mode = self.first_mode(state);
+        if let Some(former) = former {
+            mode.network.valves.clone_from(&former.network.valves);
+            mode.drivers.clone_from(&former.drivers);
+        }
         for (i, mounted) in plant.actuators.iter().enumerate() {
             if let Some(course) = &mounted.pressure {
                 let its = &mut mode.actuators[i];

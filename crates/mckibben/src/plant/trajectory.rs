@@ -31,6 +31,8 @@ struct Kept<R> {
     step: R,
     end: R,
     segment: usize,
+    /// The event that ended it, which began the next segment.
+    event: Option<usize>,
 }
 
 /// A step of a run: its control points, from `start` for `step` s, valid up to `end`, and the mode.
@@ -58,6 +60,8 @@ pub struct PlantTrajectory<R: Real = f64> {
     last: (R, Vec<R>, PlantMode<R>),
 }
 
+/// Steps after which the watcher of a run that keeps them is called.
+pub const STEPS_WATCHED: usize = 256;
 /// Numbers that a kept run may have: about two gigabytes.
 const MOST_NUMBERS: usize = 250_000_000;
 
@@ -83,14 +87,40 @@ impl<R: Real> PlantTrajectory<R> {
         until: R,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<Self, Error> {
-        let mut plant = run.plant().clone();
-        let mut segments = vec![run.mode().clone()];
-        let (mut pieces, mut points, mut events) = (Vec::<Kept<R>>::new(), Vec::new(), Vec::new());
-        let mut decisions = Vec::new();
+        let mut kept = Self::begin(run);
+        kept.keep(run, until, watch)?;
+        Ok(kept)
+    }
+
+    /// Nothing yet of a run, from where that is.
+    pub(crate) fn begin(run: &PlantRun<R>) -> Self {
+        Self {
+            plant: run.plant().clone(),
+            relative_tolerance: run.relative_tolerance(),
+            segments: Vec::new(),
+            pieces: Vec::new(),
+            points: Vec::new(),
+            events: Vec::new(),
+            decisions: Vec::new(),
+            statistics: run.statistics(),
+            last: (run.time(), run.state().to_vec(), run.mode().clone()),
+        }
+    }
+
+    /// Takes the run on to `until` in s, and keeps what it does from where it is.
+    pub(crate) fn keep(
+        &mut self,
+        run: &mut PlantRun<R>,
+        until: R,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.segments.push(run.mode().clone());
+        let Self { plant, segments, pieces, points, events, decisions, .. } = self;
         run.extend(until, &mut |piece| {
             points.extend_from_slice(&piece.arc.points);
             let (start, step) = (piece.arc.start, piece.arc.step);
-            pieces.push(Kept { start, step, end: piece.end, segment: segments.len() - 1 });
+            let event = piece.event.map(|_| events.len());
+            pieces.push(Kept { start, step, end: piece.end, segment: segments.len() - 1, event });
             if let Some((kind, after)) = piece.event {
                 events.push(PlantEvent { time: piece.end, kind });
                 segments.push(after.clone());
@@ -99,7 +129,7 @@ impl<R: Real> PlantTrajectory<R> {
                     decisions.extend(after.drivers[driver].last().map(|decision| (driver, decision.clone())));
                 }
             }
-            if pieces.len().is_multiple_of(256) {
+            if pieces.len().is_multiple_of(STEPS_WATCHED) {
                 watch(piece.end.value())?;
             }
             if points.len() > MOST_NUMBERS {
@@ -114,9 +144,9 @@ impl<R: Real> PlantTrajectory<R> {
             }
             Ok(())
         })?;
-        let last = (run.time(), run.state().to_vec(), run.mode().clone());
-        let (statistics, relative_tolerance) = (run.statistics(), run.relative_tolerance());
-        Ok(Self { plant, relative_tolerance, segments, pieces, points, events, decisions, statistics, last })
+        self.last = (run.time(), run.state().to_vec(), run.mode().clone());
+        self.statistics = run.statistics();
+        Ok(())
     }
 
     /// The plant that was simulated; the commands of valves that a driver had are the tables of all that it asked for.
@@ -159,6 +189,16 @@ impl<R: Real> PlantTrajectory<R> {
         (state, mode)
     }
 
+    /// Times in s at so many points of each step, both ends included.
+    pub(crate) fn points(&self, count: usize) -> Vec<R> {
+        let of_piece = |Kept { start, end, .. }: &Kept<R>| {
+            let (start, length) = (*start, *end - *start);
+            let part = move |point| R::constant(point as f64 / (count - 1) as f64);
+            (0..count).map(move |point| start + part(point) * length)
+        };
+        self.pieces.iter().flat_map(of_piece).collect()
+    }
+
     /// The modes: at the start, and after each event.
     pub fn modes(&self) -> &[PlantMode<R>] {
         &self.segments
@@ -179,15 +219,23 @@ impl<R: Real> PlantTrajectory<R> {
         mut visit: impl FnMut(PieceView<'_, R>, Option<(&PlantEvent<R>, &PlantMode<R>)>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = arc_size(self.plant.places().states);
-        for (index, Kept { start, step, end, segment }) in self.pieces.iter().enumerate() {
+        for (index, Kept { start, step, end, segment, event }) in self.pieces.iter().enumerate() {
             let points = &self.points[index * size..(index + 1) * size];
             let view = PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] };
-            // Each event begins a segment.
-            let next = self.pieces.get(index + 1).map_or(self.segments.len() - 1, |next| next.segment);
-            let event = if next > *segment { self.events.get(*segment).zip(self.segments.get(next)) } else { None };
+            let event = event.and_then(|event| self.events.get(event).zip(self.segments.get(segment + 1)));
             visit(view, event)?;
         }
         Ok(())
+    }
+
+    /// Calls `visit` with each event in order of time, and the modes before and after it.
+    pub(crate) fn each_event(&self, mut visit: impl FnMut(&PlantEvent<R>, [&PlantMode<R>; 2])) {
+        for Kept { segment, event, .. } in &self.pieces {
+            let event = event.and_then(|event| self.events.get(event));
+            if let (Some(event), [before, after, ..]) = (event, &self.segments[*segment..]) {
+                visit(event, [before, after]);
+            }
+        }
     }
 
     /// How many pieces have begun by a time in s; `near` is a guess.

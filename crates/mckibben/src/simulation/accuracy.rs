@@ -23,13 +23,14 @@
 //! Checked by `tests/accuracy.rs`; the figures for the examples are in `docs/accuracy.md`.
 
 use super::fixed_step::FixedStepper;
-use super::hybrid::RigSystem;
 use super::kernel::Method;
+use super::member::Member;
 use super::rig::{Rig, State};
 use super::sample::SampleTimes;
-use super::trajectory::{Trajectory, simulate};
 use crate::error::{Error, Requirement};
 use crate::parameter;
+use crate::plant::four;
+use crate::plant::{RigReader, RigTrajectory, simulate};
 
 /// The time in s from the start over which a step is tried.
 pub const PILOT: f64 = 10.0;
@@ -73,7 +74,7 @@ impl StepError {
 /// A run of the event-located engine that the fixed-step engine is compared with.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    trajectory: Trajectory,
+    trajectory: RigTrajectory,
     start: State,
     scales: [f64; 4],
 }
@@ -85,7 +86,7 @@ impl Reference {
     /// As [`simulate`].
     pub fn new(rig: &Rig, start: State, duration: f64, relative_tolerance: f64) -> Result<Self, Error> {
         let trajectory = simulate(rig, start, duration, relative_tolerance)?;
-        let magnitudes = RigSystem::new(rig, relative_tolerance).magnitudes();
+        let magnitudes = Member::new(rig.actuator(), relative_tolerance, 0.0).magnitudes();
         let ranges = trajectory.ranges();
         let scales = core::array::from_fn(|n| (ranges[n].1 - ranges[n].0).max(LEAST_RANGE * magnitudes[n]));
         Ok(Self { trajectory, start, scales })
@@ -116,11 +117,11 @@ impl Reference {
     /// The error of steps that are not longer than `step`, up to the first state that lies off by more than `allowed`.
     fn measure(&self, times: &SampleTimes, method: Method, step: f64, allowed: f64) -> Result<StepError, Error> {
         let mut stepper = FixedStepper::new(self.trajectory.rig(), self.start, method);
-        let mut reference = self.trajectory.states();
+        let mut reference = RigReader::new(&self.trajectory);
         let mut errors = [0.0_f64; 4];
         for (time, _) in times.steps(step) {
             stepper.advance_to(time)?;
-            let (mut ours, theirs) = (stepper.state().to_array(), reference(time));
+            let (mut ours, theirs) = (stepper.state().to_array(), four(&reference.read(time)));
             if self.trajectory.rig().tendon().is_some() {
                 ours[1] = stepper.sample().load_velocity;
             }

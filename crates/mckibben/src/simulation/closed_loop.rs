@@ -91,25 +91,6 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
         }
         Ok(drives)
     }
-
-    /// Goes through `duration` s: `extend` to each sampling instant, `sample` there, and on to the end.
-    pub(super) fn run<T>(
-        mut self,
-        mut grown: T,
-        duration: R,
-        mut extend: impl FnMut(&mut T, R) -> Result<(), Error>,
-        mut sample: impl FnMut(&mut T, &mut Self) -> Result<(), Error>,
-    ) -> Result<T, Error> {
-        loop {
-            let instant = self.next();
-            if !is_due(instant, duration) {
-                extend(&mut grown, duration)?;
-                return Ok(grown);
-            }
-            extend(&mut grown, instant.smaller(duration))?;
-            sample(&mut grown, &mut self)?;
-        }
-    }
 }
 
 /// What there is to measure of an actuator at a sampling instant in s.

@@ -2,29 +2,19 @@
 //!
 //! | component of the mode | values | ends when |
 //! |---|---|---|
-//! | passages | supply, exhaust | a seat moves (an instant) |
-//! | flow zone of each passage | choked, subsonic, near equal; in, out | the pressure leaves its bounds |
 //! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
 //! | pressed | yes, no | the gauge pressure passes zero |
 //! | piece of a measured force map | 0, 1, … each way | length or pressure passes a line of the grid |
 //! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | clamped | yes, no | the sum of forces passes zero |
 //!
-//! How the ends move, and so the sliding, is the load's to say: the [rig](super::hybrid) for one member, the
-//! [joint](super::joint) for two. The flow zones and the pieces are in [`zones`](super::zones).
+//! How the ends move, and so the sliding, is the mechanism's to say, and the flow zones are the network's. The pieces are in
+//! `pieces.rs`.
 
-use super::event::band;
-#[cfg(feature = "alloc")]
-use super::kernel::Observed;
 use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
-#[cfg(feature = "alloc")]
-use super::sample::Sample;
-use super::system::GuardForm;
-use super::zones::{Places, Through};
 use crate::actuator::Actuator;
-#[cfg(feature = "alloc")]
-use crate::air::Flow;
 use crate::air::Process;
+use crate::engine::event::band;
 use crate::force::Statics;
 use crate::friction::{Branch, Hysteresis, LuGre, Memory, Rubbing};
 use crate::scalar::{Over, Real};
@@ -67,7 +57,6 @@ impl<R: Real> Trace<R> {
     }
 
     /// That and the part of it in m that dissipates, in magnitude; zero where there is no trace.
-    #[cfg(feature = "alloc")]
     pub(crate) fn widths(trace: &Option<Self>, length: R) -> [R; 2] {
         let Some(Self { branch, .. }) = trace else { return [R::zero(); 2] };
         [branch.width(length), branch.dissipating(length)]
@@ -103,6 +92,11 @@ impl<'a, R: Real> Member<'a, R> {
             force_band: band * force,
             taut_scale: (TAUT * force / limits.stiffness().value()).min(longest.value()),
         }
+    }
+
+    /// Usual sizes of length (m), velocity (m/s), pressure (Pa) and mass of the air (kg).
+    pub(crate) fn magnitudes(&self) -> [f64; 4] {
+        [self.longest, self.longest, self.atmosphere, self.air_mass]
     }
 
     /// Length in m at which the braid would be straight, or its wall would close the bore.
@@ -188,7 +182,6 @@ impl<'a, R: Real> Member<'a, R> {
         actuator.signed_force(ends, rubbing, mode.extent == Extent::Taut, factors)
     }
 
-    #[cfg(feature = "alloc")]
     /// Tension in N while the ends move: what the load feels.
     #[inline(always)]
     pub(crate) fn tension<T: Over<R>>(
@@ -201,31 +194,6 @@ impl<'a, R: Real> Member<'a, R> {
             return T::zero();
         }
         self.signed_force(ends, mode, remembered)
-    }
-
-    /// `dP/dt` in Pa/s and `dm/dt` in kg/s at a length, velocity, pressure and mass of air, with what the valve lets
-    /// through.
-    #[inline(always)]
-    pub(crate) fn air_rates<T: Over<R>>(
-        &self,
-        [length, velocity, pressure, mass]: [T; 4],
-        through: Through<'_, T>,
-    ) -> [T; 2] {
-        let slack = through.mode.extent == Extent::Slack;
-        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
-        let flow = self.flow(&chamber, through);
-        [self.actuator.pressure_rate(&chamber, &flow), flow.net()]
-    }
-
-    /// The sample of length, velocity, pressure and air mass with the tension (N) and the flow that go with them.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn sample(&self, time: R, state: &[R; 4], tension: R, mode: &Mode, flow: Flow<R>) -> Sample<R> {
-        let [length, velocity, pressure, mass] = *state;
-        let slack = mode.extent == Extent::Slack;
-        let chamber = self.actuator.chamber(length, velocity, pressure, mass, slack);
-        let temperature = self.actuator.air().temperature(&chamber);
-        let observed = Observed { tension, volume: chamber.volume, temperature, flow };
-        Sample::new(time, state, &observed, mode.ports)
     }
 
     /// Rate of the force in N with the velocity, from friction and the taut braid, while the ends move.
@@ -252,7 +220,6 @@ impl<'a, R: Real> Member<'a, R> {
         }
     }
 
-    #[cfg(feature = "alloc")]
     /// Decides anew whether the force is kept from pushing.
     pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
         let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
@@ -269,14 +236,6 @@ impl<'a, R: Real> Member<'a, R> {
             Extent::Taut => ([Some((Guard::ThreadLength, self.thread_length(), false)), None], Some(Guard::Rebound)),
             Extent::Rebound => ([Some((Guard::Untaut, longest, true)), None], Some(Guard::Retaut)),
         }
-    }
-
-    /// The guards of the tension and of the air, in the order in which they are crossed.
-    pub(crate) fn each_other_guard(&self, mode: &Mode, places: Places, add: &mut impl FnMut(Guard, GuardForm)) {
-        if mode.sliding != Sliding::Stuck && mode.extent != Extent::Slack {
-            add(if mode.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
-        }
-        self.piece_guards(mode, places, add);
     }
 
     /// Value of a guard that is the member's own at a length, velocity and pressure, positive while the mode lasts.
@@ -311,14 +270,11 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::MapShorter | Guard::MapLonger => {
                 self.map_length_limit(guard, mode).map_or(T::one(), |limit| within(length, limit))
             }
-            // An end that the mode has not, or the load's or the line's: they never end what a member knows of.
-            Guard::SupplyDown | Guard::SupplyUp | Guard::ExhaustDown | Guard::ExhaustUp => T::one(),
+            // An end that the mode has not, or the mechanism's: they never end what a member knows of.
             Guard::PieceDown | Guard::PieceUp | Guard::MapDown | Guard::MapUp => T::one(),
             Guard::PressDown | Guard::PressUp => T::one(),
             Guard::TendonLoose | Guard::TendonTight => T::one(),
             Guard::Rest | Guard::BreakLonger | Guard::BreakShorter => T::one(),
-            Guard::RegimeDown | Guard::RegimeUp | Guard::CutOut | Guard::CutIn => T::one(),
-            Guard::RegulatorUp | Guard::RegulatorDown | Guard::RateLimit => T::one(),
         }
     }
 
@@ -333,14 +289,6 @@ impl<'a, R: Real> Member<'a, R> {
             Guard::TensionZero | Guard::TensionBack => {
                 mode.clamped = guard == Guard::TensionZero;
                 Some(if mode.clamped { EventKind::TensionZero } else { EventKind::TensionBack })
-            }
-            Guard::SupplyDown | Guard::SupplyUp => {
-                Self::move_zone(&mut mode.supply_zone, guard == Guard::SupplyUp);
-                Some(EventKind::Flow)
-            }
-            Guard::ExhaustDown | Guard::ExhaustUp => {
-                Self::move_zone(&mut mode.exhaust_zone, guard == Guard::ExhaustUp);
-                Some(EventKind::Flow)
             }
             Guard::PieceDown | Guard::PieceUp => {
                 step(&mut mode.effectiveness_piece, guard == Guard::PieceUp);

@@ -205,14 +205,6 @@ pub enum Guard {
     TensionZero,
     /// The sum of forces rises from zero.
     TensionBack,
-    /// The pressure leaves the piece of the supply's flow law downwards.
-    SupplyDown,
-    /// The pressure leaves the piece of the supply's flow law upwards.
-    SupplyUp,
-    /// The pressure leaves the piece of the exhaust's flow law downwards.
-    ExhaustDown,
-    /// The pressure leaves the piece of the exhaust's flow law upwards.
-    ExhaustUp,
     /// The pressure leaves the piece of the effectiveness downwards.
     PieceDown,
     /// The pressure leaves the piece of the effectiveness upwards.
@@ -229,18 +221,4 @@ pub enum Guard {
     MapDown,
     /// The pressure leaves the piece of a force map upwards.
     MapUp,
-    /// The flow through the hose leaves a piece of its law downwards.
-    RegimeDown,
-    /// The flow through the hose leaves a piece of its law upwards.
-    RegimeUp,
-    /// The reservoir has come to the pressure at which the compressor stops.
-    CutOut,
-    /// The reservoir has fallen to the pressure at which the compressor starts.
-    CutIn,
-    /// The regulator's error leaves a piece of its law upwards.
-    RegulatorUp,
-    /// The regulator's error leaves a piece of its law downwards.
-    RegulatorDown,
-    /// The rate of a regulated pressure falls below its limit.
-    RateLimit,
 }

@@ -12,19 +12,16 @@
 //! Only the event-located engine takes it. Checked by `tests/pressure_course.rs`: the static force of an isometric rig, a
 //! rig that is fed back the pressure of a simulated valve, the air by each process, and derivatives against differences.
 
-use super::hybrid::{Phase, RigSystem};
 use super::rig::Rig;
-use crate::air::{Chamber, Flow};
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::force::Statics;
 use crate::limit;
-use crate::line::split;
 #[cfg(feature = "alloc")]
 use crate::parameter;
 #[cfg(feature = "alloc")]
 use crate::pressure::GaugePressure;
-use crate::scalar::{Over, Real, Scalar};
+use crate::scalar::{Over, Scalar};
 
 /// Two things that make the pressure.
 #[cfg(feature = "alloc")]
@@ -145,18 +142,5 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
             None => Ok(()),
             Some(_) => Err(Error::NotImplemented(&limit::PRESSURE_FIXED_STEP)),
         }
-    }
-}
-
-impl<R: Real> RigSystem<'_, R> {
-    /// Gauge pressure in Pa and its rate in Pa/s at a time in s, where they are given.
-    #[inline(always)]
-    pub(super) fn given<T: Over<R>>(&self, time: T, phase: &Phase<R>) -> Option<[T; 2]> {
-        self.rig.pressure_course().map(|course| course.at(time, phase.progress.rows_passed))
-    }
-
-    /// The flow that the rate of a given pressure in Pa/s takes.
-    pub(super) fn flow_for<T: Over<R>>(&self, chamber: &Chamber<T>, rate: T) -> Flow<T> {
-        split(self.rig.actuator().air().flow_for(chamber, rate))
     }
 }

@@ -14,7 +14,6 @@
 //! | P | `pressure`, absolute | Pa |
 //! | m | `air_mass` | kg |
 
-use super::mode::Sliding;
 use super::pressure_course::PressureCourse;
 use super::timetable::Timetable;
 use crate::actuator::Actuator;
@@ -381,6 +380,19 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_ref()
     }
 
+    /// The same with another command of its valve.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn commanded(&self, command: Command<S>) -> Self
+    where
+        L: Clone,
+    {
+        let mut rig = self.clone();
+        if let Some(actuation) = &mut rig.actuation {
+            actuation.command = command;
+        }
+        rig
+    }
+
     /// What drives the valve, to be told more.
     #[cfg(feature = "alloc")]
     pub(super) fn actuation_mut(&mut self) -> Option<&mut Actuation<S>> {
@@ -438,15 +450,6 @@ impl<S: Real> Rig<S> {
     /// Where instants come from.
     pub(crate) fn timetable(&self) -> Timetable<'_, S> {
         Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion(), pressure: self.pressure.as_ref() }
-    }
-
-    /// How the ends slide when they move, or are about to, the way that the sign of `heading` says.
-    pub(super) fn sliding(&self, heading: f64) -> Sliding {
-        match self.actuator.friction().has_direction() {
-            false => Sliding::Frictionless,
-            true if heading < 0.0 => Sliding::Shortening,
-            true => Sliding::Lengthening,
-        }
     }
 
     /// The state at a start that has been checked, over any scalar with one value.

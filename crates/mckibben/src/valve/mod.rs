@@ -357,12 +357,6 @@ impl<S: Scalar> Valve<S> {
 }
 
 impl<S: Scalar> Beyond<S> {
-    /// Air at rest at an absolute pressure in Pa and a temperature in K.
-    #[inline(always)]
-    pub(crate) fn at(pressure: S, temperature: S) -> Self {
-        Self { pressure, per_pressure: S::one() / pressure, squared_drive: pressure * pressure / temperature }
-    }
-
     fn new(pressure: S, supply: &Supply<S>) -> Self {
         let squared_drive = pressure * pressure * supply.per_temperature;
         Self { pressure, per_pressure: S::one() / pressure, squared_drive }

@@ -1,6 +1,7 @@
 //! Shared by the tests: the paper's rig with every number open to change, and a comparison that says what it compared.
 #![allow(dead_code)]
 
+pub(crate) mod accounts;
 pub(crate) mod joint;
 pub(crate) mod laws;
 pub(crate) mod random;
@@ -11,7 +12,8 @@ use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, Leng
 use mckibben::friction::{Coulomb, Friction, Hysteresis};
 use mckibben::load::Load;
 use mckibben::parameter::Parameter;
-use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, State, simulate};
 use mckibben::valve::{
     Command, ExhaustTemperature, FlowLaw, FlowStandard, Port, Request, Solenoid, Supply, Valve, ValveKind,
 };
@@ -210,7 +212,7 @@ impl Paper {
         self.rig().start(&self.initial()).expect("a start")
     }
 
-    pub(crate) fn run(&self, duration: f64, relative_tolerance: f64) -> Trajectory {
+    pub(crate) fn run(&self, duration: f64, relative_tolerance: f64) -> RigTrajectory {
         simulate(&self.rig(), self.start(), duration, relative_tolerance).expect("the run reaches its end")
     }
 

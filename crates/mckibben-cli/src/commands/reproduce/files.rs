@@ -1,7 +1,8 @@
 //! The paper's scenario files: the ones of `examples/paper`, in the program so that it works anywhere.
 
 use crate::failure::Failure;
-use mckibben::simulation::{Trajectory, simulate};
+use mckibben::plant::RigTrajectory;
+use mckibben::simulation::simulate;
 use mckibben_scenario::{Document, Experiment};
 use std::borrow::Cow;
 
@@ -55,7 +56,7 @@ pub(super) fn experiment(name: &str) -> Result<Experiment, Failure> {
 }
 
 /// Runs an experiment with every event located.
-pub(super) fn run(experiment: &Experiment) -> Result<Trajectory, Failure> {
+pub(super) fn run(experiment: &Experiment) -> Result<RigTrajectory, Failure> {
     let run = &experiment.run;
     simulate(&experiment.rig, experiment.start, run.duration, run.relative_tolerance).map_err(stopped)
 }

@@ -17,8 +17,9 @@ use super::units::{INCH, INSIDE, LB, LBF_PER_INCH, PSI, assumed};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Dash, Figure, Marks, Panel, Series, Symbol};
 use crate::report::{Data, Finding, Plate, Section, Table, Verdict, number};
+use mckibben::plant::RigTrajectory;
 use mckibben::ring_down::{Cycle, Damping, Form};
-use mckibben::simulation::{Sliding, Trajectory};
+use mckibben::simulation::Sliding;
 use mckibben_scenario::Experiment;
 use std::f64::consts::TAU;
 
@@ -32,7 +33,7 @@ struct RingDown {
     label: &'static str,
     words: String,
     experiment: Experiment,
-    run: Trajectory,
+    run: RigTrajectory,
     mass: f64,
     /// Rest length in m and absolute pressure there in Pa.
     rest: (f64, f64),

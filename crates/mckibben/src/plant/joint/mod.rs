@@ -24,6 +24,7 @@
 
 mod reading;
 mod run;
+mod view;
 
 pub use reading::{JointEvent, JointEventKind, JointMode, Turning};
 pub use run::{JointConsumer, JointReader, JointRunEnd, JointStep, JointTrajectory};
@@ -80,7 +81,7 @@ impl<S: Scalar> Plant<S> {
         for (index, Driven { actuator, actuation }) in rig.driven().iter().enumerate() {
             // The atmosphere has the temperature of the first supply.
             if actuation.is_some() {
-                network.feed(index, actuator, actuation.as_ref(), &Line::NONE);
+                network.feed(index, actuator, actuation.as_ref(), &Line::NONE, None);
             }
             let tendon = &joint.tendons()[index];
             let sign = if index == 0 { 1.0 } else { -1.0 };

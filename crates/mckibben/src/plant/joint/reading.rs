@@ -3,13 +3,12 @@
 use super::JointPlant;
 use crate::air::Flow;
 use crate::command::PlantDecision;
-use crate::control::Drive;
 use crate::mechanism::Contact;
 use crate::network::NodeKind;
 use crate::plant::{Part, PlantEventKind, PlantMode, PlantSample};
 use crate::scalar::Real;
 use crate::simulation::{EventKind, JointDecision, JointSample, Mode, Sample, Sliding};
-use crate::valve::{Demand, Ports};
+use crate::valve::Ports;
 
 /// How the joint turns, which decides the Coulomb friction of both actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,13 +154,6 @@ impl<R: Real> JointPlant<R> {
     pub fn decision(&self, of: &PlantDecision<R>) -> Option<JointDecision<R>> {
         let seen = of.seen.of_joint((0, 0), [0, 1])?;
         let aim = [0, 1].map(|i| of.aims.get(i).copied());
-        let drive = |i: usize| match of.demands.get(i)? {
-            Some(Demand::Request(request)) => Some(Drive::Steady(*request)),
-            Some(Demand::Pulses { duty, pulse, rest, .. }) => {
-                Some(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest })
-            }
-            _ => None,
-        };
-        Some(JointDecision { seen, aim, drive: [drive(0)?, drive(1)?] })
+        Some(JointDecision { seen, aim, drive: [of.drive(0)?, of.drive(1)?] })
     }
 }

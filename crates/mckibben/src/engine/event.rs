@@ -1,13 +1,44 @@
-//! The first guard that fires within a step, on its dense output.
+//! Events: the one home of their rules, and their search on the dense output.
+//!
+//! # The contract
+//!
+//! 1. **Interval.** A mode lasts from the event that began it, excluded, to the event that ends it, included. A sample at
+//!    the instant of an event shows what holds after it. An event at the final time is found, logged and crossed.
+//! 2. **Side.** A guard is positive while its mode lasts. Which side is armed is the mode's knowledge; it is never read off
+//!    the sign at the start, which is zero after every reset and may be off by a rounding.
+//! 3. **Direction.** A guard fires where it comes down through zero and goes below. Touching zero and leaving again is none.
+//! 4. **Re-arming.** A guard that starts at zero does not fire there. It fires at its next descent, even when that lies in
+//!    the same first step: the search is on the whole polynomial of the step, not on the signs at its ends.
+//! 5. **Ties.** Of several guards in one step the earliest is crossed, the step is cut there, and the search starts again
+//!    in the new mode. Guards that fire in the same instant follow one by one, at the same time, in the order in which the
+//!    mode lists them. An instant known in advance comes after a guard that fires at it.
+//! 6. **Modes that last.** Where two formulas agree at their border (the pieces of the flow law, tension at zero), the
+//!    mode is kept until the border is passed by the tolerance: rounding does not switch it, and the difference is below
+//!    what the tolerance allows. A mass at rest sticks until the load exceeds what friction can hold by the same token.
+//! 7. **Chatter.** A hundred events that do not advance time are an error that names the guard's quantity.
+//!
+//! The tolerance of rule 6 is the function `band` below; no law contains an epsilon.
+//!
+//! Checked by `tests/events.rs`, one test for each rule, and by the tests of the arc's polynomial.
 
-use super::Hybrid;
 use super::arc::{Arc, POINTS};
+use super::bernstein::Bernstein;
+use super::{GuardForm, Hybrid};
 use crate::dual::Dual;
 use crate::root;
 use crate::scalar::Real;
-use crate::simulation::arc::Bernstein;
-use crate::simulation::system::GuardForm;
 use alloc::vec::Vec;
+
+/// Events in a row without progress in time that are taken for chatter.
+pub(crate) const MAX_EVENTS_IN_AN_INSTANT: u32 = 100;
+
+/// The width by which a border between two agreeing formulas must be passed, relative to the quantity's magnitude.
+///
+/// It lies above the noise of a step that is controlled to `relative_tolerance`, and its effect is below it: the two
+/// formulas differ by a fraction of the width there.
+pub(crate) fn band(relative_tolerance: f64) -> f64 {
+    relative_tolerance.max(1e-12)
+}
 
 /// A guard that fires within a step.
 #[derive(Clone, Copy, Debug)]

@@ -7,18 +7,19 @@
 //!
 //! Checked by `tests/segments.rs`: joints that change nothing, and derivatives by the state at a joint.
 
-use super::rig::{Rig, State};
-use super::run::Simulation;
-use super::trajectory::{Kept, Trajectory};
+use super::{RigPlant, RigTrajectory};
 use crate::error::Error;
 use crate::parameter;
+use crate::plant::{PlantRun, PlantTrajectory};
 use crate::scalar::Real;
+use crate::simulation::{Rig, State};
+use alloc::vec;
 
-/// Simulates a rig as [`super::simulate`] does, and at each of the `joints`, times in s that rise from zero to the duration,
-/// goes on from the state that `anew` makes of the number of the joint and the state that was reached.
+/// Simulates a rig as [`simulate`](super::simulate) does, and at each of the `joints`, times in s that rise from zero to the
+/// duration, goes on from the state that `anew` makes of the number of the joint and the state that was reached.
 ///
 /// # Errors
-/// As [`super::simulate`]; [`Error::Stopped`] also for a state at a joint that no actuator can be in, and
+/// As [`simulate`](super::simulate); [`Error::Stopped`] also for a state at a joint that no actuator can be in, and
 /// [`Error::NotImplemented`] for a rig that remembers more than its four states: with an air line, a pressure regulator,
 /// a tendon in series or hysteresis.
 pub fn simulate_in_segments<R: Real>(
@@ -27,23 +28,31 @@ pub fn simulate_in_segments<R: Real>(
     (duration, relative_tolerance): (R, f64),
     joints: &[f64],
     mut anew: impl FnMut(usize, State<R>) -> State<R>,
-) -> Result<Trajectory<R>, Error> {
+) -> Result<RigTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
+    parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
     rig.check_counts(duration.value())?;
     let remembers = rig.actuator().friction().hysteresis().is_some() || rig.tendon().is_some();
     if rig.has_plumbing() || remembers {
         return Err(Error::NotImplemented(&crate::limit::SEGMENTS_MEMORY));
     }
-    let mut simulation = Simulation::begin(rig.clone(), start, relative_tolerance)?;
-    let mut kept = Kept::of(&simulation);
+    let view = RigPlant::new(rig);
+    let places = [view.plant().places().mechanisms[0].first, view.plant().places().actuators[0].pressure];
+    let places = [places[0], places[0] + 1, places[1], places[1] + 1];
+    let mut run = PlantRun::with_drivers(view.plant(), &view.start(&start), relative_tolerance, vec![])?;
+    let mut kept = PlantTrajectory::begin(&run);
     for (place, joint) in joints.iter().enumerate() {
-        simulation.extend(R::constant(*joint), &mut |step| kept.take(step, &mut |_| Ok(())))?;
-        let state = anew(place, simulation.state_reached());
+        kept.keep(&mut run, R::constant(*joint), &mut |_| Ok(()))?;
+        let state = anew(place, State::from_array(places.map(|place| run.state()[place])));
         check(*joint, &state)?;
-        simulation.resume(state);
+        let mut states = run.state().to_vec();
+        for (place, number) in places.into_iter().zip(state.to_array()) {
+            states[place] = number;
+        }
+        run.go_on_from(&states);
     }
-    simulation.extend(duration, &mut |step| kept.take(step, &mut |_| Ok(())))?;
-    kept.finish(simulation, &mut |_| Ok(()))
+    kept.keep(&mut run, duration, &mut |_| Ok(()))?;
+    Ok(RigTrajectory::of(&view, kept))
 }
 
 /// That an actuator can be in a state at a joint.

@@ -1,137 +1,9 @@
-//! One accepted step as a polynomial: the dense output.
-//!
-//! A step from `t` to `t + h` is kept as a polynomial of degree 7 in `θ = (t′ − t)/h`, in the Bernstein basis:
-//!
-//! ```text
-//! y(θ) = Σ Cᵢ θⁱ (1 − θ)⁷⁻ⁱ pᵢ,     Cᵢ = 7!/(i! (7−i)!)
-//! ```
-//!
-//! The control points `pᵢ` bound the polynomial on `[0, 1]` from both sides (the hull property). A quantity whose
-//! control points are all on one side of a threshold does not cross it, anywhere in the step and however briefly: this
-//! is what makes the search for events exact on the dense output, and cheap.
-
-use crate::scalar::{Over, Real, Scalar};
+//! A quantity over a step as a polynomial in the Bernstein basis: where it first comes down through zero.
 
 /// Control points of a polynomial of degree 7.
 pub(crate) const POINTS: usize = 8;
 /// Binomial coefficients of degree 7.
-const BINOMIAL: [f64; POINTS] = [1.0, 7.0, 21.0, 35.0, 35.0, 21.0, 7.0, 1.0];
-
-/// One step of `N` states as polynomials in time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc<R, const N: usize> {
-    /// Start of the step in s.
-    pub start: R,
-    /// Length of the step in s over which θ goes from 0 to 1.
-    pub step: R,
-    pub(crate) points: [[R; N]; POINTS],
-}
-
-impl<R: Real, const N: usize> Arc<R, N> {
-    /// The states at `θ`, from 0 at the start to 1 at the end of the step.
-    #[inline]
-    pub fn at<T: Over<R>>(&self, theta: T) -> [T; N] {
-        let rest = T::one() - theta;
-        let mut power = T::one();
-        let mut sum = self.points[0].map(|point| T::of(point) * rest);
-        for i in 1..POINTS - 1 {
-            power = power * theta;
-            let weight = power * T::constant(BINOMIAL[i]);
-            for (sum, point) in sum.iter_mut().zip(self.points[i]) {
-                *sum = (*sum + weight * T::of(point)) * rest;
-            }
-        }
-        power = power * theta;
-        for (sum, point) in sum.iter_mut().zip(self.points[POINTS - 1]) {
-            *sum = *sum + power * T::of(point);
-        }
-        sum
-    }
-
-    /// Whether every control point is a finite number.
-    pub(crate) fn is_finite(&self) -> bool {
-        self.points.as_flattened().iter().all(|point| point.value().is_finite())
-    }
-
-    /// θ of a time in s.
-    pub fn theta(&self, time: R) -> R {
-        (time - self.start) / self.step
-    }
-
-    /// Control points of the linear form `sign · (y[index] − bound)`, values only.
-    pub(crate) fn linear(&self, index: usize, bound: f64, sign: f64) -> Bernstein {
-        Bernstein(core::array::from_fn(|i| sign * (self.points[i][index].value() - bound)))
-    }
-}
-
-/// Builds control points from the inside out: every operation is exact in the Bernstein basis.
-pub(crate) struct Nested<R, const N: usize> {
-    degree: usize,
-    points: [[R; N]; POINTS],
-}
-
-impl<R: Scalar, const N: usize> Nested<R, N> {
-    /// The constant polynomial.
-    #[inline(always)]
-    pub(crate) fn constant(value: [R; N]) -> Self {
-        Self { degree: 0, points: [value; POINTS] }
-    }
-
-    /// `θ · p`, one degree higher.
-    #[inline(always)]
-    pub(crate) fn times_theta(&mut self) -> &mut Self {
-        self.degree += 1;
-        for i in (1..=self.degree).rev() {
-            let weight = R::constant(i as f64 / self.degree as f64);
-            self.points[i] = self.points[i - 1].map(|point| weight * point);
-        }
-        self.points[0] = [R::zero(); N];
-        self
-    }
-
-    /// `(1 − θ) · p`, one degree higher.
-    #[inline(always)]
-    pub(crate) fn times_rest(&mut self) -> &mut Self {
-        self.degree += 1;
-        for i in 0..self.degree {
-            let weight = R::constant((self.degree - i) as f64 / self.degree as f64);
-            self.points[i] = self.points[i].map(|point| weight * point);
-        }
-        self.points[self.degree] = [R::zero(); N];
-        self
-    }
-
-    /// `p + constant`.
-    #[inline(always)]
-    pub(crate) fn plus(&mut self, constant: [R; N]) -> &mut Self {
-        for point in &mut self.points[..=self.degree] {
-            *point = core::array::from_fn(|n| point[n] + constant[n]);
-        }
-        self
-    }
-
-    /// The same polynomial, one degree higher.
-    fn raised(&mut self) -> &mut Self {
-        let degree = self.degree + 1;
-        self.points[degree] = self.points[self.degree];
-        for i in (1..degree).rev() {
-            let share = R::constant(i as f64 / degree as f64);
-            let (lower, same) = (self.points[i - 1], self.points[i]);
-            self.points[i] = core::array::from_fn(|n| same[n] + share * (lower[n] - same[n]));
-        }
-        self.degree = degree;
-        self
-    }
-
-    /// The polynomial as an arc, its degree raised to 7.
-    #[inline(always)]
-    pub(crate) fn arc(&mut self, start: R, step: R) -> Arc<R, N> {
-        while self.degree < POINTS - 1 {
-            self.raised();
-        }
-        Arc { start, step, points: self.points }
-    }
-}
+pub(crate) const BINOMIAL: [f64; POINTS] = [1.0, 7.0, 21.0, 35.0, 35.0, 21.0, 7.0, 1.0];
 
 /// Control points of one quantity of degree 7 on `[0, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +39,6 @@ impl Bernstein {
     }
 
     /// The value at `θ`.
-    #[cfg(feature = "alloc")]
     pub(crate) fn at(&self, theta: f64) -> f64 {
         let rest = 1.0 - theta;
         let (mut power, mut sum) = (1.0, self.0[0] * rest);
@@ -231,23 +102,28 @@ const MIN_BRACKET: f64 = 1e-13;
 mod tests {
     use super::*;
 
-    /// Control points of a polynomial given in factors `(θ − root)`.
+    /// Control points of the product of factors `(θ − root)`, its degree raised to 7.
     fn with_roots(roots: &[f64]) -> Bernstein {
         let mut product = Bernstein([1.0; POINTS]);
         for (i, root) in roots.iter().enumerate() {
             product.times_linear(i + 1, *root);
         }
-        let mut nested = Nested { degree: roots.len(), points: product.0.map(|point| [point]) };
-        Bernstein(nested.arc(0.0, 1.0).points.map(|[point]| point))
+        for degree in roots.len() + 1..POINTS {
+            product.0[degree] = product.0[degree - 1];
+            for i in (1..degree).rev() {
+                let share = i as f64 / degree as f64;
+                product.0[i] += share * (product.0[i - 1] - product.0[i]);
+            }
+        }
+        product
     }
 
     #[test]
     fn evaluation_splitting_and_interpolation_agree() {
         let polynomial = with_roots(&[-0.2, 0.3, 0.5, 0.9, 1.4]);
         let exact = |x: f64| (x + 0.2) * (x - 0.3) * (x - 0.5) * (x - 0.9) * (x - 1.4);
-        let arc = Arc { start: 0.0, step: 1.0, points: polynomial.0.map(|p| [p]) };
         for x in [0.0, 0.1, 0.37, 0.5, 0.99, 1.0] {
-            assert!((arc.at(x)[0] - exact(x)).abs() < 1e-15, "at {x}");
+            assert!((polynomial.at(x) - exact(x)).abs() < 1e-15, "at {x}");
         }
         let through = Bernstein::through(core::array::from_fn(|i| exact(i as f64 / 7.0)));
         for (a, b) in through.0.iter().zip(polynomial.0) {
