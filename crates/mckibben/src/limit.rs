@@ -70,12 +70,12 @@ limits! {
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
         "let it draw from a supply of constant pressure, or choose a valve with seats";
-    JOINT_TENDON: "an elastic tendon", "with load.kind = \"antagonistic-joint\"",
-        "leave out [tendon], or write a plant: a chain of one joint with two actuators";
-    JOINT_PRESSURE: "a pressure that is given over time", "with load.kind = \"antagonistic-joint\"",
-        "leave out [pressure], or write a plant: a chain of one joint with two actuators";
-    JOINT_LINE: "a hose, a leak, a reservoir or a regulator", "with load.kind = \"antagonistic-joint\"",
-        "leave them out, or write a plant: a chain of one joint with two actuators";
+    JOINT_FIXED_STEP: "run.engine = \"fixed-step\"",
+        "for a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
+        "set run.engine = \"event-located\", or leave these out";
+    JOINT_LINEAR: "a linear model by `linearize`",
+        "of a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
+        "write a plant: a chain of one joint with two actuators";
     JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
         "run it with `mckibben simulate`, or choose another load.kind";
     JOINT_POSITION: "a position or a set point", "for the valves of a joint or a leg that a host drives",

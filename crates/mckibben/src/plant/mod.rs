@@ -58,7 +58,7 @@ pub use linear::{
     ValveAverage, linearize_plant,
 };
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
-pub use of_rig::SupplyNodes;
+pub use of_rig::{Feed, SupplyNodes};
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};

@@ -1,18 +1,20 @@
-//! A rig of one actuator as a plant: the smallest network and mechanism.
+//! Actuators with their air lines as parts of a plant, and a rig of one actuator as a plant: the smallest network and
+//! mechanism.
 
 use super::start::{InitialAir, PlantStart};
 use super::{Mounted, Plant};
 use crate::actuator::Actuator;
 use crate::error::Error;
 use crate::line::{Line, Regulator, Reservoir};
-use crate::load::Load;
+use crate::load::{Load, SeriesTendon};
 use crate::mechanism::{Coupling, Mass, Mechanism, Pull};
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::pressure::GaugePressure;
 use crate::scalar::Scalar;
-use crate::simulation::{Actuation, Rig, State};
+use crate::simulation::{Actuation, PressureCourse, Rig, State};
 use crate::valve::{ExhaustTemperature, Port};
 use alloc::vec;
+use alloc::vec::Vec;
 
 /// Temperature in K of the surroundings of an actuator without a supply.
 const ROOM: f64 = 293.15;
@@ -26,26 +28,91 @@ pub struct SupplyNodes {
     pub outlet: usize,
 }
 
+/// Where what feeds an actuator lies in a network.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Feed {
+    /// The valve.
+    pub valve: Option<usize>,
+    /// The flow paths of the valve to the supply and to the atmosphere.
+    pub paths: [Option<usize>; 2],
+    /// The node whose pressure a regulator in the valve's place makes.
+    pub port: Option<usize>,
+    /// The nodes of the hose: the first, which the valve opens into, and how many there are.
+    pub hose: Option<[usize; 2]>,
+    /// What the valve draws from.
+    pub supply: Option<SupplyNodes>,
+}
+
+/// An actuator of a rig or a joint, with all that goes with it into a plant.
+pub(super) struct Equipment<'a, S> {
+    pub(super) actuator: &'a Actuator<S>,
+    pub(super) actuation: Option<&'a Actuation<S>>,
+    pub(super) line: &'a Line<S>,
+    pub(super) tendon: Option<&'a SeriesTendon<S>>,
+    pub(super) pressure: Option<&'a PressureCourse<S>>,
+}
+
+impl<S: Scalar> Equipment<'_, S> {
+    /// Adds the actuator to those of a plant and what feeds it to the network, from a supply of its own or from one that is
+    /// there already.
+    pub(super) fn mount(
+        self,
+        (mounted, network): (&mut Vec<Mounted<S>>, &mut Network<S>),
+        (mechanism, coupling): (usize, Coupling<S>),
+        shared: Option<SupplyNodes>,
+    ) -> Feed {
+        let Self { actuator, actuation, line, tendon, pressure } = self;
+        let feed = match actuation.is_none() && line.is_none() {
+            true => Feed::default(),
+            false => network.feed(mounted.len(), actuator, actuation, line, shared),
+        };
+        mounted.push(Mounted {
+            actuator: actuator.clone().without_valve(),
+            mechanism,
+            coupling,
+            tendon: tendon.copied(),
+            pressure: pressure.cloned(),
+        });
+        feed
+    }
+}
+
 impl<S: Scalar> Network<S> {
     /// Adds what feeds an actuator: its valve with the paths to supply and surroundings, its hose, its leak, and the
-    /// reservoir and regulator of its own supply.
-    pub fn feed(&mut self, index: usize, actuator: &Actuator<S>, actuation: Option<&Actuation<S>>, line: &Line<S>) {
+    /// reservoir and regulator of its supply, or in their place a supply that is there already.
+    pub fn feed(
+        &mut self,
+        index: usize,
+        actuator: &Actuator<S>,
+        actuation: Option<&Actuation<S>>,
+        line: &Line<S>,
+        shared: Option<SupplyNodes>,
+    ) -> Feed {
         let temperature = actuator.valve().map_or(S::constant(ROOM), |valve| valve.supply.temperature());
         let outside = self.node(NodeKind::Atmosphere, S::zero(), temperature);
-        let mut feed = outside;
-        let mut copies = S::one();
-        if let Some(valve) = actuator.valve().filter(|_| actuation.is_some()) {
-            let gauge = valve.supply.gauge_pressure().0;
-            let (reservoir, regulator) = match &line.supply {
-                Some(supply) => {
-                    copies = supply.actuators();
-                    (supply.reservoir(), supply.regulator())
-                }
-                None => (None, None),
-            };
-            feed = self.supply([gauge, temperature], reservoir, regulator, None, outside).outlet;
+        let supply = actuator.valve().filter(|_| actuation.is_some()).map(|valve| {
+            let numbers = [valve.supply.gauge_pressure().0, temperature];
+            let (reservoir, regulator) =
+                line.supply.as_ref().map_or((None, None), |supply| (supply.reservoir(), supply.regulator()));
+            shared.unwrap_or_else(|| self.supply(numbers, reservoir, regulator, None, outside))
+        });
+        let copies = line.supply.as_ref().map_or(S::one(), |supply| supply.actuators());
+        let from = supply.map_or(outside, |supply| supply.outlet);
+        let Some([valve, into]) = self.draw(index, actuator, actuation, line, [from, outside], copies) else {
+            return Feed::default();
+        };
+        let path = |wanted: Port| {
+            let is_it = |kind: &BranchKind<S>| matches!(kind, BranchKind::Path { valve: its, port, .. } if *its == valve && *port == wanted);
+            self.branches.iter().position(|branch| is_it(&branch.kind))
+        };
+        let makes = |kind: &NodeKind<S>| matches!(kind, NodeKind::Port { valve: its, .. } if *its == valve);
+        Feed {
+            valve: Some(valve),
+            paths: [path(Port::Supply), path(Port::Exhaust)],
+            port: self.nodes.iter().position(|node| makes(&node.kind)),
+            hose: line.hose.as_ref().map(|hose| [into, hose.cells()]),
+            supply,
         }
-        self.draw(index, actuator, actuation, line, [feed, outside], copies);
     }
 
     /// Adds a supply at a gauge pressure (Pa) and a temperature (K): a source without end, or a reservoir, a regulator or both.
@@ -126,21 +193,17 @@ impl Plant {
     pub fn of_rig(rig: &Rig) -> Result<Self, Error> {
         let actuator = rig.actuator();
         let mut network = Network::new(actuator.air());
-        network.feed(0, actuator, rig.actuation(), rig.line());
         let mechanism = match rig.load() {
             Load::HangingMass { mass, gravity } => Mechanism::Mass(Mass::new(*mass, Pull::Gravity(*gravity), None)?),
             Load::ConstantForce { mass, force } => Mechanism::Mass(Mass::new(*mass, Pull::Force(*force), None)?),
             Load::Isometric => Mechanism::Fixed,
             Load::Prescribed(motion) => Mechanism::Prescribed(motion.clone()),
         };
-        let mounted = Mounted {
-            actuator: actuator.clone().without_valve(),
-            mechanism: 0,
-            coupling: Coupling::Direct { coordinate: 0 },
-            tendon: rig.tendon().copied(),
-            pressure: rig.pressure_course().cloned(),
-        };
-        Self::new(vec![mounted], network, vec![mechanism])
+        let (line, tendon, pressure) = (rig.line(), rig.tendon(), rig.pressure_course());
+        let equipment = Equipment { actuator, actuation: rig.actuation(), line, tendon, pressure };
+        let mut mounted = vec![];
+        equipment.mount((&mut mounted, &mut network), (0, Coupling::Direct { coordinate: 0 }), None);
+        Self::new(mounted, network, vec![mechanism])
     }
 
     /// The start of the plant of a rig in a state of that rig.
