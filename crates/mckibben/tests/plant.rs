@@ -7,6 +7,7 @@ mod common;
 mod joint;
 mod joint_circuit;
 mod joint_control;
+mod joint_fittings;
 mod joint_located;
 mod joint_stepper;
 mod linearize_joint;
