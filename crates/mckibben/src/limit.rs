@@ -94,8 +94,11 @@ limits! {
         "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"";
     PRESSURE_FIXED_STEP: "a pressure that is given over time", "in the fixed-step engine",
         "set run.engine = \"event-located\", or leave out [pressure]";
-    PRESSURE_TENDON: "a pressure that is given over time", "in an actuator on a tendon",
-        "leave out [tendon], or drive the pressure by a valve";
+    PRESSURE_TENDON: "a pressure that is given over time", "for one actuator on a tendon",
+        "name the actuator, as in [actuators.muscle], leave out [tendon], or drive the pressure by a valve";
+    PRESSURE_LINEAR: "a linear model by `linearize`",
+        "of an actuator on a tendon whose pressure is given and that has no viscous friction",
+        "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";
     MODULAR_TENDON: "a tendon in series", "in a modular actuator", "make a TendonActuator, or leave out [tendon]";
     MODULAR_VALVE: "a pressure regulator or a proportional spool", "as the valve of a modular actuator",
         "choose a valve with seats such as valve.kind = \"three-way\"";

@@ -153,6 +153,21 @@ fn energy_closes_under_given_pressures() {
     }
 }
 
+#[test]
+fn energy_closes_under_given_pressures_on_tendons() {
+    let tendon = |stiffness| Some(SeriesTendon::new(stiffness, 0.03).expect("a tendon"));
+    for (viscous, width) in [(0.0, 0.0), (0.0, 1e-4), (3.0, 1e-4)] {
+        let pair = sealed(pulsed_on_tendons())
+            .with(|pair| pair.papers.iter_mut().for_each(|paper| *paper = paper.clone().friction(viscous, width)));
+        let fittings = [given([1e5, 3e5, 2e5], tendon(2e4)), given([1.5e5, 1.5e5, 3e5], tendon(8e3))];
+        let made = run(&pair, fittings, JointSupply::Separate, 0.4, 1e-8);
+        let work = made.ledger().work();
+        assert!(work.turnover > 0.1, "{work:?}");
+        assert_within(work.residual, 0.0, 1e-6 * work.turnover);
+        assert_within(made.at(0.25).actuators[0].pressure.0, 2.25e5 + 101_325.0, 1e-3);
+    }
+}
+
 /// A joint on tendons that begins in its balance, sealed and without friction, stays there.
 #[test]
 fn a_balance_on_tendons_lasts() {

@@ -15,6 +15,7 @@ mod moment_arm;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;
+mod plant_given_tendon;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]

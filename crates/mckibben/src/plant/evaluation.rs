@@ -159,7 +159,7 @@ impl<'a, R: Real> System<'a, R> {
     fn evaluate_here<T: Differentiable<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         self.enter_distances(time, state, mode, at);
         self.enter_air(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at);
+        self.enter_actuators(state, mode, at);
         for mechanism in 0..self.plant.mechanisms.len() {
             self.accelerate(mechanism, time, state, mode, at);
         }
@@ -285,12 +285,16 @@ impl<'a, R: Real> System<'a, R> {
                 }
                 None => (Flow::none(), T::zero()),
             };
+            if wires[i].is_given {
+                // An end on a tendon follows it.
+                unit.pressure_rate = self.given_rate(i, time, &mode.actuators[i]);
+            }
         }
     }
 
     /// Computes tensions and air of all actuators.
     #[inline(always)]
-    fn enter_actuators<T: Differentiable<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+    fn enter_actuators<T: Differentiable<R>>(&self, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         let count = self.wires.len();
         let (wires, members, modes) = (&self.wires[..count], &self.members[..count], &mode.actuators[..count]);
         let (units, chambers) = (&mut at.units[..count], &mut at.chambers[..count]);
@@ -308,7 +312,7 @@ impl<'a, R: Real> System<'a, R> {
                 };
             }
             if wire.is_given {
-                self.enter_given(i, time, of_actuator, unit, chamber);
+                self.enter_given(i, unit, chamber);
             } else {
                 unit.pressure_rate = wire.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
             }
@@ -333,22 +337,17 @@ impl<'a, R: Real> System<'a, R> {
         *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
     }
 
-    /// Computes the rate of a pressure that is given over time, and the flow that it takes.
+    /// The rate of a pressure that is given over time.
     #[inline(never)]
-    fn enter_given<T: Over<R>>(
-        &self,
-        i: usize,
-        time: T,
-        of_actuator: &ActuatorMode<R>,
-        unit: &mut Unit<T>,
-        chamber: &Chamber<T>,
-    ) {
-        let mounted = &self.plant.actuators[i];
-        if let Some(course) = &mounted.pressure {
-            let [_, rate] = course.at(time, of_actuator.rows_passed);
-            unit.pressure_rate = rate;
-            unit.flow = split(mounted.actuator.air().flow_for(chamber, rate));
-        }
+    fn given_rate<T: Over<R>>(&self, i: usize, time: T, of_actuator: &ActuatorMode<R>) -> T {
+        let course = self.plant.actuators[i].pressure.as_ref();
+        course.map_or(T::zero(), |course| course.at(time, of_actuator.rows_passed)[1])
+    }
+
+    /// Computes the flow that the rate of a given pressure takes.
+    #[inline(never)]
+    fn enter_given<T: Over<R>>(&self, i: usize, unit: &mut Unit<T>, chamber: &Chamber<T>) {
+        unit.flow = split(self.plant.actuators[i].actuator.air().flow_for(chamber, unit.pressure_rate));
     }
 
     /// Computes the accelerations of a mechanism.
