@@ -111,7 +111,6 @@ limits! {
     AVERAGE_STROKE: "the average over pulses", "for seats that take their time",
         "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes";
     SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint", "give search.horizon in place of search.segments";
-    SEGMENTS_PRESSURE: "a measured pressure as input", "for an antagonistic joint", "leave out `input`: the pressures are fitted as the valves make them";
     SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";
 }
