@@ -133,7 +133,7 @@ fn open_one(rig: &Rig, start: State, run: &Run) -> Result<[(f64, f64); 2], Strin
 /// Nanoseconds a step and the angle in rad at the end, by both methods.
 fn open_joint(rig: &JointRig, start: JointState, run: &Run) -> Result<[(f64, f64); 2], String> {
     let of = |method| {
-        let stepper = JointStepper::new(rig.clone(), method);
+        let stepper = JointStepper::new(rig.clone(), method).map_err(|error| error.to_string())?;
         least(run, |times| {
             let mut course = stepper.begin(start);
             let began = Instant::now();

@@ -62,7 +62,7 @@ fn of_file(file: &str, leg: &mut Option<Rig>) -> Result<[f64; 3], String> {
         return measure(|| ControlledJointStepper::new(rig, start, METHOD, &of.law, (of.sampling, of.sensors)));
     }
     if let Some(of) = document.joint_experiment().map_err(told)? {
-        let stepper = JointStepper::new(of.rig, METHOD);
+        let stepper = JointStepper::new(of.rig, METHOD).map_err(|error| error.to_string())?;
         return measure(|| Ok((&stepper, stepper.begin(of.start))));
     }
     if let Some(of) = document.controlled_experiment().map_err(told)? {

@@ -212,7 +212,7 @@ impl Ready {
             Self::Joint(of) => {
                 let plant = JointPlant::new(&of.rig).map_err(shown)?;
                 let mut observer = joint::observation::Observer::new(Some(&plant), &run);
-                let end = through(target, &of_joint(&Goals::default()), &run, shown, |take| {
+                let end = through(target, &of_joint(Some(&of.rig), &Goals::default()), &run, shown, |take| {
                     let end = joint::outcome::stream(&of, &plant, &mut |step| {
                         observer.step(step);
                         take(step)
@@ -226,13 +226,14 @@ impl Ready {
                 let plant = JointPlant::new(&of.experiment.rig).map_err(shown)?;
                 let mut observer = joint::observation::Observer::new(Some(&plant), &run);
                 let goals = Goals::new(joint::control::begin_goals(&of).into());
-                let (end, mut closed) = through(target, &of_joint(&goals), &run, shown, |take| {
-                    let (end, closed) = joint::control::stream(&of, &plant, &goals, &mut |step| {
-                        observer.step(step);
-                        take(step)
+                let (end, mut closed) =
+                    through(target, &of_joint(Some(&of.experiment.rig), &goals), &run, shown, |take| {
+                        let (end, closed) = joint::control::stream(&of, &plant, &goals, &mut |step| {
+                            observer.step(step);
+                            take(step)
+                        })?;
+                        Ok((end.sample, (end, closed)))
                     })?;
-                    Ok((end.sample, (end, closed)))
-                })?;
                 closed.goals = goals.take();
                 let observation = observer.finish(end.sample, &end.run);
                 Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: Some(closed) })))
@@ -342,7 +343,7 @@ impl JointRun {
     }
 
     fn fields(&self) -> Vec<Field<JointSample>> {
-        of_joint(&Goals::new(self.goals().to_vec().into()))
+        of_joint(Some(self.outcome.rig()), &Goals::new(self.goals().to_vec().into()))
     }
 }
 

@@ -207,7 +207,6 @@ fn a_joint_is_found_in_its_swings() {
         ("unit = \"deg\"", "unit = \"N\"", "`N` is no unit of angle"),
         ("columns.angle", "columns.angel", "`angel` is no quantity of a study"),
         ("antagonistic-joint.toml\"", "muscle.toml\"", "of a joint's second actuator, and there is none"),
-        ("kind = \"trajectories\"", "kind = \"trajectories\"\ninput = \"gauge-pressure\"", "leave out `input`"),
         ("[fit.\"load.inertia\"]", "[search]\nsegments = \"0.1 s\"\n[fit.\"load.inertia\"]", "search.horizon"),
         ("fit.\"load.damping\"", "fit.\"antagonist.load.damping\"", "write `load.damping`"),
     ] {
@@ -219,6 +218,51 @@ fn a_joint_is_found_in_its_swings() {
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && error.contains(words), "`{words}` is not in\n{error}");
     }
+}
+
+/// The measured pressures of both drive the joint, whatever made them: the limb comes out though the scenario has other valves.
+#[test]
+fn a_joint_is_found_by_the_measured_pressures_of_both() {
+    let folder = Folder::new("identify-joint-pressure");
+    let truth = std::fs::read_to_string(of_repository("examples/antagonistic-joint.toml")).expect("a scenario");
+    let truth = truth.replace("inertia = \"1e-3 kg*m^2\"", "inertia = \"1.3e-3 kg*m^2\"");
+    let truth = truth.replace("damping = \"0.02 N*m*s/rad\"", "damping = \"0.03 N*m*s/rad\"");
+    folder.file("truth.toml", &truth);
+    let set = ["-s", "run.duration=0.5 s", "-s", "run.sample_interval=0.2 ms"];
+    let made =
+        folder.mckibben().args(["simulate", "truth.toml", "-o", "swings.csv"]).args(set).output().expect("it runs");
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let other = std::fs::read_to_string(of_repository("examples/antagonistic-joint.toml")).expect("a scenario");
+    folder.file("joint.toml", &other.replace("[valve]", "[valve]\nefficiency = 0.4"));
+    let column = |name: &str, of: &str, unit: &str| format!("[columns.{name}]\nname = \"{of}\"\nunit = \"{unit}\"\n");
+    let pressures = column("absolute_pressure", "pressure_pa", "Pa");
+    let others = column("antagonist_absolute_pressure", "antagonist_pressure_pa", "Pa");
+    let study = [
+        "[study]\nkind = \"trajectories\"\nscenario = \"joint.toml\"\ninput = \"gauge-pressure\"\n".to_owned(),
+        column("time", "time_s", "s"),
+        column("angle", "angle_rad", "rad"),
+        pressures,
+        others.clone(),
+        "[[run]]\nfile = \"swings.csv\"\n[fit.\"load.inertia\"]\n[fit.\"load.damping\"]\n".to_owned(),
+    ]
+    .concat();
+    let told = told(&identify(&folder, &folder.file("study.toml", &study)));
+    assert!(told.contains("take no part"), "{told}");
+    let values = read(&folder, "out/values.csv");
+    for (name, truth) in [("load.inertia", 1.3e-3), ("load.damping", 0.03)] {
+        let value = cell(&values, name, "value");
+        assert!((value / truth - 1.0).abs() < 5e-3, "{name}: {value} is not {truth}\n{told}");
+    }
+    let found = read(&folder, "out/scenario.toml");
+    assert!(
+        found.contains("[pressure]") && found.contains("[antagonist.pressure]") && !found.contains("valve]"),
+        "{found}"
+    );
+    let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let output = identify(&folder, &folder.file("study.toml", &study.replace(&others, "")));
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && error.contains("columns.antagonist_gauge_pressure"), "{error}");
 }
 
 #[test]

@@ -436,3 +436,50 @@ fn the_exergy_of_the_supply_is_told_where_there_is_a_valve() {
         assert!(of_joint.contains(&format!("\n  {name}")), "{name}: {of_joint}");
     }
 }
+
+/// What the actuators of a joint have beside their valves adds columns behind each one's valve; what happens to the bottle of
+/// both is the supply's, and a sweep varies each of it.
+#[test]
+fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {
+    let folder = Folder::new("joint-line");
+    let example = std::fs::read_to_string(of_repository("examples/line/joint.toml")).expect("an example");
+    let compressor = "compressor_displacement = \"50 L/min\"\ncut_in_gauge_pressure = \"58 psi\"\n\
+                      cut_out_gauge_pressure = \"61 psi\"\n\n[valve]";
+    let tendons = "rest_length = \"113.82 mm\"\n";
+    let text = example.replacen("\n[valve]", compressor, 1).replace("rest_length = \"3.3 in\"\n", tendons)
+        + "[tendon]\nstiffness = \"20 kN/m\"\nrest_length = \"30 mm\"\n";
+    folder.file("joint.toml", &text);
+    let told = run(&folder, &["simulate", "joint.toml", "-o", "run.csv", "--events-output", "events.csv"]);
+    assert!(told.contains("1501 rows") && !told.contains("NaN"), "{told}");
+    let columns = |name: &str| {
+        let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
+        reader.headers().expect("a header").iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let own = ["hose_pressure_pa", "supply_pressure_pa", "load_distance_m", "load_velocity_m_s"].map(str::to_owned);
+    let usual: Vec<String> = HEADER.split(',').map(str::to_owned).collect();
+    let others = own.iter().filter(|name| *name != "supply_pressure_pa");
+    let second = usual.iter().skip(1).chain(others).map(|name| format!("antagonist_{name}"));
+    let of_joint = ["angle_rad", "angular_velocity_rad_s", "torque_n_m"].map(str::to_owned);
+    let due: Vec<String> = usual.iter().chain(&own).chain(&of_joint).cloned().chain(second).collect();
+    assert_eq!(columns("run.csv"), due);
+    let events = std::fs::read_to_string(folder.path("events.csv")).expect("the events");
+    let whose = |kind: &str, whose: &str| events.lines().any(|line| line.contains(&format!(",{kind},{whose},")));
+    assert!(whose("compressor", "supply") && whose("regime", "antagonist") && !whose("compressor", ""), "{events}");
+    let vary = "\n[sweep]\nreductions = [\"angle.max\", \"stiffness.final\"]\n[sweep.vary]\n";
+    for varies in [
+        "\"hose.length\" = [\"0.5 m\", \"1 m\"]",
+        "\"antagonist.hose.diameter\" = [\"1.5 mm\", \"2.5 mm\"]",
+        "\"supply.reservoir_volume\" = [\"0.1 L\", \"0.5 L\"]",
+        "\"tendon.stiffness\" = [\"10 kN/m\", \"20 kN/m\"]",
+        "\"antagonist.tendon.stiffness\" = [\"10 kN/m\", \"20 kN/m\"]",
+    ] {
+        folder.file("sweep.toml", &format!("{text}{vary}{varies}\n"));
+        run(&folder, &["sweep", "sweep.toml", "-o", "sweep.csv"]);
+        let table = std::fs::read_to_string(folder.path("sweep.csv")).expect("the table");
+        let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').skip(2).collect()).collect();
+        assert!(rows.len() == 2 && rows[0] != rows[1] && !rows[0][0].is_empty(), "{varies}: {table}");
+    }
+    let refused = folder.mckibben().args(["linearize", "joint.toml"]).output().expect("it runs");
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(words.contains("is not implemented of a joint with a hose"), "{words}");
+}

@@ -47,6 +47,7 @@ fn a_run_that_is_not_kept_has_the_bytes_and_the_figures_of_one_that_is() {
         "line/hanging-mass.toml",
         "tendon.toml",
         "antagonistic-joint.toml",
+        "line/joint.toml",
         "control/pid.toml",
         "control/joint-bang-bang.toml",
         "control/joint-air-mass.toml",

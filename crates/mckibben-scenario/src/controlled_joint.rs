@@ -148,6 +148,9 @@ pub(crate) fn joint_loop(
                 }
             }
             let rig = model()?;
+            if rig.fittings().iter().any(|of| of.tendon.is_some()) {
+                return Err(Error::NotImplemented(&mckibben::limit::PLANT_MODEL));
+            }
             let actuators = rig.driven().each_ref().map(|driven| driven.actuator.clone());
             let highest = GaugePressure(*highest_gauge_pressure);
             let aim = [angle.clone(), stiffness.clone()];

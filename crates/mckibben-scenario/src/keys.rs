@@ -201,7 +201,7 @@ pub static FACTOR: Parameter = row(
 pub const ANTAGONIST: &str = "antagonist";
 /// What that section may hold: whole sections, and single keys.
 const OF_ANTAGONIST: (&[&str], &[&str]) = (
-    &["actuator", "supply", "valve", "command"],
+    &["actuator", "supply", "valve", "hose", "command", "pressure", "tendon"],
     &[
         "load.pulley_radius",
         "load.moment_arm_angle",

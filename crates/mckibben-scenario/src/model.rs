@@ -13,8 +13,8 @@ use mckibben::line::{self, Line};
 use mckibben::parameter as p;
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{
-    self, Actuation, Driven, Initial, JointInitial, JointRig, JointState, JointStepError, PressureCourse, Rig, State,
-    joint_step_for_accuracy,
+    self, Actuation, Driven, Fittings, Initial, JointInitial, JointRig, JointState, JointStepError, JointSupply,
+    PressureCourse, Rig, State, joint_step_for_accuracy,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
 
@@ -142,19 +142,20 @@ impl Scenario {
             return Ok(None);
         };
         let failed = |error: Error| (Part::Joint, error);
-        if self.tendon.is_some() {
-            return Err(failed(Error::NotImplemented(&limit::JOINT_TENDON)));
-        }
-        if self.pressure.is_some() {
-            return Err(failed(Error::NotImplemented(&limit::JOINT_PRESSURE)));
-        }
-        if self.has_line() || second.has_line() {
-            return Err(failed(Error::NotImplemented(&limit::JOINT_LINE)));
-        }
         let agonist = self.driven().map_err(failed)?;
         let output = opposite_output(self, &second).map_err(failed)?;
         let antagonist = second.driven_by(output).map_err(|error| (Part::Antagonist, error))?;
-        let rig = core_joint(joint).and_then(|joint| JointRig::new([agonist, antagonist], joint)).map_err(failed)?;
+        let its = self.fittings(agonist.actuator.air()).map_err(failed)?;
+        let others = second.fittings(antagonist.actuator.air()).map_err(|error| (Part::Antagonist, error))?;
+        let rig = core_joint(joint)
+            .and_then(|joint| {
+                let (fittings, supply) = self.shared([its, others]);
+                JointRig::fitted([agonist, antagonist], joint, fittings, supply)
+            })
+            .map_err(failed)?;
+        if self.run.engine == Engine::FixedStep && rig.fittings().iter().any(|of| !of.is_none()) {
+            return Err(failed(Error::NotImplemented(&limit::JOINT_FIXED_STEP)));
+        }
         self.run.check_counts().map_err(failed)?;
         for (part, driven) in [Part::Joint, Part::Antagonist].into_iter().zip(rig.driven()) {
             let counts = driven.actuation.as_ref().map_or(Ok(()), |of| of.check_counts(self.run.duration));
@@ -162,6 +163,21 @@ impl Scenario {
         }
         let start = rig.start(&self.start_of(joint)).map_err(failed)?;
         Ok(Some(JointExperiment { rig, start, run: self.run }))
+    }
+
+    /// What the actuator of a joint has beside its valve.
+    fn fittings(&self, air: &air::Air) -> Result<Fittings, Error> {
+        Ok(Fittings { line: self.core_line(air)?, tendon: self.core_tendon()?, pressure: self.core_pressure()? })
+    }
+
+    /// What both actuators of a joint have, the supply at the one that it is of.
+    fn shared(&self, [mut its, mut others]: [Fittings; 2]) -> ([Fittings; 2], JointSupply) {
+        if !self.shares_supply() {
+            return ([its, others], JointSupply::Separate);
+        }
+        let antagonists = others.line.supply.take();
+        its.line.supply = its.line.supply.or(antagonists);
+        ([its, others], JointSupply::Shared)
     }
 
     /// The start of its joint as the core takes it, or `None` when its load is another.
@@ -239,11 +255,11 @@ fn core_joint(joint: &Joint) -> Result<load::Joint, Error> {
         stiffness: joint.stop_stiffness,
         damping: joint.stop_damping,
     };
-    let tendons = [core_tendon(&joint.tendon)?, core_tendon(&joint.antagonist.tendon)?];
+    let tendons = [core_lead(&joint.tendon)?, core_lead(&joint.antagonist.tendon)?];
     load::Joint::new(limb, tendons, joint.torque, joint.damping, stops)
 }
 
-fn core_tendon(tendon: &Tendon) -> Result<load::Tendon, Error> {
+fn core_lead(tendon: &Tendon) -> Result<load::Tendon, Error> {
     let arm = match &tendon.arm {
         MomentArm::Pulley(radius) => load::MomentArm::pulley(*radius)?,
         MomentArm::Table { angle, arm } => load::MomentArm::table(angle, arm)?,
@@ -292,14 +308,24 @@ impl Scenario {
         let line = self.core_line(actuator.air())?;
         let load = self.core_load(actuator.law().law.end_length())?;
         let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
-        let rig = match self.tendon {
-            Some(of) => rig.with_tendon(load::SeriesTendon::new(of.stiffness, of.rest_length)?)?,
+        let rig = match self.core_tendon()? {
+            Some(tendon) => rig.with_tendon(tendon)?,
             None => rig,
         };
-        match &self.pressure {
-            Some(course) => rig.with_pressure(PressureCourse::new(&course.time, &course.gauge_pressure)?),
+        match self.core_pressure()? {
+            Some(course) => rig.with_pressure(course),
             None => Ok(rig),
         }
+    }
+
+    /// The elastic tendon in series, if there is one.
+    pub(crate) fn core_tendon(&self) -> Result<Option<load::SeriesTendon>, Error> {
+        self.tendon.map(|of| load::SeriesTendon::new(of.stiffness, of.rest_length)).transpose()
+    }
+
+    /// The pressure over time, where it is given.
+    pub(crate) fn core_pressure(&self) -> Result<Option<PressureCourse>, Error> {
+        self.pressure.as_ref().map(|course| PressureCourse::new(&course.time, &course.gauge_pressure)).transpose()
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.
@@ -338,22 +364,23 @@ impl Scenario {
     /// The scenario with the second actuator of its joint in place of the first, or `None` when it has no joint.
     pub fn of_antagonist(&self) -> Option<Self> {
         let Load::AntagonisticJoint(joint) = &self.load else { return None };
-        let Antagonist { actuator, supply, valve, command, gauge_pressure, temperature, .. } = &*joint.antagonist;
+        let Antagonist { gauge_pressure, temperature, .. } = &*joint.antagonist;
         let initial = scenario::Initial { gauge_pressure: *gauge_pressure, temperature: *temperature, ..self.initial };
+        let Antagonist { actuator, supply, valve, hose, command, pressure, series_tendon, .. } =
+            (*joint.antagonist).clone();
         Some(Self {
-            actuator: actuator.clone(),
-            supply: *supply,
-            valve: *valve,
-            command: command.clone(),
+            actuator,
+            supply,
+            valve,
+            hose,
+            command,
+            pressure,
+            tendon: series_tendon,
+            air: self.air,
+            load: self.load.clone(),
             initial,
-            ..self.clone()
+            run: self.run,
         })
-    }
-
-    /// Whether it has a part of an air line.
-    fn has_line(&self) -> bool {
-        let changes = |supply: &Supply| supply.reservoir.is_some() || supply.regulator.is_some();
-        self.hose.is_some() || self.actuator.leakage.is_some() || self.supply.as_ref().is_some_and(changes)
     }
 
     fn core_actuator(&self, air: air::Air) -> Result<Actuator, Error> {

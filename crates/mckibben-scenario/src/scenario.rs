@@ -624,7 +624,7 @@ pub struct Joint {
     pub stop_stiffness: f64,
     /// Damping C_stop of the stops in N·m·s/rad.
     pub stop_damping: f64,
-    /// The agonist's tendon.
+    /// How the agonist is led over the joint.
     pub tendon: Tendon,
     /// Angle at the start.
     pub angle: InitialAngle,
@@ -675,10 +675,18 @@ pub struct Antagonist {
     pub supply: Option<Supply>,
     /// The valve.
     pub valve: Option<Valve>,
+    /// Whether it draws from a supply of its own, which the file then describes for it; else both draw from one.
+    pub has_own_supply: bool,
+    /// The hose from its valve.
+    pub hose: Option<Hose>,
     /// What the valve is told.
     pub command: Option<Command>,
-    /// The tendon.
+    /// The pressure over time, where it is given; in place of a valve.
+    pub pressure: Option<PressureCourse>,
+    /// How it is led over the joint.
     pub tendon: Tendon,
+    /// The elastic tendon between it and the joint, if there is one.
+    pub series_tendon: Option<SeriesTendon>,
     /// Gauge pressure at the start in Pa.
     pub gauge_pressure: f64,
     /// Temperature of the air at the start in K.
@@ -759,6 +767,16 @@ impl Scenario {
     /// Whether two actuators turn a joint.
     pub fn has_joint(&self) -> bool {
         matches!(self.load, Load::AntagonisticJoint(_))
+    }
+
+    /// Whether both actuators of a joint draw from one supply.
+    pub fn shares_supply(&self) -> bool {
+        match &self.load {
+            Load::AntagonisticJoint(joint) => {
+                !joint.antagonist.has_own_supply && joint.antagonist.supply == self.supply
+            }
+            _ => false,
+        }
     }
 
     /// Whether a controller drives the valve.

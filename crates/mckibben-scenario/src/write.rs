@@ -71,20 +71,21 @@ impl Scenario {
         let w = &mut writer;
         actuator(w, self);
         air(w, self);
+        supply(w, self);
         drive(w, self);
-        if let Some(course) = &self.pressure {
-            w.list(&p::COURSE_TIME, &course.time);
-            w.list(&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure);
-        }
-        series_tendon(w, self);
         load(w, &self.load);
         initial_and_run(w, self);
         if let (Load::AntagonisticJoint(joint), Some(second)) = (&self.load, self.of_antagonist()) {
             w.prefix = "antagonist.";
             actuator(w, &second);
+            if !self.shares_supply() {
+                supply(w, &second);
+            }
             drive(w, &second);
             tendon(w, &joint.antagonist.tendon);
-            w.number(&p::INITIAL_GAUGE_PRESSURE, second.initial.gauge_pressure);
+            if second.pressure.is_none() {
+                w.number(&p::INITIAL_GAUGE_PRESSURE, second.initial.gauge_pressure);
+            }
             w.number(&p::INITIAL_TEMPERATURE, second.initial.temperature);
         }
         writer.text
@@ -241,15 +242,24 @@ fn air(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::HEAT_CAPACITY_RATIO, air.heat_capacity_ratio);
 }
 
-fn drive(w: &mut Writer, scenario: &Scenario) {
+fn supply(w: &mut Writer, scenario: &Scenario) {
     if let Some(supply) = &scenario.supply {
         w.number(&p::SUPPLY_GAUGE_PRESSURE, supply.gauge_pressure);
         w.number(&p::SUPPLY_TEMPERATURE, supply.temperature);
         supply_line(w, supply);
     }
+}
+
+/// Everything else that makes the pressure, and the tendon that takes the force.
+fn drive(w: &mut Writer, scenario: &Scenario) {
     valve(w, scenario);
     hose(w, scenario);
     command(w, scenario);
+    if let Some(course) = &scenario.pressure {
+        w.list(&p::COURSE_TIME, &course.time);
+        w.list(&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure);
+    }
+    series_tendon(w, scenario);
 }
 
 fn supply_line(w: &mut Writer, supply: &Supply) {

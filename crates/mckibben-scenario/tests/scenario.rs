@@ -403,7 +403,7 @@ fn a_pressure_over_time_is_read_built_and_written() {
             "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n[command]\nkind = \"fill\"\n",
             "`valve` has no meaning where `[pressure]`",
         ),
-        ("[tendon]\nstiffness = \"10 kN/m\"\n", "is not implemented in an actuator on a tendon"),
+        ("[tendon]\nstiffness = \"10 kN/m\"\n", "is not implemented for one actuator on a tendon"),
         ("[actuator]\nleakage = \"1e-12 m^3/(s*Pa)\"\n", "a valve or a leak would change it too"),
     ] {
         let document = Document::parse(&format!("{file}{more}"), "test.toml").expect("it is TOML");

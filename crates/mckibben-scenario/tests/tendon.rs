@@ -32,14 +32,11 @@ fn it_is_read_built_and_written() {
 #[test]
 fn mistakes_are_told() {
     let moved = "[load]\nkind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"\n";
-    let joint = "[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\npulley_radius = \"15 mm\"\n\
-                 rest_length = \"8 cm\"\n[antagonist]\n";
     let cases = [
         (mistakes(&["[tendon]\n", LOAD, RUN]), "tendon.stiffness"),
         (mistakes(&[&TENDON.replace("12", "0"), LOAD, RUN]), "tendon.stiffness"),
         (mistakes(&[TENDON, "rest_length = \"-1 mm\"\n", LOAD, RUN]), "tendon.rest_length"),
         (mistakes(&[TENDON, moved, RUN]), "isometric"),
-        (document(&[TENDON, joint, RUN]).joint_experiment().expect_err("a mistake").to_string(), "leave out [tendon]"),
     ];
     for (said, word) in cases {
         assert!(said.contains(word), "{word}:\n{said}");

@@ -70,12 +70,12 @@ limits! {
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
         "let it draw from a supply of constant pressure, or choose a valve with seats";
-    JOINT_TENDON: "an elastic tendon", "with load.kind = \"antagonistic-joint\"",
-        "leave out [tendon], or write a plant: a chain of one joint with two actuators";
-    JOINT_PRESSURE: "a pressure that is given over time", "with load.kind = \"antagonistic-joint\"",
-        "leave out [pressure], or write a plant: a chain of one joint with two actuators";
-    JOINT_LINE: "a hose, a leak, a reservoir or a regulator", "with load.kind = \"antagonistic-joint\"",
-        "leave them out, or write a plant: a chain of one joint with two actuators";
+    JOINT_FIXED_STEP: "run.engine = \"fixed-step\"",
+        "for a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
+        "set run.engine = \"event-located\", or leave these out";
+    JOINT_LINEAR: "a linear model by `linearize`",
+        "of a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
+        "write a plant: a chain of one joint with two actuators";
     JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
         "run it with `mckibben simulate`, or choose another load.kind";
     JOINT_POSITION: "a position or a set point", "for the valves of a joint or a leg that a host drives",
@@ -94,8 +94,11 @@ limits! {
         "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"";
     PRESSURE_FIXED_STEP: "a pressure that is given over time", "in the fixed-step engine",
         "set run.engine = \"event-located\", or leave out [pressure]";
-    PRESSURE_TENDON: "a pressure that is given over time", "in an actuator on a tendon",
-        "leave out [tendon], or drive the pressure by a valve";
+    PRESSURE_TENDON: "a pressure that is given over time", "for one actuator on a tendon",
+        "name the actuator, as in [actuators.muscle], leave out [tendon], or drive the pressure by a valve";
+    PRESSURE_LINEAR: "a linear model by `linearize`",
+        "of an actuator on a tendon whose pressure is given and that has no viscous friction",
+        "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";
     MODULAR_TENDON: "a tendon in series", "in a modular actuator", "make a TendonActuator, or leave out [tendon]";
     MODULAR_VALVE: "a pressure regulator or a proportional spool", "as the valve of a modular actuator",
         "choose a valve with seats such as valve.kind = \"three-way\"";
@@ -108,7 +111,6 @@ limits! {
     AVERAGE_STROKE: "the average over pulses", "for seats that take their time",
         "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes";
     SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint", "give search.horizon in place of search.segments";
-    SEGMENTS_PRESSURE: "a measured pressure as input", "for an antagonistic joint", "leave out `input`: the pressures are fitted as the valves make them";
     SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";
 }

@@ -343,7 +343,7 @@ parameters! {
         "Error of the outlet pressure to either side within which the regulator rests.",
         "data sheet of the regulator", "give zero or more";
     ACTUATORS = "supply.actuators", "N", "", Range { low: 1.0, low_included: true, ..Range::POSITIVE }, Some(1.0),
-        "How many actuators, all alike, draw from the reservoir or the regulator.",
+        "How many actuators, or joints of two, all alike, draw from the reservoir or the regulator.",
         "choice of the experiment", "give a number of one or more";
     FLOW_AREA = "valve.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
         "Effective area of the valve's passage, area times flow coefficient.",

@@ -256,7 +256,7 @@ fn a_run_at_fixed_steps_is_the_open_loop_s_with_its_commands_to_the_last_bit() {
     let law = swing();
     let closed = stepped(&law, sampling(50.0, 0), 400);
     let papers = [paper(), paper()];
-    let open = JointStepper::new(closed.rig().clone(), Method::Rk4);
+    let open = JointStepper::new(closed.rig().clone(), Method::Rk4).expect("a stepper");
     let mut course = open.begin(closed.rig().start(&initial(&papers)).expect("a start"));
     for step in 1..=400 {
         open.advance_to(&mut course, 0.4 * f64::from(step) / 400.0).expect("a step");

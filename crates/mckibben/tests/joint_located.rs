@@ -175,7 +175,7 @@ fn fixed_steps_come_to_it_at_their_order() {
         let pair = choked(pair(solenoid, command, None));
         let exact = pair.run(until, 1e-12);
         for (method, order, counts) in [(Method::Stable, 2.0, [400, 1600]), (Method::Rk4, 4.0, [50, 200])] {
-            let stepper = JointStepper::new(pair.rig().expect("a rig"), method);
+            let stepper = JointStepper::new(pair.rig().expect("a rig"), method).expect("a stepper");
             let errors = counts.map(|steps| difference(&stepper, &pair, steps, until, &exact));
             let fitted = (errors[0] / errors[1]).log2() / 2.0;
             println!("{name} {method:?} {fitted} {errors:?}");
@@ -187,7 +187,7 @@ fn fixed_steps_come_to_it_at_their_order() {
     // Bristles turn with the joint: between two turns the order is the method's, and a step spans the turn.
     let pair = choked(pair(valves()[0].1, pulses(10.0, 0.5), Some(falling())));
     let exact = pair.run(until, 1e-12);
-    let stepper = JointStepper::new(pair.rig().expect("a rig"), Method::Stable);
+    let stepper = JointStepper::new(pair.rig().expect("a rig"), Method::Stable).expect("a stepper");
     let errors = [2000, 8000].map(|steps| difference(&stepper, &pair, steps, until, &exact));
     let fitted = (errors[0] / errors[1]).log2() / 2.0;
     println!("LuGre {fitted} {errors:?}");

@@ -38,7 +38,7 @@ fn smooth(coulomb_width: f64) -> Pair {
 fn end_of(pair: &Pair, method: Method, step: f64, duration: f64) -> JointState {
     let rig = pair.rig().expect("a rig");
     let start = rig.start(&pair.initial()).expect("a start");
-    let stepper = JointStepper::new(rig, method);
+    let stepper = JointStepper::new(rig, method).expect("a stepper");
     let mut course = stepper.begin(start);
     let steps = (duration / step).round() as u32;
     for index in 1..=steps {
@@ -169,7 +169,7 @@ fn it_sticks_within_the_torque_of_both_frictions_and_does_not_creep() {
             assert!(sign * end_of(&at(1.0001), method, 1e-3, 0.1).angle > 1e-7);
             let rig = at(0.9999).rig().expect("a rig");
             let start = rig.start(&pair.initial()).expect("a start");
-            let stepper = JointStepper::new(rig, method);
+            let stepper = JointStepper::new(rig, method).expect("a stepper");
             let course = stepper.begin(start);
             assert!(course.is_stuck());
             assert_close(stepper.sample(&course).torque, -(balance + sign * 0.9999 * bound), 1e-12);
@@ -198,7 +198,7 @@ fn valves_without_a_jump_are_those_of_the_hanging_mass() {
         let begun = rig.start(&pair.initial()).expect("a start");
         for method in [Method::Stable, Method::Rk4] {
             let mut on_line = FixedStepper::new(&line, line.start(&paper.initial()).expect("a start"), method);
-            let stepper = JointStepper::new(rig.clone(), method);
+            let stepper = JointStepper::new(rig.clone(), method).expect("a stepper");
             let mut course = stepper.begin(begun);
             for step in 1..=400 {
                 let time = f64::from(step) * 1e-3;
@@ -222,7 +222,7 @@ fn with_a_slack_antagonist_its_steps_are_those_of_the_hanging_mass() {
     let (line, rig) = (paper.rig(), pair.rig().expect("a rig"));
     for method in [Method::Stable, Method::Rk4] {
         let mut on_line = FixedStepper::new(&line, paper.start(), method);
-        let stepper = JointStepper::new(rig.clone(), method);
+        let stepper = JointStepper::new(rig.clone(), method).expect("a stepper");
         let mut course = stepper.begin(rig.start(&pair.initial()).expect("a start"));
         for step in 1..=400 {
             let time = f64::from(step) * 1e-3;
@@ -253,7 +253,7 @@ fn what_is_asked_is_the_tabled_command_and_courses_are_values() {
     });
     let (rig, initial) = (tabled.rig().expect("a rig"), tabled.initial());
     let start = rig.start(&initial).expect("a start");
-    let follows = JointStepper::new(rig, Method::Stable);
+    let follows = JointStepper::new(rig, Method::Stable).expect("a stepper");
     let asked = JointStepper::driven(pair.rig().expect("a rig"), Method::Stable, 25.0).expect("a stepper");
     let (mut a, mut b) = (follows.begin(start), asked.begin(start));
     for step in 0..1500 {
@@ -288,7 +288,7 @@ fn pulses_are_those_of_the_command() {
     });
     let rig = pair.rig().expect("a rig");
     let start = rig.start(&pair.initial()).expect("a start");
-    let follows = JointStepper::new(rig.clone(), Method::Stable);
+    let follows = JointStepper::new(rig.clone(), Method::Stable).expect("a stepper");
     let asked = JointStepper::driven(rig, Method::Stable, 25.0).expect("a stepper");
     let (mut a, mut b) = (follows.begin(start), asked.begin(start));
     let duty = |duty| Drive::Pulses { duty, pulse: Request::Fill, rest: Request::Exhaust };
@@ -359,7 +359,7 @@ fn random_joints_near_the_event_located_engine() {
         let rig = pair.rig().expect("a rig");
         let start = rig.start(&pair.initial()).expect("a start");
         let exact = JointPlant::new(&rig).and_then(|joint| joint.simulate(&start, 0.5, 1e-10)).expect("a run");
-        let stepper = JointStepper::new(rig, Method::Stable);
+        let stepper = JointStepper::new(rig, Method::Stable).expect("a stepper");
         // Each state's largest error as a part of the range that it covers.
         let states: Vec<[f64; 6]> = exact.samples(1e-3).map(|sample| numbers(sample.state())).collect();
         let range: [f64; 6] = std::array::from_fn(|n| {
@@ -400,7 +400,7 @@ fn a_step_is_chosen_for_an_accuracy() {
         let chosen = joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, accuracy).expect("a step");
         assert!(chosen.step <= before && chosen.greatest <= accuracy, "{chosen:?}");
         before = chosen.step;
-        let stepper = JointStepper::new(rig.clone(), Method::Stable);
+        let stepper = JointStepper::new(rig.clone(), Method::Stable).expect("a stepper");
         let mut course = stepper.begin(start);
         let angles: Vec<f64> = run.samples(5e-3).map(|sample| sample.angle).collect();
         let range = angles.iter().copied().fold(f64::MIN, f64::max) - angles.iter().copied().fold(f64::MAX, f64::min);
@@ -436,7 +436,7 @@ fn what_cannot_be_stepped_is_refused_and_changes_nothing() {
     let sealed = Pair::of(Paper::sealed()).with(|pair| pair.torque = -50.0);
     let rig = sealed.rig().expect("a rig");
     let start = rig.start(&sealed.initial()).expect("a start");
-    let stepper = JointStepper::new(rig, Method::Rk4);
+    let stepper = JointStepper::new(rig, Method::Rk4).expect("a stepper");
     let mut course = stepper.begin(start);
     let error = stepper.advance_to(&mut course, 0.5).expect_err("refused").to_string();
     assert!(

@@ -7,6 +7,7 @@ mod common;
 mod joint;
 mod joint_circuit;
 mod joint_control;
+mod joint_fittings;
 mod joint_located;
 mod joint_stepper;
 mod linearize_joint;
@@ -14,6 +15,7 @@ mod moment_arm;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;
+mod plant_given_tendon;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]

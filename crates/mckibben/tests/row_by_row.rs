@@ -81,7 +81,7 @@ fn joint(row: usize) -> (JointStepper, JointCourse) {
 fn begun(pair: &Pair) -> (JointStepper, JointCourse) {
     let rig = pair.rig().expect("a rig");
     let start = rig.start(&pair.initial()).expect("a start");
-    let stepper = JointStepper::new(rig, METHOD);
+    let stepper = JointStepper::new(rig, METHOD).expect("a stepper");
     let course = stepper.begin(start);
     (stepper, course)
 }

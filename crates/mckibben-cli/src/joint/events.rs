@@ -2,13 +2,14 @@
 //!
 //! The columns of the CSV are `time_s,event,actuator,turning,contact` and, for each actuator with its name before them,
 //! `valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; `actuator` is empty for what happens to the joint
-//! itself, and what stands behind it holds from then on.
+//! itself and `supply` for what happens to a supply of both, and what stands behind it holds from then on.
 
 use super::NAMES;
 use crate::events::{Log, OF_ACTUATOR, extent, words, zone};
 use crate::terminal::{FAINT, styled};
 use mckibben::mechanism::Contact;
-use mckibben::plant::{JointEvent, JointMode, Turning};
+use mckibben::plant::{JointEvent, JointEventKind, JointMode, Turning};
+use mckibben::simulation::EventKind;
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
@@ -16,12 +17,22 @@ use std::fmt::Write as _;
 pub fn table(events: &[JointEvent]) -> String {
     let mut text = styled(FAINT, format!("{:>16}  {:<12}  {:<10}  {}", "time (s)", "event", "of", "then")) + "\n";
     for event in events {
-        let whose = event.kind.actuator.map_or("joint", |index| NAMES[index]);
+        let whose = whose(event.kind, "joint");
         let (kind, then) = (event.kind.kind.name(), then(event.kind.actuator, &event.after));
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{:>16.9}  {kind:<12}  {whose:<10}  {then}", event.time);
     }
     text
+}
+
+/// To what it happened; the joint itself as `joint`.
+fn whose(of: JointEventKind, joint: &'static str) -> &'static str {
+    match (of.actuator, of.kind) {
+        (Some(index), _) => NAMES[index],
+        // Both draw from it.
+        (None, EventKind::Compressor | EventKind::Regulator) => "supply",
+        (None, _) => joint,
+    }
 }
 
 /// What holds after an event for whom it happened to.
@@ -41,7 +52,7 @@ pub fn log(events: &[JointEvent]) -> Log {
     let names = NAMES.iter().flat_map(|name| OF_ACTUATOR.map(|column| format!("{name}_{column}")));
     let row = |event: &JointEvent| {
         let after = &event.after;
-        let whose = event.kind.actuator.map_or("", |index| NAMES[index]);
+        let whose = whose(event.kind, "");
         let own = [event.kind.kind.name(), whose, turning(after.turning), contact(after.stops)];
         own.into_iter().chain(after.actuators.iter().flat_map(words)).map(Cow::Borrowed).collect()
     };

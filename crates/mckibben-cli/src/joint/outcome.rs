@@ -105,7 +105,7 @@ pub fn step_through(
     ends: impl Iterator<Item = (f64, bool)>,
     mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<Outcome, Error> {
-    let stepper = JointStepper::new(of.rig.clone(), of.method());
+    let stepper = JointStepper::new(of.rig.clone(), of.method())?;
     let mut course = stepper.begin(of.start);
     let (mut samples, mut steps) = (Vec::new(), 0);
     for (time, recorded) in ends {

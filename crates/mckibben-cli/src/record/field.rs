@@ -4,7 +4,7 @@ use super::{COLUMNS, VALVE};
 use crate::closed_loop::{Goal, Goals};
 use crate::failure::Failure;
 use mckibben::control::Quantity;
-use mckibben::simulation::{JointSample, Rig, Sample};
+use mckibben::simulation::{Fittings, JointRig, JointSample, Rig, Sample};
 
 /// A column of a file over samples `S`.
 pub(crate) struct Field<S> {
@@ -43,13 +43,7 @@ fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
     let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
     let Some(rig) = rig else { return fields };
     let line = rig.line();
-    if line.hose.is_some() {
-        fields.push(number("hose_pressure_pa", "Pa", |sample: &Sample| sample.hose_pressure.0));
-    }
-    if line.supply.is_some() {
-        let own = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
-        fields.push(number("supply_pressure_pa", "Pa", own));
-    }
+    fields.extend(of_line(line.hose.is_some(), line.supply.is_some()));
     if let (Some(_), Some(actuation)) = (rig.regulator(), rig.actuation()) {
         let atmosphere = rig.actuator().air().atmosphere().0;
         let regulated = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
@@ -61,10 +55,24 @@ fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
         fields.push(number("set_point_pa", "Pa", asked));
     }
     if rig.tendon().is_some() {
-        fields.push(number("load_distance_m", "m", |sample: &Sample| sample.load_distance));
-        fields.push(number("load_velocity_m_s", "m/s", |sample: &Sample| sample.load_velocity));
+        fields.extend(of_tendon());
     }
     fields
+}
+
+/// The columns of an air line with a hose, and with a supply whose pressure changes.
+fn of_line(hose: bool, supply: bool) -> impl Iterator<Item = Field<Sample>> {
+    let of_hose = hose.then(|| number("hose_pressure_pa", "Pa", |sample: &Sample| sample.hose_pressure.0));
+    let own = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
+    of_hose.into_iter().chain(supply.then(|| number("supply_pressure_pa", "Pa", own)))
+}
+
+/// The columns of a tendon in series.
+fn of_tendon() -> [Field<Sample>; 2] {
+    [
+        number("load_distance_m", "m", |sample: &Sample| sample.load_distance),
+        number("load_velocity_m_s", "m/s", |sample: &Sample| sample.load_velocity),
+    ]
 }
 
 /// The columns of one actuator under a controller: its goals follow.
@@ -110,9 +118,23 @@ pub(crate) fn goal_fields<S: 'static>(
     fields
 }
 
-/// The columns of a joint in their order, then its goals.
-pub(crate) fn of_joint(goals: &Goals) -> Vec<Field<JointSample>> {
-    let mut fields = member("", |sample: &JointSample| sample.actuators[0]);
+/// The columns of a joint in their order, each actuator's with those of what it has beside its valve, then its goals. One
+/// supply of both has its column with the first that draws from it.
+pub(crate) fn of_joint(rig: Option<&JointRig>, goals: &Goals) -> Vec<Field<JointSample>> {
+    let own = |i: usize| {
+        let mut fields = of_actuator(None);
+        let Some(rig) = rig else { return fields };
+        let Fittings { line, tendon, .. } = &rig.fittings()[i];
+        let has_valve = |i: usize| rig.driven()[i].actuation.is_some();
+        let supply = match rig.shared_supply() {
+            Some(_) => has_valve(i) && (i == 0 || !has_valve(0)),
+            None => line.supply.is_some(),
+        };
+        fields.extend(of_line(line.hose.is_some(), supply));
+        fields.extend(tendon.iter().flat_map(|_| of_tendon()));
+        fields
+    };
+    let mut fields = member("", own(0), |sample: &JointSample| sample.actuators[0]);
     fields.extend([
         number("angle_rad", "rad", |sample: &JointSample| sample.angle),
         number("angular_velocity_rad_s", "rad/s", |sample: &JointSample| sample.angular_velocity),
@@ -120,13 +142,13 @@ pub(crate) fn of_joint(goals: &Goals) -> Vec<Field<JointSample>> {
     ]);
     // The time stands in front already.
     let second = |sample: &JointSample| sample.actuators[1];
-    fields.extend(member("antagonist_", second).into_iter().skip(1));
+    fields.extend(member("antagonist_", own(1), second).into_iter().skip(1));
     fields.extend(of_goals(goals, |sample: &JointSample| sample.time));
     fields
 }
 
 /// The columns of one actuator of several, which `its` takes out of a sample of all; their names with a prefix.
-fn member<S>(prefix: &str, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<Field<S>> {
+fn member<S>(prefix: &str, fields: Vec<Field<Sample>>, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<Field<S>> {
     let of = move |field: Field<Sample>| Field {
         name: format!("{prefix}{}", field.name),
         unit: field.unit,
@@ -135,7 +157,7 @@ fn member<S>(prefix: &str, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<F
             Value::Word(value) => Value::Word(Box::new(move |sample: &S| value(&its(sample)))),
         },
     };
-    of_actuator(None).into_iter().map(of).collect()
+    fields.into_iter().map(of).collect()
 }
 
 pub(crate) fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {

@@ -94,8 +94,9 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
         }
         Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
             let kind = |value: &Value<_>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
-            columns
-                .extend(of_joint(&Goals::default()).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)));
+            columns.extend(
+                of_joint(None, &Goals::default()).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)),
+            );
         }
         Record::Samples(_) | Record::Trajectories => {
             columns.extend(COLUMNS.iter().map(|c| column(c.name, c.unit, Kind::Number, true)));
@@ -142,7 +143,7 @@ fn lines(
             each(&line)
         }),
         Outcome::Sampled(Samples::Joint(samples)) => {
-            let fields = of_joint(&Goals::default());
+            let fields = of_joint(None, &Goals::default());
             samples.iter().try_for_each(|sample| {
                 line.truncate(head);
                 line.extend(fields.iter().map(|field| match &field.value {
@@ -167,7 +168,9 @@ fn lines(
                 Record::Reductions(reductions) => reductions.len(),
                 Record::PlantReductions(reductions) => reductions.len(),
                 Record::Samples(_) | Record::Trajectories if sweep.is_plant() => 1 + sweep.plant_columns().len(),
-                Record::Samples(_) | Record::Trajectories if sweep.has_joint() => of_joint(&Goals::default()).len(),
+                Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
+                    of_joint(None, &Goals::default()).len()
+                }
                 Record::Samples(_) | Record::Trajectories => COLUMNS.len() + 1,
             };
             line.extend(std::iter::repeat_n(Cell::Nothing, results));

@@ -745,22 +745,6 @@ pub(crate) const WORDS: &[Words] = &[
     ),
 ];
 
-/// Keys of an air line, which a joint does not take.
-pub(crate) const NOT_OF_A_JOINT: &[&str] = &[
-    "actuator.leakage",
-    "supply.reservoir_volume",
-    "supply.reservoir_gauge_pressure",
-    "supply.reservoir_index",
-    "supply.compressor_displacement",
-    "supply.compressor_clearance",
-    "supply.cut_in_gauge_pressure",
-    "supply.cut_out_gauge_pressure",
-    "supply.lag",
-    "supply.droop",
-    "supply.dead_band",
-    "supply.actuators",
-];
-
 /// What a joint needs for keys of its second actuator to matter, over what the first's case sets.
 pub(crate) const OF_JOINTS: &[(&[&str], Settings)] = &[
     // A valve of another kind is said whole, and so is a moment arm.

@@ -9,10 +9,10 @@ use crate::document::Document;
 use crate::model::{core_air, core_motion};
 use crate::scenario::{InitialLength, Run};
 use mckibben::force::Statics;
-use mckibben::load::{Load, MomentArm, SeriesTendon};
+use mckibben::load::{Load, MomentArm};
 use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
 use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
-use mckibben::simulation::{Driven, PressureCourse, Rig};
+use mckibben::simulation::{Driven, Rig};
 use mckibben::{Actuator, Error, GaugePressure};
 
 impl Document {
@@ -127,9 +127,7 @@ impl Parts {
         let line = mckibben::line::Line { supply: None, ..line };
         let drawn = network.draw(index, &driven, &line, alone, member.supply.as_deref())?;
         let bare = driven.actuator.clone().without_valve();
-        let tendon = alone.tendon.map(|of| SeriesTendon::new(of.stiffness, of.rest_length)).transpose()?;
-        let pressure = alone.pressure.as_ref().map(|course| PressureCourse::new(&course.time, &course.gauge_pressure));
-        let pressure = pressure.transpose()?;
+        let (tendon, pressure) = (alone.core_tendon()?, alone.core_pressure()?);
         let mut initial = InitialAir {
             gauge_pressure: GaugePressure(alone.initial.gauge_pressure),
             temperature: alone.initial.temperature,

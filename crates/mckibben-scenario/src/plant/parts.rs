@@ -45,15 +45,7 @@ impl Document {
             }
             document.lay_over(&own, "actuator");
         }
-        // What gives the pressure stands in the place of a valve, and the other way round.
-        let instead: &[&str] = match (table.get("pressure"), table.get("valve")) {
-            (Some(_), None) => &["valve", "command", "hose", SUPPLY],
-            (None, Some(_)) => &["pressure"],
-            _ => &[],
-        };
-        for section in instead {
-            document.remove(section);
-        }
+        document.make_way(table);
         for entry in table.0.iter().filter(is_section) {
             match &entry.node.value {
                 Value::Table(inner) => document.lay_over(inner, &entry.name),

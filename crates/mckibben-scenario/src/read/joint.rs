@@ -1,11 +1,11 @@
 //! An antagonistic joint: the load of two actuators, and the second of them.
 //!
 //! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
-//! said of it is as of the first. What is said in several keys is taken whole: an effectiveness; a valve or command that
+//! said of it is as of the first; of the supply, both draw from one unless `[antagonist.supply]` describes another. What is said in several keys is taken whole: an effectiveness; a valve or command that
 //! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
 //! names its `law`, a bladder its `form`; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
-use super::{alternative, body, columns, drive, gauge_pressure, passage};
+use super::{alternative, body, columns, course, drive, gauge_pressure, line, passage};
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED, FRICTION_START};
@@ -66,11 +66,25 @@ fn antagonist(r: &mut Reader<'_>, air: &Air) -> Option<Antagonist> {
     let of = &mut reader;
     let actuator = body::actuator(of);
     let (supply, valve, command) = drive::drive(of, air);
+    let has_own_supply = r.document().place(&format!("{ANTAGONIST}.supply")).is_some();
+    let (hose, pressure, series_tendon) = (line::hose(of), course::pressure(of), course::tendon(of));
     let tendon = tendon(of);
     let gauge_pressure = gauge_pressure(of, &p::INITIAL_GAUGE_PRESSURE, air);
     let temperature = of.value(&p::INITIAL_TEMPERATURE, None);
     match reader.finish() {
-        Ok(()) => Some(Antagonist { actuator, supply, valve, command, tendon, gauge_pressure, temperature }),
+        Ok(()) => Some(Antagonist {
+            actuator,
+            supply,
+            valve,
+            has_own_supply,
+            hose,
+            command,
+            pressure,
+            tendon,
+            series_tendon,
+            gauge_pressure,
+            temperature,
+        }),
         Err(found) => {
             found.iter().for_each(|diagnostic| r.note(diagnostic.clone()));
             None
@@ -86,10 +100,24 @@ impl Document {
         if let Some(Entry { key, node, .. }) = self.entry(ANTAGONIST)
             && let Value::Table(table) = &node.value
         {
+            document.make_way(table);
             document.lay_over(table, "");
             document.name_default_preset(self, key);
         }
         document
+    }
+
+    /// Before the keys of an actuator are laid over those of all: what gives the pressure stands in the place of a valve, and
+    /// the other way round.
+    pub(crate) fn make_way(&mut self, table: &Table) {
+        let instead: &[&str] = match (table.get("pressure"), table.get("valve")) {
+            (Some(_), None) => &["valve", "command", "hose", "supply", p::INITIAL_GAUGE_PRESSURE.key],
+            (None, Some(_)) => &["pressure"],
+            _ => &[],
+        };
+        for path in instead {
+            self.remove(path);
+        }
     }
 
     /// Where the actuator of the whole file is the default preset for want of a word, one with keys of its own is that preset

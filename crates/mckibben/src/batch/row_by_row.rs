@@ -26,7 +26,7 @@ pub(super) const NO_ROW: Error = Error::Misuse {
 /// use mckibben::simulation::{JointRig, JointState, JointStepper, Method};
 ///
 /// # fn swing(rig: JointRig, starts: &[JointState]) -> Result<(), mckibben::Error> {
-/// let stepper = JointStepper::new(rig, Method::Stable);
+/// let stepper = JointStepper::new(rig, Method::Stable)?;
 /// let mut batch = RowByRow::new(starts.iter().map(|start| (&stepper, stepper.begin(*start))).collect())?;
 /// batch.advance(0.1, 1000); // to 0.1 s in steps of 0.1 ms
 /// for sample in batch.samples() {

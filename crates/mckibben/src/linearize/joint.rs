@@ -26,6 +26,7 @@ use crate::air::{Flow, Process};
 use crate::control::{AntagonisticPair, Held};
 use crate::dual::Dual;
 use crate::error::Error;
+use crate::limit;
 use crate::load::Load;
 use crate::parameter;
 use crate::pressure::GaugePressure;
@@ -90,12 +91,14 @@ pub struct JointLinearization {
 ///
 /// # Errors
 /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for numbers outside the physics or a stiffness that no two pressures
-/// give; [`Error::NoSolution`] when there is no balance, or an actuator is slack or at its shortest there.
+/// give; [`Error::NoSolution`] when there is no balance, or an actuator is slack or at its shortest there;
+/// [`Error::NotImplemented`] for actuators with [`Fittings`](crate::simulation::Fittings).
 pub fn linearize_joint(
     rig: &JointRig,
     balance: JointBalance,
     temperature: [f64; 2],
 ) -> Result<JointLinearization, Error> {
+    rig.check_bare(&limit::JOINT_LINEAR)?;
     let gauge_pressure = match balance {
         JointBalance::AtPressures(gauge) => gauge,
         JointBalance::AtStiffness { angle, stiffness } => pressures(rig, angle, stiffness)?,
@@ -116,6 +119,7 @@ pub fn linearize_joint(
 /// # Errors
 /// As [`average`] of either valve, and as [`linearize_joint`].
 pub fn average_joint(rig: &JointRig, content: [Content; 2]) -> Result<JointLinearization, Error> {
+    rig.check_bare(&limit::JOINT_LINEAR)?;
     // A mean flow depends on the pressure alone, so each valve is averaged on its actuator held at some length.
     let of = |i: usize, length: f64| {
         let Driven { actuator, actuation } = rig.driven()[i].clone();

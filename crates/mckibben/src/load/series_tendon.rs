@@ -15,10 +15,12 @@
 //!
 //! Source: Hooke. Checked by `tests/series_tendon.rs` and `tests/tendon_rig.rs`.
 
+use crate::actuator::Actuator;
 use crate::convert::Convert;
 use crate::error::Error;
+use crate::force::Statics;
 use crate::parameter;
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
 
 /// An elastic tendon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,5 +64,37 @@ impl<S: Scalar> SeriesTendon<S> {
             stiffness: convert.parameter(&parameter::TENDON_STIFFNESS, self.stiffness),
             rest_length: convert.parameter(&parameter::TENDON_REST_LENGTH, self.rest_length),
         }
+    }
+}
+
+impl<R: Real> SeriesTendon<R> {
+    /// The length in m at which the static force of an actuator at an absolute pressure (Pa) is the tension of this tendon,
+    /// both over a distance (m) together; the shortest or the end length where there is none between.
+    pub(crate) fn balance(&self, actuator: &Actuator<R>, distance: R, pressure: R) -> R {
+        let excess = |length: R| {
+            let tight = self.tension(distance - length);
+            (actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero())).larger(R::zero())
+                - tight
+        };
+        let (mut least, mut most) = (actuator.limits().min_length().value(), actuator.law().law.end_length().value());
+        if excess(R::constant(least)).value() >= 0.0 {
+            return actuator.limits().min_length();
+        }
+        let at_end = excess(R::constant(most)).value();
+        if at_end.is_nan() || at_end <= 0.0 {
+            return actuator.law().law.end_length();
+        }
+        while most - least > 4.0 * f64::EPSILON * most {
+            let middle = 0.5 * (least + most);
+            if !(middle > least && middle < most) {
+                break;
+            }
+            if excess(R::constant(middle)).value() > 0.0 { most = middle } else { least = middle }
+        }
+        // The derivatives of the root, by a Newton step at its value.
+        let (step, root) = (1e-6 * most, R::constant(most));
+        let slope = (excess(root + R::constant(step)) - excess(root - R::constant(step))).value() / (2.0 * step);
+        let left = excess(root);
+        root - (left - R::constant(left.value())) / R::constant(slope)
     }
 }

@@ -463,18 +463,20 @@ impl<R: Real> System<'_, R> {
         }
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let (here, its) = (&self.plant.places.actuators[i], &mode.actuators[i]);
+            let air = mounted.actuator.air();
+            let given = mounted.pressure.as_ref().map(|course| course.at(time, its.rows_passed));
+            if let Some([gauge, _]) = given {
+                state[here.pressure] = gauge + air.atmosphere().0;
+            }
             if mounted.tendon.is_some() {
                 self.keep_balance(i, time, state, mode, at);
             }
-            let air = mounted.actuator.air();
-            let given = mounted.pressure.as_ref().map(|course| course.at(time, its.rows_passed));
             if given.is_none() && its.isothermal.is_none() {
                 continue;
             }
             self.enter_distances(time, state, mode, at);
             let volume = at.chambers[i].volume;
-            if let Some([gauge, _]) = given {
-                state[here.pressure] = gauge + air.atmosphere().0;
+            if given.is_some() {
                 if let Some(content) = its.isothermal {
                     state[here.pressure + 1] = state[here.pressure] * volume / content;
                 }

@@ -268,6 +268,10 @@ impl<'a, R: Real> System<'a, R> {
         self.enter_flows(time, state, mode, at);
         for (wire, unit) in self.wires.iter().zip(&mut at.units) {
             unit.fill(wire, &at.network);
+            if wire.is_given {
+                // An end on a tendon follows it.
+                unit.pressure_rate = self.given_rate(wire.index, time, &mode.actuators[wire.index]);
+            }
         }
     }
 
@@ -294,6 +298,9 @@ impl<'a, R: Real> System<'a, R> {
         let actuators = self.wires.iter().zip(&mode.actuators);
         for ((wire, of_actuator), (unit, chamber)) in actuators.zip(units.iter_mut().zip(chambers)) {
             unit.fill(wire, network);
+            if wire.is_given {
+                unit.pressure_rate = self.given_rate(wire.index, time, of_actuator);
+            }
             if wire.places.length.is_some() {
                 self.enter_end(wire.index, state, of_actuator, unit, chamber);
             } else {
@@ -305,7 +312,7 @@ impl<'a, R: Real> System<'a, R> {
                 };
             }
             if wire.is_given {
-                self.enter_given(wire.index, time, of_actuator, unit, chamber);
+                self.enter_given(wire.index, unit, chamber);
             } else {
                 unit.pressure_rate = wire.member.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
             }
@@ -331,22 +338,17 @@ impl<'a, R: Real> System<'a, R> {
         *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
     }
 
-    /// Computes the rate of a pressure that is given over time, and the flow that it takes.
+    /// The rate of a pressure that is given over time.
     #[inline(never)]
-    fn enter_given<T: Over<R>>(
-        &self,
-        i: usize,
-        time: T,
-        of_actuator: &ActuatorMode<R>,
-        unit: &mut Unit<T>,
-        chamber: &Chamber<T>,
-    ) {
-        let mounted = &self.plant.actuators[i];
-        if let Some(course) = &mounted.pressure {
-            let [_, rate] = course.at(time, of_actuator.rows_passed);
-            unit.pressure_rate = rate;
-            unit.flow = split(mounted.actuator.air().flow_for(chamber, rate));
-        }
+    fn given_rate<T: Over<R>>(&self, i: usize, time: T, of_actuator: &ActuatorMode<R>) -> T {
+        let course = self.plant.actuators[i].pressure.as_ref();
+        course.map_or(T::zero(), |course| course.at(time, of_actuator.rows_passed)[1])
+    }
+
+    /// Computes the flow that the rate of a given pressure takes.
+    #[inline(never)]
+    fn enter_given<T: Over<R>>(&self, i: usize, unit: &mut Unit<T>, chamber: &Chamber<T>) {
+        unit.flow = split(self.plant.actuators[i].actuator.air().flow_for(chamber, unit.pressure_rate));
     }
 
     /// Computes the accelerations of a mechanism.

@@ -78,7 +78,6 @@ use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::convert::{AnewOfEach, Convert};
 use crate::error::Error;
-use crate::limit;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::{BranchKind, Network, NodeKind};
@@ -235,9 +234,6 @@ impl Plant {
             let is_fed =
                 |node: usize| matches!(network.nodes[node].kind, NodeKind::Chamber { actuator } if actuator == index);
             let fed = network.branches.iter().any(|branch| is_fed(branch.from) || is_fed(branch.to));
-            if mounted.pressure.is_some() && mounted.tendon.is_some() {
-                return Err(Error::NotImplemented(&limit::PRESSURE_TENDON));
-            }
             if mounted.pressure.is_some() && fed {
                 return wrong(
                     "the pressure in an actuator is given over time, and a valve or a leak would change it too",

@@ -8,7 +8,6 @@ use crate::actuator::Actuator;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
 use crate::friction::Memory;
-use crate::load::SeriesTendon;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::NodeKind;
 use crate::parameter;
@@ -164,7 +163,7 @@ impl<R: Real> Plant<R> {
             let distance = coupling.distance(chain, position, &pieces, &mut gradient);
             let length = match (tendon, start.lengths[i]) {
                 (Some(_), Some(length)) => length,
-                (Some(tendon), None) => balanced(actuator, tendon, distance, absolute.0),
+                (Some(tendon), None) => tendon.balance(actuator, distance, absolute.0),
                 (None, _) => distance,
             };
             check_length(actuator, length, tendon.is_some())?;
@@ -242,35 +241,6 @@ fn check_length<R: Real>(actuator: &Actuator<R>, length: R, on_tendon: bool) -> 
         return wrong("on a tendon must be at least", parameter::MIN_LENGTH.key, shortest);
     }
     Ok(())
-}
-
-/// The length in m at which the static force of an actuator at an absolute pressure (Pa) is the tension of its tendon, both
-/// over a distance (m) together; the shortest or the end length where there is none between.
-fn balanced<R: Real>(actuator: &Actuator<R>, tendon: &SeriesTendon<R>, distance: R, pressure: R) -> R {
-    let excess = |length: R| {
-        let tight = tendon.tension(distance - length);
-        (actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero())).larger(R::zero()) - tight
-    };
-    let (mut least, mut most) = (actuator.limits().min_length().value(), actuator.law().law.end_length().value());
-    if excess(R::constant(least)).value() >= 0.0 {
-        return actuator.limits().min_length();
-    }
-    let at_end = excess(R::constant(most)).value();
-    if at_end.is_nan() || at_end <= 0.0 {
-        return actuator.law().law.end_length();
-    }
-    while most - least > 4.0 * f64::EPSILON * most {
-        let middle = 0.5 * (least + most);
-        if !(middle > least && middle < most) {
-            break;
-        }
-        if excess(R::constant(middle)).value() > 0.0 { most = middle } else { least = middle }
-    }
-    // The derivatives of the root, by a Newton step at its value.
-    let (step, root) = (1e-6 * most, R::constant(most));
-    let slope = (excess(root + R::constant(step)) - excess(root - R::constant(step))).value() / (2.0 * step);
-    let left = excess(root);
-    root - (left - R::constant(left.value())) / R::constant(slope)
 }
 
 impl<R: Real> System<'_, R> {

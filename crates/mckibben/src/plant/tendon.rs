@@ -16,8 +16,8 @@
 //!
 //! Nothing has a mass between actuator and tendon, so that the actuator's length is a state whose rate follows from the
 //! balance of both tensions. Without viscous friction the balance holds the length itself: its rate is that by which the
-//! balance stays, and every state that is kept is brought back to it by a Newton step, with the air sealed. Bristles of
-//! LuGre's law count with their rate.
+//! balance stays, and every state that is kept is brought back to it by a Newton step, with the air sealed or at the pressure that
+//! is given. Bristles of LuGre's law count with their rate.
 //!
 //! Source: balance of forces at an end without mass. Checked by `tests/plant_reference.rs` against an independent program and by
 //! `tests/plant_linear.rs`.
@@ -93,8 +93,11 @@ impl<R: Real> System<'_, R> {
             - tension(tendon, of_actuator, distance, length)
     }
 
-    /// `dP/dt` in Pa/s while the length changes at a velocity in m/s.
+    /// `dP/dt` in Pa/s while the length changes at a velocity in m/s; where it is given over time, that whatever the length does.
     pub(crate) fn air_rate<T: Over<R>>(&self, i: usize, (unit, chamber): (&Unit<T>, &Chamber<T>), velocity: T) -> T {
+        if self.wires[i].is_given {
+            return unit.pressure_rate;
+        }
         let actuator = &self.plant.actuators[i].actuator;
         let moving = actuator.chamber(unit.length, velocity, chamber.pressure, chamber.mass, false);
         actuator.air().pressure_rate_by(&moving, &unit.flow, || unit.warmth)

@@ -66,7 +66,7 @@ pub use joint::{
     ControlledJointStepper, JointCourse, JointDecision, JointSample, JointStepError, JointStepper,
     joint_step_for_accuracy,
 };
-pub use joint::{Driven, InitialAngle, JointInitial, JointRig, JointState};
+pub use joint::{Driven, Fittings, InitialAngle, JointInitial, JointRig, JointState, JointSupply};
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
 pub use leg::{LegSample, LegStepper};

@@ -13,10 +13,14 @@
 //! rig that is fed back the pressure of a simulated valve, the air by each process, and derivatives against differences.
 
 use super::rig::Rig;
+#[cfg(feature = "alloc")]
+use crate::actuator::Actuator;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::force::Statics;
 use crate::limit;
+#[cfg(feature = "alloc")]
+use crate::line::Line;
 #[cfg(feature = "alloc")]
 use crate::parameter;
 #[cfg(feature = "alloc")]
@@ -67,6 +71,18 @@ impl PressureCourse {
     /// The least of its gauge pressures.
     pub(super) fn least(&self) -> GaugePressure {
         GaugePressure(self.rows.iter().fold(f64::INFINITY, |least, [_, gauge]| least.min(*gauge)))
+    }
+
+    /// That nothing else makes the pressure in an actuator with an air line, and that it is physical.
+    pub(super) fn check(&self, actuator: &Actuator, line: &Line) -> Result<(), Error> {
+        if actuator.valve().is_some() || !line.is_none() {
+            return Err(VALVE_TOO);
+        }
+        let (air, least) = (actuator.air(), self.least());
+        if least.absolute(air.atmosphere()).0 <= 0.0 {
+            return Err(crate::valve::below_vacuum(&parameter::COURSE_GAUGE_PRESSURE, least, air));
+        }
+        Ok(())
     }
 }
 
@@ -121,13 +137,7 @@ impl Rig {
         if self.tendon().is_some() {
             return Err(Error::NotImplemented(&limit::PRESSURE_TENDON));
         }
-        if self.actuator().valve().is_some() || self.has_plumbing() {
-            return Err(VALVE_TOO);
-        }
-        let (air, least) = (self.actuator().air(), course.least());
-        if least.absolute(air.atmosphere()).0 <= 0.0 {
-            return Err(crate::valve::below_vacuum(&parameter::COURSE_GAUGE_PRESSURE, least, air));
-        }
+        course.check(self.actuator(), self.line())?;
         Ok(self.driven_at(course))
     }
 }

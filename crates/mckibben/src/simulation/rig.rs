@@ -130,6 +130,21 @@ pub(super) fn check_drive(actuator: &Actuator, actuation: Option<&Actuation>) ->
     }
 }
 
+/// That what feeds an actuator has a valve to feed it through, and that this is none that makes a pressure itself.
+pub(super) fn check_line(actuator: &Actuator, actuation: Option<&Actuation>, line: &Line) -> Result<(), Error> {
+    if actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
+        return Err(Error::Misuse {
+            what: "a hose or a reservoir is given, but the actuator has no valve",
+            remedy: "give the actuator a valve, or leave the hose and the reservoir out",
+        });
+    }
+    let regulates = actuation.is_some_and(|actuation| actuation.solenoid.regulator().is_some());
+    if regulates && line.supply.is_some() {
+        return Err(Error::NotImplemented(&crate::limit::REGULATOR_SUPPLY));
+    }
+    Ok(())
+}
+
 /// That no set point lies beyond the supply: no regulator can go there.
 fn check_set_points(command: &Command, valve: &Valve) -> Result<(), Error> {
     let supply = valve.supply.gauge_pressure().0;
@@ -223,15 +238,7 @@ impl Rig {
         if !line.is_none() {
             self.check_pressure_is_free()?;
         }
-        if self.actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
-            return Err(Error::Misuse {
-                what: "a hose or a reservoir is given, but the actuator has no valve",
-                remedy: "give the actuator a valve, or leave the hose and the reservoir out",
-            });
-        }
-        if self.regulator().is_some() && line.supply.is_some() {
-            return Err(Error::NotImplemented(&crate::limit::REGULATOR_SUPPLY));
-        }
+        check_line(&self.actuator, self.actuation.as_ref(), &line)?;
         Ok(Self { line, ..self }.with_transport())
     }
 

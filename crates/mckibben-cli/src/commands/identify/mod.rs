@@ -187,10 +187,18 @@ fn column(recording: &Recording, quantity: Quantity) -> Result<&Column, Failure>
 
 /// The pressure that a recording has over time, gauge or absolute, with its times in s and values in Pa.
 fn pressure_over_time(recording: &Recording) -> Result<(Quantity, Vec<f64>, Vec<f64>), Failure> {
+    pressure_of(recording, [Quantity::GaugePressure, Quantity::AbsolutePressure])
+}
+
+/// The same of a gauge or an absolute pressure of somebody.
+fn pressure_of(
+    recording: &Recording,
+    [gauge, absolute]: [Quantity; 2],
+) -> Result<(Quantity, Vec<f64>, Vec<f64>), Failure> {
     // Says what is missing.
-    let measured = match recording.column(Quantity::AbsolutePressure) {
-        Some(_) if recording.column(Quantity::GaugePressure).is_none() => Quantity::AbsolutePressure,
-        _ => column(recording, Quantity::GaugePressure)?.quantity,
+    let measured = match recording.column(absolute) {
+        Some(_) if recording.column(gauge).is_none() => absolute,
+        _ => column(recording, gauge)?.quantity,
     };
     match recording.channel(measured) {
         Some((times, values)) => Ok((measured, times, values)),

@@ -2,7 +2,7 @@
 
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::sought::{self, OfRun};
-use super::{Material, pressure_over_time, values};
+use super::{Material, pressure_of, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::progress::Progress;
@@ -14,7 +14,7 @@ use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
     Course, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TrajectoryError, Unexplained,
 };
-use mckibben_scenario::{PressureCourse, Scenario};
+use mckibben_scenario::{Load, PressureCourse, Scenario};
 
 /// The figures of the runs; the table speaks of all.
 pub(super) const STEMS: Stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
@@ -79,8 +79,10 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
         scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(given))
     {
         let mut courses = courses(recording, scenario.air.atmospheric_pressure);
-        if scenario.pressure.is_some() {
-            courses.retain(|course| course.observed != Observed::GaugePressure);
+        let others = scenario.of_antagonist();
+        let given = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
+        for (given, pressure) in given.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
+            courses.retain(|course| !given || course.observed != pressure);
         }
         runs.push(Recorded { name, adjustable: Adjustable::new(scenario, places, given), unknowns, courses });
     }
@@ -95,18 +97,45 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
     })
 }
 
-/// Drives a run by the pressure that was measured, in place of what the scenario says.
+/// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says.
 fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
-    if scenario.has_joint() {
-        let limit = &mckibben::limit::SEGMENTS_PRESSURE;
-        return Err(Failure::input(format!("the run `{}`: {}", recording.name, limit.title()), limit.remedy));
+    let had_valve = scenario.valve.is_some() || scenario.of_antagonist().is_some_and(|of| of.valve.is_some());
+    let its = measured_course(recording, [Quantity::GaugePressure, Quantity::AbsolutePressure], scenario, warnings)?;
+    let of_other = [Quantity::AntagonistGaugePressure, Quantity::AntagonistAbsolutePressure];
+    let others = match scenario.has_joint() {
+        true => Some(measured_course(recording, of_other, scenario, warnings)?),
+        false => None,
+    };
+    if had_valve {
+        let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+        if !warnings.iter().any(|warning| warning == words) {
+            warnings.push(words.to_owned());
+        }
     }
-    let (measured, time, mut gauge_pressure) = pressure_over_time(recording)?;
-    if measured == Quantity::AbsolutePressure {
+    (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
+    scenario.pressure = Some(its);
+    if let Load::AntagonisticJoint(joint) = &mut scenario.load {
+        let second = &mut *joint.antagonist;
+        (second.valve, second.command, second.hose, second.supply) = (None, None, None, None);
+        second.has_own_supply = false;
+        second.pressure = others;
+    }
+    Ok(())
+}
+
+/// A pressure that was measured, gauge or absolute, over time.
+fn measured_course(
+    recording: &Recording,
+    of: [Quantity; 2],
+    scenario: &Scenario,
+    warnings: &mut Vec<String>,
+) -> Result<PressureCourse, Failure> {
+    let (measured, time, mut gauge_pressure) = pressure_of(recording, of)?;
+    if measured == of[1] {
         gauge_pressure.iter_mut().for_each(|pressure| *pressure -= scenario.air.atmospheric_pressure);
     }
     let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
-    let others = [Quantity::Length, Quantity::Tension].into_iter().filter_map(|of| last(recording.channel(of)?));
+    let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
     let (ends, until) = (time.last().copied().unwrap_or(0.0), others.fold(0.0, f64::max));
     if until > ends {
         warnings.push(format!(
@@ -116,16 +145,19 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
             quantity(until, "s")
         ));
     }
-    if scenario.valve.is_some() {
-        let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
-        if !warnings.iter().any(|warning| warning == words) {
-            warnings.push(words.to_owned());
-        }
-    }
-    (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
-    scenario.pressure = Some(PressureCourse { time, gauge_pressure });
-    Ok(())
+    Ok(PressureCourse { time, gauge_pressure })
 }
+
+/// What follows the pressure.
+const FOLLOWING: [Quantity; 7] = [
+    Quantity::Length,
+    Quantity::Tension,
+    Quantity::Angle,
+    Quantity::AngularVelocity,
+    Quantity::Torque,
+    Quantity::AntagonistLength,
+    Quantity::AntagonistTension,
+];
 
 fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
     let of = |quantity: Quantity, observed: Observed, shift: f64| {

@@ -42,15 +42,16 @@ fn joint(s: &mut Scenario) -> Option<&mut Joint> {
 
 /// Lets the two actuators of a joint change places; done twice it changes nothing.
 pub(crate) fn exchange(scenario: &mut Scenario) {
-    let Scenario { actuator, supply, valve, command, load: Load::AntagonisticJoint(joint), initial, .. } = scenario
-    else {
-        return;
-    };
+    let Scenario { actuator, supply, valve, hose, command, pressure, tendon, load, initial, .. } = scenario;
+    let Load::AntagonisticJoint(joint) = load else { return };
     let second = &mut *joint.antagonist;
     swap(actuator, &mut second.actuator);
     swap(supply, &mut second.supply);
     swap(valve, &mut second.valve);
+    swap(hose, &mut second.hose);
     swap(command, &mut second.command);
+    swap(pressure, &mut second.pressure);
+    swap(tendon, &mut second.series_tendon);
     swap(&mut joint.tendon, &mut second.tendon);
     swap(&mut initial.gauge_pressure, &mut second.gauge_pressure);
     swap(&mut initial.temperature, &mut second.temperature);

@@ -6,6 +6,8 @@
 //! dP/dt, dm/dt of each actuator by its process (19) and its valve (21)
 //! ```
 //!
+//! and the states of hoses, reservoir, regulators and tendons, where there are such.
+//!
 //! A [`JointPlant`] knows where the joint's parts lie in its plant. Its runs are the plant's, read as those of a joint:
 //! [`JointTrajectory`], [`JointStep`].
 //!
@@ -29,45 +31,40 @@ mod view;
 pub use reading::{JointEvent, JointEventKind, JointMode, Turning};
 pub use run::{JointConsumer, JointReader, JointRunEnd, JointStep, JointTrajectory};
 
+use super::Plant;
+use super::equipment::Equipment;
+use super::feed::Feed;
 use super::start::{InitialAir, PlantStart};
-use super::{Mounted, Plant};
 use crate::command::Driver;
 use crate::control::{JointController, JointSensors, Sampling};
 use crate::error::Error;
 use crate::line::Line;
 use crate::mechanism::{Arm, Chain, ChainSegment, Coupling, JointStops, Mechanism, Revolute};
-use crate::network::{BranchKind, Network, NodeKind};
-use crate::scalar::{Real, Scalar};
-use crate::simulation::{Driven, JointRig, JointState};
-use crate::valve::Port;
+use crate::network::Network;
+use crate::scalar::Real;
+use crate::simulation::{Driven, Fittings, JointRig, JointState};
 use alloc::vec;
 use core::fmt::Debug;
-
-/// What feeds an actuator of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Feed {
-    /// The valve.
-    valve: usize,
-    /// The flow paths to the supply and to the atmosphere.
-    paths: [Option<usize>; 2],
-    /// The node whose pressure a regulator in the valve's place makes.
-    port: Option<usize>,
-}
 
 /// A joint with the plant that it is, and where the joint's parts lie in that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointPlant<R: Real = f64> {
     rig: JointRig<R>,
     plant: Plant<R>,
-    feeds: [Option<Feed>; 2],
+    feeds: [Feed; 2],
 }
 
-impl<S: Scalar> Plant<S> {
+impl<S: Real> Plant<S> {
     /// The plant of a joint: agonist and antagonist are its actuators 0 and 1, the joint that of its only mechanism.
     ///
     /// # Errors
-    /// As [`Plant::new`]; none for a joint that has been checked.
+    /// None for a joint that has been checked.
     pub fn of_joint(rig: &JointRig<S>) -> Result<Self, Error> {
+        Ok(Self::with_feeds(rig).0)
+    }
+
+    /// The plant of a joint, and where what feeds agonist and antagonist lies in it.
+    fn with_feeds(rig: &JointRig<S>) -> (Self, [Feed; 2]) {
         let joint = rig.joint();
         let limb = joint.limb();
         let segment =
@@ -77,29 +74,30 @@ impl<S: Scalar> Plant<S> {
         let revolute = Revolute { torque: joint.torque(), damping: joint.damping(), stops };
         let chain = Chain::assemble(vec![segment], vec![revolute], [limb.gravity, limb.hanging_angle], None);
         let mut network = Network::new(rig.driven()[0].actuator.air());
-        let mut mounted = vec![];
-        for (index, Driven { actuator, actuation }) in rig.driven().iter().enumerate() {
-            // The atmosphere has the temperature of the first supply.
-            if actuation.is_some() {
-                network.feed(index, actuator, actuation.as_ref(), &Line::NONE, None);
-            }
-            let tendon = &joint.tendons()[index];
+        let (mut mounted, mut shared) = (vec![], None);
+        let feeds = [0, 1].map(|index| {
+            let Driven { actuator, actuation } = &rig.driven()[index];
+            let Fittings { line, tendon, pressure } = &rig.fittings()[index];
+            let common = rig.shared_supply().filter(|_| actuation.is_some());
+            let line = Line { supply: rig.shared_supply().map_or(line.supply, |_| common.copied()), ..*line };
+            let over = &joint.tendons()[index];
             let sign = if index == 0 { 1.0 } else { -1.0 };
-            let arms = vec![Arm { joint: 0, sign, arm: tendon.arm }];
-            mounted.push(Mounted {
-                actuator: actuator.clone().without_valve(),
-                mechanism: 0,
-                coupling: Coupling::Arms { rest_length: tendon.rest_length, arms },
-                tendon: None,
-                pressure: None,
-            });
-        }
-        Ok(Self::assemble(mounted, network, vec![Mechanism::Chain(chain)]))
+            let arms = vec![Arm { joint: 0, sign, arm: over.arm }];
+            let coupling = Coupling::Arms { rest_length: over.rest_length, arms };
+            let (actuation, line) = (actuation.as_ref(), &line);
+            let equipment =
+                Equipment { actuator, actuation, line, tendon: tendon.as_ref(), pressure: pressure.as_ref() };
+            // The atmosphere has the temperature of the first supply.
+            let feed = equipment.mount((&mut mounted, &mut network), (0, coupling), shared);
+            shared = common.and(feed.supply).or(shared);
+            feed
+        });
+        (Self::assemble(mounted, network, vec![Mechanism::Chain(chain)]), feeds)
     }
 
     /// The start of the plant of a joint in a state of that joint.
     pub fn start_of_joint(rig: &JointRig<S>, state: &JointState<S>) -> PlantStart<S> {
-        let lengths = rig.joint().lengths(state.angle);
+        let lengths = rig.lengths(state.angle, state.pressure);
         let air = [0, 1].map(|i| {
             let actuator = &rig.driven()[i].actuator;
             let air = actuator.air();
@@ -109,11 +107,12 @@ impl<S: Scalar> Plant<S> {
                 temperature: state.pressure[i].0 * volume / (state.air_mass[i] * air.gas_constant()),
             }
         });
+        let on_tendon = |i: usize| rig.fittings()[i].tendon.map(|_| lengths[i]);
         PlantStart {
             positions: vec![vec![state.angle]],
             rates: vec![vec![state.angular_velocity]],
             air: air.to_vec(),
-            lengths: vec![None; 2],
+            lengths: vec![on_tendon(0), on_tendon(1)],
             friction: vec![],
         }
     }
@@ -125,21 +124,7 @@ impl<R: Real> JointPlant<R> {
     /// # Errors
     /// As [`Plant::of_joint`].
     pub fn new(rig: &JointRig<R>) -> Result<Self, Error> {
-        let plant = Plant::of_joint(rig)?;
-        let network = plant.network();
-        let mut valves = 0..network.valves.len();
-        let feeds = rig.driven().each_ref().map(|driven| {
-            let valve = driven.actuation.as_ref().and_then(|_| valves.next())?;
-            let path = |wanted: Port| {
-                let is_it = |kind: &BranchKind<R>| {
-                    matches!(kind, BranchKind::Path { valve: its, port, .. } if *its == valve && *port == wanted)
-                };
-                network.branches.iter().position(|branch| is_it(&branch.kind))
-            };
-            let makes = |kind: &NodeKind<R>| matches!(kind, NodeKind::Port { valve: its, .. } if *its == valve);
-            let port = network.nodes.iter().position(|node| makes(&node.kind));
-            Some(Feed { valve, paths: [path(Port::Supply), path(Port::Exhaust)], port })
-        });
+        let (plant, feeds) = Plant::with_feeds(rig);
         Ok(Self { rig: rig.clone(), plant, feeds })
     }
 
@@ -167,7 +152,7 @@ impl<R: Real> JointPlant<R> {
         R: Send + Sync + 'static,
         C: JointController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        let [Some(agonist), Some(antagonist)] = self.feeds else {
+        let [Some(agonist), Some(antagonist)] = self.feeds.map(|feed| feed.valve) else {
             return Err(Error::Misuse {
                 what: "a controller is given, but the actuator has no valve",
                 remedy: "give the actuator a valve, or simulate it without a controller",
@@ -179,12 +164,12 @@ impl<R: Real> JointPlant<R> {
                 remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
             });
         }
-        Ok(Driver::of_joint(controller, (0, 0), [0, 1], [agonist.valve, antagonist.valve], set_up))
+        Ok(Driver::of_joint(controller, (0, 0), [0, 1], [agonist, antagonist], set_up))
     }
 
     /// The joint with the commands that the valves of its plant have come to have.
     fn rig_commanded(&self, network: &Network<R>) -> JointRig<R> {
-        let commands = self.feeds.map(|feed| feed.map(|feed| network.valves[feed.valve].command.clone()));
+        let commands = self.feeds.map(|feed| feed.valve.map(|valve| network.valves[valve].command.clone()));
         self.rig.commanded(commands)
     }
 }

@@ -5,10 +5,9 @@ use crate::air::Flow;
 use crate::command::PlantDecision;
 use crate::mechanism::Contact;
 use crate::network::NodeKind;
-use crate::plant::{Part, PlantEventKind, PlantMode, PlantSample};
+use crate::plant::{Feed, Part, PlantEventKind, PlantMode, PlantSample, SupplyNodes};
 use crate::scalar::Real;
-use crate::simulation::{EventKind, JointDecision, JointSample, Mode, Sample, Sliding};
-use crate::valve::Ports;
+use crate::simulation::{EventKind, JointDecision, JointSample, Mode, Sliding};
 
 /// How the joint turns, which decides the Coulomb friction of both actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +38,8 @@ pub struct JointMode {
 /// What happened at an event of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct JointEventKind {
-    /// The actuator to which it happened, 0 the agonist and 1 the antagonist, or `None` for the joint itself.
+    /// The actuator to which it happened, 0 the agonist and 1 the antagonist, or `None` for the joint itself and for a supply
+    /// that both draw from.
     pub actuator: Option<usize>,
     /// What happened.
     pub kind: EventKind,
@@ -63,27 +63,7 @@ impl<R: Real> JointPlant<R> {
     /// [`ActuatorSample::tension`](crate::plant::ActuatorSample::tension).
     pub fn sample(&self, of: &PlantSample<R>) -> JointSample<R> {
         let mechanism = &of.mechanisms[0];
-        let actuators = [0, 1].map(|i| {
-            let actuator = &of.actuators[i];
-            let feed = self.feeds[i];
-            Sample {
-                time: of.time,
-                length: actuator.distance,
-                velocity: actuator.rate,
-                pressure: actuator.pressure,
-                air_mass: actuator.air_mass,
-                temperature: actuator.temperature,
-                volume: actuator.volume,
-                tension: actuator.tension,
-                mass_flow: actuator.mass_flow,
-                ports: feed.map_or(Ports::CLOSED, |feed| of.valves[feed.valve].ports),
-                hose_pressure: actuator.pressure,
-                hose_air_mass: R::zero(),
-                supply_pressure: feed.and_then(|feed| feed.port).map(|node| of.nodes[node].pressure),
-                load_distance: actuator.distance,
-                load_velocity: actuator.rate,
-            }
-        });
+        let actuators = [0, 1].map(|i| self.feeds[i].sample(&self.plant, i, of));
         let (angle, angular_velocity) = (mechanism.position[0], mechanism.rate[0]);
         JointSample { time: of.time, angle, angular_velocity, torque: mechanism.actuator_force[0], actuators }
     }
@@ -91,35 +71,18 @@ impl<R: Real> JointPlant<R> {
     /// The flows of each actuator through its valve's flow paths to the supply and to the atmosphere. What flows out to a
     /// pressure regulator it lets go to the atmosphere.
     pub fn valve_flows(&self, of: &PlantSample<R>) -> [[Flow<R>; 2]; 2] {
-        self.feeds.map(|feed| {
-            let none = Flow { inward: R::zero(), outward: R::zero() };
-            let Some(feed) = feed else { return [none; 2] };
-            let flow = |path: Option<usize>| {
-                let Some(path) = path else { return none };
-                let flow = of.branches[path].mass_flow;
-                Flow { inward: flow.larger(R::zero()), outward: (-flow).larger(R::zero()) }
-            };
-            let [supply, exhaust] = feed.paths.map(flow);
-            match feed.port {
-                None => [supply, exhaust],
-                Some(_) => [
-                    Flow { outward: R::zero(), ..supply },
-                    Flow { inward: exhaust.inward, outward: exhaust.outward + supply.outward },
-                ],
-            }
-        })
+        self.feeds.each_ref().map(|feed| feed.flows(of))
     }
 
     /// The mode of the plant as that of the joint.
     pub fn mode(&self, of: &PlantMode<R>) -> JointMode {
-        let actuators = [0, 1].map(|i| {
-            let mode = of.actuators[i].mode;
-            let Some(feed) = self.feeds[i] else { return mode };
-            let [supply_zone, exhaust_zone] =
-                feed.paths.map(|path| path.and_then(|path| of.network.branches[path].zone));
-            Mode { ports: of.network.valves[feed.valve].ports, supply_zone, exhaust_zone, ..mode }
-        });
-        let turning = match actuators.map(|mode| mode.sliding) {
+        let actuators = [0, 1].map(|i| self.feeds[i].mode(i, of));
+        // On a tendon an end slides by itself, and its friction does not ask how the joint turns.
+        let sliding = |i: usize| match self.plant.actuators()[i].tendon {
+            Some(_) => Sliding::Frictionless,
+            None => actuators[i].sliding,
+        };
+        let turning = match [0, 1].map(sliding) {
             _ if of.mechanisms[0].frozen => Turning::Stuck,
             [Sliding::Shortening, _] | [_, Sliding::Lengthening] => Turning::Forward,
             [Sliding::Lengthening, _] | [_, Sliding::Shortening] => Turning::Backward,
@@ -130,19 +93,27 @@ impl<R: Real> JointPlant<R> {
         JointMode { actuators, turning, stops: of.mechanisms[0].stops[0], arm_pieces }
     }
 
-    /// What happened to the plant as it happened to the joint; none for a sample that a driver took, which changes no mode.
+    /// What happened to the plant as it happened to the joint; of a supply that both actuators draw from, to neither. None for a sample that a driver took, which changes no mode.
     pub fn event_kind(&self, of: PlantEventKind) -> Option<JointEventKind> {
         let network = self.plant.network();
+        let shares = self.rig.shared_supply().is_some();
         let behind = |node: usize| match network.nodes[node].kind {
             NodeKind::Chamber { actuator } => Some(actuator),
-            _ => (0..2).find(|i| self.feeds[*i].is_some_and(|feed| feed.port == Some(node))),
+            _ => (0..2).find(|i| {
+                let Feed { port, hose, supply, .. } = self.feeds[*i];
+                let is_its = |of: SupplyNodes| !shares && [of.reservoir, Some(of.outlet)].contains(&Some(node));
+                port == Some(node)
+                    || hose.is_some_and(|[first, count]| (first..first + count).contains(&node))
+                    || supply.is_some_and(is_its)
+            }),
         };
         let actuator = match (of.part, of.kind) {
             (Part::Driver(_), _) => return None,
-            // One joint turns both.
+            // The end of an actuator on a tendon moves by itself; else one joint turns both.
+            (Part::Actuator(i), _) if self.plant.actuators()[i].tendon.is_some() => Some(i),
             (_, EventKind::Stick | EventKind::Reversal | EventKind::BreakAway) => None,
             (Part::Actuator(i), _) => Some(i),
-            (Part::Valve(valve), _) => (0..2).find(|i| self.feeds[*i].is_some_and(|feed| feed.valve == valve)),
+            (Part::Valve(valve), _) => (0..2).find(|i| self.feeds[*i].valve == Some(valve)),
             (Part::Branch(branch), _) => behind(network.branches[branch].to),
             (Part::Node(node), _) => behind(node),
             (Part::Mechanism(_) | Part::Joint(..), _) => None,

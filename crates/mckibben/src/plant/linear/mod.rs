@@ -46,8 +46,9 @@ pub use average::ValveAverage;
 pub use signal::{PlantInput, PlantOutput, PlantState};
 
 use super::start::PlantStart;
-use super::{InitialAir, Part, Plant};
+use super::{InitialAir, Mounted, Part, Plant};
 use crate::error::Error;
+use crate::limit;
 use crate::linearize::StateSpace;
 use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
@@ -118,13 +119,19 @@ pub struct PlantLinearization {
 /// # Errors
 /// As [`Plant::start`]; [`Error::Table`] unless there is one pressure or temperature for each actuator;
 /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for one that is not physical; [`Error::NoSolution`] when there is no
-/// balance, when no command holds a pressure, or when the point lies on a corner of the model.
+/// balance, when no command holds a pressure, or when the point lies on a corner of the model; [`Error::NotImplemented`] for a
+/// given pressure in an actuator on a tendon without viscous friction.
 pub fn linearize_plant(
     plant: &Plant,
     start: &PlantStart,
     balance: &PlantBalance,
     air: &PlantAir,
 ) -> Result<PlantLinearization, Error> {
+    let follows_rate =
+        |of: &Mounted| of.pressure.is_some() && of.tendon.is_some() && of.actuator.friction().viscous() == 0.0;
+    if plant.actuators.iter().any(follows_rate) {
+        return Err(Error::NotImplemented(&limit::PRESSURE_LINEAR));
+    }
     let frame = begin::begin(plant, start, balance, air)?;
     begin::check_corners(&frame)?;
     PlantLinearization::of(plant, frame)

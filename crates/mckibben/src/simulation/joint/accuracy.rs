@@ -30,7 +30,8 @@ pub struct JointStepError {
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for an accuracy or interval outside its range; as [`JointPlant::simulate`];
-/// [`Error::Inconsistent`] when even the shortest step is not accurate enough.
+/// [`Error::Inconsistent`] when even the shortest step is not accurate enough; [`Error::NotImplemented`] as
+/// [`JointStepper::new`].
 pub fn joint_step_for_accuracy(
     rig: &JointRig,
     start: JointState,
@@ -40,6 +41,7 @@ pub fn joint_step_for_accuracy(
 ) -> Result<JointStepError, Error> {
     parameter::ACCURACY.check(accuracy)?;
     parameter::SAMPLE_INTERVAL.check(interval)?;
+    let stepper = JointStepper::new(rig.clone(), method)?;
     let (part, tightest, loosest) = REFERENCE;
     let (compared, tolerance) = (duration.min(PILOT), (part * accuracy).clamp(tightest, loosest));
     let joint = JointPlant::new(rig)?;
@@ -52,7 +54,6 @@ pub fn joint_step_for_accuracy(
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         (high - low).max(LEAST_RANGE * usual[n])
     });
-    let stepper = JointStepper::new(rig.clone(), method);
     let error_of = |step: f64, allowed: f64| {
         let (mut course, mut rows, mut worst) = (stepper.begin(start), expected.iter().skip(1), 0.0_f64);
         for (time, recorded) in times.steps(step) {

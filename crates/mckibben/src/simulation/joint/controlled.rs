@@ -56,7 +56,8 @@ impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
     /// Starts at t = 0 in a state, with a controller in place of the rig's own commands: its own, or a reference to one.
     ///
     /// # Errors
-    /// [`Error::Misuse`] when an actuator has no valve or its valve cannot do what the controller asks.
+    /// [`Error::Misuse`] when an actuator has no valve or its valve cannot do what the controller asks;
+    /// [`Error::NotImplemented`] as [`JointStepper::new`].
     pub fn new(
         rig: &JointRig<R>,
         start: JointState<R>,
@@ -66,7 +67,7 @@ impl<R: Real<Time = R>, C: JointController<R>> ControlledJointStepper<R, C> {
     ) -> Result<Self, Error> {
         let mut rig = rig.clone();
         let clockwork = Clockwork::begin(controller.begin(), sampling, rig.valves())?;
-        let stepper = JointStepper::new(rig, method);
+        let stepper = JointStepper::new(rig, method)?;
         let course = stepper.begin(start);
         let mut controlled = Self { stepper, course, controller, sensors, clockwork, decisions: Vec::new() };
         controlled.take_due()?;

@@ -13,6 +13,8 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
+//! Actuators may have [`Fittings`] beside: an air line, a tendon, a given pressure. These add states of the plant.
+//!
 //! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at fixed steps, with a
 //! controller too ([`ControlledJointStepper`]). Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
 
@@ -20,6 +22,7 @@
 mod accuracy;
 #[cfg(feature = "alloc")]
 mod controlled;
+mod fittings;
 #[cfg(feature = "alloc")]
 mod kernel;
 #[cfg(feature = "alloc")]
@@ -31,6 +34,7 @@ mod stepper;
 pub use accuracy::{JointStepError, joint_step_for_accuracy};
 #[cfg(feature = "alloc")]
 pub use controlled::{ControlledJointStepper, JointDecision};
+pub use fittings::{Fittings, JointSupply};
 #[cfg(feature = "alloc")]
 pub use sample::JointSample;
 #[cfg(feature = "alloc")]
@@ -46,7 +50,7 @@ use crate::convert::{AnewOfEach, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
-use crate::load::{Joint, SIGN};
+use crate::load::{Joint, SIGN, SeriesTendon};
 use crate::parameter::{self, Parameter};
 #[cfg(feature = "alloc")]
 use crate::plant::Part;
@@ -79,6 +83,8 @@ pub struct Driven<S = f64> {
 pub struct JointRig<S = f64> {
     driven: [Driven<S>; 2],
     joint: Joint<S>,
+    fittings: [Fittings<S>; 2],
+    supply: JointSupply,
 }
 
 /// The six states; of two, the agonist's is first.
@@ -170,10 +176,15 @@ impl JointRig {
     /// [`Error::Misuse`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
     /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
-        for Driven { actuator, actuation } in &driven {
+        Self { driven, joint, fittings: [Fittings::NONE; 2], supply: JointSupply::Separate }.checked()
+    }
+
+    /// The same joint, once its parts are seen to fit each other.
+    fn checked(self) -> Result<Self, Error> {
+        let rig = self;
+        for Driven { actuator, actuation } in &rig.driven {
             check_drive(actuator, actuation.as_ref())?;
         }
-        let rig = Self { driven, joint };
         let [low, high] = rig.straight();
         if low < high {
             return Ok(rig);
@@ -246,14 +257,17 @@ impl<S: Scalar> JointRig<S> {
             _ => function(None, parameter, value),
         };
         let convert = &mut AnewOfEach { function, part: None };
-        let driven = core::array::from_fn(|i| {
+        let each = [0, 1].map(|i| {
             let Driven { actuator, actuation } = &self.driven[i];
             convert.turn_to(Some(Part::Actuator(i)));
             let actuator = actuator.convert(convert);
-            Driven { actuator, actuation: actuation.as_ref().map(|actuation| actuation.convert(convert)) }
+            let actuation = actuation.as_ref().map(|actuation| actuation.convert(convert));
+            (Driven { actuator, actuation }, self.fittings[i].convert(convert))
         });
         convert.turn_to(None);
-        JointRig { driven, joint: self.joint.convert(convert) }
+        let [(agonist, its), (antagonist, others)] = each;
+        let joint = self.joint.convert(convert);
+        JointRig { driven: [agonist, antagonist], joint, fittings: [its, others], supply: self.supply }
     }
 
     /// The joint with other commands of its valves; an actuator without one keeps what it has.
@@ -284,26 +298,51 @@ impl<S: Scalar> JointRig<S> {
 }
 
 impl<S: Real> JointRig<S> {
-    /// The angles in rad at which the agonist's and the antagonist's braid would be straight: the open range of the angle.
+    /// The angles in rad at which the agonist's and the antagonist's braid would be straight, on tendons at least so far: the
+    /// open range of the angle.
     fn straight(&self) -> [S; 2] {
-        core::array::from_fn(|i| self.joint.angle_at(i, self.driven[i].actuator.law().law.end_length()))
+        core::array::from_fn(|i| {
+            let actuator = &self.driven[i].actuator;
+            let end = actuator.law().law.end_length();
+            let distance = match &self.fittings[i].tendon {
+                // The taut braid stretches it so far.
+                Some(tendon) => {
+                    end + tendon.rest_length() + actuator.limits().force(end, S::zero()) / tendon.stiffness()
+                }
+                None => end,
+            };
+            self.joint.angle_at(i, distance)
+        })
     }
 
     /// Stiffness in N·m/rad that the two actuators give the joint at an angle in rad and absolute pressures, at rest without
     /// friction, `r₁² k₁ − r₁′ F₁ + r₂² k₂ + r₂′ F₂` with the arms' slopes r′; a slack tendon gives none, and what a taut
-    /// braid adds is left out. The weight of the limb adds its own.
+    /// braid adds is left out. An elastic tendon stands in series, `1/k = 1/k_actuator + 1/k_tendon`; a pressure that is given
+    /// over time is kept whatever `held` says, and air in a hose is not counted. The weight of the limb adds its own.
     pub fn stiffness(&self, angle: S, pressure: [AbsolutePressure<S>; 2], held: Held) -> S {
         let leverage = self.joint.leverage(Dual::<S, 1>::variable(angle, 0));
+        let lengths = self.lengths(angle, pressure);
         let of = |i: usize| {
-            let (actuator, arm, length) = (&self.driven[i].actuator, leverage.arms[i], leverage.lengths[i].value);
-            if actuator.limits().is_slack(length) {
-                return S::zero();
-            }
-            let stiffness = match held {
-                Held::Pressures => actuator.stiffness(length, pressure[i]),
-                Held::AirMasses => actuator.sealed_stiffness(length, pressure[i]),
+            let (actuator, arm, length) = (&self.driven[i].actuator, leverage.arms[i], lengths[i]);
+            let Fittings { tendon, pressure: given, .. } = &self.fittings[i];
+            let own = || match (held, given) {
+                (Held::AirMasses, None) => actuator.sealed_stiffness(length, pressure[i]),
+                (Held::Pressures, _) | (_, Some(_)) => actuator.stiffness(length, pressure[i]),
             };
-            let force = actuator.static_force(length, pressure[i].0).larger(S::zero());
+            let (stiffness, force) = match tendon {
+                None if actuator.limits().is_slack(length) => return S::zero(),
+                None => (own(), actuator.static_force(length, pressure[i].0).larger(S::zero())),
+                Some(tendon) => {
+                    let force = tendon.tension(leverage.lengths[i].value - length);
+                    if force.value() <= 0.0 {
+                        return S::zero();
+                    }
+                    // At its shortest length the actuator gives way no further.
+                    let rigid = length.value() <= actuator.limits().min_length().value();
+                    let (own, its) = (own(), tendon.stiffness());
+                    (if rigid { its } else { own * its / (own + its) }, force)
+                }
+            };
             arm.value * arm.value * stiffness + S::constant(SIGN[i]) * arm.slope[0] * force
         };
         of(0) + of(1)
@@ -320,23 +359,30 @@ impl<S: Real> JointRig<S> {
     /// [`Error::NoSolution`] when an equilibrium is asked for and there is none.
     pub fn begin(&self, initial: &JointInitial<S>) -> Result<JointState<S>, Error> {
         let actuators = self.actuators();
-        let pressure = core::array::from_fn(|i| initial.gauge_pressure[i].absolute(actuators[i].air().atmosphere()));
+        let pressure = core::array::from_fn(|i| self.first_pressure(i, initial.gauge_pressure[i]));
         let angle = match initial.angle {
             InitialAngle::At(angle) => angle,
             InitialAngle::Equilibrium => self.equilibrium(pressure)?,
         };
-        let lengths = self.joint.lengths(angle);
+        let lengths = self.lengths(angle, pressure);
         let air_mass = core::array::from_fn(|i| {
             actuators[i].air().mass(pressure[i], actuators[i].volume(lengths[i]), initial.temperature[i])
         });
         Ok(JointState { angle, angular_velocity: initial.angular_velocity, pressure, air_mass })
     }
 
-    /// Torque in N·m at rest without friction, of actuators, load and stops; a tendon on its shortest length is slack.
-    fn static_torque<T: Over<S>>(&self, angle: T, pressure: [S; 2]) -> T {
+    /// Torque in N·m at rest without friction, of actuators, load and stops, at an angle `near` another; an actuator on its
+    /// shortest length pulls on a tendon alone.
+    fn static_torque<T: Over<S>>(&self, angle: T, near: S, pressure: [S; 2]) -> T {
         let (leverage, actuators) = (self.joint.leverage(angle), self.actuators());
         let tensions = core::array::from_fn(|i| {
             let (actuator, length) = (actuators[i], leverage.lengths[i]);
+            if let Some(tendon) = &self.fittings[i].tendon {
+                let [balanced, per_distance] = self.balance_on(i, tendon, near, pressure[i]);
+                let moved = T::of(balanced) + T::of(per_distance) * (length - T::of(self.joint.lengths(near)[i]));
+                let stretch = length - T::of(tendon.rest_length()) - moved;
+                return T::of(tendon.stiffness()) * stretch.larger(T::zero());
+            }
             let force = actuator.static_force(length, T::of(pressure[i])) + actuator.limits().force(length, T::zero());
             let slack = length.le(T::of(actuator.limits().min_length()));
             T::select(slack, T::zero(), force.larger(T::zero()))
@@ -347,6 +393,18 @@ impl<S: Real> JointRig<S> {
         leverage.torque_of(tensions) + self.joint.other_torque(angle, T::zero()) + stops
     }
 
+    /// The length in m at which an actuator balances its tendon at an angle in rad and an absolute pressure in Pa, and how it
+    /// changes with the distance that both span.
+    fn balance_on(&self, i: usize, tendon: &SeriesTendon<S>, angle: S, pressure: S) -> [S; 2] {
+        let actuator = &self.driven[i].actuator;
+        let length = tendon.balance(actuator, self.joint.lengths(angle)[i], pressure);
+        let at = Dual::<S, 1>::variable(length, 0);
+        let own = actuator.static_force(at, Dual::of(pressure)) + actuator.limits().force(at, Dual::zero());
+        let free = length.value() > actuator.limits().min_length().value() && own.value.value() > 0.0;
+        let its = tendon.stiffness();
+        [length, if free { its / (its + own.slope[0]) } else { S::zero() }]
+    }
+
     /// The angle in rad at which the torques balance at two pressures, without friction; where an actuator has come to its
     /// shortest length if it turns the joint no further than that. Of several such angles, one.
     ///
@@ -354,10 +412,12 @@ impl<S: Real> JointRig<S> {
     /// [`Error::NoSolution`] when the load would pull a braid straight.
     pub fn equilibrium(&self, pressure: [AbsolutePressure<S>; 2]) -> Result<S, Error> {
         let pressure = pressure.map(|pressure| pressure.0);
-        let torque = |angle: S| self.static_torque(angle, pressure);
+        let torque = |angle: S| self.static_torque(angle, angle, pressure);
         let at = |angle: f64| torque(S::constant(angle)).value();
         let [low, high] = self.straight();
-        for (i, actuator) in self.actuators().into_iter().enumerate() {
+        for (i, actuator) in
+            self.actuators().into_iter().enumerate().filter(|(i, _)| self.fittings[*i].tendon.is_none())
+        {
             let shortest = actuator.limits().min_length();
             let angle = self.joint.angle_at(i, shortest);
             let within = low.value() < angle.value() && angle.value() < high.value();
@@ -378,7 +438,7 @@ impl<S: Real> JointRig<S> {
         }
         let root = S::constant(root::bracketed(low, high, 1e-16, at));
         // One Newton step over the scalar: it polishes the value and carries the derivatives.
-        let slope: Dual<S, 1> = self.static_torque(Dual::variable(root, 0), pressure);
+        let slope: Dual<S, 1> = self.static_torque(Dual::variable(root, 0), root, pressure);
         let step = torque(root) / slope.slope[0];
         Ok(if step.value().abs() < 1e-9 { root - step } else { root })
     }

@@ -36,6 +36,7 @@ use crate::control::{Drive, Modulator};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::friction::Memory;
+use crate::limit;
 use crate::load::SIGN;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
@@ -97,15 +98,20 @@ impl<R: Real<Time = R>> JointCourse<R> {
 
 impl<R: Real<Time = R>> JointStepper<R> {
     /// A joint whose valves follow the commands of its rig.
-    pub fn new(rig: JointRig<R>, method: Method) -> Self {
-        Self { rig, method, pulse_frequency: R::one() }
+    ///
+    /// # Errors
+    /// [`Error::NotImplemented`] for actuators with [`Fittings`](super::Fittings), which only the event-located engine takes.
+    pub fn new(rig: JointRig<R>, method: Method) -> Result<Self, Error> {
+        rig.check_bare(&limit::JOINT_FIXED_STEP)?;
+        Ok(Self { rig, method, pulse_frequency: R::one() })
     }
 
     /// A joint whose valves do what [`JointStepper::drive`] asks and nothing else; pulses come at `pulse_frequency` in Hz.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the frequency is above zero and finite.
+    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::NotImplemented`] as [`JointStepper::new`].
     pub fn driven(mut rig: JointRig<R>, method: Method, pulse_frequency: R) -> Result<Self, Error> {
+        rig.check_bare(&limit::JOINT_FIXED_STEP)?;
         crate::parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
         for actuation in rig.driven.iter_mut().filter_map(|driven| driven.actuation.as_mut()) {
             actuation.command = Command::nothing();
