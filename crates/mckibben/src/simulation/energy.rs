@@ -183,6 +183,10 @@ impl<R: Real> Ledger<R> {
 
     /// Adds an accepted step.
     pub fn step(&mut self, step: &AcceptedStep<'_, R>) {
+        R::add_to_ledger(self, step);
+    }
+
+    pub(crate) fn generic_step(&mut self, step: &AcceptedStep<'_, R>) {
         let (rig, Self { work, work_on_ends, circuit, start }) = (step.rig(), self);
         if start.is_none() && step.holds_start() {
             *start = Some(step.at(R::zero()));
@@ -201,6 +205,10 @@ impl<R: Real> Ledger<R> {
 
     /// The energy and air balance of a run that has come to its end, and the account of the exergy if there is one.
     pub fn finish(self, end: &RunEnd<R>) -> (EnergyAudit, Option<CircuitAudit>) {
+        R::finish_ledger(self, end)
+    }
+
+    pub(crate) fn generic_finish(self, end: &RunEnd<R>) -> (EnergyAudit, Option<CircuitAudit>) {
         let Self { work: mut audit, work_on_ends, circuit, start } = self;
         let (rig, end) = (&end.rig, &end.sample);
         let start = start.unwrap_or(*end);

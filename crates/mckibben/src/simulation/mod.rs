@@ -35,7 +35,7 @@ mod explicit;
 pub(crate) mod fixed_step;
 mod hybrid;
 mod integrator;
-mod joint;
+pub(crate) mod joint;
 pub(crate) mod kernel;
 #[cfg(feature = "alloc")]
 mod leg;
@@ -52,7 +52,7 @@ mod regulated;
 pub(crate) mod rig;
 mod rosenbrock;
 #[cfg(feature = "alloc")]
-mod run;
+pub(crate) mod run;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
 mod segments;
@@ -71,7 +71,7 @@ pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
 pub(crate) mod told;
 #[cfg(feature = "alloc")]
-mod trajectory;
+pub(crate) mod trajectory;
 pub(crate) mod zones;
 
 pub use crate::load::SeriesTendon;

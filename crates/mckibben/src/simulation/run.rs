@@ -134,7 +134,7 @@ pub fn simulate_into<R: Real>(
 
 /// A run under way, in parts between which the rig's command may be continued.
 #[derive(Debug)]
-pub(super) struct Simulation<R: Real> {
+pub(crate) struct Simulation<R: Real> {
     rig: Rig<R>,
     relative_tolerance: f64,
     front: FrontOfSize<R>,
@@ -159,6 +159,10 @@ macro_rules! with_front {
 impl<R: Real> Simulation<R> {
     /// At t = 0 in a state.
     pub(super) fn begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
+        R::begin_simulation(rig, start, relative_tolerance)
+    }
+
+    pub(crate) fn generic_begin(rig: Rig<R>, start: State<R>, relative_tolerance: f64) -> Result<Self, Error> {
         parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
         rig.check_located(&start)?;
         let system = RigSystem::new(&rig, relative_tolerance);
@@ -171,6 +175,10 @@ impl<R: Real> Simulation<R> {
 
     /// Goes on to `until` s.
     pub(super) fn extend(&mut self, until: R, consumer: &mut Consumer<'_, R>) -> Result<(), Error> {
+        R::extend_simulation(self, until, consumer)
+    }
+
+    pub(crate) fn generic_extend(&mut self, until: R, consumer: &mut Consumer<'_, R>) -> Result<(), Error> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         let tolerance = self.relative_tolerance;
         match &mut self.front {
@@ -226,7 +234,11 @@ impl<R: Real> Simulation<R> {
 
     /// Goes on from other states; valve, command and a pressure that is given go on as they were. For a rig without an air line
     /// or a memory.
-    pub(super) fn resume(&mut self, mut state: State<R>) {
+    pub(super) fn resume(&mut self, state: State<R>) {
+        R::resume_simulation(self, state);
+    }
+
+    pub(crate) fn generic_resume(&mut self, mut state: State<R>) {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         with_front!(&mut self.front, front => {
             let (time, _, phase) = *front.reached();
@@ -240,6 +252,10 @@ impl<R: Real> Simulation<R> {
 
     /// The sample at the time that has been reached.
     pub(super) fn reached(&self) -> Sample<R> {
+        R::sample_simulation(self)
+    }
+
+    pub(crate) fn generic_reached(&self) -> Sample<R> {
         let system = RigSystem::new(&self.rig, self.relative_tolerance);
         with_front!(&self.front, front => {
             let (time, state, phase) = front.reached();
@@ -297,6 +313,10 @@ impl<R: Real> AcceptedStep<'_, R> {
 
     /// The sample at `time` in s, kept within the step.
     pub fn at(&self, time: R) -> Sample<R> {
+        R::read_accepted_step(self, time)
+    }
+
+    pub(crate) fn generic_at(&self, time: R) -> Sample<R> {
         let system = self.system;
         with_view!(self, view => sample(system, time, &view.at(system, time), &view.piece.mode))
     }
@@ -304,6 +324,10 @@ impl<R: Real> AcceptedStep<'_, R> {
     /// Calls `visit` with the weight in s, the sample and the mode at the Gauss points of the step: `Σ weight · f` over all steps
     /// is the integral of f over the run, to the order of the dense output.
     pub fn quadrature(&self, mut visit: impl FnMut(R, &Sample<R>, &Mode)) {
+        R::quadrature_of_step(self, &mut visit);
+    }
+
+    pub(crate) fn generic_quadrature(&self, visit: &mut dyn FnMut(R, &Sample<R>, &Mode)) {
         let system = self.system;
         with_view!(self, view => view.quadrature(system, |weight, time, state, phase| {
             visit(weight, &sample(system, time, state, phase), &phase.mode);
@@ -314,6 +338,10 @@ impl<R: Real> AcceptedStep<'_, R> {
     /// into hose or actuator, at the Gauss points of the step. What flows out to a pressure regulator it lets go to the
     /// atmosphere.
     pub fn valve_flows(&self, mut visit: impl FnMut(R, [Flow<R>; 2])) {
+        R::valve_flows_of_step(self, &mut visit);
+    }
+
+    pub(crate) fn generic_valve_flows(&self, visit: &mut dyn FnMut(R, [Flow<R>; 2])) {
         let system = self.system;
         with_view!(self, view => view.quadrature(system, |weight, time, state, phase| {
             visit(weight, system.valve_flows(time, state, phase));

@@ -84,16 +84,25 @@ pub fn simulate_watched<R: Real>(
     mut watch: impl FnMut(f64) -> Result<(), Error>,
 ) -> Result<Trajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
+    R::simulate_rig(rig, start, (duration, relative_tolerance), &mut watch)
+}
+
+pub(crate) fn generic_simulate<R: Real>(
+    rig: &Rig<R>,
+    start: State<R>,
+    (duration, relative_tolerance): (R, f64),
+    watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+) -> Result<Trajectory<R>, Error> {
     rig.check_counts(duration.value())?;
     let mut simulation = Simulation::begin(rig.clone(), start, relative_tolerance)?;
     let mut kept = Kept::of(&simulation);
-    simulation.extend(duration, &mut |step| kept.take(step, &mut watch))?;
-    kept.finish(simulation, &mut watch)
+    simulation.extend(duration, &mut |step| kept.take(step, watch))?;
+    kept.finish(simulation, watch)
 }
 
 /// The steps of a run, kept as they come.
 #[derive(Debug)]
-pub(super) struct Kept<R: Real> {
+pub(crate) struct Kept<R: Real> {
     pieces: Pieces<R>,
     events: Vec<Event<R>>,
 }
@@ -120,6 +129,14 @@ impl<R: Real> Kept<R> {
         step: &AcceptedStep<'_, R>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        R::keep_step(self, step, watch)
+    }
+
+    pub(crate) fn generic_take(
+        &mut self,
+        step: &AcceptedStep<'_, R>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let kept = match (&mut self.pieces, &step.of) {
             (Pieces::Rig(pieces), OfSize::Rig(view)) => {
                 self.events.extend(event(view.piece));
@@ -139,6 +156,14 @@ impl<R: Real> Kept<R> {
 
     /// The trajectory of a run that has come to its end.
     pub(super) fn finish(
+        self,
+        simulation: Simulation<R>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<Trajectory<R>, Error> {
+        R::finish_kept(self, simulation, watch)
+    }
+
+    pub(crate) fn generic_finish(
         mut self,
         mut simulation: Simulation<R>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
@@ -185,26 +210,28 @@ impl<R: Real> Trajectory<R> {
     /// The sample at `time` in s, by dense output; at the instant of an event, after it. Times before the start and
     /// after the end give the first and the last sample.
     pub fn at(&self, time: R) -> Sample<R> {
+        R::read_trajectory(self, &mut None, time)
+    }
+
+    /// The sample at a time in s. A place is that of the step that was read last: from there on times do not fall.
+    pub(crate) fn generic_read(&self, last: &mut Option<usize>, time: R) -> Sample<R> {
         let system = self.system();
         with_run!(&self.run, stored => {
-            let (time, state, phase) = stored.at(&system, stored.begun(time.value()), time);
+            let place = match last {
+                None => stored.begun(time.value()),
+                Some(place) => stored.begun_after(*place, time.value()),
+            };
+            *last = Some(place);
+            let (time, state, phase) = stored.at(&system, place, time);
             sample(&system, time, &state, &phase)
         })
     }
 
     /// Samples at `0, interval, 2 interval, …` and at the end, interval in s above zero.
     pub fn samples(&self, interval: f64) -> impl Iterator<Item = Sample<R>> + '_ {
-        let system = self.system();
         let times = SampleTimes::new(self.duration().value(), interval);
-        let mut place = 0;
-        (0..=times.last()).map(move |index| {
-            let time = times.time(index);
-            with_run!(&self.run, stored => {
-                place = stored.begun_after(place, time);
-                let (time, state, phase) = stored.at(&system, place, R::constant(time));
-                sample(&system, time, &state, &phase)
-            })
-        })
+        let mut place = Some(0);
+        (0..=times.last()).map(move |index| R::read_trajectory(self, &mut place, R::constant(times.time(index))))
     }
 
     /// Reads the rig's four states at times in s that do not fall from one call to the next.
@@ -223,6 +250,10 @@ impl<R: Real> Trajectory<R> {
     /// volumes from the valve on, the flows (kg/s) out of the cells of a distributed hose, the pressures of reservoir and
     /// regulator, or of a regulated port. As far as there are such parts.
     pub fn line_at(&self, time: R) -> Vec<R> {
+        R::read_line(self, time)
+    }
+
+    pub(crate) fn generic_line_at(&self, time: R) -> Vec<R> {
         let system = self.system();
         with_run!(&self.run, stored => {
             let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
@@ -232,6 +263,10 @@ impl<R: Real> Trajectory<R> {
 
     /// The deflection in m of the bristles of LuGre's law at `time` in s, if that is the rig's friction.
     pub fn bristles_at(&self, time: R) -> Option<R> {
+        R::read_bristles(self, time)
+    }
+
+    pub(crate) fn generic_bristles_at(&self, time: R) -> Option<R> {
         let system = self.system();
         with_run!(&self.run, stored => {
             let (_, state, _) = stored.at(&system, stored.begun(time.value()), time);
@@ -242,6 +277,10 @@ impl<R: Real> Trajectory<R> {
     /// The least and the greatest value of each of the rig's four states, at five points of each step: length in m, velocity
     /// in m/s, absolute pressure in Pa, mass of the air in kg.
     pub fn ranges(&self) -> [(f64, f64); 4] {
+        R::ranges_of_trajectory(self)
+    }
+
+    pub(crate) fn generic_ranges(&self) -> [(f64, f64); 4] {
         with_run!(&self.run, stored => four(stored.ranges()))
     }
 
@@ -250,6 +289,10 @@ impl<R: Real> Trajectory<R> {
     /// # Errors
     /// Those of the consumer.
     pub fn replay(&self, consumer: &mut Consumer<'_, R>) -> Result<RunEnd<R>, Error> {
+        R::replay_trajectory(self, consumer)
+    }
+
+    pub(crate) fn generic_replay(&self, consumer: &mut Consumer<'_, R>) -> Result<RunEnd<R>, Error> {
         let system = self.system();
         match &self.run {
             Run::Rig(stored) => stored

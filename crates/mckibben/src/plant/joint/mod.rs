@@ -124,6 +124,10 @@ impl<R: Real> JointPlant<R> {
     /// # Errors
     /// As [`Plant::of_joint`].
     pub fn new(rig: &JointRig<R>) -> Result<Self, Error> {
+        R::new_joint_plant(rig)
+    }
+
+    pub(crate) fn generic_new(rig: &JointRig<R>) -> Result<Self, Error> {
         let plant = Plant::of_joint(rig)?;
         let network = plant.network();
         let mut valves = 0..network.valves.len();

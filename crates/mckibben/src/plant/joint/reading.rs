@@ -63,6 +63,10 @@ impl<R: Real> JointPlant<R> {
     /// A sample of the plant as one of the joint. While the joint sticks only the torque of both tensions is determined: see
     /// [`ActuatorSample::tension`](crate::plant::ActuatorSample::tension).
     pub fn sample(&self, of: &PlantSample<R>) -> JointSample<R> {
+        R::read_joint_sample(self, of)
+    }
+
+    pub(crate) fn generic_sample(&self, of: &PlantSample<R>) -> JointSample<R> {
         let mechanism = &of.mechanisms[0];
         let actuators = [0, 1].map(|i| {
             let actuator = &of.actuators[i];

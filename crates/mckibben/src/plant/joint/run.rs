@@ -108,6 +108,16 @@ impl<R: Real> JointPlant<R> {
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<JointTrajectory<R>, Error> {
+        R::record_joint(self, state, (duration, relative_tolerance), driver, watch)
+    }
+
+    pub(crate) fn generic_record(
+        &self,
+        state: &JointState<R>,
+        (duration, relative_tolerance): (R, f64),
+        driver: Option<Driver<R>>,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<JointTrajectory<R>, Error> {
         let mut run = self.begin(state, (duration, relative_tolerance), driver)?;
         let trajectory = run.record_to(duration, watch)?;
         let rig = self.rig_commanded(trajectory.plant().network());

@@ -21,7 +21,7 @@ mod accuracy;
 #[cfg(feature = "alloc")]
 mod controlled;
 #[cfg(feature = "alloc")]
-mod kernel;
+pub(crate) mod kernel;
 #[cfg(feature = "alloc")]
 mod sample;
 #[cfg(feature = "alloc")]
