@@ -10,7 +10,7 @@ use mckibben::simulation::{
     Controlled, ControlledStepper, EventKind, FixedStepper, Method, Rig, simulate, simulate_controlled,
 };
 use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
-use mckibben::{Dual, Error, Over};
+use mckibben::{Error, Over};
 
 /// The same command always.
 #[derive(Debug)]
@@ -183,7 +183,7 @@ fn a_fixed_step_run_is_the_open_loop_s_with_its_command_to_the_last_bit() {
 
 #[test]
 fn dual_numbers_carry_the_derivative_by_a_set_point_through_the_loop() {
-    type D = Dual<f64, 1>;
+    type D = crate::common::Seeded;
     let paper = fill_hold_exhaust();
     let (rig, start, target) = (paper.rig(), paper.start(), 45.0 * PSI);
     let wide = rig.map(|_, value| D::of(value));
