@@ -82,6 +82,7 @@ mod braid;
 mod convert;
 mod dual;
 mod error;
+mod instantiate;
 mod nested;
 #[cfg(feature = "alloc")]
 mod numbered;

@@ -9,7 +9,7 @@ use mckibben::control::{
 use mckibben::plant::{RigPlant, RigTrajectory};
 use mckibben::simulation::{ControlledStepper, EventKind, FixedStepper, Method, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
-use mckibben::{Dual, Error, Over};
+use mckibben::{Error, Over};
 use std::fmt::Debug;
 
 /// The same command always.
@@ -188,7 +188,7 @@ fn a_fixed_step_run_is_the_open_loop_s_with_its_command_to_the_last_bit() {
 
 #[test]
 fn dual_numbers_carry_the_derivative_by_a_set_point_through_the_loop() {
-    type D = Dual<f64, 1>;
+    type D = crate::common::Seeded;
     let paper = fill_hold_exhaust();
     let (rig, start, target) = (paper.rig(), paper.start(), 45.0 * PSI);
     let wide = rig.map(|_, value| D::of(value));

@@ -178,7 +178,7 @@ fn derivatives_pass_through_slips() {
     let paper =
         muscle().mass(5.0 * LB).from(0.083, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law)));
     let key = mckibben::parameter::HYSTERESIS_STIFFNESS_RATIO.key;
-    let seed = |parameter: &'static mckibben::parameter::Parameter, value: f64| -> Dual<f64, 1> {
+    let seed = |parameter: &'static mckibben::parameter::Parameter, value: f64| -> crate::common::Seeded {
         if parameter.key == key { Dual::variable(value, 0) } else { Dual::of(value) }
     };
     let (rig, initial) = (paper.rig().map(seed), paper.initial().map(seed));

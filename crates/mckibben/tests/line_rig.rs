@@ -119,10 +119,10 @@ fn derivatives_pass_through_the_hose_and_its_delay() {
         let line = hose(HoseKind::Lumped, 1.0, 2.5e-3);
         let rig = rig(&paper, line);
         let seeded = rig.map(|parameter, value| {
-            let constant = Dual::<f64, 1>::constant(value);
+            let constant = common::Seeded::constant(value);
             if std::ptr::eq(parameter, row) { Dual::variable(value, 0) } else { constant }
         });
-        let start = seeded.begin(&paper.initial().map(|_, value| Dual::<f64, 1>::constant(value))).expect("a start");
+        let start = seeded.begin(&paper.initial().map(|_, value| common::Seeded::constant(value))).expect("a start");
         let run = simulate(&seeded, start, Scalar::constant(0.1), 1e-11).expect("a run");
         let exact = run.at(Dual::constant(0.1));
         let near = |get: fn(&mckibben::simulation::Sample) -> f64| {

@@ -274,10 +274,10 @@ fn derivatives_pass_through_a_line_at_fixed_steps() {
         let same = |parameter| std::ptr::eq(parameter, row);
         let seeded = rig.map(
             |parameter, value| {
-                if same(parameter) { Dual::<f64, 1>::variable(value, 0) } else { Dual::constant(value) }
+                if same(parameter) { common::Seeded::variable(value, 0) } else { Dual::constant(value) }
             },
         );
-        let start = seeded.begin(&paper.initial().map(|_, value| Dual::<f64, 1>::constant(value))).expect("a start");
+        let start = seeded.begin(&paper.initial().map(|_, value| common::Seeded::constant(value))).expect("a start");
         let mut stepper = FixedStepper::new(&seeded, start, Method::Stable);
         (1..=100).for_each(|n| stepper.advance_to(Dual::constant(1e-3 * f64::from(n))).expect("a step"));
         let exact = stepper.sample().pressure.0.slope[0];

@@ -182,10 +182,10 @@ fn derivatives_pass_through_a_sagging_supply() {
     let seeded =
         rig.map(
             |parameter, value| {
-                if std::ptr::eq(parameter, row) { Dual::<f64, 1>::variable(value, 0) } else { Dual::constant(value) }
+                if std::ptr::eq(parameter, row) { common::Seeded::variable(value, 0) } else { Dual::constant(value) }
             },
         );
-    let start = seeded.begin(&paper.initial().map(|_, value| Dual::<f64, 1>::constant(value))).expect("a start");
+    let start = seeded.begin(&paper.initial().map(|_, value| common::Seeded::constant(value))).expect("a start");
     let exact = simulate(&seeded, start, Scalar::constant(0.2), 1e-11).expect("a run").at(Dual::constant(0.2));
     let near = common::slope(1e-8, |h| {
         let changed = rig.map(|parameter, value| value + if std::ptr::eq(parameter, row) { h } else { 0.0 });

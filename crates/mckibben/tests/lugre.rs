@@ -309,7 +309,7 @@ fn stiff_bristles_are_coulomb_friction() {
 fn derivatives_pass_through_the_bristles() {
     let swing = |reach| muscle(bristles(reach, RATIO, STRIBECK, DAMPING)).mass(5.0 * LB).from(0.083, 0.0);
     let at = |reach| swing(reach).run(0.15, 1e-12).at(0.15).length;
-    let seed = |parameter: &'static mckibben::parameter::Parameter, value: f64| -> Dual<f64, 1> {
+    let seed = |parameter: &'static mckibben::parameter::Parameter, value: f64| -> crate::common::Seeded {
         let seeded = parameter.key == mckibben::parameter::BRISTLE_REACH.key;
         if seeded { Dual::variable(value, 0) } else { Dual::of(value) }
     };

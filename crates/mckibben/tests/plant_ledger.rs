@@ -257,13 +257,6 @@ fn of_nothing_nothing_is_left() {
     }
 }
 
-#[track_caller]
-fn assert_alike(name: &str, pairs: &[(&str, f64, f64)], turnover: f64) {
-    for (what, ours, old) in pairs {
-        assert!((ours - old).abs() <= 1e-7 * turnover, "{name}: {what} is {ours}, and was {old}; turnover {turnover}");
-    }
-}
-
 /// What a joint's ledger has is what follows from its samples: energies of the limb at the ends, and integrals over time.
 #[test]
 fn the_ledger_of_a_joint_follows_from_its_samples() {

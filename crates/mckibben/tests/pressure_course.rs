@@ -2,11 +2,11 @@
 //! in closed form, derivatives against differences, and what does not take it.
 
 use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
+use mckibben::Scalar;
 use mckibben::air::Process;
 use mckibben::parameter;
 use mckibben::simulation::{EventKind, FixedStepper, InitialLength, Method, PressureCourse, Rig, simulate};
 use mckibben::valve::{Command, Request};
-use mckibben::{Dual, Scalar};
 
 const TIME: [f64; 4] = [0.02, 0.1, 0.15, 0.3];
 const GAUGE: [f64; 4] = [20.0 * PSI, 80.0 * PSI, 75.0 * PSI, 30.0 * PSI];
@@ -109,7 +109,7 @@ fn derivatives_are_those_of_differences() {
         [sample.length, sample.velocity]
     };
     for row in [&parameter::MASS, &parameter::VISCOUS, &parameter::TURNS, &parameter::COURSE_GAUGE_PRESSURE] {
-        type One = Dual<f64, 1>;
+        type One = crate::common::Seeded;
         let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| One::constant(value))).expect("a start");
         let sample = simulate(&seeded, start, One::constant(0.25), 1e-12).expect("a run").at(One::constant(0.25));

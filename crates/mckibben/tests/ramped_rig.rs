@@ -3,7 +3,7 @@
 use crate::common::accounts::Audited;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope};
 use mckibben::air::Process;
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
@@ -195,7 +195,7 @@ fn the_stable_method_stays_stable_while_a_port_opens() {
     }
 }
 
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 #[test]
 fn a_row_of_a_batch_is_the_fixed_step_run() {
     let papers: Vec<(Paper, [f64; 2])> = (0..11)

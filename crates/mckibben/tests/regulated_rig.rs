@@ -4,7 +4,7 @@
 use crate::common::accounts::Audited;
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 use mckibben::batch::{Batch, Row, Width};
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
 use mckibben::parameter::{self, Parameter};
@@ -296,7 +296,7 @@ fn long_stable_steps_never_overshoot() {
     }
 }
 
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 #[test]
 fn a_row_shows_its_start_before_the_first_step_at_any_width() {
     let paper = Paper::sealed().gauge(2e5);
@@ -314,7 +314,7 @@ fn a_row_shows_its_start_before_the_first_step_at_any_width() {
     }
 }
 
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 #[test]
 fn a_row_of_a_batch_is_the_fixed_step_run() {
     let paper = Paper::sealed();

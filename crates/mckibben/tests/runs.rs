@@ -6,9 +6,9 @@ mod common;
 
 mod accuracy;
 mod air;
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 mod batch;
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 mod batch_control;
 mod bouc_wen;
 mod circuit;
@@ -57,6 +57,6 @@ mod stops;
 mod tendon_control;
 mod tendon_located;
 mod tendon_rig;
-#[cfg(feature = "batch")]
+#[cfg(feature = "batch-single")]
 mod told;
 mod work;

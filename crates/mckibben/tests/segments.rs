@@ -77,7 +77,7 @@ fn derivatives_by_the_state_at_a_joint_are_those_of_differences() {
         let sample = run(&paper(), &[0.2], |_, _| state(at)).expect("a run").at(0.35);
         [sample.length, sample.velocity, sample.pressure.0, sample.air_mass]
     };
-    type Four = Dual<f64, 4>;
+    type Four = crate::common::Seeded;
     let rig = paper().rig().map(|_, value| Four::constant(value));
     let start = rig.begin(&paper().initial().map(|_, value| Four::constant(value))).expect("a start");
     let seeded = State {

@@ -7,7 +7,7 @@ use mckibben::parameter;
 use mckibben::plant::RigTrajectory;
 use mckibben::simulation::{EventKind, InitialLength, simulate};
 use mckibben::valve::{Command, Request, ValveKind};
-use mckibben::{Dual, Error, Over};
+use mckibben::{Error, Over};
 use std::f64::consts::{PI, TAU};
 
 #[test]
@@ -267,7 +267,7 @@ fn dual_numbers_differentiate_the_whole_simulation() {
     let plain = paper.run(0.3, 1e-10);
     let kinds: Vec<EventKind> = plain.events().iter().map(|event| event.kind).collect();
     assert!(kinds.contains(&EventKind::Stick) && kinds.contains(&EventKind::BreakAway), "{kinds:?}");
-    type D = Dual<f64, 3>;
+    type D = crate::common::Seeded;
     let rig = paper.rig().map(|row, value| match row.key {
         key if key == parameter::MASS.key => D::variable(value, 0),
         key if key == parameter::FLOW_AREA.key => D::variable(value, 1),
@@ -302,7 +302,7 @@ fn dual_numbers_differentiate_the_whole_simulation() {
 
 #[test]
 fn the_derivative_of_an_equilibrium_is_that_of_its_closed_form() {
-    type D = Dual<f64, 1>;
+    type D = crate::common::Seeded;
     let paper = Paper::sealed().mass(2.0).gauge(3e5);
     let rig =
         paper.rig().map(|row, value| if row.key == parameter::MASS.key { D::variable(value, 0) } else { D::of(value) });

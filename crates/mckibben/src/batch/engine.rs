@@ -5,7 +5,9 @@ use super::block::{Advance, Attach, Block, Create, Restart, Samples, Stop};
 use super::gather::are_same;
 use super::span::Span;
 use super::twice::Twice;
-use super::wide::{Doubles, Number, Singles, Wide, compiled};
+#[cfg(feature = "batch-single")]
+use super::wide::Singles;
+use super::wide::{Doubles, Number, Wide, compiled};
 use super::{Row, Width};
 use crate::error::Error;
 use crate::simulation::closed_loop::Control;
@@ -167,4 +169,5 @@ macro_rules! build {
     };
 }
 build!(f64, Doubles);
+#[cfg(feature = "batch-single")]
 build!(f32, Singles);

@@ -406,8 +406,9 @@ fn arrange(rows: &[Row], lanes: usize) -> (Vec<Place>, Vec<Vec<usize>>) {
     (places, blocks)
 }
 
-/// A number that batches are made of: `f64` or `f32`.
+/// A number that batches are made of: `f64`, or `f32` with the feature `batch-single`.
 pub trait Float: engine::Build {}
 
 impl Float for f64 {}
+#[cfg(feature = "batch-single")]
 impl Float for f32 {}

@@ -282,6 +282,7 @@ wide! {
     add_f64s sub_f64s mul_f64s div_f64s xor_f64s sqrt_f64s splat_f64s less_than_f64s less_than_or_equal_f64s select_f64s
     min_f64s max_f64s and_m64s or_m64s not_m64s first_true_m64s
 }
+#[cfg(feature = "batch-single")]
 wide! {
     f32, Singles(f32s), SingleMask(m32s);
     add_f32s sub_f32s mul_f32s div_f32s xor_f32s sqrt_f32s splat_f32s less_than_f32s less_than_or_equal_f32s select_f32s

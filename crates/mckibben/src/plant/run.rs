@@ -86,6 +86,15 @@ impl<R: Real> PlantRun<R> {
         relative_tolerance: f64,
         drivers: Vec<Driver<R>>,
     ) -> Result<Self, Error> {
+        R::begin_plant_run(plant, start, relative_tolerance, drivers)
+    }
+
+    pub(crate) fn generic_begin(
+        plant: &Plant<R>,
+        start: &PlantStart<R>,
+        relative_tolerance: f64,
+        drivers: Vec<Driver<R>>,
+    ) -> Result<Self, Error> {
         let (mut state, memories) = plant.start_with_memories(start)?;
         let mut plant = plant.clone();
         let coordinates: Vec<usize> = plant.places.mechanisms.iter().map(|here| here.coordinates).collect();
@@ -137,6 +146,10 @@ impl<R: Real> PlantRun<R> {
 
     /// What there is to measure at the time that has been reached.
     pub fn measurement(&self) -> PlantMeasurement<R> {
+        R::measure_plant_run(self)
+    }
+
+    pub(crate) fn generic_measurement(&self) -> PlantMeasurement<R> {
         let PlantSnapshot { time, state, mode, .. } = &self.reached;
         System::new(&self.plant, self.relative_tolerance).measure(*time, state, mode, &mut Evaluation::new(&self.plant))
     }
@@ -191,6 +204,10 @@ impl<R: Real> PlantRun<R> {
     /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot do what is asked;
     /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
     pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
+        R::set_plant_valve(self, valve, demand.into())
+    }
+
+    pub(crate) fn generic_set(&mut self, valve: usize, demand: Demand<R>) -> Result<(), Error> {
         let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         if valve >= self.plant.network.valves.len() {
             return wrong("a valve is set that is not there", "name a valve of the network");
@@ -199,7 +216,7 @@ impl<R: Real> PlantRun<R> {
             return wrong("a valve is set that a driver commands", "leave it to the driver, or leave out the driver");
         }
         let time = self.time();
-        self.plant.network.set_valve(valve, time, demand.into(), &mut self.reached.mode.network)
+        self.plant.network.set_valve(valve, time, demand, &mut self.reached.mode.network)
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.
@@ -208,6 +225,10 @@ impl<R: Real> PlantRun<R> {
     /// [`Error::Misuse`] for a mechanism that is not external; [`Error::Table`] unless there is one rate for each
     /// coordinate; [`Error::OutOfRange`] for a rate that is not finite.
     pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
+        R::set_plant_rates(self, mechanism, rates)
+    }
+
+    pub(crate) fn generic_set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
         let external =
             matches!(self.plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
         if !external {
@@ -241,7 +262,7 @@ impl<R: Real> PlantRun<R> {
     /// or no step is short enough; [`Error::TooMany`] for more samples or pulses than a run may have; those of a driver whose valve cannot do what it asks. The run then stays
     /// where it was.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
-        self.extend(until, &mut |_| Ok(()))
+        R::advance_plant_run(self, until)
     }
 
     /// Goes on to `until` in s and hands each piece of the run to `keep`.
@@ -286,6 +307,6 @@ impl<R: Real> PlantRun<R> {
         until: R,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<PlantTrajectory<R>, Error> {
-        PlantTrajectory::record(self, until, watch)
+        R::record_plant_run(self, until, watch)
     }
 }

@@ -112,6 +112,10 @@ pub struct PlantSample<R = f64> {
 impl<R: Real> PlantSample<R> {
     /// A sample of a plant with zeros, to be overwritten.
     pub fn new(plant: &Plant<R>) -> Self {
+        R::new_plant_sample(plant)
+    }
+
+    pub(crate) fn generic_new(plant: &Plant<R>) -> Self {
         let zero = R::zero();
         let none = AbsolutePressure(zero);
         let actuator = ActuatorSample {
@@ -322,6 +326,10 @@ pub struct PlantReader<'t, R: Real = f64> {
 impl<'t, R: Real> PlantReader<'t, R> {
     /// Reads a run.
     pub fn new(trajectory: &'t PlantTrajectory<R>) -> Self {
+        R::new_plant_reader(trajectory)
+    }
+
+    pub(crate) fn generic_new(trajectory: &'t PlantTrajectory<R>) -> Self {
         let plant = trajectory.plant();
         let observer = Observer::new(plant, trajectory.relative_tolerance());
         Self { trajectory, observer, state: vec![R::zero(); plant.places().states], begun: 0 }
@@ -329,6 +337,10 @@ impl<'t, R: Real> PlantReader<'t, R> {
 
     /// Writes the sample at `time` in s to `sample`, which was made for the same plant: see [`PlantTrajectory::sample`].
     pub fn read_into(&mut self, time: R, sample: &mut PlantSample<R>) {
+        R::read_plant_sample(self, time, sample);
+    }
+
+    pub(crate) fn generic_read_into(&mut self, time: R, sample: &mut PlantSample<R>) {
         self.begun = self.trajectory.begun(self.begun, time.value());
         let Self { trajectory, observer, state, begun } = self;
         let (time, mode) = trajectory.read(&observer.system, *begun, time, state, &mut observer.at);

@@ -106,7 +106,7 @@ impl<R: Real> Plant<R> {
     /// pressure or temperature that is not physical; [`Error::Misuse`] for a start of friction that remembers nothing;
     /// [`Error::Inconsistent`] for a force that friction cannot hold, and for a length that an actuator cannot have.
     pub fn start(&self, start: &PlantStart<R>) -> Result<Vec<R>, Error> {
-        self.start_with_memories(start).map(|(state, _)| state)
+        R::start_plant(self, start)
     }
 
     /// The states at t = 0, and what hysteresis remembers then.

@@ -182,6 +182,10 @@ impl<R: Real> PlantTrajectory<R> {
     /// The states at `time` in s, by dense output, with the mode that holds; at the instant of an event, after it. Times before
     /// the start and after the end give the first and the last state.
     pub fn at(&self, time: R) -> (Vec<R>, &PlantMode<R>) {
+        R::read_plant_state(self, time)
+    }
+
+    pub(crate) fn generic_at(&self, time: R) -> (Vec<R>, &PlantMode<R>) {
         let system = System::new(&self.plant, self.relative_tolerance);
         let mut state = vec![R::zero(); self.plant.places().states];
         let begun = self.begun(0, time.value());

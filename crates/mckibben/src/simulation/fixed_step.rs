@@ -176,6 +176,10 @@ impl<R: Real<Time = R>> Walk<R> {
 impl<R: Real> Walk<R> {
     /// Everything that is known at the time that has been reached.
     pub(crate) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
+        R::sample_walk(self, rig)
+    }
+
+    pub(crate) fn generic_sample(&self, rig: &Rig<R>) -> Sample<R> {
         let Course { time, state, held } = &self.course;
         let time = R::of_time(*time);
         let sample = Sample::new(time, &of_rig(state), &rig.observe(time, state, held), self.ports);
@@ -194,6 +198,16 @@ impl<R: Real> Walk<R> {
         method: Method,
         until: R::Time,
         mut end: Option<Stepped<R>>,
+    ) -> Result<(), Error> {
+        R::advance_walk(self, rig, timetable, method, (until, &mut end))
+    }
+
+    pub(crate) fn generic_advance_to(
+        &mut self,
+        rig: &Rig<R>,
+        timetable: &Timetable<'_, R::Time>,
+        method: Method,
+        (until, end): (R::Time, &mut Option<Stepped<R>>),
     ) -> Result<(), Error> {
         loop {
             let instant = timetable.next(&self.progress, until);
@@ -215,6 +229,10 @@ impl<R: Real> Walk<R> {
 
     /// Passes what is due.
     pub(crate) fn pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
+        R::pass_walk(self, rig, timetable);
+    }
+
+    pub(crate) fn generic_pass(&mut self, rig: &Rig<R>, timetable: &Timetable<'_, R::Time>) {
         self.ports = timetable.pass(&mut self.progress, self.course.time);
         let openings = timetable.openings(&self.progress).map(R::of_time);
         let held = &mut self.course.held;

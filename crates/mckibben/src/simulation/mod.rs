@@ -23,7 +23,7 @@ pub(crate) mod closed_loop;
 mod controlled;
 pub(crate) mod course;
 pub(crate) mod fixed_step;
-mod joint;
+pub(crate) mod joint;
 pub(crate) mod kernel;
 #[cfg(feature = "alloc")]
 mod leg;

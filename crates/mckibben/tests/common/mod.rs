@@ -258,8 +258,12 @@ pub(crate) fn slope(step: f64, function: impl Fn(f64) -> f64) -> f64 {
     (8.0 * pair(step) - pair(2.0 * step)) / (12.0 * step)
 }
 
+/// A number with derivatives in up to four directions: tests that run an engine over dual numbers take one width, since the engine
+/// is compiled for each.
+pub(crate) type Seeded = Dual<f64, 4>;
+
 /// A rig with one direction of change: that of all numbers which a row describes, each by its own size.
-pub(crate) fn seeded(rig: &Rig, row: &'static Parameter) -> Rig<Dual<f64, 1>> {
+pub(crate) fn seeded(rig: &Rig, row: &'static Parameter) -> Rig<Seeded> {
     rig.map(|parameter, value| {
         let factor = if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
         Dual::of(value) * factor

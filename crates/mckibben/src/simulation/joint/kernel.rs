@@ -18,7 +18,7 @@ use crate::valve::{Openings, Port, Ports};
 
 /// What stays the same during a part of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held<R> {
+pub(crate) struct Held<R> {
     pub(super) ports: [Ports; 2],
     /// How far the passages of each valve are open, and to what.
     pub(super) openings: [Openings<R>; 2],
@@ -192,6 +192,16 @@ impl<R: Real> JointRig<R> {
     /// The same, but where the stable method would leave too little air of an actuator by one stage with γ = 1, which leaves
     /// some whatever the step.
     pub(super) fn take_tenable(&self, method: Method, time: R, state: &[R; 6], step: R, held: &Held<R>) -> [R; 6] {
+        R::step_joint(self, method, (time, step), state, held)
+    }
+
+    pub(crate) fn generic_take_tenable(
+        &self,
+        method: Method,
+        (time, step): (R, R),
+        state: &[R; 6],
+        held: &Held<R>,
+    ) -> [R; 6] {
         let end = self.take(method, time, state, step, held);
         let leaves = |at: usize| leaves_enough([state[at], state[at + 1]], [end[at], end[at + 1]]);
         if method == Method::Rk4 || PRESSURE.iter().all(|at| leaves(*at)) {

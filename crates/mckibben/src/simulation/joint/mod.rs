@@ -24,7 +24,7 @@ mod accuracy;
 mod controlled;
 mod fittings;
 #[cfg(feature = "alloc")]
-mod kernel;
+pub(crate) mod kernel;
 #[cfg(feature = "alloc")]
 mod sample;
 #[cfg(feature = "alloc")]

@@ -1,0 +1,110 @@
+//! The entry points of the engines, each instantiated once for `f64`, in this crate.
+//!
+//! The engines are generic over their scalar, because dual numbers go through them as well. A generic function is compiled
+//! again in every crate that calls it, and an engine is much to compile. So each entry point that other crates call goes
+//! through a method of [`Instantiate`], whose body for `f64` is an ordinary function: it is compiled with this crate, and its
+//! callers only link to it. For dual numbers the same bodies are generic, since only the caller knows the width.
+//!
+//! What is called in an inner loop has no entry point, so that the compiler may inline it.
+
+use crate::error::Error;
+use crate::scalar::Real;
+use crate::simulation::fixed_step::Walk;
+use crate::simulation::piped::Stepped;
+use crate::simulation::timetable::Timetable;
+use crate::simulation::{Method, Rig, Sample};
+#[cfg(feature = "alloc")]
+use crate::{
+    command::{Driver, PlantMeasurement},
+    plant::{Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantTrajectory},
+    simulation::{JointRig, joint::kernel::Held},
+    valve::Demand,
+};
+#[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+
+/// Calls `watch` with a time in s now and then; its error ends a run.
+#[cfg(feature = "alloc")]
+type Watch<'w> = &'w mut dyn FnMut(f64) -> Result<(), Error>;
+
+/// Declares the entry points and their three implementations, those with an attribute under that condition.
+macro_rules! entry_points {
+    (
+        $(
+            $(#[$condition:meta])?
+            fn $name:ident $(<$life:lifetime>)? ($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;
+        )*
+    ) => {
+        /// Entry points of the engines. Every [`Real`] has them; only the engines call them.
+        #[allow(private_interfaces, reason = "only the engines call them")]
+        pub trait Instantiate: Sized {
+            $($(#[$condition])? fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? where Self: Real;)*
+        }
+
+        // Ordinary functions, compiled here.
+        #[allow(private_interfaces, reason = "as in the trait")]
+        impl Instantiate for f64 {
+            $($(#[$condition])? #[inline(never)] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
+        }
+
+        // Compiled where they are called, as few do.
+        #[allow(private_interfaces, reason = "as in the trait")]
+        impl Instantiate for f32 {
+            $($(#[$condition])? #[inline] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
+        }
+
+        #[allow(private_interfaces, reason = "as in the trait")]
+        impl<S: Real, const K: usize> Instantiate for crate::Dual<S, K> {
+            $($(#[$condition])? fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
+        }
+    };
+}
+
+entry_points! {
+    #[cfg(feature = "alloc")]
+    fn start_plant(plant: &Plant<Self>, start: &PlantStart<Self>) -> Result<Vec<Self>, Error> =
+        plant.start_with_memories(start).map(|(state, _)| state);
+    #[cfg(feature = "alloc")]
+    fn begin_plant_run(
+        plant: &Plant<Self>, start: &PlantStart<Self>, relative_tolerance: f64, drivers: Vec<Driver<Self>>
+    ) -> Result<PlantRun<Self>, Error> = PlantRun::generic_begin(plant, start, relative_tolerance, drivers);
+    #[cfg(feature = "alloc")]
+    fn measure_plant_run(run: &PlantRun<Self>) -> PlantMeasurement<Self> = run.generic_measurement();
+    #[cfg(feature = "alloc")]
+    fn set_plant_valve(run: &mut PlantRun<Self>, valve: usize, demand: Demand<Self>) -> Result<(), Error> =
+        run.generic_set(valve, demand);
+    #[cfg(feature = "alloc")]
+    fn set_plant_rates(run: &mut PlantRun<Self>, mechanism: usize, rates: &[Self]) -> Result<(), Error> =
+        run.generic_set_rates(mechanism, rates);
+    #[cfg(feature = "alloc")]
+    fn advance_plant_run(run: &mut PlantRun<Self>, until: Self) -> Result<(), Error> =
+        run.extend(until, &mut |_| Ok(()));
+    #[cfg(feature = "alloc")]
+    fn record_plant_run(
+        run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>
+    ) -> Result<PlantTrajectory<Self>, Error> = PlantTrajectory::record(run, until, watch);
+    #[cfg(feature = "alloc")]
+    fn read_plant_state<'t>(trajectory: &'t PlantTrajectory<Self>, time: Self) -> (Vec<Self>, &'t PlantMode<Self>) =
+        trajectory.generic_at(time);
+    #[cfg(feature = "alloc")]
+    fn new_plant_sample(plant: &Plant<Self>) -> PlantSample<Self> = PlantSample::generic_new(plant);
+    #[cfg(feature = "alloc")]
+    fn new_plant_reader<'t>(trajectory: &'t PlantTrajectory<Self>) -> PlantReader<'t, Self> =
+        PlantReader::generic_new(trajectory);
+    #[cfg(feature = "alloc")]
+    fn read_plant_sample(reader: &mut PlantReader<'_, Self>, time: Self, sample: &mut PlantSample<Self>) =
+        reader.generic_read_into(time, sample);
+
+    #[cfg(feature = "alloc")]
+    fn step_joint(
+        rig: &JointRig<Self>, method: Method, span: (Self, Self), state: &[Self; 6], held: &Held<Self>
+    ) -> [Self; 6] = rig.generic_take_tenable(method, span, state, held);
+
+    fn advance_walk(
+        walk: &mut Walk<Self>, rig: &Rig<Self>, timetable: &Timetable<'_, <Self as Real>::Time>, method: Method,
+        to: (<Self as Real>::Time, &mut Option<Stepped<Self>>)
+    ) -> Result<(), Error> = walk.generic_advance_to(rig, timetable, method, to);
+    fn pass_walk(walk: &mut Walk<Self>, rig: &Rig<Self>, timetable: &Timetable<'_, <Self as Real>::Time>) =
+        walk.generic_pass(rig, timetable);
+    fn sample_walk(walk: &Walk<Self>, rig: &Rig<Self>) -> Sample<Self> = walk.generic_sample(rig);
+}
