@@ -473,7 +473,10 @@ fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {
         "\"tendon.stiffness\" = [\"10 kN/m\", \"20 kN/m\"]",
         "\"antagonist.tendon.stiffness\" = [\"10 kN/m\", \"20 kN/m\"]",
     ] {
-        folder.file("sweep.toml", &format!("{text}{vary}{varies}\n"));
+        folder.file(
+            "sweep.toml",
+            &format!("{}{vary}{varies}\n", text.replace("[run]", "[run]\nengine = \"event-located\"")),
+        );
         run(&folder, &["sweep", "sweep.toml", "-o", "sweep.csv"]);
         let table = std::fs::read_to_string(folder.path("sweep.csv")).expect("the table");
         let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').skip(2).collect()).collect();

@@ -217,6 +217,20 @@ fn fixed_steps_and_models_are_refused() {
             "{message}"
         );
     }
+    // The laws by the model know no tendon; one that tracks the angle asks for none.
+    let tendons = cases().into_iter().find(|case| case.name == "tendons").expect("a case");
+    let controlled = |law: &str| {
+        let file =
+            tendons.joint_file().replace(&format!("[command]\n{AGONIST}"), "[command]\nkind = \"controllers\"\n");
+        let file = file.replace(&format!("[antagonist.command]\n{ANTAGONIST}"), "[antagonist]\n");
+        let controller = format!("[controller]\n{law}angle = \"5 deg\"\nrate = \"200 Hz\"\n");
+        parse(&format!("{file}{controller}")).controlled_joint_experiment()
+    };
+    let model = "kind = \"feed-forward\"\nstiffness = \"1 N*m/rad\"\nhighest_gauge_pressure = \"4 bar\"\ndead_band = \"0.1 bar\"\n";
+    let message = controlled(model).expect_err("a mistake").to_string();
+    assert!(message.contains("a controller by the model is not implemented"), "{message}");
+    let tracks = controlled("kind = \"bang-bang\"\ndead_band = \"1 deg\"\n");
+    assert!(tracks.unwrap_or_else(|error| panic!("{error}")).is_some());
     // A valve that makes a pressure itself wants a pressure that stays.
     let regulated = "[supply]\ngauge_pressure = \"60 psi\"\nreservoir_volume = \"1 L\"\n[valve]\nkind = \"pressure-regulator\"\n\
                      time_constant = \"30 ms\"\nrate_limit = \"20 bar/s\"\nflow_area = \"1e-6 m^2\"\n[command]\nkind = \"set-points\"\n\

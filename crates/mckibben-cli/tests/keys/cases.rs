@@ -210,6 +210,16 @@ rest_length = "3.3 in"
 gauge_pressure = "2 bar"
 angle = "2 deg"
 "#;
+/// The same where the pressure at the start is given over time.
+pub(crate) const GIVEN_JOINT_LOAD: &str = r#"[load]
+kind = "antagonistic-joint"
+mass = "0.3 kg"
+distance = "100 mm"
+pulley_radius = "15 mm"
+rest_length = "3.3 in"
+[initial]
+angle = "2 deg"
+"#;
 const TABLE_LOAD: &str = r#"[load]
 kind = "antagonistic-joint"
 mass = "0.3 kg"
@@ -763,6 +773,8 @@ pub(crate) const OF_JOINTS: &[(&[&str], Settings)] = &[
             ("antagonist.load.moment_arm", "[\"14 mm\", \"15 mm\", \"18 mm\"]"),
         ],
     ),
+    // The tendon is longer by so much, and pulls.
+    (&["tendon.stiffness", "tendon.rest_length"], &[("load.rest_length", "5.3 in")]),
     // Longer than it ever is, so that the braid is taut; long enough for these laws to pull.
     (
         &["actuator.max_length", "actuator.limit.stiffness", "actuator.limit.damping"],

@@ -9,7 +9,7 @@ mod common;
 
 mod cases;
 
-use cases::{Case, JOINT_LOAD, OF_JOINTS, Setting, WORDS, cases, set};
+use cases::{Case, GIVEN_JOINT_LOAD, JOINT_LOAD, OF_JOINTS, Setting, WORDS, cases, set};
 use common::Folder;
 use mckibben_scenario::keys::{ANTAGONIST, KEYS, is_of_antagonist};
 use std::collections::BTreeMap;
@@ -129,8 +129,9 @@ fn every_key_of_the_antagonist_changes_the_run() {
             let of_actuator = kept(of).into_iter().filter(|(key, _)| is_of_antagonist(key));
             of_actuator.map(|(key, value)| (format!("{ANTAGONIST}.{key}"), value)).collect()
         };
+        let load = if case.key.starts_with("pressure.") { GIVEN_JOINT_LOAD } else { JOINT_LOAD };
         let other_load = |piece: &str| piece.contains("[load]") && !piece.contains("antagonistic-joint");
-        let pieces = case.pieces.iter().map(|piece| if other_load(piece) { JOINT_LOAD } else { piece }).collect();
+        let pieces = case.pieces.iter().map(|piece| if other_load(piece) { load } else { piece }).collect();
         // What is said of the second in several keys is said whole; a word with keys of its own is said of the second alone.
         let alone = WORDS.iter().any(|(key, ..)| *key == case.key);
         let first = if alone { Vec::new() } else { kept(&case.before) };

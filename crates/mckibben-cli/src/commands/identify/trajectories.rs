@@ -80,9 +80,9 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
     {
         let mut courses = courses(recording, scenario.air.atmospheric_pressure);
         let others = scenario.of_antagonist();
-        let given = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
-        for (given, pressure) in given.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
-            courses.retain(|course| !given || course.observed != pressure);
+        let driven = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
+        for (driven, pressure) in driven.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
+            courses.retain(|course| !driven || course.observed != pressure);
         }
         runs.push(Recorded { name, adjustable: Adjustable::new(scenario, places, given), unknowns, courses });
     }
