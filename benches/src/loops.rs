@@ -7,10 +7,10 @@
 //! the law and the command that grows cost. Both must end in the same place: the steps of the first are
 //! divided at the sampling instants besides, so the two differ by rounding.
 
-use mckibben::plant::JointPlant;
+use mckibben::plant::{JointPlant, RigPlant};
 use mckibben::simulation::{
     ControlledJointStepper, ControlledStepper, FixedStepper, JointRig, JointState, JointStepper, Method, Rig, State,
-    simulate, simulate_controlled,
+    simulate,
 };
 use mckibben_scenario::{ControlledExperiment, ControlledJointExperiment, Document, Run};
 use std::path::Path;
@@ -81,8 +81,10 @@ fn controlled(of: &ControlledExperiment) -> Result<[f64; 5], String> {
         same(end, replayed.1)?;
         (closed[place], open[place]) = (cost, replayed.0);
     }
+    let plant = RigPlant::new(rig);
     let located = located(run, |until| {
-        simulate_controlled(rig, start, until, run.relative_tolerance, law, (*sampling, *sensors)).map(drop)
+        let driver = plant.driver(law.clone(), (*sampling, *sensors))?;
+        plant.record(&start, (until, run.relative_tolerance), Some(driver), &mut |_| Ok(())).map(drop)
     })?;
     Ok(row(open, closed, located))
 }

@@ -2,9 +2,9 @@
 
 use crate::peer::{Peer, Solution};
 use crate::problem::{Problem, SAMPLE_INTERVAL};
-use mckibben::simulation::system::HybridSystem;
+use mckibben::engine::Statistics;
 use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{Counts, Integrator, RigSystem, simulate};
+use mckibben::simulation::simulate;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -50,7 +50,7 @@ impl Peer for Ours {
 }
 
 /// Steps taken, the rejected ones included.
-pub fn steps(counts: &Counts) -> u64 {
+pub fn steps(counts: &Statistics) -> u64 {
     counts.explicit_steps + counts.implicit_steps + counts.rejected_steps
 }
 
@@ -60,10 +60,8 @@ pub struct Profile {
     pub simulation: f64,
     /// The rows at the samples, in s.
     pub rows: f64,
-    /// Right-hand sides alone, at the states along the run: s for each.
-    pub rates: f64,
     /// What the integrator counted.
-    pub counts: Counts,
+    pub counts: Statistics,
 }
 
 impl Profile {
@@ -74,40 +72,6 @@ impl Profile {
     pub fn take(problem: &Problem, tolerance: f64) -> Result<Self, String> {
         let trajectory = run(problem, tolerance)?;
         let simulation = shortest(Ours.repeats(), || run(problem, tolerance));
-        Ok(Self {
-            simulation,
-            rows: shortest(Ours.repeats(), || rows(&trajectory)),
-            rates: rates_alone(problem, tolerance)?,
-            counts: trajectory.statistics(),
-        })
+        Ok(Self { simulation, rows: shortest(Ours.repeats(), || rows(&trajectory)), counts: trajectory.statistics() })
     }
-}
-
-/// Time in s of one evaluation of the rates, over the states and modes of a run, each one waiting for the one before
-/// as the stages of a step do.
-fn rates_alone(problem: &Problem, tolerance: f64) -> Result<f64, String> {
-    let experiment = &problem.experiment;
-    let system = RigSystem::new(&experiment.rig, tolerance);
-    let start = experiment.start;
-    let state = [start.length, start.velocity, start.pressure.0, start.air_mass];
-    let duration = experiment.run.duration;
-    let mut integrator = Integrator::new(&system, 0.0, state, system.begin(&state), duration, tolerance);
-    let mut places = Vec::new();
-    while let Some(piece) = integrator.advance().map_err(|error| error.to_string())? {
-        places.push((piece.arc.at(0.5), piece.mode));
-    }
-    const CHAIN: u32 = 12;
-    let seconds = shortest(100, || {
-        for (state, mode) in &places {
-            let mut state = *state;
-            for _ in 0..CHAIN {
-                let slope: [f64; 4] = system.rates(0.0, &state, mode);
-                for (value, slope) in state.iter_mut().zip(slope) {
-                    *value += 1e-30 * slope;
-                }
-            }
-            black_box(state);
-        }
-    });
-    Ok(seconds / (places.len() as f64 * f64::from(CHAIN)))
 }

@@ -85,8 +85,6 @@ pub fn profile(problem: &Problem, tolerance: f64) -> Result<(), String> {
     println!("  simulate alone          {:>8.1} us/sim-s", profile.simulation * microseconds);
     println!("  rows each ms            {:>8.1} us/sim-s", profile.rows * microseconds);
     println!("  time per evaluation     {:>8.1} ns", profile.simulation * 1e9 / evaluations);
-    println!("  one evaluation alone    {:>8.1} ns", profile.rates * 1e9);
-    println!("  share of evaluations    {:>8.0} %", 100.0 * profile.rates * evaluations / profile.simulation);
     println!("  time per step           {:>8.2} us", profile.simulation * 1e6 / steps(&counts) as f64);
     Ok(())
 }

@@ -6,12 +6,14 @@ use mckibben::control::{Controller, Drive, Measurement, Sampling, Sensors};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
 use mckibben::friction::Friction;
 use mckibben::load::Load;
-use mckibben::simulation::{Actuation, Initial, InitialLength, Rig, simulate_controlled};
+use mckibben::plant::RigPlant;
+use mckibben::simulation::{Actuation, Initial, InitialLength, Rig};
 use mckibben::valve::{
     Command, ExhaustTemperature, FlowLaw, FlowStandard, Request, Solenoid, Supply, Valve, ValveKind,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure};
 
+#[derive(Debug)]
 struct Lift {
     /// Wanted distance between the attachments in m.
     length: f64,
@@ -35,9 +37,10 @@ fn main() -> Result<(), Error> {
     let (rig, start) = hanging_mass()?;
     let controller = Lift { length: 0.085, band: 0.03 };
     let sampling = Sampling::new(50.0, 1)?;
-    let controlled =
-        simulate_controlled(&rig, rig.start(&start)?, 2.0, 1e-8, &controller, (sampling, Sensors::perfect()))?;
-    for sample in controlled.trajectory.samples(0.2) {
+    let plant = RigPlant::new(&rig);
+    let driver = plant.driver(controller, (sampling, Sensors::perfect()))?;
+    let run = plant.record(&rig.start(&start)?, (2.0, 1e-8), Some(driver), &mut |_| Ok(()))?;
+    for sample in run.samples(0.2) {
         println!("{:4.1} s  {:6.2} mm  {:8.0} Pa", sample.time, 1e3 * sample.length, sample.pressure.0);
     }
     Ok(())

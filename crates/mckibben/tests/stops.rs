@@ -1,6 +1,6 @@
 //! Rigs at the ends of their travel and at equal pressures: modes that last, few events, the right place to rest.
 //!
-//! The rules are those of `mckibben::simulation::event`; `tests/events.rs` has them on systems in closed form.
+//! The rules are those of `mckibben::engine::event`; `tests/events.rs` has them on systems in closed form.
 
 use crate::common::{ATMOSPHERE, GRAVITY, LB, PSI, Paper, assert_close, assert_within};
 use mckibben::air::Process;

@@ -18,7 +18,7 @@
 //! How an actuator spans the mechanism is its [`Coupling`].
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), (15) and (16); Lagrange's equations of the second kind. Checked by
-//! `tests/plant_of_rig.rs`, `tests/joint.rs` and `tests/plant_linear_closed_forms.rs`.
+//! `tests/simulation.rs`, `tests/joint.rs` and `tests/plant_linear_closed_forms.rs`.
 
 pub mod chain;
 mod coupling;

@@ -17,7 +17,7 @@
 //! it does not hold.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.2, and conservation of mass at each node; the laws of [hoses, leaks,
-//! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/plant_of_rig.rs`.
+//! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/simulation.rs`.
 
 use super::mode::NetworkMode;
 use super::piping::{End, Orifice, Pipe, Piping};

@@ -19,7 +19,7 @@
 //! It is done once for rates, samples, guards and audits alike, by the formulas of a [`PlantMode`], over any scalar.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.1, for one actuator; virtual work for several. Checked by
-//! `tests/plant_of_rig.rs`, `tests/joint.rs` and, against an independent program, `tests/plant_reference.rs`.
+//! `tests/simulation.rs`, `tests/joint.rs` and, against an independent program, `tests/plant_reference.rs`.
 
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::wire::{Span, Wire};
