@@ -270,7 +270,7 @@ fn what_would_make_the_end_jump_is_told() {
         simulate(&on_tendon(paper, STIFFNESS), paper.start(), 1.0, 1e-8).expect_err("a jump").to_string()
     };
     assert!(told(&rough(0.0)).contains("friction.viscous"), "{}", told(&rough(0.0)));
-    assert!(told(&rough(2.0)).contains("jumps"), "{}", told(&rough(2.0)));
+    assert!(told(&rough(2.0)).contains("steepest fall of dry friction"), "{}", told(&rough(2.0)));
     let short = smooth().from(2.4 * INCH, 0.0).with(|rig| rig.min_length = Some(2.5 * INCH));
     assert!(told(&short).contains("actuator.min_length"), "{}", told(&short));
 }
