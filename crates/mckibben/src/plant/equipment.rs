@@ -13,7 +13,7 @@ use crate::valve::{ExhaustTemperature, Port};
 use alloc::vec::Vec;
 
 /// Temperature in K of the surroundings of an actuator without a supply.
-const ROOM: f64 = 293.15;
+pub(super) const ROOM: f64 = 293.15;
 
 /// Where a supply lies in a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

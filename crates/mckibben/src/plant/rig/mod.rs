@@ -32,7 +32,7 @@ pub(crate) use reading::four;
 pub use segments::simulate_in_segments;
 
 use super::Plant;
-use super::equipment::Equipment;
+use super::equipment::{Equipment, ROOM};
 use super::feed::Feed;
 use super::start::{InitialAir, PlantStart};
 use super::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
@@ -41,7 +41,7 @@ use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
 use crate::load::Load;
 use crate::mechanism::{Coupling, Mass, Mechanism, Pull};
-use crate::network::Network;
+use crate::network::{Network, NodeKind};
 use crate::scalar::Real;
 use crate::simulation::{Rig, State};
 use alloc::vec;
@@ -86,6 +86,10 @@ impl<R: Real> Plant<R> {
         let equipment = Equipment { actuator, actuation: rig.actuation(), line, tendon, pressure };
         let mut mounted = vec![];
         let feed = equipment.mount((&mut mounted, &mut network), (0, Coupling::Direct { coordinate: 0 }), None);
+        // Energy and exergy are counted from an atmosphere, also where nothing feeds the actuator.
+        if network.nodes.is_empty() {
+            network.node(NodeKind::Atmosphere, R::zero(), R::constant(ROOM));
+        }
         (Self::assemble(mounted, network, vec![mechanism]), feed)
     }
 
