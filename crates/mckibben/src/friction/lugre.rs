@@ -138,6 +138,7 @@ impl<S: Scalar> LuGre<S> {
     }
 
     /// The rate ż of the deflection in m/s, at a velocity (m/s) whose sign is `direction`.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn rate<T: Over<S>>(&self, deflection: T, velocity: T, direction: T) -> T {
         let decay = self.decay(self.fallen(velocity));
@@ -145,6 +146,7 @@ impl<S: Scalar> LuGre<S> {
     }
 
     /// The force over the secant stiffness in m.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn width_at<T: Over<S>>(&self, deflection: T, velocity: T, direction: T) -> T {
         let fallen = self.fallen(velocity);
@@ -193,11 +195,13 @@ impl<S: Scalar> LuGre<S> {
 
 impl<R: Real> LuGre<R> {
     /// Whether the bristles are damped.
+    #[cfg(feature = "alloc")]
     pub(crate) fn is_damped(&self) -> bool {
         self.damping_time.value() > 0.0
     }
 
     /// Whether the force depends on the velocity otherwise than by its sign.
+    #[cfg(feature = "alloc")]
     pub(crate) fn falls(&self) -> bool {
         self.is_damped() || self.excess.value() > 0.0
     }

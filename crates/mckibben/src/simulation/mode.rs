@@ -1,6 +1,7 @@
 //! The discrete state of an actuator on its load: which formulas hold.
 
 use crate::force::Piece;
+#[cfg(feature = "alloc")]
 use crate::friction::Touch;
 use crate::valve::{FlowZone, Ports};
 
@@ -69,6 +70,7 @@ pub struct Mode {
 
 impl Mode {
     /// Whether the gas presses the threads together.
+    #[cfg(feature = "alloc")]
     pub(crate) fn touch(&self) -> Touch {
         if self.pressed { Touch::Pressed } else { Touch::Apart }
     }

@@ -1,5 +1,6 @@
 //! What a pressure regulator makes over time by its closed form, for fixed steps.
 
+#[cfg(feature = "alloc")]
 use super::joint::{Driven, JointRig};
 use super::rig::Rig;
 use crate::pressure::AbsolutePressure;

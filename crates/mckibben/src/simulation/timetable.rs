@@ -46,6 +46,7 @@ impl<S: Real> Progress<S> {
     }
 
     /// A number that differs once the openings are another function of time.
+    #[cfg(feature = "alloc")]
     pub(crate) fn openings_counted(&self) -> u64 {
         self.clock.strokes_counted() + self.spool_passed
     }

@@ -367,6 +367,7 @@ impl<S: Real> SeatClock<S> {
     }
 
     /// A number that differs once the openings are another function of time.
+    #[cfg(feature = "alloc")]
     pub(crate) fn strokes_counted(&self) -> u64 {
         self.strokes_counted
     }
