@@ -74,7 +74,7 @@ impl Pace {
         }
     }
 
-    /// The same before a step from other states.
+    /// How it goes on from other states: without a step length, with the cost so far.
     pub(crate) fn anew(&self) -> Self {
         Self { measured_from: self.measured_from, statistics: self.statistics, ..Self::begin(0.0) }
     }

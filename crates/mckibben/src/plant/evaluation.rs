@@ -53,20 +53,6 @@ pub(crate) struct Unit<T> {
     pub(crate) mass_rate: T,
 }
 
-impl<T: Scalar> Unit<T> {
-    /// Takes what flows into its chamber.
-    #[inline(always)]
-    fn fill<R: Real>(&mut self, wire: &Wire<'_, R>, network: &NetworkState<T>) {
-        (self.flow, self.warmth) = match wire.chamber {
-            Some(node) => {
-                let node = &network.nodes[node];
-                (Flow { inward: node.inward, outward: node.outward }, node.warmth)
-            }
-            None => (Flow::none(), T::zero()),
-        };
-    }
-}
-
 /// A plant at an instant, and room for what is computed on the way.
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluation<T> {
@@ -267,11 +253,30 @@ impl<'a, R: Real> System<'a, R> {
     pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         self.enter_flows(time, state, mode, at);
         for (wire, unit) in self.wires.iter().zip(&mut at.units) {
-            unit.fill(wire, &at.network);
-            if wire.is_given {
-                // An end on a tendon follows it.
-                unit.pressure_rate = self.given_rate(wire.index, time, &mode.actuators[wire.index]);
+            self.fill(wire, time, &mode.actuators[wire.index], &at.network, unit);
+        }
+    }
+
+    /// Takes what flows into the chamber of an actuator, or the rate of a pressure that is given, which an end on a tendon
+    /// follows.
+    #[inline(always)]
+    fn fill<T: Over<R>>(
+        &self,
+        wire: &Wire<'_, R>,
+        time: T,
+        of_actuator: &ActuatorMode<R>,
+        network: &NetworkState<T>,
+        unit: &mut Unit<T>,
+    ) {
+        (unit.flow, unit.warmth) = match wire.chamber {
+            Some(node) => {
+                let node = &network.nodes[node];
+                (Flow { inward: node.inward, outward: node.outward }, node.warmth)
             }
+            None => (Flow::none(), T::zero()),
+        };
+        if wire.is_given {
+            unit.pressure_rate = self.given_rate(wire.index, time, of_actuator);
         }
     }
 
@@ -297,10 +302,7 @@ impl<'a, R: Real> System<'a, R> {
         let Evaluation { units, chambers, network, .. } = at;
         let actuators = self.wires.iter().zip(&mode.actuators);
         for ((wire, of_actuator), (unit, chamber)) in actuators.zip(units.iter_mut().zip(chambers)) {
-            unit.fill(wire, network);
-            if wire.is_given {
-                unit.pressure_rate = self.given_rate(wire.index, time, of_actuator);
-            }
+            self.fill(wire, time, of_actuator, network, unit);
             if wire.places.length.is_some() {
                 self.enter_end(wire.index, state, of_actuator, unit, chamber);
             } else {

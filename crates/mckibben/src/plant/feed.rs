@@ -3,8 +3,10 @@
 use super::equipment::SupplyNodes;
 use super::{Plant, PlantMode, PlantSample};
 use crate::air::Flow;
+use crate::error::Error;
 use crate::network::NodeKind;
 use crate::scalar::Real;
+use crate::simulation::closed_loop::with_seats;
 use crate::simulation::{Mode, Sample};
 use crate::valve::Ports;
 
@@ -24,6 +26,14 @@ pub struct Feed {
 }
 
 impl Feed {
+    /// The valve, whose seats a controller can drive.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] when there is no valve, or one without seats.
+    pub(super) fn seats<R: Real>(&self, plant: &Plant<R>) -> Result<usize, Error> {
+        with_seats(self.valve, |valve| plant.network().valves[*valve].solenoid.has_seats())
+    }
+
     /// The sample of an actuator and of what feeds it.
     pub(super) fn sample<R: Real>(&self, plant: &Plant<R>, actuator: usize, of: &PlantSample<R>) -> Sample<R> {
         let its = &of.actuators[actuator];

@@ -42,19 +42,7 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
         valves: [Option<&mut Actuation<R>>; N],
     ) -> Result<Self, Error> {
         for valve in valves {
-            let Some(actuation) = valve else {
-                return Err(Error::Misuse {
-                    what: "a controller is given, but the actuator has no valve",
-                    remedy: "give the actuator a valve, or simulate it without a controller",
-                });
-            };
-            if !actuation.solenoid.has_seats() {
-                return Err(Error::Misuse {
-                    what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
-                    remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
-                });
-            }
-            actuation.command = Command::nothing();
+            with_seats(valve, |actuation| actuation.solenoid.has_seats())?.command = Command::nothing();
         }
         Ok(Self { sampling, sampled: Sampled::begin(memory), modulators: [Modulator::idle(); N] })
     }
@@ -90,6 +78,24 @@ impl<R: Real, M, const N: usize> Clockwork<R, M, N> {
             }
         }
         Ok(drives)
+    }
+}
+
+/// The valve that a controller drives, which must have seats.
+///
+/// # Errors
+/// [`Error::Misuse`] when there is no valve, or one without seats.
+pub(crate) fn with_seats<V>(valve: Option<V>, has_seats: impl FnOnce(&V) -> bool) -> Result<V, Error> {
+    match valve {
+        None => Err(Error::Misuse {
+            what: "a controller is given, but the actuator has no valve",
+            remedy: "give the actuator a valve, or simulate it without a controller",
+        }),
+        Some(valve) if has_seats(&valve) => Ok(valve),
+        Some(_) => Err(Error::Misuse {
+            what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
+            remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
+        }),
     }
 }
 

@@ -387,7 +387,7 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_ref()
     }
 
-    /// The same with another command of its valve.
+    /// This rig with another command of its valve.
     #[cfg(feature = "alloc")]
     pub(crate) fn commanded(&self, command: Command<S>) -> Self
     where

@@ -152,18 +152,7 @@ impl<R: Real> JointPlant<R> {
         R: Send + Sync + 'static,
         C: JointController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        let [Some(agonist), Some(antagonist)] = self.feeds.map(|feed| feed.valve) else {
-            return Err(Error::Misuse {
-                what: "a controller is given, but the actuator has no valve",
-                remedy: "give the actuator a valve, or simulate it without a controller",
-            });
-        };
-        if self.plant.network().valves.iter().any(|valve| !valve.solenoid.has_seats()) {
-            return Err(Error::Misuse {
-                what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
-                remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
-            });
-        }
+        let [agonist, antagonist] = [self.feeds[0].seats(&self.plant)?, self.feeds[1].seats(&self.plant)?];
         Ok(Driver::of_joint(controller, (0, 0), [0, 1], [agonist, antagonist], set_up))
     }
 

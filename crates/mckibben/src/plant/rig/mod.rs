@@ -151,19 +151,7 @@ impl<R: Real> RigPlant<R> {
         R: Send + Sync + 'static,
         C: Controller<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        let Some(valve) = self.feed.valve else {
-            return Err(Error::Misuse {
-                what: "a controller is given, but the actuator has no valve",
-                remedy: "give the actuator a valve, or simulate it without a controller",
-            });
-        };
-        if !self.plant.network().valves[valve].solenoid.has_seats() {
-            return Err(Error::Misuse {
-                what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
-                remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",
-            });
-        }
-        Ok(Driver::of_actuator(controller, 0, valve, set_up))
+        Ok(Driver::of_actuator(controller, 0, self.feed.seats(&self.plant)?, set_up))
     }
 
     /// Simulates the rig from a state at t = 0 for `duration` s, every event located, with a relative tolerance for each step.

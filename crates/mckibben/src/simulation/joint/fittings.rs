@@ -44,7 +44,7 @@ impl<S> Fittings<S> {
 
 #[cfg(feature = "alloc")]
 impl<S: Scalar> Fittings<S> {
-    /// The same over another scalar.
+    /// These over another scalar.
     pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Fittings<T> {
         Fittings {
             line: self.line.convert(convert),
