@@ -9,7 +9,6 @@
 //! | `bode` | the figure |
 //! | `joint` | all of this for an antagonistic joint |
 //! | `plant` | all of this for a file of many actuators |
-//! | `named` | signals by names that a file may choose |
 //!
 //! Everything is computed by [`mckibben::linearize`]. Checked by `tests/linearize.rs`.
 
@@ -18,7 +17,6 @@ mod export;
 mod found;
 mod given;
 mod joint;
-mod named;
 mod plant;
 mod told;
 
@@ -32,7 +30,6 @@ pub use found::Found;
 use given::{Measure, angle, length, load, pressure, stiffness, temperature};
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::{Assumed, Document};
-pub use named::{Named, NamedModel};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben linearize` is asked.
