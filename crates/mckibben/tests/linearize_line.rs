@@ -65,7 +65,7 @@ fn numbers(system: &StateSpace, run: &RigTrajectory, time: f64) -> Vec<f64> {
         "hose_flow_2" => line[nodes + 1],
         "hose_flow_3" => line[nodes + 2],
         "reservoir_pressure" => line[nodes + flows],
-        "supply_pressure" => line[nodes + flows + count("reservoir_pressure")],
+        "supply_pressure" | "regulated_pressure" => line[nodes + flows + count("reservoir_pressure")],
         other => panic!("{other}"),
     };
     system.states.iter().map(|state| of(&state.name)).collect()
@@ -210,7 +210,7 @@ fn a_pressure_regulator_makes_its_set_point() {
     };
     let linear = at(4e5);
     assert_eq!(names(&linear.system.inputs)[0], "set_point");
-    assert_eq!(names(&linear.system.states)[4..], ["supply_pressure"]);
+    assert_eq!(names(&linear.system.states)[4..], ["regulated_pressure"]);
     assert_is_of_runs(&linear, 0.4, "a regulator");
     // The set point that holds a pressure is the one that makes it.
     let balance = Balance::AtPressure(linear.point.gauge_pressure());
@@ -218,7 +218,7 @@ fn a_pressure_regulator_makes_its_set_point() {
     assert_close(held.inputs()[0].1, 4e5, 1e-8);
     // One pascal more of the set point is one more in the valve's port, whatever leaks.
     let system = linear.minimal();
-    let row = system.states.iter().position(|state| state.name == "supply_pressure").expect("a state");
+    let row = system.states.iter().position(|state| state.name == "regulated_pressure").expect("a state");
     assert_close(-system.b[row][0] / system.a[row][row], 1.0, 1e-12);
 }
 

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | position and rate | `length`, `velocity`; on a tendon `load_distance`, `load_velocity` | `angle`, `angular_velocity` |
 //! | pressure, air mass | `pressure`, `air_mass` | `agonist_pressure`, `antagonist_pressure`, … |
-//! | nodes and branches | `hose_pressure`, `supply_pressure`, `reservoir_pressure`, … | the same of each, or of neither where both draw from it |
+//! | nodes and branches | `hose_pressure`, `supply_pressure`, `reservoir_pressure`, `regulated_pressure`, … | the same of each, or of neither where both draw from it |
 
 use super::feed::Feed;
 use super::linear::{PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace};
@@ -75,7 +75,11 @@ impl Words<'_> {
         }
         let is_outlet = self.feeds.iter().filter_map(|feed| feed.supply).any(|supply| supply.outlet == node);
         let is_port = self.feeds.iter().any(|feed| feed.port == Some(node));
-        let name = if is_outlet || is_port { "supply_pressure" } else { "reservoir_pressure" };
+        let name = match (is_port, is_outlet) {
+            (true, _) => "regulated_pressure",
+            (false, true) => "supply_pressure",
+            (false, false) => "reservoir_pressure",
+        };
         format!("{}{name}", self.supply(node))
     }
 

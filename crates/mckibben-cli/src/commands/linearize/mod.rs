@@ -45,8 +45,8 @@ Examples:
 The point:
   Two of --pressure, --length and --load give the third; what is not given is that of the scenario.
   --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --pressure nor
-  --length is given. With --pwm the duty follows from the pressure. Otherwise the valve is held shut, and the mass
-  flow into the actuator is the input.
+  --length is given, and the last set point of a regulator or the last position of a spool. With --pwm the command
+  follows from the pressure. Otherwise the valve is held shut, and the mass flow into the actuator is the input.
   Of a file of many actuators pulsed and proportional valves are taken by their commands; where there are none, or with
   controllers, all valves are held shut at the initial pressures. With --pwm the commands are those that hold these.
 
