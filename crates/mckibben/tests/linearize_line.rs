@@ -358,6 +358,25 @@ fn a_joint_with_hoses_and_tendons_follows_two_runs() {
     }
 }
 
+/// On tendons the point for a stiffness has it: the slope of the torque at kept pressures.
+#[test]
+fn a_stiffness_on_tendons_has_its_point() {
+    let tendon = || Some(SeriesTendon::new(8e3, 0.05).expect("a tendon"));
+    let fittings = [(); 2].map(|()| Fittings { tendon: tendon(), ..Fittings::NONE });
+    let rig = fitted(&pair(|_| Command::Constant(Request::Hold)), fittings, JointSupply::Separate);
+    let balance = JointBalance::AtStiffness { angle: 0.1, stiffness: 0.8 };
+    let model = linearize_joint(&rig, balance, [ROOM; 2]).expect("a model");
+    assert_within(model.state.angle, 0.1, 1e-9);
+    let torque = |angle: f64| {
+        let lengths = rig.lengths(angle, model.state.pressure);
+        let pull = |i: usize| rig.driven()[i].actuator.static_force(lengths[i], model.state.pressure[i].0);
+        let arms = rig.joint().leverage(angle).arms;
+        arms[0] * pull(0) - arms[1] * pull(1)
+    };
+    assert_close(-crate::common::slope(1e-4, |by| torque(0.1 + by)), 0.8, 1e-6);
+    assert_within(torque(0.1) + rig.joint().other_torque(0.1, 0.0), 0.0, 1e-9);
+}
+
 /// One bottle feeds both pulsed valves through hoses: names, and means of a simulated run about the point.
 #[test]
 fn a_joint_on_one_bottle_is_averaged() {

@@ -36,8 +36,8 @@ use alloc::vec::Vec;
 pub enum JointBalance {
     /// Gauge pressures of agonist and antagonist; the angle follows.
     AtPressures([GaugePressure; 2]),
-    /// An angle in rad and the stiffness in N·m/rad that the two actuators give it at kept pressures; the pressures follow,
-    /// for the ideal braid without tendons.
+    /// An angle in rad and the stiffness in N·m/rad that the two actuators, with their tendons in series, give it at kept
+    /// pressures; the pressures follow.
     AtStiffness {
         /// Angle in rad.
         angle: f64,
@@ -66,8 +66,8 @@ pub struct JointLinearization {
 ///
 /// # Errors
 /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for numbers outside the physics or a stiffness that no two pressures
-/// give; [`Error::NoSolution`] when there is no balance, or an actuator is slack or at its shortest there;
-/// [`Error::Misuse`] for a stiffness on tendons; and as [`linearize_plant`].
+/// give; [`Error::NoSolution`] when there is no balance, or an actuator is slack or at its shortest there; and as
+/// [`linearize_plant`].
 pub fn linearize_joint(
     rig: &JointRig,
     balance: JointBalance,
@@ -133,16 +133,65 @@ fn check(rig: &JointRig, state: &JointState) -> Result<(), Error> {
 
 /// The gauge pressures that hold a joint at an angle in rad with a stiffness in N·m/rad.
 fn pressures(rig: &JointRig, angle: f64, stiffness: f64) -> Result<[GaugePressure; 2], Error> {
-    if rig.fittings().iter().any(|of| of.tendon.is_some()) {
-        return Err(Error::NotImplemented(&crate::limit::CONTROLLER_PAIR));
-    }
     let angle = parameter::INITIAL_ANGLE.check(angle)?;
-    let leverage = rig.joint().leverage(Dual::<f64, 1>::variable(angle, 0));
     let actuators = rig.driven().each_ref().map(|driven| &driven.actuator);
+    let on_tendons = rig.fittings().iter().any(|of| of.tendon.is_some());
+    if on_tendons || actuators.iter().any(|actuator| actuator.law().law.ideal().is_none()) {
+        return searched_pressures(rig, angle, parameter::SET_STIFFNESS.check(stiffness)?);
+    }
+    let leverage = rig.joint().leverage(Dual::<f64, 1>::variable(angle, 0));
     let (lengths, arms) = (leverage.lengths.map(|length| length.value), leverage.arms.map(|arm| arm.value));
     let pair =
         AntagonisticPair::new(actuators, lengths, arms)?.with_arm_slopes(leverage.arms.map(|arm| arm.slope[0]))?;
     pair.pressures(-rig.joint().other_torque(angle, 0.0), stiffness, Held::Pressures)
+}
+
+/// The same for any law of force and on tendons, by Newton steps from equal pressures: both equations are nearly linear.
+fn searched_pressures(rig: &JointRig, angle: f64, stiffness: f64) -> Result<[GaugePressure; 2], Error> {
+    /// Pressure in Pa at which it starts, the difference in Pa that gives a slope, and the part of a change that is rounding.
+    const START: f64 = 2e5;
+    const DIFFERENCE: f64 = 1.0;
+    const ROUNDING: f64 = 1e-12;
+    const MOST_STEPS: usize = 100;
+    let arms = rig.joint().leverage(angle).arms;
+    let other = rig.joint().other_torque(angle, 0.0);
+    let air = rig.driven().each_ref().map(|driven| driven.actuator.air());
+    let absolute = |gauge: [f64; 2]| [0, 1].map(|i| GaugePressure(gauge[i]).absolute(air[i].atmosphere()));
+    let left = |gauge: [f64; 2]| {
+        let pressure = absolute(gauge);
+        let lengths = rig.lengths(angle, pressure);
+        let pull = [0, 1].map(|i| arms[i] * rig.driven()[i].actuator.static_force(lengths[i], pressure[i].0).max(0.0));
+        [pull[0] - pull[1] + other, rig.stiffness(angle, pressure, Held::Pressures) - stiffness]
+    };
+    let mut gauge = [START; 2];
+    for _ in 0..MOST_STEPS {
+        let now = left(gauge);
+        let along = |i: usize| {
+            let mut there = gauge;
+            there[i] += DIFFERENCE;
+            let there = left(there);
+            [0, 1].map(|row| (there[row] - now[row]) / DIFFERENCE)
+        };
+        let [[a, c], [b, d]] = [along(0), along(1)];
+        let determinant = a * d - b * c;
+        if determinant == 0.0 {
+            break;
+        }
+        let change = [(b * now[1] - d * now[0]) / determinant, (c * now[0] - a * now[1]) / determinant];
+        // Pressures stay above the atmosphere's on the way.
+        let part = (0..2).map(|i| if change[i] < 0.0 { -0.9 * gauge[i] / change[i] } else { 1.0 }).fold(1.0, f64::min);
+        gauge = [0, 1].map(|i| gauge[i] + part * change[i]);
+        if !gauge.iter().all(|gauge| gauge.is_finite() && *gauge > ROUNDING) {
+            break;
+        }
+        if part == 1.0 && (0..2).all(|i| change[i].abs() <= ROUNDING * (gauge[i] + START)) {
+            return Ok(gauge.map(GaugePressure));
+        }
+    }
+    Err(Error::NoSolution {
+        what: "no two pressures above the atmosphere's give the joint this stiffness at this angle",
+        remedy: "give another stiffness or angle",
+    })
 }
 
 impl JointLinearization {
