@@ -180,6 +180,7 @@ fn caption(model: &Model) -> String {
     let point = &model.linear.point;
     let valve = match model.linear.averaged() {
         Some(averaged) => format!("duty {:.3} at {}", averaged.duty, quantity(averaged.frequency, "Hz")),
+        None if model.linear.is_driven() => "valve by its command".to_owned(),
         None => "valve held shut".to_owned(),
     };
     let coulomb = if model.oscillation.is_none() && point.coulomb_bound() > 0.0 {

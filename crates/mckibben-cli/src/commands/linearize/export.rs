@@ -35,48 +35,77 @@ pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
     if let Some(averaged) = model.linear.averaged() {
         values.push(("duty", averaged.duty));
     }
+    for (signal, value) in model.linear.inputs() {
+        let told = match signal.name.as_str() {
+            "set_point" => "set_point_pa",
+            "spool_command" => "spool_command",
+            // What keeps a pressure against a leak, or a bottle full.
+            "mass_flow" if value != 0.0 => "mass_flow_kg_s",
+            "reservoir_mass_flow" if value != 0.0 => "reservoir_mass_flow_kg_s",
+            _ => continue,
+        };
+        values.push((told, value));
+    }
     values
 }
 
 fn kind(model: &Model) -> &'static str {
-    if model.linear.averaged().is_some() { "averaged-pwm" } else { "held-valve" }
+    match model.linear.averaged() {
+        Some(_) => "averaged-pwm",
+        None if model.linear.is_driven() => "driven-valve",
+        None => "held-valve",
+    }
 }
 
-/// The model as JSON. A number without a bound is `null`.
+/// What every model has, as JSON with what one of its kind adds. A number without a bound is `null`.
+fn document(
+    (name, kind): (&str, &str),
+    point: Vec<(String, f64)>,
+    (system, poles, reach): (&StateSpace, &[Pole], &[Controllability]),
+    assumed: &[Assumed],
+    more: &[(&str, Value)],
+) -> String {
+    let inputs = system.inputs.iter().zip(reach);
+    let mut document = json!({
+        "format": "mckibben-linear-model",
+        "version": VERSION,
+        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
+        "scenario": name,
+        "model": kind,
+        "operating_point": point.into_iter().map(|(name, value)| (name, json!(value))).collect::<Map<String, Value>>(),
+        "states": signals(&system.states),
+        "inputs": signals(&system.inputs),
+        "outputs": signals(&system.outputs),
+        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
+        "poles": poles.iter().map(pole).collect::<Vec<_>>(),
+        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
+        "assumed": assumptions(assumed),
+    });
+    for (key, value) in more {
+        document[*key] = value.clone();
+    }
+    format!("{document:#}\n")
+}
+
+/// The model as JSON.
 pub(super) fn json(model: &Model) -> String {
-    let system = &model.system;
-    let point: Map<String, Value> = point(model).into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
-    let poles: Vec<Value> = model.poles.iter().map(pole).collect();
-    let inputs = system.inputs.iter().zip(&model.reach);
-    let reach: Vec<Value> = inputs.map(|(input, reach)| controllability(&input.name, reach)).collect();
     let equivalent = model.oscillation.map(|(amplitude, frequency)| {
         let damping = model.linear.equivalent_damping(amplitude, frequency).ok();
         json!({
             "amplitude_m": amplitude, "angular_frequency_rad_s": frequency, "damping_n_s_m": damping,
         })
     });
-    let document = json!({
-        "format": "mckibben-linear-model",
-        "version": VERSION,
-        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
-        "scenario": model.name,
-        "model": kind(model),
-        "operating_point": point,
-        "taut": model.linear.point.is_taut(),
-        "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
-        "outputs": signals(&system.outputs),
-        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
-        "poles": poles,
-        "controllability": reach,
-        "coulomb_friction_as_damping": equivalent,
-        "pwm": model.linear.averaged().map(|averaged| {
-            let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
-            pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
-        }),
-        "assumed": assumptions(&model.assumed),
+    let pulses = model.linear.averaged().map(|averaged| {
+        let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
+        pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
     });
-    format!("{document:#}\n")
+    let more = [
+        ("taut", json!(model.linear.point.is_taut())),
+        ("coulomb_friction_as_damping", json!(equivalent)),
+        ("pwm", json!(pulses)),
+    ];
+    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    document((&model.name, kind(model)), owned(point(model)), parts, &model.assumed, &more)
 }
 
 fn pole(pole: &Pole) -> Value {
@@ -133,36 +162,16 @@ pub(super) fn over_fastest(averaged: &ValveAverage, poles: &[Pole]) -> Option<f6
 
 /// The model of a joint as JSON.
 pub(super) fn joint_json(model: &JointModel) -> String {
-    let system = &model.system;
-    let point: Map<String, Value> =
-        model.point().into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
-    let inputs = system.inputs.iter().zip(&model.reach);
     let pulsed = |all: &[ValveAverage]| all.iter().map(|of| pwm(of, &model.poles, &[])).collect::<Vec<_>>();
-    let document = json!({
-        "format": "mckibben-linear-model",
-        "version": VERSION,
-        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
-        "scenario": model.name,
-        "model": if model.is_driven() { "joint-averaged-pwm" } else { "joint-held-valves" },
-        "operating_point": point,
-        "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
-        "outputs": signals(&system.outputs),
-        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
-        "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
-        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
-        "pwm": Some(model.linear.averages()).filter(|all| !all.is_empty()).map(pulsed),
-        "assumed": assumptions(&model.assumed),
-    });
-    format!("{document:#}\n")
+    let pulses = Some(model.linear.averages()).filter(|all| !all.is_empty()).map(pulsed);
+    let kind = if model.is_driven() { "joint-averaged-pwm" } else { "joint-held-valves" };
+    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    document((&model.name, kind), owned(model.point()), parts, &model.assumed, &[("pwm", json!(pulses))])
 }
 
 /// The model of a plant as JSON.
 pub(super) fn plant_json(model: &PlantModel) -> String {
-    let system = &model.system;
-    let point: Map<String, Value> = model.point().into_iter().map(|(name, value)| (name, json!(value))).collect();
-    let inputs = system.inputs.iter().zip(&model.reach);
-    let averages = model.linear.averages.iter().map(|of| {
+    let pulses = model.linear.averages.iter().map(|of| {
         json!({
             "of": model.valve(of.valve),
             "frequency_hz": of.frequency,
@@ -179,23 +188,9 @@ pub(super) fn plant_json(model: &PlantModel) -> String {
             },
         })
     });
-    let document = json!({
-        "format": "mckibben-linear-model",
-        "version": VERSION,
-        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
-        "scenario": model.name,
-        "model": model.kind(),
-        "operating_point": point,
-        "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
-        "outputs": signals(&system.outputs),
-        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
-        "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
-        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
-        "pwm": averages.collect::<Vec<_>>(),
-        "assumed": assumptions(&model.assumed),
-    });
-    format!("{document:#}\n")
+    let more = [("pwm", Value::Array(pulses.collect()))];
+    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    document((&model.name, model.kind()), model.point(), parts, &model.assumed, &more)
 }
 
 fn signals(signals: &[Signal]) -> Vec<Value> {
@@ -208,7 +203,11 @@ fn assumptions(assumed: &[Assumed]) -> Vec<Value> {
 
 /// The model as a script that MATLAB and Octave run, and that can be read without either.
 pub(super) fn matlab(model: &Model) -> String {
-    let kind = if model.linear.averaged().is_some() { "valve under PWM on average" } else { "valve held shut" };
+    let kind = match kind(model) {
+        "averaged-pwm" => "valve under PWM on average",
+        "driven-valve" => "valve by its command",
+        _ => "valve held shut",
+    };
     let mut values = point(model);
     values.extend(model.linear.averaged().map(|averaged| ("frequency_hz", averaged.frequency)));
     script(&model.name, kind, &owned(values), &model.system, &model.poles)

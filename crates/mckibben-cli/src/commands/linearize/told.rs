@@ -18,6 +18,7 @@ use std::f64::consts::TAU;
 pub(super) fn text(model: &Model) -> String {
     let valve = match model.linear.averaged() {
         Some(averaged) => format!("PWM at {} on average", quantity(averaged.frequency, "Hz")),
+        None if model.linear.is_driven() => "valve by its command".to_owned(),
         None => "valve held shut".to_owned(),
     };
     let mut text = format!("{}\n", styled(HEADING, format!("{}, {valve}", model.name)));

@@ -50,6 +50,7 @@ pub struct Linearization {
     /// The model of the rig's plant.
     pub plant: PlantLinearization,
     view: RigPlant,
+    driven: bool,
 }
 
 /// Linearises a rig with its valve held shut; the mass flow into the actuator is an input, and how far the paths of the valve are
@@ -162,17 +163,23 @@ impl Linearization {
         if !OperatingPoint::keeps_content(&point.rig) {
             point.state.air_mass = plant.point.state[plant.point.plant.places().actuators[0].mass()];
         }
-        Ok(Self::of(point, view, plant))
+        let driven = !matches!(how, PlantBalance::Shut(_));
+        Ok(Self::of(point, view, (plant, driven)))
     }
 
-    fn of(point: OperatingPoint, view: RigPlant, plant: PlantLinearization) -> Self {
+    fn of(point: OperatingPoint, view: RigPlant, (plant, driven): (PlantLinearization, bool)) -> Self {
         let system = view.words().named(&plant.system);
-        Self { point, system, plant, view }
+        Self { point, system, plant, view, driven }
     }
 
     /// The valve under PWM on average, if that is part of the model.
     pub fn averaged(&self) -> Option<&ValveAverage> {
         self.plant.averages.first()
+    }
+
+    /// Whether the valve is as commanded, and not held shut.
+    pub fn is_driven(&self) -> bool {
+        self.driven
     }
 
     /// The same with Coulomb friction replaced by the viscous damping that takes as much energy from an oscillation of
@@ -182,7 +189,7 @@ impl Linearization {
     /// [`Error::OutOfRange`] for a number outside its range.
     pub fn with_equivalent_damping(&self, amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
         let plant = self.plant.with_equivalent_damping(&[amplitude], angular_frequency)?;
-        Ok(Self::of(self.point.clone(), self.view.clone(), plant))
+        Ok(Self::of(self.point.clone(), self.view.clone(), (plant, self.driven)))
     }
 
     /// `c_eq` in N·s/m, for an oscillation of `amplitude` (m) at `angular_frequency` (rad/s), both above zero.
