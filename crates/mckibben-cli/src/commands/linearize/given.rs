@@ -3,7 +3,7 @@
 use super::LinearizeArguments;
 use crate::failure::Failure;
 use mckibben::GaugePressure;
-use mckibben::linearize::{Aim, Balance, Content, Linearization, average, linearize};
+use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize, linearize_driven};
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
 use mckibben::valve::Command;
@@ -80,16 +80,21 @@ pub(super) fn linearization(arguments: &LinearizeArguments, experiment: &Experim
         (None, Some(length)) => Balance::AtLength(length),
         (gauge, None) => Balance::AtPressure(gauge.unwrap_or(initial)),
     };
-    let own = match rig.actuation().map(|actuation| &actuation.command) {
-        Some(Command::Pwm { duty, .. }) if pressure.is_none() && arguments.length.is_none() => Some(*duty),
-        _ => None,
-    };
-    Ok(match (arguments.duty.or(own), length) {
-        _ if arguments.pwm => average(&rig, Aim::Balance(balance), content)?,
-        (Some(duty), Some(length)) => average(&rig, Aim::DutyAtLength(duty, length), content)?,
-        (Some(duty), None) => average(&rig, Aim::Duty(duty), content)?,
-        (None, _) => linearize(&rig, balance, content)?,
+    // A command that a linear model has as an input gives the pressure, unless that or the length is given.
+    let own = rig.actuation().is_some_and(|actuation| is_driven(&actuation.command));
+    Ok(match (arguments.duty, length) {
+        _ if arguments.pwm => linearize_driven(&rig, Aim::Balance(balance), content)?,
+        (Some(duty), Some(length)) => linearize_driven(&rig, Aim::DutyAtLength(duty, length), content)?,
+        (Some(duty), None) => linearize_driven(&rig, Aim::Duty(duty), content)?,
+        (None, _) if !own || pressure.is_some() || arguments.length.is_some() => linearize(&rig, balance, content)?,
+        (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content)?,
+        (None, None) => linearize_driven(&rig, Aim::Command, content)?,
     })
+}
+
+/// Whether a command is one that a linear model has as an input: pulses, set points, or positions of a spool.
+pub(super) fn is_driven(command: &Command) -> bool {
+    matches!(command, Command::Pwm { .. } | Command::SetPoints { .. } | Command::Positions { .. })
 }
 
 /// The rig with another load of its kind.
