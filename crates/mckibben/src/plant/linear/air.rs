@@ -38,7 +38,7 @@ const STILL: f64 = 1e-8;
 const MOVING: f64 = 1e-3;
 /// What a step must leave at most of what was left, or it is halved up to so many times.
 const LESS: f64 = 0.9;
-const MOST_HALVINGS: i32 = 6;
+const MOST_HALVINGS: usize = 6;
 /// Usual size of a flow in kg/s, for scaling alone.
 const USUAL_FLOW: f64 = 1e-3;
 
@@ -316,16 +316,17 @@ impl AirSolver<'_> {
             // it may bring more. Where nothing does, air on its way may be farther from rest before it comes nearer.
             let brings = |next: &[f64]| norm(next) < LESS * norm(&left);
             if !brings(&next) {
-                let shorter = (1..=MOST_HALVINGS).map(|halvings| whole * 0.5_f64.powi(halvings));
-                for part in shorter {
+                let mut part = whole;
+                for _ in 0..MOST_HALVINGS {
+                    part *= 0.5;
                     let other = tried(part, frame);
                     if brings(&other) {
                         next = other;
                         break;
                     }
-                    if part <= whole * 0.5_f64.powi(MOST_HALVINGS) {
-                        next = tried(whole, frame);
-                    }
+                }
+                if !brings(&next) {
+                    next = tried(whole, frame);
                 }
             }
             let is_better = norm(&next).is_finite() && norm(&next) <= 2.0 * norm(&left) + STILL;
