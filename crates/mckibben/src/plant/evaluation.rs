@@ -22,7 +22,7 @@
 //! `tests/simulation.rs`, `tests/joint.rs` and, against an independent program, `tests/plant_reference.rs`.
 
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
-use super::wire::{Frame, Span, Wire};
+use super::wire::{Assembly, Span, Wire};
 use super::{Mounted, Plant};
 use crate::air::{Chamber, Flow};
 use crate::line::split;
@@ -116,7 +116,7 @@ impl<T: Scalar> Evaluation<T> {
 pub(crate) struct System<'a, R: Real> {
     pub(crate) plant: &'a Plant<R>,
     pub(crate) wires: Vec<Wire<'a, R>>,
-    pub(crate) frames: Vec<Frame<'a, R>>,
+    pub(crate) assemblies: Vec<Assembly<'a, R>>,
     pub(crate) piping: Piping<'a, R>,
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
@@ -151,8 +151,8 @@ impl<'a, R: Real> System<'a, R> {
         self.enter_distances(time, state, mode, at);
         self.enter_flows(time, state, mode, at);
         self.enter_actuators(time, state, mode, at, |_, _| {});
-        for frame in &self.frames {
-            self.accelerate(frame, time, state, mode, at);
+        for assembly in &self.assemblies {
+            self.accelerate(assembly, time, state, mode, at);
         }
     }
 
@@ -358,21 +358,21 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn accelerate<T: Differentiable<R>>(
         &self,
-        frame: &Frame<'_, R>,
+        assembly: &Assembly<'_, R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        match frame.mechanism {
-            Mechanism::Mass(mass) if !mode.mechanisms[frame.index].frozen => {
-                let mut force = mass.force(state[frame.places.first]);
-                for &i in frame.members {
+        match assembly.mechanism {
+            Mechanism::Mass(mass) if !mode.mechanisms[assembly.index].frozen => {
+                let mut force = mass.force(state[assembly.places.first]);
+                for &i in assembly.members {
                     force = force - at.units[i].tension;
                 }
-                at.acceleration[frame.places.acceleration] = force * T::of(mass.per_mass());
+                at.acceleration[assembly.places.acceleration] = force * T::of(mass.per_mass());
             }
-            _ => self.accelerate_other(frame, time, state, mode, at),
+            _ => self.accelerate_other(assembly, time, state, mode, at),
         }
     }
 
@@ -380,7 +380,7 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(never)]
     fn accelerate_other<T: Differentiable<R>>(
         &self,
-        &Frame { index, mechanism, places, .. }: &Frame<'_, R>,
+        &Assembly { index, mechanism, places, .. }: &Assembly<'_, R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
@@ -522,9 +522,9 @@ impl<'a, R: Real> System<'a, R> {
                 rates[place] = wire.bristle_rate(state[place], unit.velocity, &mode.actuators[wire.index]);
             }
         });
-        for frame in &self.frames {
-            self.accelerate(frame, time, state, mode, at);
-            self.enter_motion(frame, time, state, mode, &at.acceleration, rates);
+        for assembly in &self.assemblies {
+            self.accelerate(assembly, time, state, mode, at);
+            self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);
         }
         let Plant { network, places, .. } = self.plant;
         for &[node, place] in &places.state_nodes {
@@ -545,16 +545,16 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn enter_motion<T: Differentiable<R>>(
         &self,
-        frame: &Frame<'_, R>,
+        assembly: &Assembly<'_, R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
         acceleration: &[T],
         rates: &mut [T],
     ) {
-        let places = frame.places;
-        let (from, of_mechanism) = (places.first, &mode.mechanisms[frame.index]);
-        match frame.mechanism {
+        let places = assembly.places;
+        let (from, of_mechanism) = (places.first, &mode.mechanisms[assembly.index]);
+        match assembly.mechanism {
             _ if of_mechanism.frozen => rates[from..from + 2 * places.coordinates].fill(T::zero()),
             Mechanism::Mass(_) => {
                 (rates[from], rates[from + 1]) = (state[from + 1], acceleration[places.acceleration]);

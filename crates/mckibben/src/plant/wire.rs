@@ -43,7 +43,7 @@ pub(crate) struct Wire<'a, R: Real> {
 
 /// A mechanism, its states and the actuators at it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame<'a, R> {
+pub(crate) struct Assembly<'a, R> {
     /// Which of the plant.
     pub(crate) index: usize,
     pub(crate) mechanism: &'a Mechanism<R>,
@@ -51,7 +51,7 @@ pub(crate) struct Frame<'a, R> {
     pub(crate) members: &'a [usize],
 }
 
-impl<'a, R> Frame<'a, R> {
+impl<'a, R> Assembly<'a, R> {
     /// That of a mechanism of a plant.
     pub(crate) fn new(plant: &'a Plant<R>, index: usize) -> Self {
         let places = &plant.places;

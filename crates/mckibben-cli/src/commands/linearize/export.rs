@@ -36,7 +36,7 @@ pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
         values.push(("duty", averaged.duty));
     }
     for (signal, value) in model.linear.inputs() {
-        let told = match signal.name.as_str() {
+        let key = match signal.name.as_str() {
             "set_point" => "set_point_pa",
             "spool_command" => "spool_command",
             // What keeps a pressure against a leak, or a bottle full.
@@ -44,7 +44,7 @@ pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
             "reservoir_mass_flow" if value != 0.0 => "reservoir_mass_flow_kg_s",
             _ => continue,
         };
-        values.push((told, value));
+        values.push((key, value));
     }
     values
 }

@@ -6,7 +6,6 @@ use mckibben::GaugePressure;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize, linearize_driven};
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
-use mckibben::valve::Command;
 use mckibben_scenario::{Experiment, quantity};
 
 /// A load as it can be given.
@@ -81,7 +80,7 @@ pub(super) fn linearization(arguments: &LinearizeArguments, experiment: &Experim
         (gauge, None) => Balance::AtPressure(gauge.unwrap_or(initial)),
     };
     // A command that a linear model has as an input gives the pressure, unless that or the length is given.
-    let own = rig.actuation().is_some_and(|actuation| is_driven(&actuation.command));
+    let own = rig.actuation().is_some_and(|actuation| actuation.command.is_continuous());
     Ok(match (arguments.duty, length) {
         _ if arguments.pwm => linearize_driven(&rig, Aim::Balance(balance), content)?,
         (Some(duty), Some(length)) => linearize_driven(&rig, Aim::DutyAtLength(duty, length), content)?,
@@ -90,11 +89,6 @@ pub(super) fn linearization(arguments: &LinearizeArguments, experiment: &Experim
         (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content)?,
         (None, None) => linearize_driven(&rig, Aim::Command, content)?,
     })
-}
-
-/// Whether a command is one that a linear model has as an input: pulses, set points, or positions of a spool.
-pub(super) fn is_driven(command: &Command) -> bool {
-    matches!(command, Command::Pwm { .. } | Command::SetPoints { .. } | Command::Positions { .. })
 }
 
 /// The rig with another load of its kind.

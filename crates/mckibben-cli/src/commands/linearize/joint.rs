@@ -7,7 +7,6 @@
 //! | else | held shut | the balance at the scenario's initial gauge pressures |
 
 use super::export::owned;
-use super::given::is_driven;
 use super::{LinearizeArguments, export, told};
 use crate::failure::Failure;
 use crate::joint::NAMES;
@@ -51,7 +50,7 @@ impl JointModel {
             let temperature = pressure.0 * volume / (mass * actuator.air().gas_constant());
             (pressure.gauge(actuator.air().atmosphere()), arguments.temperature.unwrap_or(temperature))
         });
-        let commanded = |driven: &Driven| driven.actuation.as_ref().is_some_and(|of| is_driven(&of.command));
+        let commanded = |driven: &Driven| driven.actuation.as_ref().is_some_and(|of| of.command.is_continuous());
         let balance = match (arguments.angle, arguments.stiffness) {
             (Some(angle), Some(stiffness)) => Some(JointBalance::AtStiffness { angle, stiffness }),
             _ if rig.driven().iter().any(commanded) => None,

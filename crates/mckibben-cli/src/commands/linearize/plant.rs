@@ -6,7 +6,6 @@
 //! | `--pwm` | by the commands that hold the initial gauge pressures | the balance at these |
 //! | else, and with controllers | held shut | the balance at the initial gauge pressures |
 
-use super::given::is_driven;
 use super::{LinearizeArguments, export, told};
 use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
@@ -44,7 +43,7 @@ impl PlantModel {
     ) -> Result<Self, Failure> {
         refuse(arguments)?;
         let pressures = || of.start.air.iter().map(|air| air.gauge_pressure).collect();
-        let driven = of.plant.network().valves.iter().any(|valve| is_driven(&valve.command));
+        let driven = of.plant.network().valves.iter().any(|valve| valve.command.is_continuous());
         let balance = if arguments.pwm {
             PlantBalance::DrivenAt(pressures())
         } else if driven && of.controls.is_empty() {

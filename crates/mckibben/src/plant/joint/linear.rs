@@ -26,7 +26,6 @@ use crate::linearize::{Signal, StateSpace};
 use crate::parameter;
 use crate::plant::linear::{PlantAir, PlantBalance, PlantLinearization, ValveAverage, linearize_plant, steady_air};
 use crate::plant::named::{PAIR, Words};
-use crate::plant::rig_linear::is_driven;
 use crate::pressure::GaugePressure;
 use crate::simulation::{InitialAngle, JointInitial, JointRig, JointState};
 use alloc::vec::Vec;
@@ -96,7 +95,7 @@ pub fn linearize_joint(
 /// steady state; and as [`linearize_joint`].
 pub fn linearize_driven_joint(rig: &JointRig, start: &JointState, air: &PlantAir) -> Result<JointLinearization, Error> {
     let view = JointPlant::new(rig)?;
-    if !view.plant().network().valves.iter().any(|valve| is_driven(&valve.command)) {
+    if !view.plant().network().valves.iter().any(|valve| valve.command.is_continuous()) {
         return Err(Error::Misuse {
             what: "there is no PWM to average, no set point and no position on either actuator of the joint",
             remedy: "set command.kind = \"pwm\", or linearise with the valves held",
@@ -146,7 +145,7 @@ fn pressures(rig: &JointRig, angle: f64, stiffness: f64) -> Result<[GaugePressur
     pair.pressures(-rig.joint().other_torque(angle, 0.0), stiffness, Held::Pressures)
 }
 
-/// The same for any law of force and on tendons, by Newton steps from equal pressures: both equations are nearly linear.
+/// These pressures for any law of force and on tendons, by Newton steps from equal pressures: both equations are nearly linear.
 fn searched_pressures(rig: &JointRig, angle: f64, stiffness: f64) -> Result<[GaugePressure; 2], Error> {
     /// Pressure in Pa at which it starts, the difference in Pa that gives a slope, and the part of a change that is rounding.
     const START: f64 = 2e5;

@@ -19,7 +19,7 @@ use crate::parameter;
 use crate::plant::linear::{PlantAir, PlantBalance, PlantLinearization, ValveAverage, linearize_plant, steady_air};
 use crate::plant::named::{ALONE, Words};
 use crate::simulation::{Rig, State};
-use crate::valve::{Command, period, with_duty};
+use crate::valve::{period, with_duty};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -105,13 +105,9 @@ pub fn linearize_driven(rig: &Rig, aim: Aim, content: Content) -> Result<Lineari
     Linearization::at(point, &PlantBalance::Driven)
 }
 
-/// Whether the command is one that a linear model has as an input.
-pub(in crate::plant) fn is_driven(command: &Command) -> bool {
-    matches!(command, Command::Pwm { .. } | Command::SetPoints { .. } | Command::Positions { .. })
-}
-
 fn is_followed(rig: &Rig) -> bool {
-    rig.actuation().is_some_and(|actuation| is_driven(&actuation.command) || actuation.solenoid.regulator().is_some())
+    rig.actuation()
+        .is_some_and(|actuation| actuation.command.is_continuous() || actuation.solenoid.regulator().is_some())
 }
 
 /// The rig under a PWM of another duty.
@@ -182,7 +178,7 @@ impl Linearization {
         self.driven
     }
 
-    /// The same with Coulomb friction replaced by the viscous damping that takes as much energy from an oscillation of
+    /// The model with Coulomb friction replaced by the viscous damping that takes as much energy from an oscillation of
     /// `amplitude` (m) at `angular_frequency` (rad/s), both above zero.
     ///
     /// # Errors
