@@ -16,7 +16,9 @@ use crate::simulation::{Method, Rig, Sample};
 #[cfg(feature = "alloc")]
 use crate::{
     command::{Driver, PlantMeasurement},
-    plant::{Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantTrajectory},
+    plant::{
+        Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory, TimeStepping,
+    },
     simulation::{JointRig, joint::kernel::Held},
     valve::Demand,
 };
@@ -66,8 +68,8 @@ entry_points! {
         plant.start_with_memories(start).map(|(state, _)| state);
     #[cfg(feature = "alloc")]
     fn begin_plant_run(
-        plant: &Plant<Self>, start: &PlantStart<Self>, relative_tolerance: f64, drivers: Vec<Driver<Self>>
-    ) -> Result<PlantRun<Self>, Error> = PlantRun::generic_begin(plant, start, relative_tolerance, drivers);
+        plant: &Plant<Self>, start: &PlantStart<Self>, stepping: TimeStepping, drivers: Vec<Driver<Self>>
+    ) -> Result<PlantRun<Self>, Error> = PlantRun::generic_begin(plant, start, stepping, drivers);
     #[cfg(feature = "alloc")]
     fn measure_plant_run(run: &PlantRun<Self>) -> PlantMeasurement<Self> = run.generic_measurement();
     #[cfg(feature = "alloc")]
@@ -79,6 +81,12 @@ entry_points! {
     #[cfg(feature = "alloc")]
     fn advance_plant_run(run: &mut PlantRun<Self>, until: Self) -> Result<(), Error> =
         run.extend(until, &mut |_| Ok(()));
+    #[cfg(feature = "alloc")]
+    fn begin_plant_steps<'r>(run: &'r PlantRun<Self>, method: Method) -> PlantSteps<'r, Self> =
+        PlantSteps::generic_begin(run, method);
+    #[cfg(feature = "alloc")]
+    fn advance_plant_steps(steps: &mut PlantSteps<'_, Self>, until: Self) -> Result<(), Error> =
+        steps.generic_advance_to(until);
     #[cfg(feature = "alloc")]
     fn record_plant_run(
         run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>

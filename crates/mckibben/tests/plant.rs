@@ -35,4 +35,5 @@ mod plant_sample;
 mod plant_sensitivities;
 mod plant_span;
 mod plant_start_friction;
+mod plant_steps;
 mod plant_stream;

@@ -15,6 +15,18 @@ use crate::scalar::{Over, Real};
 use alloc::vec;
 use alloc::vec::Vec;
 
+/// `C(3, j) C(4, i − j)/C(7, i)`: the control points of a cubic as those of degree 7.
+const RAISED: [[f64; 4]; POINTS] = [
+    [1.0, 0.0, 0.0, 0.0],
+    [4.0 / 7.0, 3.0 / 7.0, 0.0, 0.0],
+    [2.0 / 7.0, 4.0 / 7.0, 1.0 / 7.0, 0.0],
+    [4.0 / 35.0, 18.0 / 35.0, 12.0 / 35.0, 1.0 / 35.0],
+    [1.0 / 35.0, 12.0 / 35.0, 18.0 / 35.0, 4.0 / 35.0],
+    [0.0, 1.0 / 7.0, 4.0 / 7.0, 2.0 / 7.0],
+    [0.0, 0.0, 3.0 / 7.0, 4.0 / 7.0],
+    [0.0, 0.0, 0.0, 1.0],
+];
+
 /// One step of several states as polynomials in time.
 #[derive(Clone, Debug)]
 pub struct Arc<R> {
@@ -41,6 +53,32 @@ impl<R: Real> Arc<R> {
     pub(crate) fn point_mut(&mut self, index: usize) -> &mut [R] {
         let states = self.points.len() / POINTS;
         &mut self.points[index * states..(index + 1) * states]
+    }
+
+    /// Sets the straight line between two states.
+    pub(crate) fn set_line(&mut self, from: &[R], to: &[R]) {
+        let states = from.len();
+        for (index, points) in self.points.chunks_exact_mut(states).enumerate() {
+            let part = R::constant(index as f64 / (POINTS - 1) as f64);
+            for n in 0..states {
+                points[n] = (to[n] - from[n]).multiply_add(part, from[n]);
+            }
+        }
+        self.points[(POINTS - 1) * states..].copy_from_slice(to);
+    }
+
+    /// Sets the cubic that has two states and their rates at its ends.
+    pub(crate) fn set_cubic(&mut self, [from, rate_from]: [&[R]; 2], [to, rate_to]: [&[R]; 2]) {
+        let states = from.len();
+        let third = self.step * R::constant(1.0 / 3.0);
+        for (index, points) in self.points.chunks_exact_mut(states).enumerate() {
+            // The cubic's own control points, of a degree raised by four.
+            let weights = RAISED[index].map(R::constant);
+            for n in 0..states {
+                let of_cubic = [from[n], from[n] + third * rate_from[n], to[n] - third * rate_to[n], to[n]];
+                points[n] = weights.iter().zip(of_cubic).fold(R::zero(), |sum, (weight, point)| sum + *weight * point);
+            }
+        }
     }
 
     /// The states at `θ`, from 0 at the start to 1 at the end of the step.

@@ -83,6 +83,16 @@ impl Pace {
     pub(crate) fn statistics(&self) -> Statistics {
         self.statistics
     }
+
+    /// Adds to what it has cost.
+    pub(crate) fn add(&mut self, more: Statistics) {
+        let all = &mut self.statistics;
+        all.explicit_steps += more.explicit_steps;
+        all.implicit_steps += more.implicit_steps;
+        all.rejected_steps += more.rejected_steps;
+        all.evaluations += more.evaluations;
+        all.events += more.events;
+    }
 }
 
 /// Largest and smallest change of the step length from one step to the next, and the safety factor.

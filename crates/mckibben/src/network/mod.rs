@@ -31,6 +31,7 @@
 pub(crate) mod choke;
 pub(crate) mod flow;
 pub(crate) mod guard;
+pub(crate) mod implicit;
 pub(crate) mod mode;
 pub(crate) mod piping;
 mod setting;

@@ -1,7 +1,7 @@
 //! The discrete state of a network: which formulas hold, and what its clocks remember.
 
 use super::setting::Setting;
-use super::{BranchKind, Network, NodeKind};
+use super::{Branch, BranchKind, Network, NodeKind};
 use crate::line::{FlowRegime, Poppet};
 use crate::scalar::Real;
 use crate::simulation::Actuation;
@@ -89,7 +89,8 @@ impl<R: Real> Network<R> {
     /// Enters the pieces of all laws at the pressures of the nodes (Pa, absolute).
     pub(crate) fn enter(&self, pressure: &[R], mode: &mut NetworkMode<R>) {
         for branch in 0..self.branches.len() {
-            self.enter_branch(branch, pressure, mode);
+            let Branch { from, to, .. } = self.branches[branch];
+            self.enter_branch(branch, [pressure[from], pressure[to]], mode);
         }
         for (node, of_node) in self.nodes.iter().zip(&mut mode.nodes) {
             if let NodeKind::Outlet { .. } = node.kind {
@@ -98,11 +99,10 @@ impl<R: Real> Network<R> {
         }
     }
 
-    /// Enters the piece of a branch's law.
-    pub(crate) fn enter_branch(&self, branch: usize, pressure: &[R], mode: &mut NetworkMode<R>) {
+    /// Enters the piece of a branch's law at the pressures of its two nodes (Pa, absolute).
+    pub(crate) fn enter_branch(&self, branch: usize, [from, to]: [R; 2], mode: &mut NetworkMode<R>) {
         let is_open = self.is_open(branch, mode);
         let of_branch = &self.branches[branch];
-        let [from, to] = [pressure[of_branch.from], pressure[of_branch.to]];
         let zone = |law: &crate::valve::FlowLaw<R>| {
             let below_end = |zone: &FlowZone| law.bounds(*zone, from).1.is_none_or(|end| to.value() <= end.value());
             FlowZone::RISING.into_iter().find(below_end)

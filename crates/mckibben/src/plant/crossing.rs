@@ -117,7 +117,6 @@ impl<R: Real> System<'_, R> {
     fn enter_valve(&self, valve: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         let network = &self.plant.network;
         self.piping.enter_pressures(state, &mut at.network);
-        let pressures: alloc::vec::Vec<R> = at.network.nodes.iter().map(|node| node.pressure).collect();
         for (index, branch) in network.branches.iter().enumerate() {
             if let BranchKind::Path { valve: its, .. } = branch.kind
                 && its == valve
@@ -125,7 +124,8 @@ impl<R: Real> System<'_, R> {
                 let before = mode.network.branches[index].zone;
                 // A path that stays open keeps its zone.
                 if before.is_some() != network.is_open(index, &mode.network) {
-                    network.enter_branch(index, &pressures, &mut mode.network);
+                    let pressure = [branch.from, branch.to].map(|node| at.network.nodes[node].pressure);
+                    network.enter_branch(index, pressure, &mut mode.network);
                 }
             }
         }

@@ -585,7 +585,7 @@ impl<'a, R: Real> System<'a, R> {
 impl<R: Real> Wire<'_, R> {
     /// The rate of the bristles in m/s.
     #[inline(always)]
-    fn bristle_rate<T: Over<R>>(&self, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {
+    pub(super) fn bristle_rate<T: Over<R>>(&self, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {
         match self.member.lugre() {
             Some(law) if of_actuator.mode.extent != Extent::Slack => {
                 law.rate(deflection, velocity, T::constant(of_actuator.mode.sliding.direction()))

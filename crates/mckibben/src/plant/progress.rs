@@ -47,6 +47,19 @@ impl<R: Real> System<'_, R> {
         }
     }
 
+    /// The error of a fixed step that was so long that a state left the physics.
+    pub(super) fn step_too_long(&self, time: R, state: &[R], place: usize) -> Error {
+        let (_, quantity, unit) = self.of_state(place);
+        Error::Stopped {
+            time: time.value(),
+            reason: "a step of the fixed-step engine left the physics",
+            quantity,
+            value: state[place].value(),
+            unit,
+            remedy: "shorten run.step, or set run.method = \"stable\" or run.engine = \"event-located\"",
+        }
+    }
+
     /// The error of a reservoir that a regulator's outlet (`node`) draws empty: the outlet keeps its pressure for the lag
     /// after its inlet has lost its own, and what it gives is drawn from the inlet all the same.
     pub(super) fn empty(&self, node: usize, time: R, state: &[R]) -> Error {

@@ -3,6 +3,7 @@
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::start::PlantStart;
+use super::steps::{self, TimeStepping};
 use super::trajectory::PlantTrajectory;
 use super::{Plant, PlantEventKind};
 use crate::command::{Driver, PlantMeasurement};
@@ -39,9 +40,92 @@ impl<R: Real> PlantSnapshot<R> {
     pub fn mode(&self) -> &PlantMode<R> {
         &self.mode
     }
+
+    /// How it was going.
+    pub(super) fn pace_mut(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    /// Its parts, to be taken on.
+    pub(super) fn parts(&mut self) -> (&mut R, &mut [R], &mut PlantMode<R>) {
+        (&mut self.time, &mut self.state, &mut self.mode)
+    }
+
+    /// Becomes another snapshot of the same plant.
+    pub(super) fn restore(&mut self, snapshot: &Self) -> Result<(), Error> {
+        let (ours, theirs) = (&*self, snapshot);
+        let alike = ours.state.len() == theirs.state.len()
+            && ours.mode.actuators.len() == theirs.mode.actuators.len()
+            && ours.mode.mechanisms.len() == theirs.mode.mechanisms.len()
+            && ours.mode.arms.len() == theirs.mode.arms.len()
+            && ours.mode.network.branches.len() == theirs.mode.network.branches.len()
+            && ours.mode.network.nodes.len() == theirs.mode.network.nodes.len()
+            && ours.mode.network.valves.len() == theirs.mode.network.valves.len();
+        if !alike {
+            return Err(Error::Misuse {
+                what: "a snapshot of another plant is restored",
+                remedy: "restore what a run of the same plant has saved",
+            });
+        }
+        self.clone_from(snapshot);
+        Ok(())
+    }
+
+    /// As [`PlantRun::set`].
+    pub(super) fn set(&mut self, plant: &Plant<R>, valve: usize, demand: Demand<R>) -> Result<(), Error> {
+        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
+        if valve >= plant.network.valves.len() {
+            return wrong("a valve is set that is not there", "name a valve of the network");
+        }
+        if self.mode.drivers.iter().any(|driver| driver.valves().contains(&valve)) {
+            return wrong("a valve is set that a driver commands", "leave it to the driver, or leave out the driver");
+        }
+        plant.network.set_valve(valve, self.time, demand, &mut self.mode.network)
+    }
+
+    /// As [`PlantRun::set_rates`].
+    pub(super) fn set_rates(&mut self, system: &System<'_, R>, mechanism: usize, rates: &[R]) -> Result<(), Error> {
+        let plant = system.plant;
+        let external = matches!(plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
+        if !external {
+            return Err(Error::Misuse {
+                what: "rates are set of a mechanism whose motion no host gives",
+                remedy: "name an external mechanism",
+            });
+        }
+        let here = plant.places.mechanisms[mechanism];
+        if rates.len() != here.coordinates {
+            return Err(Error::Table {
+                name: "rates",
+                problem: "there is not one rate for each coordinate",
+                entry: rates.len().min(here.coordinates) + 1,
+                remedy: "give as many rates as the mechanism has coordinates",
+            });
+        }
+        rates.iter().try_for_each(|rate| parameter::INITIAL_VELOCITY.check(rate.value()).map(drop))?;
+        self.state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(rates);
+        let mut at = Evaluation::new(plant);
+        system.enter_given_motion(mechanism, self.time, &mut self.state, &mut self.mode, &mut at);
+        Ok(())
+    }
+
+    /// Makes the pulses of all valves that were set to pulse, up to a time in s, and checks what drivers may take until then.
+    pub(super) fn pulse(&mut self, plant: &Plant<R>, until: R) -> Result<(), Error> {
+        let Self { time, mode, .. } = self;
+        let span = (until - *time).value();
+        for driver in &mode.drivers {
+            driver.check_counts(span)?;
+        }
+        for valve in 0..mode.network.valves.len() {
+            if !mode.drivers.iter().any(|driver| driver.valves().contains(&valve)) {
+                plant.network.pulse_valve(valve, [*time, until], &mut mode.network)?;
+            }
+        }
+        Ok(())
+    }
 }
 
-/// A run of a plant by the event-located engine, to be taken on step by step.
+/// A run of a plant, to be taken on step by step.
 ///
 /// ```
 /// use mckibben::plant::{Plant, PlantRun, PlantStart};
@@ -60,7 +144,7 @@ impl<R: Real> PlantSnapshot<R> {
 #[derive(Clone, Debug)]
 pub struct PlantRun<R: Real = f64> {
     plant: Plant<R>,
-    relative_tolerance: f64,
+    stepping: TimeStepping,
     reached: PlantSnapshot<R>,
 }
 
@@ -68,12 +152,13 @@ pub struct PlantRun<R: Real = f64> {
 pub(crate) type Keep<'k, R> = dyn FnMut(&Piece<'_, R, PlantMode<R>, PlantEventKind>) -> Result<(), Error> + 'k;
 
 impl<R: Real> PlantRun<R> {
-    /// Starts at t = 0, with a relative tolerance for each step. Valves follow their own commands until they are set.
+    /// Starts at t = 0: by the event-located engine with a relative tolerance for each step, or by another
+    /// [`TimeStepping`]. Valves follow their own commands until they are set.
     ///
     /// # Errors
     /// As [`Plant::start`].
-    pub fn new(plant: &Plant<R>, start: &PlantStart<R>, relative_tolerance: f64) -> Result<Self, Error> {
-        Self::with_drivers(plant, start, relative_tolerance, Vec::new())
+    pub fn new(plant: &Plant<R>, start: &PlantStart<R>, stepping: impl Into<TimeStepping>) -> Result<Self, Error> {
+        Self::with_drivers(plant, start, stepping, Vec::new())
     }
 
     /// Starts at t = 0 with drivers, in place of the commands of the valves that are theirs.
@@ -83,18 +168,21 @@ impl<R: Real> PlantRun<R> {
     pub fn with_drivers(
         plant: &Plant<R>,
         start: &PlantStart<R>,
-        relative_tolerance: f64,
+        stepping: impl Into<TimeStepping>,
         drivers: Vec<Driver<R>>,
     ) -> Result<Self, Error> {
-        R::begin_plant_run(plant, start, relative_tolerance, drivers)
+        R::begin_plant_run(plant, start, stepping.into(), drivers)
     }
 
     pub(crate) fn generic_begin(
         plant: &Plant<R>,
         start: &PlantStart<R>,
-        relative_tolerance: f64,
+        stepping: TimeStepping,
         drivers: Vec<Driver<R>>,
     ) -> Result<Self, Error> {
+        if let TimeStepping::Fixed { .. } = stepping {
+            stepping.check()?;
+        }
         let (mut state, memories) = plant.start_with_memories(start)?;
         let mut plant = plant.clone();
         let coordinates: Vec<usize> = plant.places.mechanisms.iter().map(|here| here.coordinates).collect();
@@ -103,7 +191,7 @@ impl<R: Real> PlantRun<R> {
             let its = &mut plant.network.valves[valve];
             its.command = Command::nothing_of(&its.solenoid);
         }
-        let system = System::new(&plant, relative_tolerance);
+        let system = System::new(&plant, stepping.tolerance());
         let mut at = Evaluation::new(&plant);
         let mut mode = system.begin((R::zero(), None), &mut state, &memories, &mut at);
         system.check_ends(R::zero(), &state, &mode, &mut at)?;
@@ -111,7 +199,7 @@ impl<R: Real> PlantRun<R> {
         system.check_jumps(R::zero(), &state, &mode, &mut at)?;
         mode.drivers = drivers;
         let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin(0.0) };
-        Ok(Self { plant, relative_tolerance, reached })
+        Ok(Self { plant, stepping, reached })
     }
 
     /// The plant. Drivers have taken the place of the commands of their valves.
@@ -119,9 +207,14 @@ impl<R: Real> PlantRun<R> {
         &self.plant
     }
 
-    /// The relative tolerance of each step.
+    /// How it goes through time.
+    pub fn stepping(&self) -> TimeStepping {
+        self.stepping
+    }
+
+    /// The relative tolerance by which the borders of modes are told from rounding: that of each step, at fixed steps 10⁻¹².
     pub fn relative_tolerance(&self) -> f64 {
-        self.relative_tolerance
+        self.stepping.tolerance()
     }
 
     /// The time in s that has been reached.
@@ -151,13 +244,18 @@ impl<R: Real> PlantRun<R> {
 
     pub(crate) fn generic_measurement(&self) -> PlantMeasurement<R> {
         let PlantSnapshot { time, state, mode, .. } = &self.reached;
-        System::new(&self.plant, self.relative_tolerance).measure(*time, state, mode, &mut Evaluation::new(&self.plant))
+        System::new(&self.plant, self.relative_tolerance()).measure(
+            *time,
+            state,
+            mode,
+            &mut Evaluation::new(&self.plant),
+        )
     }
 
     /// The sizes by which errors in the states are scaled now.
     pub(crate) fn scales(&self) -> Vec<f64> {
         let mut scales = alloc::vec![0.0; self.state().len()];
-        System::new(&self.plant, self.relative_tolerance).scales(self.state(), self.mode(), &mut scales);
+        System::new(&self.plant, self.relative_tolerance()).scales(self.state(), self.mode(), &mut scales);
         scales
     }
 
@@ -171,29 +269,14 @@ impl<R: Real> PlantRun<R> {
     /// # Errors
     /// [`Error::Misuse`] for a snapshot of another plant.
     pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
-        let (ours, theirs) = (&self.reached, snapshot);
-        let alike = ours.state.len() == theirs.state.len()
-            && ours.mode.actuators.len() == theirs.mode.actuators.len()
-            && ours.mode.mechanisms.len() == theirs.mode.mechanisms.len()
-            && ours.mode.arms.len() == theirs.mode.arms.len()
-            && ours.mode.network.branches.len() == theirs.mode.network.branches.len()
-            && ours.mode.network.nodes.len() == theirs.mode.network.nodes.len()
-            && ours.mode.network.valves.len() == theirs.mode.network.valves.len();
-        if !alike {
-            return Err(Error::Misuse {
-                what: "a snapshot of another plant is restored",
-                remedy: "restore what a run of the same plant has saved",
-            });
-        }
-        self.reached = snapshot.clone();
-        Ok(())
+        self.reached.restore(snapshot)
     }
 
     /// Goes on from other states: valves, drivers and what is given over time go on as they were, hysteresis is relaxed.
     pub(crate) fn go_on_from(&mut self, state: &[R]) {
         let PlantSnapshot { time, state: own, mode, pace } = &mut self.reached;
         own.copy_from_slice(state);
-        let system = System::new(&self.plant, self.relative_tolerance);
+        let system = System::new(&self.plant, self.stepping.tolerance());
         *mode = system.begin((*time, Some(mode)), own, &[], &mut Evaluation::new(&self.plant));
         *pace = pace.anew();
     }
@@ -208,15 +291,7 @@ impl<R: Real> PlantRun<R> {
     }
 
     pub(crate) fn generic_set(&mut self, valve: usize, demand: Demand<R>) -> Result<(), Error> {
-        let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
-        if valve >= self.plant.network.valves.len() {
-            return wrong("a valve is set that is not there", "name a valve of the network");
-        }
-        if self.reached.mode.drivers.iter().any(|driver| driver.valves().contains(&valve)) {
-            return wrong("a valve is set that a driver commands", "leave it to the driver, or leave out the driver");
-        }
-        let time = self.time();
-        self.plant.network.set_valve(valve, time, demand, &mut self.reached.mode.network)
+        self.reached.set(&self.plant, valve, demand)
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.
@@ -229,30 +304,8 @@ impl<R: Real> PlantRun<R> {
     }
 
     pub(crate) fn generic_set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        let external =
-            matches!(self.plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
-        if !external {
-            return Err(Error::Misuse {
-                what: "rates are set of a mechanism whose motion no host gives",
-                remedy: "name an external mechanism",
-            });
-        }
-        let here = self.plant.places.mechanisms[mechanism];
-        if rates.len() != here.coordinates {
-            return Err(Error::Table {
-                name: "rates",
-                problem: "there is not one rate for each coordinate",
-                entry: rates.len().min(here.coordinates) + 1,
-                remedy: "give as many rates as the mechanism has coordinates",
-            });
-        }
-        rates.iter().try_for_each(|rate| parameter::INITIAL_VELOCITY.check(rate.value()).map(drop))?;
-        let PlantSnapshot { time, state, mode, .. } = &mut self.reached;
-        state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(rates);
-        let system = System::new(&self.plant, self.relative_tolerance);
-        let mut at = Evaluation::new(&self.plant);
-        system.enter_given_motion(mechanism, *time, state, mode, &mut at);
-        Ok(())
+        let system = System::new(&self.plant, self.relative_tolerance());
+        self.reached.set_rates(&system, mechanism, rates)
     }
 
     /// Goes on to `until` in s; nothing where that has been reached.
@@ -272,18 +325,19 @@ impl<R: Real> PlantRun<R> {
             return Ok(());
         }
         parameter::DURATION.check(span)?;
-        let PlantSnapshot { time, state, mode, pace } = &self.reached;
-        let mut mode = mode.clone();
-        for driver in &mode.drivers {
-            driver.check_counts(span)?;
-        }
-        let driven = |valve: usize| mode.drivers.iter().any(|driver| driver.valves().contains(&valve));
-        let set: Vec<usize> = (0..mode.network.valves.len()).filter(|valve| !driven(*valve)).collect();
-        for valve in set {
-            self.plant.network.pulse_valve(valve, [*time, until], &mut mode.network)?;
-        }
-        let system = System::new(&self.plant, self.relative_tolerance);
-        let mut integrator = Integrator::resume(&system, (*time, state, mode), until, self.relative_tolerance, *pace);
+        let mut from = self.reached.clone();
+        from.pulse(&self.plant, until)?;
+        let relative_tolerance = match self.stepping {
+            TimeStepping::Located { relative_tolerance } => relative_tolerance,
+            TimeStepping::Fixed { method, step } => {
+                steps::extend(&self.plant, (method, step), &mut from, until, keep)?;
+                self.reached = from;
+                return Ok(());
+            }
+        };
+        let PlantSnapshot { time, state, mode, pace } = from;
+        let system = System::new(&self.plant, relative_tolerance);
+        let mut integrator = Integrator::resume(&system, (time, &state, mode), until, relative_tolerance, pace);
         while integrator.advance()? {
             keep(&integrator.piece())?;
         }

@@ -260,7 +260,7 @@ impl<'a, R: Real> System<'a, R> {
     }
 
     /// How fast the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
-    fn heat_settling(&self, i: usize, at: &Evaluation<R>) -> f64 {
+    pub(super) fn heat_settling(&self, i: usize, at: &Evaluation<R>) -> f64 {
         let air = self.plant.actuators[i].actuator.air();
         match air.process() {
             Process::EnergyBalance { heat_transfer, .. } => {

@@ -6,6 +6,7 @@ use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::run::PlantRun;
 use super::start::PlantStart;
+use super::steps::TimeStepping;
 use crate::command::PlantDecision;
 use crate::engine::{Statistics, arc};
 use crate::error::Error;
@@ -65,7 +66,8 @@ pub const STEPS_WATCHED: usize = 256;
 /// Numbers that a kept run may have: about two gigabytes.
 const MOST_NUMBERS: usize = 250_000_000;
 
-/// Simulates a plant from a start for `duration` s by the event-located engine, with a relative tolerance for each step.
+/// Simulates a plant from a start for `duration` s: by the event-located engine with a relative tolerance for each step, or by
+/// another [`TimeStepping`].
 ///
 /// # Errors
 /// As [`Plant::start`]; [`Error::OutOfRange`] for a duration outside its range; [`Error::Stopped`] when the plant leaves
@@ -74,10 +76,10 @@ pub fn simulate_plant<R: Real>(
     plant: &Plant<R>,
     start: &PlantStart<R>,
     duration: R,
-    relative_tolerance: f64,
+    stepping: impl Into<TimeStepping>,
 ) -> Result<PlantTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    PlantRun::new(plant, start, relative_tolerance)?.record_to(duration, &mut |_| Ok(()))
+    PlantRun::new(plant, start, stepping)?.record_to(duration, &mut |_| Ok(()))
 }
 
 impl<R: Real> PlantTrajectory<R> {

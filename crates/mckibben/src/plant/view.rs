@@ -5,6 +5,7 @@
 //!
 //! Checked by `tests/simulation.rs`, `tests/joint.rs` and `tests/run.rs`.
 
+use super::steps::TimeStepping;
 use super::{
     Part, Plant, PlantEvent, PlantLedger, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantStep,
     PlantTrajectory,
@@ -124,24 +125,24 @@ impl<'t, V: PlantView<R>, R: Real> ViewReader<'t, V, R> {
 fn begin<V: PlantView<R>, R: Real>(
     view: &V,
     state: &V::State,
-    (duration, relative_tolerance): (R, f64),
+    (duration, stepping): (R, TimeStepping),
     driver: Option<Driver<R>>,
 ) -> Result<PlantRun<R>, Error> {
     parameter::DURATION.check(duration.value())?;
-    parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+    stepping.check()?;
     view.check_counts(duration.value())?;
-    PlantRun::with_drivers(view.plant(), &view.start(state), relative_tolerance, driver.into_iter().collect())
+    PlantRun::with_drivers(view.plant(), &view.start(state), stepping, driver.into_iter().collect())
 }
 
 /// A run for `duration` s with a relative tolerance for each step, kept.
 pub(super) fn record<V: PlantView<R>, R: Real>(
     view: &V,
     state: &V::State,
-    (duration, relative_tolerance): (R, f64),
+    (duration, stepping): (R, TimeStepping),
     driver: Option<Driver<R>>,
     watch: &mut dyn FnMut(f64) -> Result<(), Error>,
 ) -> Result<ViewTrajectory<V, R>, Error> {
-    let mut run = begin(view, state, (duration, relative_tolerance), driver)?;
+    let mut run = begin(view, state, (duration, stepping), driver)?;
     Ok(ViewTrajectory::of(view, run.record_to(duration, watch)?))
 }
 
@@ -149,7 +150,7 @@ pub(super) fn record<V: PlantView<R>, R: Real>(
 pub(super) fn stream<V: PlantView>(
     view: &V,
     state: &V::State,
-    span: (f64, f64),
+    span: (f64, TimeStepping),
     driver: Option<Driver>,
     consumer: &mut dyn FnMut(&ViewStep<'_, V>) -> Result<(), Error>,
 ) -> Result<ViewRunEnd<V>, Error> {

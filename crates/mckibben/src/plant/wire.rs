@@ -72,6 +72,14 @@ impl<'a, R: Real> Wire<'a, R> {
         [state[from], state[from + 1]]
     }
 
+    /// Place of its length among the states, where it is one.
+    pub(crate) fn length_place(&self) -> Option<usize> {
+        match (self.places.length, self.span) {
+            (Some(place), _) | (None, Span::Direct { position: place, .. }) => Some(place),
+            _ => None,
+        }
+    }
+
     /// That of an actuator of a plant.
     pub(crate) fn new(plant: &'a Plant<R>, index: usize, member: Member<'a, R>) -> Self {
         let (mounted, places) = (&plant.actuators[index], &plant.places);

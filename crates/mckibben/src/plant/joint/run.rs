@@ -4,6 +4,7 @@ use super::JointPlant;
 use crate::command::Driver;
 use crate::error::Error;
 use crate::plant::PlantRun;
+use crate::plant::steps::TimeStepping;
 use crate::plant::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
 use crate::scalar::Real;
 use crate::simulation::JointState;
@@ -20,19 +21,19 @@ pub type JointConsumer<'c> = dyn FnMut(&JointStep<'_>) -> Result<(), Error> + 'c
 pub type JointRunEnd = ViewRunEnd<JointPlant>;
 
 impl<R: Real> JointPlant<R> {
-    /// Simulates the joint from a state at t = 0 for `duration` s, every event located, with a relative tolerance for each
-    /// step.
+    /// Simulates the joint from a state at t = 0 for `duration` s: every event located, with a relative tolerance for each step,
+    /// or by another [`TimeStepping`].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a duration or tolerance outside its range; [`Error::TooMany`] for more pulses than a run may
+    /// [`Error::OutOfRange`] for a duration, tolerance or step outside its range; [`Error::TooMany`] for more pulses than a run may
     /// have; [`Error::Stopped`] when the simulation cannot reach its end: it says when, where and what to change.
     pub fn simulate(
         &self,
         state: &JointState<R>,
         duration: R,
-        relative_tolerance: f64,
+        stepping: impl Into<TimeStepping>,
     ) -> Result<JointTrajectory<R>, Error> {
-        self.record(state, (duration, relative_tolerance), None, &mut |_| Ok(()))
+        self.record(state, (duration, stepping), None, &mut |_| Ok(()))
     }
 
     /// Simulates the joint as [`JointPlant::simulate`] does, with a [driver](JointPlant::driver) in place of its own commands if
@@ -44,11 +45,11 @@ impl<R: Real> JointPlant<R> {
     pub fn record(
         &self,
         state: &JointState<R>,
-        span: (R, f64),
+        (duration, stepping): (R, impl Into<TimeStepping>),
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<JointTrajectory<R>, Error> {
-        view::record(self, state, span, driver, watch)
+        view::record(self, state, (duration, stepping.into()), driver, watch)
     }
 }
 
@@ -61,11 +62,11 @@ impl JointPlant {
     pub fn stream(
         &self,
         state: &JointState,
-        span: (f64, f64),
+        (duration, stepping): (f64, impl Into<TimeStepping>),
         driver: Option<Driver>,
         consumer: &mut JointConsumer<'_>,
     ) -> Result<JointRunEnd, Error> {
-        view::stream(self, state, span, driver, consumer)
+        view::stream(self, state, (duration, stepping.into()), driver, consumer)
     }
 
     /// The sizes by which the errors of the joint's six states are scaled in a state: angle, angular velocity, and pressure and

@@ -37,6 +37,7 @@ use super::Plant;
 use super::equipment::{Equipment, ROOM};
 use super::feed::Feed;
 use super::start::{InitialAir, PlantStart};
+use super::steps::TimeStepping;
 use super::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
 use crate::command::Driver;
 use crate::control::{Controller, Sampling, Sensors};
@@ -156,13 +157,19 @@ impl<R: Real> RigPlant<R> {
         Ok(Driver::of_actuator(controller, 0, self.feed.seats(&self.plant)?, set_up))
     }
 
-    /// Simulates the rig from a state at t = 0 for `duration` s, every event located, with a relative tolerance for each step.
+    /// Simulates the rig from a state at t = 0 for `duration` s: every event located, with a relative tolerance for each step,
+    /// or by another [`TimeStepping`].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a duration or tolerance outside its range; [`Error::TooMany`] for more pulses than a run may
+    /// [`Error::OutOfRange`] for a duration, tolerance or step outside its range; [`Error::TooMany`] for more pulses than a run may
     /// have; [`Error::Stopped`] when the simulation cannot reach its end: it says when, where and what to change.
-    pub fn simulate(&self, state: &State<R>, duration: R, relative_tolerance: f64) -> Result<RigTrajectory<R>, Error> {
-        self.record(state, (duration, relative_tolerance), None, &mut |_| Ok(()))
+    pub fn simulate(
+        &self,
+        state: &State<R>,
+        duration: R,
+        stepping: impl Into<TimeStepping>,
+    ) -> Result<RigTrajectory<R>, Error> {
+        self.record(state, (duration, stepping), None, &mut |_| Ok(()))
     }
 
     /// Simulates the rig as [`RigPlant::simulate`] does, with a [driver](RigPlant::driver) in place of its own command if there
@@ -174,11 +181,11 @@ impl<R: Real> RigPlant<R> {
     pub fn record(
         &self,
         state: &State<R>,
-        span: (R, f64),
+        (duration, stepping): (R, impl Into<TimeStepping>),
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<RigTrajectory<R>, Error> {
-        view::record(self, state, span, driver, watch)
+        view::record(self, state, (duration, stepping.into()), driver, watch)
     }
 }
 
@@ -191,11 +198,11 @@ impl RigPlant {
     pub fn stream(
         &self,
         state: &State,
-        span: (f64, f64),
+        (duration, stepping): (f64, impl Into<TimeStepping>),
         driver: Option<Driver>,
         consumer: &mut RigConsumer<'_>,
     ) -> Result<RigRunEnd, Error> {
-        view::stream(self, state, span, driver, consumer)
+        view::stream(self, state, (duration, stepping.into()), driver, consumer)
     }
 }
 

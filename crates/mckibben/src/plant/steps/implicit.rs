@@ -1,0 +1,357 @@
+//! The linear system of a stable step: `(I − rA) k = f`, with `r = γh`.
+//!
+//! A holds what is stiff: how tensions answer to lengths and velocities, torques to coordinates and rates, the ends of actuators
+//! on tendons and bristles to both, and the pressures of the network to each other. Air and mechanisms do not answer to each
+//! other within a stage; the method is of order 2 whatever matrix stands in for the Jacobian.
+//!
+//! ```text
+//! end on a tendon    k_L = (f_L + r (u_x k_x + u_v k_ẋ))/(1 − r u_L)                  u = L̇(x, ẋ, L)
+//! bristles           k_z = (f_z + r z_v k_ẋ)/(1 − r z_z)
+//! tension            φ = K k_x + D k_ẋ + o                                         both put in
+//! mechanism          k_q = f_q + r k_v
+//!                    [M − r T_v − r² T_q + Σ Jᵀ (r D + r² K) J] k_v = M f_v + r T_q f_q − r Σ Jᵀ (K J f_q + o)
+//! network            by elimination on its tree
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | x, L, z | distance and length of an actuator, deflection of its bristles | m |
+//! | K, D | how its tension answers to distance and rate, with its end and its bristles | N/m, N·s/m |
+//! | T_q, T_v | how the other forces answer to coordinates and rates, their symmetric part | … |
+//! | J, M | gradients of the distances, inertia | … |
+
+use super::super::dense;
+use super::super::evaluation::{Evaluation, System, Unit};
+use super::super::mode::PlantMode;
+use super::super::{MechanismPlaces, Plant};
+use crate::air::Flow;
+use crate::dual::Dual;
+use crate::mechanism::Mechanism;
+use crate::mechanism::chain::Contacts;
+use crate::network::NodeKind;
+use crate::network::flow::Surroundings;
+use crate::network::implicit::{Answers, Elimination};
+use crate::scalar::{Over, Real};
+use crate::simulation::Sliding;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// How the tension of an actuator answers.
+#[derive(Clone, Copy, Debug)]
+struct Pull<R> {
+    stiffness: R,
+    damping: R,
+    /// How the tension answers to what its end or its bristles would do by themselves.
+    by_own: R,
+    /// `1/(1 − r u_L)` or `1/(1 − r z_z)`, and `r u_x`, `r u_v` or `r z_v`.
+    share: R,
+    by_distance: R,
+    by_rate: R,
+    /// `1/(1 − r z_z)` of bristles beside an end on a tendon.
+    beside: R,
+}
+
+/// The system of a plant.
+#[derive(Clone, Debug)]
+pub(super) struct Implicit<R> {
+    reach: R,
+    network: Elimination<R>,
+    pulls: Vec<Pull<R>>,
+    /// Of each mechanism one after the other: M, T_q and the factored matrix.
+    mass: Vec<R>,
+    turning: Vec<R>,
+    factors: Vec<R>,
+    /// Where each begins.
+    begins: Vec<usize>,
+    work: Vec<R>,
+    seeded: Vec<Dual<R, 1>>,
+}
+
+impl<R: Real> Implicit<R> {
+    pub(super) fn new(plant: &Plant<R>) -> Self {
+        let zero = R::zero();
+        let counts = plant.places().mechanisms.iter().map(|here| here.coordinates);
+        let mut begins = Vec::new();
+        let mut size = 0;
+        for count in counts.clone() {
+            begins.push(size);
+            size += count * count;
+        }
+        let most = counts.max().unwrap_or(0);
+        let none = Pull {
+            stiffness: zero,
+            damping: zero,
+            by_own: zero,
+            share: R::one(),
+            by_distance: zero,
+            by_rate: zero,
+            beside: R::one(),
+        };
+        Self {
+            reach: zero,
+            network: Elimination::new(plant),
+            pulls: vec![none; plant.actuators().len()],
+            mass: vec![zero; size],
+            turning: vec![zero; size],
+            factors: vec![zero; size],
+            begins,
+            work: vec![zero; 2 * most],
+            seeded: vec![Dual { value: zero, slope: [zero] }; 3 * most],
+        }
+    }
+
+    /// Sets the numbers of a stage of a reach in s, at a state where the plant has been evaluated.
+    pub(super) fn factor(
+        &mut self,
+        system: &System<'_, R>,
+        (time, reach): (R, R),
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &Evaluation<R>,
+    ) {
+        self.reach = reach;
+        for i in 0..self.pulls.len() {
+            self.pulls[i] = system.pull_slopes(i, reach, state, mode, at);
+        }
+        for m in 0..system.assemblies.len() {
+            self.factor_mechanism(system, m, state, mode, at);
+        }
+        let network = &system.plant.network;
+        let answers = |node: usize| system.answers(node, at);
+        let Some(first) = system.wires.first() else { return };
+        let (around, air) = (Surroundings { chambers: &at.chambers, state }, first.member.actuator.air());
+        let slopes = |branch: usize| network.slopes(branch, (time, reach), around, air, (&mode.network, &at.network));
+        self.network.factor(network, &mode.network, reach, answers, slopes);
+    }
+
+    fn factor_mechanism(
+        &mut self,
+        system: &System<'_, R>,
+        m: usize,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &Evaluation<R>,
+    ) {
+        let here = system.plant.places.mechanisms[m];
+        let (count, from) = (here.coordinates, self.begins[m]);
+        if mode.mechanisms[m].frozen || !system.plant.mechanisms[m].is_dynamic() {
+            return;
+        }
+        let (r, half) = (self.reach, R::constant(0.5));
+        let all = from..from + count * count;
+        system.mass_matrix(m, state, &mut self.mass[all.clone()]);
+        self.factors[all.clone()].copy_from_slice(&self.mass[all.clone()]);
+        self.turning[all].fill(R::zero());
+        for k in 0..2 * count {
+            // How the forces answer to one coordinate, or to one rate.
+            let by_rate = k >= count;
+            let (seeded, force) = self.seeded.split_at_mut(2 * count);
+            for (place, seeded) in seeded.iter_mut().enumerate() {
+                let slope = if place == k { R::one() } else { R::zero() };
+                *seeded = Dual { value: state[here.first + place], slope: [slope] };
+            }
+            match &system.plant.mechanisms[m] {
+                Mechanism::Mass(mass) => force[0] = mass.force(seeded[0]),
+                Mechanism::Chain(chain) => {
+                    let its = &mode.mechanisms[m];
+                    let contacts = Contacts { stops: &its.stops, foot: its.foot };
+                    let (position, rates) = seeded.split_at(count);
+                    chain.torques(position, rates, contacts, &mut force[..count]);
+                }
+                _ => return,
+            }
+            let column = k % count;
+            for (row, force) in force[..count].iter().enumerate() {
+                let slope = force.slope[0] * half;
+                for place in [from + row * count + column, from + column * count + row] {
+                    let factor = if by_rate { r } else { r * r };
+                    self.factors[place] = self.factors[place] - factor * slope;
+                    if !by_rate {
+                        self.turning[place] = self.turning[place] + slope;
+                    }
+                }
+            }
+        }
+        for &i in &system.plant.places.members[m] {
+            let gradient = system.gradient(i, &at.gradient);
+            let Pull { stiffness, damping, .. } = self.pulls[i];
+            let both = r * (damping + r * stiffness);
+            for row in 0..count {
+                for column in 0..count {
+                    let place = from + row * count + column;
+                    self.factors[place] = self.factors[place] + both * gradient[row] * gradient[column];
+                }
+            }
+        }
+        dense::factor(&mut self.factors[from..from + count * count], count);
+    }
+
+    /// Writes the slopes that have `right` for their right side.
+    pub(super) fn solve(
+        &mut self,
+        system: &System<'_, R>,
+        mode: &PlantMode<R>,
+        at: &Evaluation<R>,
+        right: &[R],
+        slopes: &mut [R],
+    ) {
+        slopes.copy_from_slice(right);
+        for m in 0..system.assemblies.len() {
+            let here = system.plant.places.mechanisms[m];
+            let moves = !mode.mechanisms[m].frozen && system.plant.mechanisms[m].is_dynamic();
+            if moves {
+                self.solve_mechanism(system, (m, here), at, right, slopes);
+            }
+            for &i in &system.plant.places.members[m] {
+                self.solve_own(system, (i, here), at, right, slopes);
+            }
+        }
+        self.network.solve(self.reach, right, slopes);
+    }
+
+    fn solve_mechanism(
+        &mut self,
+        system: &System<'_, R>,
+        (m, here): (usize, MechanismPlaces),
+        at: &Evaluation<R>,
+        right: &[R],
+        slopes: &mut [R],
+    ) {
+        let (r, count, from) = (self.reach, here.coordinates, self.begins[m]);
+        let of_matrix = |matrix: &[R], row: usize, vector: &[R]| {
+            dense::dot(&matrix[from + row * count..from + (row + 1) * count], vector)
+        };
+        let (positions, rates) = here.of(right);
+        for row in 0..count {
+            self.work[row] = of_matrix(&self.mass, row, rates) + r * of_matrix(&self.turning, row, positions);
+        }
+        for &i in &system.plant.places.members[m] {
+            let gradient = system.gradient(i, &at.gradient);
+            let pull = &self.pulls[i];
+            let own = system.own_place(i).map_or(R::zero(), |place| pull.by_own * right[place]);
+            let force = pull.stiffness.multiply_add(dense::dot(gradient, positions), own);
+            for (sum, entry) in self.work.iter_mut().zip(gradient) {
+                *sum = *sum - r * *entry * force;
+            }
+        }
+        dense::solve(&self.factors[from..from + count * count], count, &mut self.work[..count]);
+        for k in 0..count {
+            slopes[here.rate(k)] = self.work[k];
+            slopes[here.position(k)] = r.multiply_add(self.work[k], right[here.position(k)]);
+        }
+    }
+
+    /// The end of an actuator on a tendon, or its bristles.
+    fn solve_own(
+        &mut self,
+        system: &System<'_, R>,
+        (i, here): (usize, MechanismPlaces),
+        at: &Evaluation<R>,
+        right: &[R],
+        slopes: &mut [R],
+    ) {
+        let Some(place) = system.own_place(i) else { return };
+        let gradient = system.gradient(i, &at.gradient);
+        let (positions, rates) = here.of(slopes);
+        let Pull { share, by_distance, by_rate, .. } = self.pulls[i];
+        let answer = by_distance * dense::dot(gradient, positions) + by_rate * dense::dot(gradient, rates);
+        slopes[place] = (right[place] + answer) * share;
+        let its = &system.plant.places.actuators[i];
+        if let (Some(_), Some(bristles)) = (its.length, its.bristles) {
+            slopes[bristles] = right[bristles] * self.pulls[i].beside;
+        }
+    }
+}
+
+impl<R: Real> System<'_, R> {
+    /// The state of an actuator that answers within a stage beside its mechanism: the length of an end on a tendon, or bristles.
+    fn own_place(&self, i: usize) -> Option<usize> {
+        let here = &self.plant.places.actuators[i];
+        here.length.or(here.bristles)
+    }
+
+    /// How the tension of an actuator answers within a stage of a reach in s.
+    fn pull_slopes(&self, i: usize, reach: R, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> Pull<R> {
+        let (zero, one) = (R::zero(), R::one());
+        let mut pull = Pull {
+            stiffness: zero,
+            damping: zero,
+            by_own: zero,
+            share: one,
+            by_distance: zero,
+            by_rate: zero,
+            beside: one,
+        };
+        let (wire, of_actuator, unit) = (&self.wires[i], &mode.actuators[i], &at.units[i]);
+        let constant = |number: R| Dual::<R, 3>::of(number);
+        let seeded = |number: R, direction: usize| Dual::<R, 3>::variable(number, direction);
+        let bristles = self.bristles(i, state);
+        if let (Some(tendon), Some(_)) = (&self.plant.actuators[i].tendon, wire.places.length) {
+            let tight = if of_actuator.loose { zero } else { tendon.stiffness() };
+            if of_actuator.mode.sliding == Sliding::Stuck {
+                return Pull { stiffness: tight, ..pull };
+            }
+            let moving = Unit {
+                distance: seeded(unit.distance, 0),
+                rate: seeded(unit.rate, 1),
+                length: seeded(unit.length, 2),
+                velocity: constant(zero),
+                tension: constant(unit.tension),
+                flow: Flow { inward: constant(unit.flow.inward), outward: constant(unit.flow.outward) },
+                warmth: constant(unit.warmth),
+                pressure_rate: constant(unit.pressure_rate),
+                mass_rate: constant(unit.mass_rate),
+            };
+            let [pressure, mass] = wire.air(state).map(constant);
+            let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, false);
+            let bent = bristles.map(constant);
+            let [by_distance, by_rate, by_length] =
+                self.end_velocity(i, tendon, of_actuator, (&moving, &chamber), bent).slope;
+            let share = one / (one - reach * by_length).larger(one);
+            pull = Pull { share, by_distance: reach * by_distance, by_rate: reach * by_rate, ..pull };
+            // φ = k (k_x − k_L), with k_L put in.
+            pull.stiffness = tight * (one - share * pull.by_distance).larger(zero);
+            pull.damping = -tight * share * pull.by_rate;
+            pull.by_own = -tight * share;
+            if let Some(bent) = bristles {
+                let rate = wire.bristle_rate(seeded(bent, 2), constant(unit.velocity), of_actuator);
+                pull.beside = one / (one - reach * rate.slope[2]).larger(one);
+            }
+            return pull;
+        }
+        if of_actuator.mode.sliding == Sliding::Stuck {
+            return pull;
+        }
+        let ends = [seeded(unit.length, 0), seeded(unit.velocity, 1), constant(at.chambers[i].pressure)];
+        let bent = bristles.map(|bent| seeded(bent, 2));
+        let tension = wire.member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bent));
+        let [stiffness, damping, by_bristles] = tension.slope;
+        (pull.stiffness, pull.damping) = (stiffness, damping.larger(zero));
+        if let Some(bent) = bristles {
+            let rate = wire.bristle_rate(seeded(bent, 2), seeded(unit.velocity, 1), of_actuator);
+            let [_, by_velocity, by_itself] = rate.slope;
+            pull.share = one / (one - reach * by_itself).larger(one);
+            pull.by_rate = reach * by_velocity;
+            pull.by_own = by_bristles * pull.share;
+            pull.damping = pull.damping + by_bristles * pull.share * pull.by_rate;
+        }
+        pull
+    }
+
+    /// How the pressure of a node answers to what comes in, and how fast it falls besides.
+    fn answers(&self, node: usize, at: &Evaluation<R>) -> Answers<R> {
+        let zero = R::zero();
+        let per_mass = match &self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => {
+                let (chamber, air) = (&at.chambers[*actuator], self.plant.actuators[*actuator].actuator.air());
+                let grows = air.index() * chamber.volume_rate / chamber.volume;
+                let falls = grows.larger(zero) + R::constant(self.heat_settling(*actuator, at));
+                return Answers { per_mass: air.index() * chamber.pressure / chamber.mass, falls };
+            }
+            NodeKind::Hose(hose) => hose.stiffness(),
+            NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(R::one()),
+            _ => zero,
+        };
+        Answers { per_mass, falls: zero }
+    }
+}

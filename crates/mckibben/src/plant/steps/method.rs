@@ -1,0 +1,228 @@
+//! One step of a method in one mode, divided nowhere.
+//!
+//! | method | order | for |
+//! |---|---|---|
+//! | [`Method::Rk4`] | 4 | the paper's Runge–Kutta; needs `h` below the time constant of the air near equal pressure |
+//! | [`Method::Stable`] | 2 | any `h` that a robot simulator uses: ROS2 |
+//!
+//! ROS2 is Verwer's two-stage Rosenbrock method, of order 2 for whatever matrix `A` stands in for the Jacobian:
+//!
+//! ```text
+//! (I − γhA) k₁ = f(y)        (I − γhA) k₂ = f(y + h k₁) − 2 k₁        y⁺ = y + h (3k₁ + k₂)/2        γ = 1 + 1/√2
+//! ```
+//!
+//! That freedom is used: `A` holds what is stiff ([`implicit`](super::implicit)), and for pressures the steeper of the tangent
+//! and the secant of a flow, so that no flow overshoots the pressure beyond. With this γ the first stage goes at most 0.59 of
+//! the way.
+//!
+//! The second stage may still ask for more air than there is, where a flow path empties a chamber many times over within the
+//! step. A step that would leave less than an eighth of a pressure or of the air is replaced by backward Euler, linearly
+//! implicit with γ = 1, in as few parts as stay positive.
+//!
+//! Source: Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20 (1999). Checked by `tests/plant_steps.rs`.
+
+use super::super::Plant;
+use super::super::evaluation::{Evaluation, System};
+use super::super::mode::PlantMode;
+use super::implicit::Implicit;
+use crate::error::Error;
+use crate::scalar::Real;
+use crate::simulation::Method;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Part of a pressure and of the air that a step of ROS2 leaves at least, or is not believed. From the paper's supply to the
+/// atmosphere at a constant temperature it is more than this.
+const LEAST_SHARE: f64 = 0.125;
+/// Parts of a step by backward Euler, at most.
+const MOST_PARTS: u32 = 256;
+
+/// The stages of a step.
+#[derive(Clone, Debug)]
+pub(super) struct Stages<R: Real> {
+    /// The slopes of up to four stages.
+    slopes: [Vec<R>; 4],
+    /// The state that a stage is evaluated at.
+    state: Vec<R>,
+    implicit: Implicit<R>,
+    /// The evaluation of a second stage.
+    second: Evaluation<R>,
+}
+
+/// A step's start in s and length in s.
+type Span<R> = (R, R);
+
+impl<R: Real> Stages<R> {
+    pub(super) fn new(plant: &Plant<R>) -> Self {
+        let zeros = vec![R::zero(); plant.places().states];
+        let slopes = core::array::from_fn(|_| zeros.clone());
+        Self { slopes, state: zeros, implicit: Implicit::new(plant), second: Evaluation::new(plant) }
+    }
+
+    /// Takes a step in a state to `end`; how many evaluations it took.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn take(
+        &mut self,
+        system: &System<'_, R>,
+        method: Method,
+        span: Span<R>,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> u64 {
+        if method == Method::Rk4 {
+            return self.take_rk4(system, span, state, mode, at, end);
+        }
+        let evaluations = self.take_ros2(system, span, state, mode, at, end);
+        if system.is_positive(state, end) {
+            return evaluations;
+        }
+        evaluations + self.take_backward_euler(system, span, state, mode, at, end)
+    }
+
+    /// The slopes at the beginning of the last step of RK4 and at its end.
+    pub(super) fn slopes_at_ends(
+        &mut self,
+        system: &System<'_, R>,
+        time: R,
+        end: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> [&[R]; 2] {
+        let [first, .., last] = &mut self.slopes;
+        system.rates(time, end, mode, at, last);
+        [first, last]
+    }
+
+    /// The classical Runge–Kutta method.
+    fn take_rk4(
+        &mut self,
+        system: &System<'_, R>,
+        (time, step): Span<R>,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> u64 {
+        let half = R::constant(0.5) * step;
+        for (stage, reach) in [R::zero(), half, half, step].into_iter().enumerate() {
+            axpy(&mut self.state, state, reach, &self.slopes[stage.saturating_sub(1)]);
+            system.enter_pieces(time + reach, &self.state, mode, at);
+            system.rates(time + reach, &self.state, mode, at, &mut self.slopes[stage]);
+        }
+        let (sixth, two) = (step * R::constant(1.0 / 6.0), R::constant(2.0));
+        let [k1, k2, k3, k4] = &self.slopes;
+        for n in 0..end.len() {
+            let (outer, inner) = (k1[n] + k4[n], k2[n] + k3[n]);
+            end[n] = inner.multiply_add(two, outer).multiply_add(sixth, state[n]);
+        }
+        4
+    }
+
+    /// Verwer's Rosenbrock method of order 2.
+    fn take_ros2(
+        &mut self,
+        system: &System<'_, R>,
+        (time, step): Span<R>,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> u64 {
+        let gamma_h = step * R::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
+        let [first, k1, second, k2] = &mut self.slopes;
+        system.enter_pieces(time, state, mode, at);
+        system.rates(time, state, mode, at, first);
+        self.implicit.factor(system, (time, gamma_h), state, mode, at);
+        self.implicit.solve(system, mode, at, first, k1);
+        axpy(&mut self.state, state, step, k1);
+        system.enter_pieces(time + step, &self.state, mode, &mut self.second);
+        system.rates(time + step, &self.state, mode, &mut self.second, second);
+        for (second, k1) in second.iter_mut().zip(&*k1) {
+            *second = k1.multiply_add(R::constant(-2.0), *second);
+        }
+        // Where poppets move, the second stage has the matrix of how far they have come: the order stays.
+        let mut evaluations = 2;
+        if mode.network.valves.iter().any(|valve| valve.openings.at(time).is_some()) {
+            system.enter_pieces(time + step, state, mode, at);
+            system.evaluate(time + step, state, mode, at);
+            self.implicit.factor(system, (time + step, gamma_h), state, mode, at);
+            evaluations += 1;
+        }
+        self.implicit.solve(system, mode, at, second, k2);
+        let half = step * R::constant(0.5);
+        for n in 0..end.len() {
+            end[n] = k1[n].multiply_add(R::constant(3.0), k2[n]).multiply_add(half, state[n]);
+        }
+        evaluations
+    }
+
+    /// Backward Euler, linearly implicit, of order 1: a flow comes nearer to the pressure beyond and never passes it. One part
+    /// stays positive, unless so much heat comes in meanwhile that the pressure stays while the air goes.
+    fn take_backward_euler(
+        &mut self,
+        system: &System<'_, R>,
+        (time, step): Span<R>,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> u64 {
+        let (mut parts, mut part, mut evaluations) = (1, step, 0);
+        loop {
+            let (mut positive, mut now) = (true, time);
+            self.state.copy_from_slice(state);
+            for _ in 0..parts {
+                let [first, slope, ..] = &mut self.slopes;
+                system.enter_pieces(now, &self.state, mode, at);
+                system.rates(now, &self.state, mode, at, first);
+                self.implicit.factor(system, (now, part), &self.state, mode, at);
+                self.implicit.solve(system, mode, at, first, slope);
+                axpy(end, &self.state, part, slope);
+                positive = positive && system.is_positive(&self.state, end);
+                self.state.copy_from_slice(end);
+                now = now + part;
+                evaluations += 1;
+            }
+            if positive || parts == MOST_PARTS {
+                return evaluations;
+            }
+            (parts, part) = (2 * parts, R::constant(0.5) * part);
+        }
+    }
+}
+
+/// `y + h k`.
+fn axpy<R: Real>(end: &mut [R], state: &[R], step: R, slope: &[R]) {
+    for (end, (from, slope)) in end.iter_mut().zip(state.iter().zip(slope)) {
+        *end = slope.multiply_add(step, *from);
+    }
+}
+
+impl<R: Real> System<'_, R> {
+    /// Whether a step from one state to another leaves enough of every pressure and of all air to be believed.
+    fn is_positive(&self, from: &[R], to: &[R]) -> bool {
+        let places = &self.plant.places;
+        let leaves = |place: usize| (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);
+        let air = places.actuators.iter().all(|here| leaves(here.pressure) && leaves(here.mass()));
+        air && places.nodes.iter().flatten().all(|place| leaves(*place))
+    }
+
+    /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
+    pub(super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
+        let places = &self.plant.places;
+        let lacks_air = |place: &usize| state[*place].value() <= 0.0;
+        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
+        let nodes = places.nodes.iter().flatten().copied();
+        let straight = self.wires.iter().find_map(|wire| {
+            let place = wire.length_place()?;
+            (state[place].value() >= wire.member.thread_length().value()).then_some(place)
+        });
+        let lost = state.iter().position(|number| !number.value().is_finite());
+        match lost.or_else(|| air.chain(nodes).find(lacks_air)).or(straight) {
+            None => Ok(()),
+            Some(place) => Err(self.step_too_long(time, state, place)),
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! The fixed-step engine: bounded cost, valve edges inside a step honoured exactly, any plant.
+//!
+//! A step is divided at every instant that is known beforehand (a seat moves, a given motion turns, a controller samples) and
+//! where a mode ends: a velocity comes to rest, friction lets go, a length or a stop is reached, a tendon comes loose. What
+//! follows there is what follows in the event-located engine: the discrete state and its rules are the plant's, and are the
+//! same for both. Only the way from one instant to the next is another: one step of a [`Method`] in place of as many as a
+//! tolerance takes.
+//!
+//! | within a step | |
+//! |---|---|
+//! | borders between pieces of a law that agree there | each stage takes the piece of its own state: [`pieces`] |
+//! | the end of a mode | is located by the method's own step: [`part`] |
+//! | more air than there is | shorter steps by backward Euler: [`method`] |
+//! | what is stiff | a linear system over what it is in: [`implicit`] |
+//!
+//! What error a step leaves is in `docs/accuracy.md`.
+//!
+//! Checked by `tests/plant_steps.rs`: against the event-located engine, by the order of the error in the step.
+
+mod implicit;
+mod method;
+mod part;
+mod pieces;
+
+use super::evaluation::System;
+use super::run::{Keep, PlantRun, PlantSnapshot};
+use super::sample::{Observer, PlantSample};
+use super::{Plant, PlantMode};
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::Real;
+use crate::simulation::Method;
+use crate::valve::Demand;
+use part::Workspace;
+
+/// The relative width of the borders of modes: no step is controlled by an error, so that only rounding is to be told from them.
+pub(super) const NARROW: f64 = 1e-12;
+/// Part of a step below which what is left up to the end of a run is no step of its own.
+const SLIVER: f64 = 1e-9;
+
+/// How a run goes through time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeStepping {
+    /// By the event-located engine: adaptive steps of high order, every event located.
+    Located {
+        /// Of each step.
+        relative_tolerance: f64,
+    },
+    /// By the fixed-step engine.
+    Fixed {
+        /// How a step is taken.
+        method: Method,
+        /// Its length in s; steps end at its multiples, counted from t = 0, and where the run is to pause.
+        step: f64,
+    },
+}
+
+impl From<f64> for TimeStepping {
+    /// By the event-located engine with a relative tolerance for each step.
+    fn from(relative_tolerance: f64) -> Self {
+        Self::Located { relative_tolerance }
+    }
+}
+
+impl TimeStepping {
+    /// That its numbers are within their ranges.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::Located { relative_tolerance } => parameter::RELATIVE_TOLERANCE.check(*relative_tolerance).map(drop),
+            Self::Fixed { step, .. } => parameter::STEP.check(*step).map(drop),
+        }
+    }
+
+    /// The tolerance by which the borders of modes are told from rounding.
+    pub(crate) fn tolerance(&self) -> f64 {
+        match self {
+            Self::Located { relative_tolerance } => *relative_tolerance,
+            Self::Fixed { .. } => NARROW,
+        }
+    }
+}
+
+/// The end in s of the step that begins at a time, of a run that goes on to `until`.
+fn step_end<R: Real>(time: R, step: f64, until: R) -> R {
+    let count = (time.value() / step * (1.0 + SLIVER)) as u64 + 1;
+    let end = step * count as f64;
+    if end < until.value() - SLIVER * step { R::constant(end) } else { until }
+}
+
+/// Advances a run from where it is to `until` in s at fixed steps, and hands each part to `keep`.
+pub(super) fn extend<R: Real>(
+    plant: &Plant<R>,
+    (method, step): (Method, f64),
+    reached: &mut PlantSnapshot<R>,
+    until: R,
+    keep: &mut Keep<'_, R>,
+) -> Result<(), Error> {
+    let (system, mut work) = (System::new(plant, NARROW), Workspace::new(plant));
+    while reached.time().lt(until) {
+        let end = step_end(reached.time(), step, until);
+        part::advance(&system, method, reached, end, &mut work, Some(&mut *keep))?;
+    }
+    reached.pace_mut().add(work.statistics);
+    Ok(())
+}
+
+/// Takes a run of a plant on at fixed steps.
+///
+/// ```
+/// use mckibben::plant::{Plant, PlantRun, PlantStart};
+/// use mckibben::simulation::Method;
+/// use mckibben::valve::Request;
+///
+/// # fn lifts(plant: &Plant, start: &PlantStart) -> Result<(), mckibben::Error> {
+/// let run = PlantRun::new(plant, start, 1e-6)?;
+/// let mut steps = run.steps(Method::Stable);
+/// for count in 1..=1000 {
+///     let fill = steps.state()[0] > 0.09;
+///     steps.set(0, if fill { Request::Fill } else { Request::Exhaust })?;
+///     steps.advance_to(f64::from(count) * 1e-3)?;
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct PlantSteps<'r, R: Real = f64> {
+    run: &'r PlantRun<R>,
+    system: System<'r, R>,
+    method: Method,
+    reached: PlantSnapshot<R>,
+    work: Workspace<R>,
+}
+
+impl<R: Real> PlantRun<R> {
+    /// Steps of a method from where the run is; the run itself stays there.
+    pub fn steps(&self, method: Method) -> PlantSteps<'_, R> {
+        R::begin_plant_steps(self, method)
+    }
+}
+
+impl<'r, R: Real> PlantSteps<'r, R> {
+    pub(crate) fn generic_begin(run: &'r PlantRun<R>, method: Method) -> Self {
+        let system = System::new(run.plant(), NARROW);
+        let reached = run.save();
+        let work = Workspace::new(run.plant());
+        Self { run, system, method, reached, work }
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &'r Plant<R> {
+        self.run.plant()
+    }
+
+    /// The time in s that has been reached.
+    pub fn time(&self) -> R {
+        self.reached.time()
+    }
+
+    /// The states at that time, in the places that [`Plant::places`] says.
+    pub fn state(&self) -> &[R] {
+        self.reached.state()
+    }
+
+    /// The discrete state at that time.
+    pub fn mode(&self) -> &PlantMode<R> {
+        self.reached.mode()
+    }
+
+    /// Where the steps are; a run or steps of the same plant can be restored to it.
+    pub fn save(&self) -> PlantSnapshot<R> {
+        self.reached.clone()
+    }
+
+    /// Goes back, or on, to where a run or steps of the same plant were.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] for a snapshot of another plant.
+    pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
+        self.reached.restore(snapshot)
+    }
+
+    /// Sets what a valve does from now on, in place of all that was to come.
+    ///
+    /// # Errors
+    /// As [`PlantRun::set`].
+    pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
+        self.reached.set(self.run.plant(), valve, demand.into())
+    }
+
+    /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives.
+    ///
+    /// # Errors
+    /// As [`PlantRun::set_rates`].
+    pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
+        self.reached.set_rates(&self.system, mechanism, rates)
+    }
+
+    /// Goes on to `until` in s in one step, divided where something switches; nothing where that has been reached.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when the step was so long that it left the physics, or when the plant cannot go on;
+    /// [`Error::OutOfRange`] for a time that is not finite; those of a driver. The steps then stay where they were.
+    pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
+        R::advance_plant_steps(self, until)
+    }
+
+    pub(crate) fn generic_advance_to(&mut self, until: R) -> Result<(), Error> {
+        let span = (until - self.time()).value();
+        if span <= 0.0 {
+            return Ok(());
+        }
+        parameter::DURATION.check(span)?;
+        let Self { run, system, method, reached, work } = self;
+        reached.pulse(run.plant(), until)?;
+        let done = part::advance(system, *method, reached, until, work, None);
+        if done.is_err() {
+            work.return_to_begin(reached);
+        }
+        done
+    }
+}
+
+impl PlantSteps<'_> {
+    /// Everything that is known at the time that has been reached.
+    pub fn sample(&self) -> PlantSample {
+        let mut sample = PlantSample::new(self.plant());
+        let mut observer = Observer::new(self.plant(), NARROW);
+        observer.observe(self.time(), self.state(), self.mode(), &mut sample);
+        sample
+    }
+}

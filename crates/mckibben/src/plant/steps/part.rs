@@ -1,0 +1,325 @@
+//! From one instant to the next: parts of a step that end where a mode ends.
+//!
+//! The mode at the beginning of a part is taken to last to its end. Where a guard is below zero by then, the place at which the
+//! first of them comes to zero is searched for; each trial is one step of the method from the beginning of the part. There
+//! the plant crosses the guard, and the rest of the step follows in the new mode.
+//!
+//! A guard that begins at zero, from rest or on a limit, is first evaluated a little after the beginning, and then over the
+//! part of the step: that has no root at the beginning.
+
+use super::super::Plant;
+use super::super::crossing::PlantEventKind;
+use super::super::evaluation::{Evaluation, System};
+use super::super::guard::PlantGuard;
+use super::super::mode::PlantMode;
+use super::super::run::{Keep, PlantSnapshot};
+use super::method::Stages;
+use super::pieces::is_between_pieces;
+use crate::engine::{Arc, GuardForm, Piece, Statistics};
+use crate::error::Error;
+use crate::root::Search;
+use crate::scalar::Real;
+use crate::simulation::Method;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Events within a part after which the rest of the step is taken as it is: so many for each actuator and mechanism.
+const MOST_EVENTS: usize = 4;
+/// Part of a step by which the last trial may move an event: what is left of its error is far smaller, since each error of the
+/// search is of the order of the product of those before.
+const LOCATION_TOLERANCE: f64 = 1e-5;
+/// Part of a step after which a guard that begins at zero is first evaluated.
+const FROM_REST: f64 = 1e-3;
+/// Trials after which an event is taken to be where the last one was.
+const MOST_TRIALS: usize = 60;
+
+/// What a step computes with: allocated once.
+#[derive(Clone, Debug)]
+pub(super) struct Workspace<R: Real> {
+    pub(super) at: Evaluation<R>,
+    pub(super) stages: Stages<R>,
+    /// The end of the part that is tried.
+    end: Vec<R>,
+    /// The guards of the mode that end it with an event, as long as it lasts.
+    guards: Vec<(PlantGuard, GuardForm)>,
+    has_guards: bool,
+    /// Those of the guards that are below zero at the end, and their values at the beginning.
+    violated: Vec<(usize, R)>,
+    /// Where the step began, to return there if it fails: the mode once it has changed.
+    begun: (R, Vec<R>),
+    mode_begun: Option<PlantMode<R>>,
+    pub(super) statistics: Statistics,
+    /// The part as a polynomial, for those that keep it.
+    arc: Arc<R>,
+}
+
+impl<R: Real> Workspace<R> {
+    pub(super) fn new(plant: &Plant<R>) -> Self {
+        let states = plant.places().states;
+        Self {
+            at: Evaluation::new(plant),
+            stages: Stages::new(plant),
+            end: vec![R::zero(); states],
+            guards: Vec::new(),
+            has_guards: false,
+            violated: Vec::new(),
+            begun: (R::zero(), vec![R::zero(); states]),
+            mode_begun: None,
+            statistics: Statistics::default(),
+            arc: Arc::new(states),
+        }
+    }
+
+    /// Notes that a mode is about to change.
+    fn mode_changes(&mut self, mode: &PlantMode<R>) {
+        self.has_guards = false;
+        if self.mode_begun.is_none() {
+            self.mode_begun = Some(mode.clone());
+        }
+    }
+
+    /// Returns to where the step began that failed.
+    pub(super) fn return_to_begin(&mut self, reached: &mut PlantSnapshot<R>) {
+        let (time, state, mode) = reached.parts();
+        *time = self.begun.0;
+        state.copy_from_slice(&self.begun.1);
+        if let Some(begun) = self.mode_begun.take() {
+            *mode = begun;
+        }
+    }
+}
+
+/// Advances a plant to `until` in s, through every instant up to then, and hands each part to `keep`, if anybody keeps it.
+pub(super) fn advance<R: Real>(
+    system: &System<'_, R>,
+    method: Method,
+    reached: &mut PlantSnapshot<R>,
+    until: R,
+    work: &mut Workspace<R>,
+    mut keep: Option<&mut Keep<'_, R>>,
+) -> Result<(), Error> {
+    let (time, state, mode) = reached.parts();
+    work.begun.0 = *time;
+    work.begun.1.copy_from_slice(state);
+    (work.mode_begun, work.has_guards) = (None, false);
+    loop {
+        let instant = system.next_instant(mode, until);
+        let target = instant.map_or(until, |instant| if instant.lt(until) { instant } else { until });
+        let keep = keep.as_deref_mut();
+        let mut part = Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, keep };
+        part.advance(target)?;
+        if instant.is_none() {
+            return Ok(());
+        }
+        part.pass_instant()?;
+    }
+}
+
+/// A plant on its way from one instant to the next.
+struct Part<'p, 's, 'k, R: Real> {
+    system: &'p System<'s, R>,
+    method: Method,
+    time: &'p mut R,
+    state: &'p mut [R],
+    mode: &'p mut PlantMode<R>,
+    work: &'p mut Workspace<R>,
+    keep: Option<&'p mut Keep<'k, R>>,
+}
+
+impl<R: Real> Part<'_, '_, '_, R> {
+    /// Goes on to `until`.
+    fn advance(&mut self, until: R) -> Result<(), Error> {
+        let parts = self.system.wires.len() + self.system.assemblies.len();
+        for _ in 0..MOST_EVENTS * parts {
+            let step = until - *self.time;
+            if step.le(R::zero()) {
+                return Ok(());
+            }
+            self.take(step);
+            self.find_violated(step);
+            if self.work.violated.is_empty() {
+                self.arrive(step, until)?;
+                return self.hand_on(None);
+            }
+            let (part, guard) = self.locate(step);
+            let end = *self.time + part;
+            self.arrive(part, end)?;
+            let kind = self.cross(guard)?;
+            self.hand_on(Some(kind))?;
+        }
+        let step = until - *self.time;
+        self.take(step);
+        self.find_violated(step);
+        self.arrive(step, until)?;
+        self.hand_on(None)?;
+        for violated in 0..self.work.violated.len() {
+            let (guard, _) = self.work.guards[self.work.violated[violated].0];
+            let kind = self.cross(guard)?;
+            self.stay();
+            self.hand_on(Some(kind))?;
+        }
+        Ok(())
+    }
+
+    /// Passes the instant at the current time.
+    fn pass_instant(&mut self) -> Result<(), Error> {
+        self.work.mode_changes(self.mode);
+        let kind = self.system.pass_instant(*self.time, self.state, self.mode, &mut self.work.at)?;
+        self.stay();
+        self.work.statistics.events += 1;
+        self.hand_on(Some(kind))
+    }
+
+    /// Crosses a guard at the current time.
+    fn cross(&mut self, guard: PlantGuard) -> Result<PlantEventKind, Error> {
+        self.work.mode_changes(self.mode);
+        self.work.statistics.events += 1;
+        self.system.cross(guard, *self.time, self.state, self.mode, &mut self.work.at)
+    }
+
+    /// Takes a step of the method to the trial end.
+    fn take(&mut self, step: R) {
+        let (system, Workspace { at, stages, end, statistics, .. }) = (self.system, &mut *self.work);
+        let time = *self.time;
+        statistics.evaluations += stages.take(system, self.method, (time, step), self.state, self.mode, at, end);
+        // As if it were in vain, until it arrives.
+        statistics.rejected_steps += 1;
+        system.project(time + step, end, self.mode, at);
+        system.enter_pieces(time + step, end, self.mode, at);
+    }
+
+    /// Comes to the trial end of a step of a length in s.
+    fn arrive(&mut self, step: R, time: R) -> Result<(), Error> {
+        let (system, Workspace { at, stages, end, statistics, arc, .. }) = (self.system, &mut *self.work);
+        system.check_step(time, end)?;
+        if self.keep.is_some() {
+            arc.start = *self.time;
+            arc.step = step;
+            match self.method {
+                Method::Rk4 => {
+                    let [first, last] = stages.slopes_at_ends(system, time, end, self.mode, at);
+                    arc.set_cubic([self.state, first], [end, last]);
+                }
+                Method::Stable => arc.set_line(self.state, end),
+            }
+        }
+        self.state.copy_from_slice(end);
+        *self.time = time;
+        statistics.rejected_steps -= 1;
+        match self.method {
+            Method::Rk4 => statistics.explicit_steps += 1,
+            Method::Stable => statistics.implicit_steps += 1,
+        }
+        Ok(())
+    }
+
+    /// A part without a length at the current time.
+    fn stay(&mut self) {
+        if self.keep.is_some() {
+            (self.work.arc.start, self.work.arc.step) = (*self.time, R::one());
+            self.work.arc.set_line(self.state, self.state);
+        }
+    }
+
+    /// Hands the part that has been made to whoever keeps it.
+    fn hand_on(&mut self, kind: Option<PlantEventKind>) -> Result<(), Error> {
+        match &mut self.keep {
+            None => Ok(()),
+            Some(keep) => {
+                let event = kind.map(|kind| (kind, &*self.mode));
+                keep(&Piece { arc: &self.work.arc, end: *self.time, event })
+            }
+        }
+    }
+
+    /// The value of a guard at the trial end, after a part of a step in s.
+    fn guard_at_end(&mut self, guard: usize, step: R) -> R {
+        let Workspace { at, end, guards, .. } = &mut *self.work;
+        value_of(self.system, guards[guard], *self.time + step, end, self.mode, at)
+    }
+
+    /// Finds the guards that are below zero at the trial end.
+    fn find_violated(&mut self, step: R) {
+        if !self.work.has_guards {
+            self.system.guards(self.mode, &mut self.work.guards);
+            self.work.guards.retain(|(guard, _)| !is_between_pieces(*guard));
+            self.work.has_guards = true;
+        }
+        self.work.violated.clear();
+        for place in 0..self.work.guards.len() {
+            if self.guard_at_end(place, step).lt(R::zero()) {
+                let Workspace { at, guards, .. } = &mut *self.work;
+                let at_begin = value_of(self.system, guards[place], *self.time, self.state, self.mode, at);
+                self.work.violated.push((place, at_begin));
+            }
+        }
+    }
+
+    /// The least of the violated guards at the trial end after a part of a step, and which it is; of those that begin at zero
+    /// the value over the part.
+    fn least(&mut self, step: R, theta: R) -> (R, usize) {
+        let mut least = (R::constant(f64::INFINITY), 0);
+        for violated in 0..self.work.violated.len() {
+            let (guard, at_begin) = self.work.violated[violated];
+            let value = self.guard_at_end(guard, step);
+            let value = if at_begin.le(R::zero()) { value / theta } else { value };
+            // What is not a number is below zero as well.
+            if !least.0.le(value) {
+                least = (value, guard);
+            }
+        }
+        least
+    }
+
+    /// Locates the first of the violated guards within a step; the trial end is there. Returns the part of the step in s, and the
+    /// guard.
+    fn locate(&mut self, step: R) -> (R, PlantGuard) {
+        let from_rest = self.work.violated.iter().any(|(_, at_begin)| at_begin.le(R::zero()));
+        let (at_end, mut first) = self.least(step, R::one());
+        let mut at_begin = R::constant(f64::INFINITY);
+        for (_, value) in &self.work.violated {
+            at_begin = if value.lt(at_begin) { *value } else { at_begin };
+        }
+        let mut part = step;
+        let mut search = Search::between([R::zero(), at_begin], at_end);
+        if from_rest {
+            let theta = R::constant(FROM_REST);
+            part = theta * step;
+            self.take(part);
+            let (value, guard) = self.least(part, theta);
+            if !R::zero().le(value) {
+                return (part, self.work.guards[guard].0);
+            }
+            search = Search::between([theta, value], at_end);
+        }
+        for _ in 0..MOST_TRIALS {
+            let theta = search.proposal();
+            part = theta * step;
+            self.take(part);
+            let (value, guard) = self.least(part, theta);
+            first = guard;
+            let is_nil = value.le(R::zero()) && R::zero().le(value);
+            if is_nil || search.away(theta).le(R::constant(LOCATION_TOLERANCE)) {
+                break;
+            }
+            search.learn([theta, value], !R::zero().le(value));
+        }
+        (part, self.work.guards[first].0)
+    }
+}
+
+/// The value of a guard in a state.
+fn value_of<R: Real>(
+    system: &System<'_, R>,
+    (guard, form): (PlantGuard, GuardForm),
+    time: R,
+    state: &[R],
+    mode: &PlantMode<R>,
+    at: &mut Evaluation<R>,
+) -> R {
+    match form {
+        GuardForm::Above { index, bound } => state[index] - R::constant(bound),
+        GuardForm::Below { index, bound } => R::constant(bound) - state[index],
+        GuardForm::Function => system.guard(guard, time, state, mode, at),
+    }
+}

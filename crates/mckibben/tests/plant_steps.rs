@@ -1,0 +1,169 @@
+//! Fixed steps of plants: the orders of their errors with edges, reversals, limits of the length, stops and tendons inside the
+//! steps; true sticking; agreement with the event-located engine for whatever a plant is made of.
+
+use crate::common::{PSI, Paper};
+use mckibben::plant::{Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
+use mckibben::simulation::{EventKind, Method};
+use mckibben::valve::Request;
+
+/// The states at the end of so many equal steps.
+fn stepped(plant: &Plant, start: &PlantStart, method: Method, duration: f64, steps: u32) -> Vec<f64> {
+    let run = PlantRun::new(plant, start, 1e-9).expect("a start");
+    let mut steps_of = run.steps(method);
+    for index in 1..=steps {
+        steps_of.advance_to(duration * f64::from(index) / f64::from(steps)).expect("a step");
+    }
+    steps_of.state().to_vec()
+}
+
+/// The states at the end of an event-located run.
+fn located(plant: &Plant, start: &PlantStart, duration: f64) -> Vec<f64> {
+    let mut run = PlantRun::new(plant, start, 1e-12).expect("a start");
+    run.advance_to(duration).expect("a run");
+    run.state().to_vec()
+}
+
+/// The usual sizes of the states.
+fn sizes(plant: &Plant) -> Vec<f64> {
+    let places = plant.places();
+    let mut sizes = vec![0.1; places.states];
+    for here in &places.mechanisms {
+        (0..here.coordinates).for_each(|k| sizes[here.rate(k)] = 1.0);
+    }
+    for here in &places.actuators {
+        (sizes[here.pressure], sizes[here.mass()]) = (1e5, 1e-4);
+        here.bristles.into_iter().for_each(|place| sizes[place] = 1e-3);
+    }
+    places.nodes.iter().flatten().for_each(|place| sizes[*place] = 1e5);
+    places.branches.iter().flatten().for_each(|place| sizes[*place] = 1e-3);
+    sizes
+}
+
+/// Largest difference of two states, each in units of its usual size.
+pub(crate) fn difference(plant: &Plant, ours: &[f64], theirs: &[f64]) -> f64 {
+    let parts = ours.iter().zip(theirs).zip(sizes(plant)).map(|((ours, theirs), size)| (ours - theirs).abs() / size);
+    parts.fold(0.0, f64::max)
+}
+
+/// The slope of a straight line through the logarithms of the errors at so many steps, each number twice the one before.
+fn order(plant: &Plant, start: &PlantStart, method: Method, duration: f64, steps: u32) -> f64 {
+    let exact = located(plant, start, duration);
+    let errors: Vec<f64> = (0..4)
+        .map(|halving| difference(plant, &stepped(plant, start, method, duration, steps << halving), &exact))
+        .collect();
+    eprintln!("{errors:?}");
+    assert!(errors.iter().all(|error| *error > 1e-12), "errors have reached rounding: {errors:?}");
+    let logs: Vec<f64> = errors.iter().map(|error| error.log2()).collect();
+    (3.0 * (logs[0] - logs[3]) + (logs[1] - logs[2])) / 10.0
+}
+
+fn as_plant(paper: &Paper) -> (Plant, PlantStart) {
+    let rig = paper.rig();
+    (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &paper.start()))
+}
+
+/// A rig whose flow is choked throughout, so that the rates are smooth between edges: a big volume between a strong
+/// supply and the surroundings, moving between its limits.
+fn smooth(coulomb_width: f64) -> Paper {
+    Paper::pwm(20.0, 0.5).gauge(45.0 * PSI).friction(3.5, coulomb_width).with(|rig| {
+        rig.external_volume = 1e-3;
+        rig.supply_gauge = 250.0 * PSI;
+        rig.delays = (4.3e-3, 1.1e-3);
+    })
+}
+
+#[test]
+fn rk4_is_of_order_four_with_edges_and_reversals_inside_its_steps() {
+    for width in [0.0, 1.1e-4] {
+        let (plant, start) = as_plant(&smooth(width));
+        let order = order(&plant, &start, Method::Rk4, 0.3, 75);
+        assert!((order - 4.0).abs() < 0.15, "width {width}: order {order}");
+    }
+}
+
+#[test]
+fn rk4_keeps_its_order_where_the_braid_comes_taut_and_the_muscle_slack() {
+    let heavy = Paper::sealed().mass(4.5).gauge(1e5).from(0.085, 0.0);
+    let light = Paper::sealed().mass(0.5).gauge(1e4).friction(3.5, 0.0).from(0.060, 0.5);
+    for (paper, name) in [(heavy, "a fall onto the taut braid"), (light, "a muscle that comes tight and then taut")] {
+        let (plant, start) = as_plant(&paper);
+        let order = order(&plant, &start, Method::Rk4, 0.3, 1500);
+        assert!(order > 3.5, "{name}: order {order}");
+    }
+}
+
+#[test]
+fn the_stable_method_is_of_order_two_with_edges_and_reversals_inside_its_steps() {
+    for width in [0.0, 1.1e-4] {
+        let (plant, start) = as_plant(&smooth(width));
+        let order = order(&plant, &start, Method::Stable, 0.3, 300);
+        assert!((order - 2.0).abs() < 0.15, "width {width}: order {order}");
+    }
+}
+
+#[test]
+fn the_stable_method_keeps_its_order_where_the_braid_comes_taut_and_the_muscle_slack() {
+    let heavy = Paper::sealed().mass(4.5).gauge(1e5).from(0.085, 0.0);
+    let light = Paper::sealed().mass(0.5).gauge(1e4).friction(3.5, 0.0).from(0.060, 0.5);
+    for (paper, name) in [(heavy, "a fall onto the taut braid"), (light, "a muscle that comes tight and then taut")] {
+        let (plant, start) = as_plant(&paper);
+        let order = order(&plant, &start, Method::Stable, 0.3, 8000);
+        assert!(order > 1.8, "{name}: order {order}");
+    }
+}
+
+/// A run by fixed steps that is kept has dense output of its method's order, events, and a ledger that closes as far as the steps
+/// are exact.
+#[test]
+fn a_kept_run_is_read_like_one_of_the_other_engine() {
+    let (plant, start) = as_plant(&smooth(1.1e-4));
+    let exact = simulate_plant(&plant, &start, 0.3, 1e-11).expect("a run");
+    let mut misses = Vec::new();
+    for (method, step) in [(Method::Rk4, 1e-3), (Method::Rk4, 5e-4), (Method::Stable, 1e-3), (Method::Stable, 5e-4)] {
+        let run = simulate_plant(&plant, &start, 0.3, TimeStepping::Fixed { method, step }).expect("a run");
+        let times = (0..1000).map(|index| 2.99e-4 * f64::from(index));
+        misses.push(times.map(|time| difference(&plant, &run.at(time).0, &exact.at(time).0)).fold(0.0, f64::max));
+        let kinds = |of: &PlantTrajectory| -> Vec<_> {
+            let seams = [EventKind::Flow, EventKind::Effectiveness, EventKind::Press];
+            of.events().iter().map(|event| event.kind).filter(|kind| !seams.contains(&kind.kind)).collect()
+        };
+        assert_eq!(kinds(&run), kinds(&exact), "{method:?}");
+        let counts = run.statistics();
+        let steps = if method == Method::Rk4 { counts.explicit_steps } else { counts.implicit_steps };
+        assert!(steps >= (0.3 / step) as u64 && counts.events == run.events().len() as u64, "{counts:?}");
+        let balance = run.ledger().energy();
+        assert!(balance.residual.abs() < 1e-3 * balance.turnover, "{method:?} at {step}: {balance:?}");
+    }
+    let [rk4, ros2] = [misses[0] / misses[1], misses[2] / misses[3]];
+    assert!(rk4 > 12.0 && ros2 > 3.5, "{misses:?}");
+}
+
+/// Steps that are set by a host, saved and restored go on as if nothing had been: bit for bit, and by another engine from there.
+#[test]
+fn steps_of_a_host_are_saved_restored_and_set() {
+    let (plant, start) = as_plant(&smooth(1.1e-4));
+    let run = PlantRun::new(&plant, &start, 1e-9).expect("a start");
+    let mut steps = run.steps(Method::Stable);
+    let drive = |steps: &mut mckibben::plant::PlantSteps<'_>, from: u32| {
+        for count in from..from + 50 {
+            let request = if count % 20 < 10 { Request::Fill } else { Request::Exhaust };
+            steps.set(0, request).expect("a request");
+            steps.advance_to(1e-3 * f64::from(count + 1)).expect("a step");
+        }
+    };
+    drive(&mut steps, 0);
+    let saved = steps.save();
+    drive(&mut steps, 50);
+    let first = steps.state().to_vec();
+    steps.restore(&saved).expect("its own");
+    drive(&mut steps, 50);
+    assert_eq!(steps.state(), first);
+    // A step that fails leaves everything where it was.
+    let before = (steps.time(), steps.state().to_vec());
+    assert!(steps.advance_to(f64::NAN).is_err() || steps.time() == before.0);
+    assert_eq!((steps.time(), steps.state().to_vec()), before);
+    let mut located = PlantRun::new(&plant, &start, 1e-9).expect("a start");
+    located.restore(&saved).expect("of the same plant");
+    located.advance_to(0.06).expect("a run");
+    assert!(located.time() == 0.06 && run.time() == 0.0);
+}
