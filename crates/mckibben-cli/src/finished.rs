@@ -247,7 +247,7 @@ impl Ready {
                         observer.step(step);
                         take(step)
                     })?;
-                    Ok((run.sample(), run))
+                    Ok((run.run.sample(), run))
                 })?;
                 Ok(Figures::Plant(Box::new(plant::figures(&of, (observer, follower), &made))))
             }

@@ -11,6 +11,7 @@ use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
 use mckibben::limit;
 use mckibben::line::{self, Line};
 use mckibben::parameter as p;
+use mckibben::plant::TimeStepping;
 use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
 use mckibben::simulation::{
     self, Actuation, Driven, Fittings, Initial, JointInitial, JointRig, JointState, JointStepError, JointSupply,
@@ -32,7 +33,7 @@ pub struct Experiment {
 impl Experiment {
     /// The formula of the fixed-step engine, as the core names it.
     pub fn method(&self) -> simulation::Method {
-        core_method(&self.run)
+        self.run.core_method()
     }
 
     /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
@@ -76,7 +77,7 @@ pub struct JointExperiment {
 impl JointExperiment {
     /// The formula of the fixed-step engine, as the core names it.
     pub fn method(&self) -> simulation::Method {
-        core_method(&self.run)
+        self.run.core_method()
     }
 
     /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
@@ -92,13 +93,6 @@ impl JointExperiment {
         let times = (run.duration, run.sample_interval);
         let chosen = joint_step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
         Ok((chosen.step, Some(chosen)))
-    }
-}
-
-fn core_method(run: &Run) -> simulation::Method {
-    match run.method {
-        Method::Stable => simulation::Method::Stable,
-        Method::Rk4 => simulation::Method::Rk4,
     }
 }
 
@@ -268,6 +262,28 @@ fn core_lead(tendon: &Tendon) -> Result<load::Tendon, Error> {
 }
 
 impl Run {
+    /// The method of the fixed-step engine, as the core names it.
+    pub(crate) fn core_method(&self) -> simulation::Method {
+        match self.method {
+            Method::Stable => simulation::Method::Stable,
+            Method::Rk4 => simulation::Method::Rk4,
+        }
+    }
+
+    /// How it goes through time; a fixed step that is to be chosen stands at the sample interval.
+    pub fn stepping(&self) -> TimeStepping {
+        match self.engine {
+            Engine::EventLocated => self.relative_tolerance.into(),
+            Engine::FixedStep => self.fixed(self.step.unwrap_or(self.sample_interval)),
+        }
+    }
+
+    /// Fixed steps that divide the sample interval into the least number of equal parts not longer than `step` s.
+    pub(crate) fn fixed(&self, step: f64) -> TimeStepping {
+        let parts = simulation::steps_between(0.0, self.sample_interval, step);
+        TimeStepping::Fixed { method: self.core_method(), step: self.sample_interval / parts as f64 }
+    }
+
     /// That the run has no more samples and steps than [`MAX_COUNT`](mckibben::parameter::MAX_COUNT).
     ///
     /// # Errors

@@ -58,8 +58,6 @@ macro_rules! limits {
 }
 
 limits! {
-    PLANT_FIXED_STEP: "run.engine = \"fixed-step\"", "for a plant of several actuators",
-        "leave out run.engine, or set it to \"event-located\"";
     PLANT_ANTAGONIST: "`[antagonist]`", "in a file of several actuators",
         "write a chain of one joint with two actuators";
     PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",

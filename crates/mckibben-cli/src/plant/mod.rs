@@ -22,12 +22,13 @@ pub(crate) mod summary;
 use crate::closed_loop::Goals;
 use crate::engine::Way;
 use crate::failure::Failure;
+use crate::observation::Steps;
 use crate::record::Field;
 use control::{Closed, Follower};
 use mckibben::Error;
 use mckibben::network::NodeKind;
 use mckibben::parameter;
-use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantTrajectory};
+use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantStepError, PlantTrajectory, TimeStepping};
 use mckibben_scenario::{PlantControl, PlantExperiment};
 use observation::{Observation, Observer};
 
@@ -74,11 +75,28 @@ impl PlantOutcome {
     }
 }
 
+/// A run that has come to its end, and what is known of the step that was chosen for it.
+pub(crate) struct Made {
+    pub(crate) run: PlantRun,
+    chosen: Option<PlantStepError>,
+}
+
+impl Made {
+    /// The fixed steps, where it took such.
+    fn steps(&self) -> Option<Steps> {
+        let TimeStepping::Fixed { step, .. } = self.run.stepping() else { return None };
+        let counts = self.run.statistics();
+        let chosen = self.chosen.map(|error| [error.compared, error.greatest]);
+        Some(Steps { step, chosen, steps: counts.explicit_steps + counts.implicit_steps })
+    }
+}
+
 /// A run before its first step, with its controllers.
-fn begin(of: &PlantExperiment) -> Result<PlantRun, Error> {
+fn begin(of: &PlantExperiment) -> Result<Made, Error> {
     parameter::DURATION.check(of.run.duration)?;
+    let (stepping, chosen) = of.stepping()?;
     let drivers = of.controls.iter().map(PlantControl::driver).collect();
-    PlantRun::with_drivers(&of.plant, &of.start, of.run.relative_tolerance, drivers)
+    Ok(Made { run: PlantRun::with_drivers(&of.plant, &of.start, stepping, drivers)?, chosen })
 }
 
 /// Numbers of a kept step for each state, of eight bytes.
@@ -89,9 +107,9 @@ const NUMBERS_KEPT: usize = 8;
 /// # Errors
 /// What the core finds.
 pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<PlantOutcome, Error> {
-    let mut run = begin(&of)?;
+    let mut made = begin(&of)?;
     let mut way = Way::begin(&of.run).keeping(8 * NUMBERS_KEPT * of.plant.places().states);
-    let trajectory = run.record_to(of.run.duration, &mut |time| {
+    let trajectory = made.run.record_to(of.run.duration, &mut |time| {
         way.kept(time);
         reached(time)
     })?;
@@ -103,7 +121,7 @@ pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error
         observer.step(step);
         Ok(())
     })?;
-    let observation = observer.finish(&run);
+    let observation = observer.finish(&made);
     Ok(PlantOutcome { experiment: of, trajectory, observation, control })
 }
 
@@ -116,10 +134,10 @@ pub(crate) fn stream(
     of: &PlantExperiment,
     follower: &mut Follower<'_>,
     consumer: &mut PlantConsumer<'_>,
-) -> Result<PlantRun, Error> {
-    let mut run = begin(of)?;
+) -> Result<Made, Error> {
+    let mut made = begin(of)?;
     let mut way = Way::begin(&of.run);
-    run.stream_to(of.run.duration, &mut |step| {
+    made.run.stream_to(of.run.duration, &mut |step| {
         way.at(step.end());
         consumer(step)?;
         if let Some(decision) = step.decision() {
@@ -127,16 +145,16 @@ pub(crate) fn stream(
         }
         Ok(())
     })?;
-    Ok(run)
+    Ok(made)
 }
 
 /// The figures of a run that was streamed to its end.
 pub(crate) fn figures(
     of: &PlantExperiment,
     (observer, follower): (Observer<'_>, Follower<'_>),
-    run: &PlantRun,
+    made: &Made,
 ) -> PlantFigures {
-    PlantFigures { experiment: of.clone(), observation: observer.finish(run), control: follower.finish() }
+    PlantFigures { experiment: of.clone(), observation: observer.finish(made), control: follower.finish() }
 }
 
 /// What the file calls a part; of what it does not name, what that belongs to.

@@ -3,10 +3,12 @@
 //! A run is observed step by step as it is made, at the sample interval and at least at 2000 instants: nothing of
 //! it is kept.
 
+use super::Made;
 use crate::observation::Range;
+use crate::observation::Steps;
 use mckibben::engine::Statistics;
 use mckibben::network::NodeKind;
-use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
+use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantSample, PlantStep};
 use mckibben::simulation::{EventKind, Reading, SampleTimes};
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::collections::BTreeMap;
@@ -25,6 +27,8 @@ pub struct Observation {
     pub rows: Vec<Row>,
     /// Where energy, exergy and air went.
     pub ledger: PlantLedger,
+    /// The fixed steps, where the run took such.
+    pub steps: Option<Steps>,
 }
 
 /// A line of the table of states; without a unit a heading.
@@ -61,7 +65,7 @@ impl<'e> Observer<'e> {
             experiment,
             events: BTreeMap::new(),
             rows: rows(experiment),
-            keeper: PlantLedgerKeeper::new(&experiment.plant, run.relative_tolerance),
+            keeper: PlantLedgerKeeper::new(&experiment.plant, run.stepping()),
             samples: Reading::new(Box::new(times), run.duration),
         }
     }
@@ -80,10 +84,11 @@ impl<'e> Observer<'e> {
     }
 
     /// The figures of a run that has come to its end.
-    pub(crate) fn finish(mut self, run: &PlantRun) -> Observation {
+    pub(crate) fn finish(mut self, made: &Made) -> Observation {
+        let run = &made.run;
         see(&mut self.rows, self.experiment, &run.sample());
         let ledger = self.keeper.finish(run);
-        Observation { statistics: run.statistics(), events: self.events, rows: self.rows, ledger }
+        Observation { statistics: run.statistics(), events: self.events, rows: self.rows, ledger, steps: made.steps() }
     }
 }
 

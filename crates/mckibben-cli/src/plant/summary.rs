@@ -4,8 +4,9 @@ use super::PlantFigures;
 use super::control;
 use crate::describe;
 use crate::failure::Failure;
+use crate::observation::Steps;
 use crate::quantities::{common_prefix, count, given};
-use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual};
+use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual, step_of};
 use crate::terminal::{FAINT, styled};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
@@ -58,6 +59,9 @@ impl Summary<'_> {
             page.line("supplies", &supplies.join(", "));
         }
         page.line("engine", &describe::engine(&of.run));
+        if let Some(Steps { step, chosen, .. }) = &self.run.observation.steps {
+            page.line("step", &step_of(page, *step, *chosen, &of.run));
+        }
         let cost = cost(self.run.observation.statistics);
         page.line("cost", &format!("{cost}, {}", page.quantity(self.elapsed.as_secs_f64(), "s")));
     }

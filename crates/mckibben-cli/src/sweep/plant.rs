@@ -28,7 +28,7 @@ fn simulate(of: &PlantExperiment, columns: &[PlantColumn], record: &Record) -> R
     };
     let mut reading = Reading::new(times, run.duration);
     let uses_air = matches!(record, Record::PlantReductions(list) if list.iter().any(|of| of.of == PlantReduced::Air));
-    let mut keeper = uses_air.then(|| PlantLedgerKeeper::new(&of.plant, run.relative_tolerance));
+    let mut keeper = uses_air.then(|| PlantLedgerKeeper::new(&of.plant, run.stepping()));
     let made = plant::stream(of, &mut follower, &mut |step| {
         if let Some(keeper) = &mut keeper {
             keeper.step(step);
@@ -38,12 +38,12 @@ fn simulate(of: &PlantExperiment, columns: &[PlantColumn], record: &Record) -> R
             Ok(())
         })
     })?;
-    let last = made.sample();
+    let last = made.run.sample();
     reading.finish(&last, |sample| {
         recorder.see(sample);
         Ok::<_, Error>(())
     })?;
-    let air = keeper.map(|keeper| air_used(of, &keeper.finish(&made)));
+    let air = keeper.map(|keeper| air_used(of, &keeper.finish(&made.run)));
     Ok(recorder.finish(follower, air))
 }
 

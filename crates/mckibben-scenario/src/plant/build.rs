@@ -3,11 +3,10 @@
 use super::control::{self, PlantControl};
 use super::network::Builder;
 use super::{Frame, MechanismNames, Member, Mount, PlantExperiment, PlantNames, PlantScenario};
-use crate::choice::Engine;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics};
 use crate::document::Document;
 use crate::model::{core_air, core_motion};
-use crate::scenario::{InitialLength, Run};
+use crate::scenario::InitialLength;
 use mckibben::force::Statics;
 use mckibben::load::{Load, MomentArm};
 use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
@@ -20,7 +19,6 @@ impl Document {
         let mut names = PlantNames::default();
         let whole = |error: &Error| -> Diagnostics { self.diagnose(error).into() };
         of.run.check_counts().map_err(|error| whole(&error))?;
-        check_engine(&of.run).map_err(|error| whole(&error))?;
         let mut parts = Parts { mounted: Vec::new(), mechanisms: Vec::new(), start: PlantStart::default() };
         for Frame { name, mechanism, joints, positions, rates, .. } in &of.frames {
             parts.mechanisms.push(mechanism.clone());
@@ -223,12 +221,4 @@ fn balanced(actuator: &Actuator, gauge: f64, pull: impl Fn(f64) -> f64) -> f64 {
         if pull(middle) > actuator.static_force(middle, pressure).max(0.0) { low = middle } else { high = middle }
     }
     0.5 * (low + high)
-}
-
-/// The plant runs by the event-located engine.
-fn check_engine(run: &Run) -> Result<(), Error> {
-    match run.engine {
-        Engine::EventLocated => Ok(()),
-        Engine::FixedStep => Err(Error::NotImplemented(&mckibben::limit::PLANT_FIXED_STEP)),
-    }
 }

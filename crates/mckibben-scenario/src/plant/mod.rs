@@ -24,12 +24,14 @@ mod control;
 mod network;
 pub(crate) mod parts;
 
+use crate::choice::Engine;
 use crate::diagnostic::{Diagnostics, Place};
 use crate::document::Document;
 use crate::keys;
 use crate::scenario::{Air, Command, Controller, Hose, Motion, Passage, Run, Scenario, Supply, Valve};
+use mckibben::Error;
 use mckibben::mechanism::Mechanism;
-use mckibben::plant::{Plant, PlantStart};
+use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping, plant_step_for_accuracy};
 
 pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
 pub use control::{ActuatorControl, JointControl, PlantControl};
@@ -47,6 +49,24 @@ pub struct PlantExperiment {
     pub names: PlantNames,
     /// The controllers.
     pub controls: Vec<PlantControl>,
+}
+
+impl PlantExperiment {
+    /// How it goes through time. A fixed step that no one gives is the longest that the accuracy allows, with its error.
+    ///
+    /// # Errors
+    /// As [`plant_step_for_accuracy`], when a step is chosen.
+    pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
+        let run = &self.run;
+        if run.engine == Engine::EventLocated || run.step.is_some() {
+            return Ok((run.stepping(), None));
+        }
+        let drivers = || self.controls.iter().map(PlantControl::driver).collect();
+        let times = (run.duration, run.sample_interval);
+        let of = (&self.plant, &self.start);
+        let chosen = plant_step_for_accuracy(of, &drivers, times, run.core_method(), run.accuracy)?;
+        Ok((run.fixed(chosen.step), Some(chosen)))
+    }
 }
 
 /// What a file calls the parts of a plant.

@@ -4,6 +4,7 @@ use super::exergy::DeadState;
 use super::ledger::{Carried, PlantLedger};
 use super::mode::PlantMode;
 use super::sample::Observer;
+use super::steps::TimeStepping;
 use super::trajectory::PieceView;
 use super::{Plant, tendon};
 use crate::engine::arc;
@@ -52,7 +53,7 @@ pub(super) struct Bookkeeper<'a> {
     nodes: Vec<Passing>,
     state: Vec<f64>,
     has_begun: bool,
-    relative_tolerance: f64,
+    tolerance: f64,
     steps: f64,
     /// Energies of the work and of the air in J, and the mass of the air in kg, at an instant; and the largest so far.
     sizes: [f64; 3],
@@ -62,7 +63,7 @@ pub(super) struct Bookkeeper<'a> {
 }
 
 impl<'a> Bookkeeper<'a> {
-    pub(super) fn new(plant: &'a Plant, relative_tolerance: f64) -> Self {
+    pub(super) fn new(plant: &'a Plant, stepping: TimeStepping) -> Self {
         let network = plant.network();
         let ledger = PlantLedger {
             actuators: vec![Default::default(); plant.actuators().len()],
@@ -74,13 +75,13 @@ impl<'a> Bookkeeper<'a> {
         };
         Self {
             plant,
-            observer: Observer::new(plant, relative_tolerance),
+            observer: Observer::new(plant, stepping),
             dead: DeadState::of(plant),
             ledger,
             nodes: vec![Passing::default(); network.nodes.len()],
             state: vec![0.0; plant.places().states],
             has_begun: false,
-            relative_tolerance,
+            tolerance: stepping.tolerance(),
             steps: 0.0,
             sizes: [0.0; 3],
             largest: [0.0; 3],
@@ -104,7 +105,8 @@ impl<'a> Bookkeeper<'a> {
                 let time = start + length * node;
                 arc::at(points, (time - start) / step, &mut state);
                 self.observer.system.project(time, &mut state, mode, &mut self.observer.at);
-                self.instant(length * weight, time, &state, mode);
+                let own = self.observer.mode_with_pieces(time, &state, mode);
+                self.instant(length * weight, time, &state, own.as_ref().unwrap_or(mode));
             }
         }
         self.state = state;
@@ -118,7 +120,7 @@ impl<'a> Bookkeeper<'a> {
         let [enthalpy, mass] = self.steepness;
         for ((errors, largest), steep) in self.ledger.errors.iter_mut().zip(self.largest).zip([0.0, enthalpy, mass]) {
             errors[0] += ROUNDING * steep;
-            errors[1] = self.relative_tolerance * (self.steps * largest + steep);
+            errors[1] = self.tolerance * (self.steps * largest + steep);
         }
         self.ledger
     }

@@ -397,7 +397,7 @@ impl PlantLedger {
 impl PlantTrajectory {
     /// The ledger of energy and exergy of the whole run.
     pub fn ledger(&self) -> PlantLedger {
-        let mut keeper = Bookkeeper::new(self.plant(), self.relative_tolerance());
+        let mut keeper = Bookkeeper::new(self.plant(), self.stepping());
         self.each_piece(|piece| keeper.add(piece));
         let (state, mode) = self.at(self.duration());
         keeper.finish(self.duration(), &state, mode)

@@ -73,7 +73,7 @@ pub(crate) use rig::{four, linear as rig_linear, point as rig_point};
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
-pub use steps::{PlantSteps, TimeStepping};
+pub use steps::{PlantStepError, PlantSteps, TimeStepping, plant_step_for_accuracy};
 pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};
 pub use trajectory::{PlantEvent, PlantTrajectory, STEPS_WATCHED, simulate_plant};
 pub use view::{PlantView, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
@@ -192,6 +192,16 @@ pub struct Places {
     pub states: usize,
     pub(crate) gradients: usize,
     pub(crate) arms: usize,
+}
+
+impl Places {
+    /// The states that runs are compared by: of mechanisms, actuators and nodes.
+    pub(crate) fn compared(&self) -> impl Iterator<Item = usize> + '_ {
+        let of_mechanisms = self.mechanisms.iter().flat_map(|here| here.first..here.first + 2 * here.coordinates);
+        let of_actuators =
+            self.actuators.iter().flat_map(|here| [here.pressure, here.mass()].into_iter().chain(here.length));
+        of_mechanisms.chain(of_actuators).chain(self.nodes.iter().flatten().copied())
+    }
 }
 
 impl Plant {

@@ -212,7 +212,7 @@ impl<R: Real> PlantRun<R> {
         self.stepping
     }
 
-    /// The relative tolerance by which the borders of modes are told from rounding: that of each step, at fixed steps 10⁻¹².
+    /// The relative tolerance of each step, at fixed steps that of borders alone: [`TimeStepping::tolerance`].
     pub fn relative_tolerance(&self) -> f64 {
         self.stepping.tolerance()
     }

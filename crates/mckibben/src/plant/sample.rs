@@ -10,6 +10,7 @@
 use super::Plant;
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
+use super::steps::TimeStepping;
 use super::trajectory::PlantTrajectory;
 use crate::air::Process;
 use crate::network::{BranchKind, NodeKind, flow::NetworkState};
@@ -158,17 +159,30 @@ pub(crate) struct Observer<'a, R: Real> {
     pub(crate) at: Evaluation<R>,
     /// `Σ ṁ T` of what flows into each actuator, in kg·K/s.
     pub(crate) warmth: Vec<R>,
+    /// Whether the run took fixed steps, whose modes do not say which pieces of laws hold.
+    is_fixed: bool,
 }
 
 impl<'a, R: Real> Observer<'a, R> {
-    pub(crate) fn new(plant: &'a Plant<R>, relative_tolerance: f64) -> Self {
-        let system = System::new(plant, relative_tolerance);
-        Self { system, at: Evaluation::new(plant), warmth: vec![R::zero(); plant.actuators().len()] }
+    /// Of a run that goes through time by a [`TimeStepping`].
+    pub(crate) fn new(plant: &'a Plant<R>, stepping: TimeStepping) -> Self {
+        let system = System::new(plant, stepping.tolerance());
+        let is_fixed = matches!(stepping, TimeStepping::Fixed { .. });
+        Self { system, at: Evaluation::new(plant), warmth: vec![R::zero(); plant.actuators().len()], is_fixed }
+    }
+
+    /// A mode of a run at fixed steps with the pieces of laws that hold in a state; none where the mode says them itself.
+    pub(crate) fn mode_with_pieces(&mut self, time: R, state: &[R], mode: &PlantMode<R>) -> Option<PlantMode<R>> {
+        self.is_fixed.then(|| {
+            let mut own = mode.clone();
+            self.system.enter_pieces(time, state, &mut own, &mut self.at);
+            own
+        })
     }
 
     /// Computes everything at a time in s, a state and a mode, but the tensions of what sticks.
     pub(crate) fn evaluate_flows(&mut self, time: R, state: &[R], mode: &PlantMode<R>) {
-        let Self { system, at, warmth } = self;
+        let Self { system, at, warmth, .. } = self;
         let plant = system.plant;
         system.evaluate(time, state, mode, at);
         for (i, warmth) in warmth.iter_mut().enumerate() {
@@ -218,6 +232,8 @@ impl<'a, R: Real> Observer<'a, R> {
 
     /// Writes the sample at a time in s, a state and a mode.
     pub(crate) fn observe(&mut self, time: R, state: &[R], mode: &PlantMode<R>, sample: &mut PlantSample<R>) {
+        let own = self.mode_with_pieces(time, state, mode);
+        let mode = own.as_ref().unwrap_or(mode);
         self.evaluate_flows(time, state, mode);
         let plant = self.system.plant;
         for m in 0..plant.mechanisms().len() {
@@ -331,7 +347,7 @@ impl<'t, R: Real> PlantReader<'t, R> {
 
     pub(crate) fn generic_new(trajectory: &'t PlantTrajectory<R>) -> Self {
         let plant = trajectory.plant();
-        let observer = Observer::new(plant, trajectory.relative_tolerance());
+        let observer = Observer::new(plant, trajectory.stepping());
         Self { trajectory, observer, state: vec![R::zero(); plant.places().states], begun: 0 }
     }
 

@@ -10,6 +10,7 @@ use super::ledger::PlantLedger;
 use super::mode::PlantMode;
 use super::run::PlantRun;
 use super::sample::{Observer, PlantSample};
+use super::steps::TimeStepping;
 use super::trajectory::{PieceView, PlantTrajectory};
 use super::{Plant, PlantEvent};
 use crate::command::PlantDecision;
@@ -148,7 +149,7 @@ impl PlantRun {
     pub fn stream_to(&mut self, until: f64, consumer: &mut PlantConsumer<'_>) -> Result<(), Error> {
         parameter::DURATION.check(until)?;
         let plant = self.plant().clone();
-        let observer = Observer::new(&plant, self.relative_tolerance());
+        let observer = Observer::new(&plant, self.stepping());
         let room = Room { observer, state: vec![0.0; plant.places().states] };
         let reads = Shared(&plant, RefCell::new(room));
         let mut mode = self.mode().clone();
@@ -168,7 +169,7 @@ impl PlantRun {
     /// The sample at the time that has been reached, after any event there.
     pub fn sample(&self) -> PlantSample {
         let mut sample = PlantSample::new(self.plant());
-        let mut observer = Observer::new(self.plant(), self.relative_tolerance());
+        let mut observer = Observer::new(self.plant(), self.stepping());
         observer.observe(self.time(), self.state(), self.mode(), &mut sample);
         sample
     }
@@ -181,7 +182,7 @@ impl PlantTrajectory {
     /// Those of the consumer.
     pub fn replay(&self, consumer: &mut PlantConsumer<'_>) -> Result<(), Error> {
         let plant = self.plant();
-        let observer = Observer::new(plant, self.relative_tolerance());
+        let observer = Observer::new(plant, self.stepping());
         let room = Room { observer, state: vec![0.0; plant.places().states] };
         let reads = Shared(plant, RefCell::new(room));
         self.each_piece_with_event(|view, event| {
@@ -196,9 +197,9 @@ impl PlantTrajectory {
 pub struct PlantLedgerKeeper<'p>(Bookkeeper<'p>);
 
 impl<'p> PlantLedgerKeeper<'p> {
-    /// Before the first step of a run of a plant with a relative tolerance.
-    pub fn new(plant: &'p Plant, relative_tolerance: f64) -> Self {
-        Self(Bookkeeper::new(plant, relative_tolerance))
+    /// Before the first step of a run of a plant that goes through time as said, for instance with a relative tolerance.
+    pub fn new(plant: &'p Plant, stepping: impl Into<TimeStepping>) -> Self {
+        Self(Bookkeeper::new(plant, stepping.into()))
     }
 
     /// Adds a step.

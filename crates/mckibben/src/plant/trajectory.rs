@@ -50,7 +50,7 @@ pub(crate) struct PieceView<'t, R: Real = f64> {
 #[derive(Clone, Debug)]
 pub struct PlantTrajectory<R: Real = f64> {
     plant: Plant<R>,
-    relative_tolerance: f64,
+    stepping: TimeStepping,
     /// The modes, each stored once.
     segments: Vec<PlantMode<R>>,
     pieces: Vec<Kept<R>>,
@@ -98,7 +98,7 @@ impl<R: Real> PlantTrajectory<R> {
     pub(crate) fn begin(run: &PlantRun<R>) -> Self {
         Self {
             plant: run.plant().clone(),
-            relative_tolerance: run.relative_tolerance(),
+            stepping: run.stepping(),
             segments: Vec::new(),
             pieces: Vec::new(),
             points: Vec::new(),
@@ -176,9 +176,14 @@ impl<R: Real> PlantTrajectory<R> {
         self.last.0
     }
 
-    /// The relative tolerance of each step.
+    /// How it went through time.
+    pub fn stepping(&self) -> TimeStepping {
+        self.stepping
+    }
+
+    /// The relative tolerance of each step, at fixed steps that of borders alone: [`TimeStepping::tolerance`].
     pub fn relative_tolerance(&self) -> f64 {
-        self.relative_tolerance
+        self.stepping.tolerance()
     }
 
     /// The states at `time` in s, by dense output, with the mode that holds; at the instant of an event, after it. Times before
@@ -188,7 +193,7 @@ impl<R: Real> PlantTrajectory<R> {
     }
 
     pub(crate) fn generic_at(&self, time: R) -> (Vec<R>, &PlantMode<R>) {
-        let system = System::new(&self.plant, self.relative_tolerance);
+        let system = System::new(&self.plant, self.stepping.tolerance());
         let mut state = vec![R::zero(); self.plant.places().states];
         let begun = self.begun(0, time.value());
         let (_, mode) = self.read(&system, begun, time, &mut state, &mut Evaluation::new(&self.plant));

@@ -37,9 +37,9 @@ pub const PILOT: f64 = 10.0;
 /// The shortest step in s that is tried.
 pub const SHORTEST: f64 = 1e-6;
 /// Part of a state's usual size that its range counts for at least.
-pub(super) const LEAST_RANGE: f64 = 1e-3;
+pub(crate) const LEAST_RANGE: f64 = 1e-3;
 /// Relative tolerance of the reference as a part of the accuracy, and its bounds.
-pub(super) const REFERENCE: (f64, f64, f64) = (1e-3, 1e-12, 1e-7);
+pub(crate) const REFERENCE: (f64, f64, f64) = (1e-3, 1e-12, 1e-7);
 
 /// The error of the fixed-step engine: for each state the largest difference from the event-located engine, as a share of
 /// the range that the state covers.
@@ -142,7 +142,7 @@ impl Reference {
 ///
 /// # Errors
 /// As [`Reference::step_for`].
-pub(super) fn longest_step<E>(
+pub(crate) fn longest_step<E>(
     accuracy: f64,
     interval: f64,
     greatest: impl Fn(&E) -> f64,

@@ -25,6 +25,7 @@ use super::super::Plant;
 use super::super::evaluation::{Evaluation, System};
 use super::super::mode::PlantMode;
 use super::implicit::Implicit;
+use crate::engine::Arc;
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::simulation::Method;
@@ -207,6 +208,13 @@ impl<R: Real> System<'_, R> {
         let leaves = |place: usize| (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);
         let air = places.actuators.iter().all(|here| leaves(here.pressure) && leaves(here.mass()));
         air && places.nodes.iter().flatten().all(|place| leaves(*place))
+    }
+
+    /// Whether the polynomial of a step has air in every chamber and node: it lies within the hull of its control points.
+    pub(super) fn holds_air(&self, arc: &Arc<R>) -> bool {
+        let places = &self.plant.places;
+        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
+        air.chain(places.nodes.iter().flatten().copied()).all(|place| arc.all_points(place, |point| point > 0.0))
     }
 
     /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.

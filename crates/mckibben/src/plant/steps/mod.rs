@@ -17,10 +17,13 @@
 //!
 //! Checked by `tests/plant_steps.rs`: against the event-located engine, by the order of the error in the step.
 
+mod accuracy;
 mod implicit;
 mod method;
 mod part;
 mod pieces;
+
+pub use accuracy::{PlantStepError, plant_step_for_accuracy};
 
 use super::evaluation::System;
 use super::run::{Keep, PlantRun, PlantSnapshot};
@@ -71,8 +74,8 @@ impl TimeStepping {
         }
     }
 
-    /// The tolerance by which the borders of modes are told from rounding.
-    pub(crate) fn tolerance(&self) -> f64 {
+    /// The relative tolerance by which borders of modes are discerned from rounding: that of each step, at fixed steps 10⁻¹².
+    pub fn tolerance(&self) -> f64 {
         match self {
             Self::Located { relative_tolerance } => *relative_tolerance,
             Self::Fixed { .. } => NARROW,
@@ -224,7 +227,8 @@ impl PlantSteps<'_> {
     /// Everything that is known at the time that has been reached.
     pub fn sample(&self) -> PlantSample {
         let mut sample = PlantSample::new(self.plant());
-        let mut observer = Observer::new(self.plant(), NARROW);
+        let fixed = TimeStepping::Fixed { method: self.method, step: 1.0 };
+        let mut observer = Observer::new(self.plant(), fixed);
         observer.observe(self.time(), self.state(), self.mode(), &mut sample);
         sample
     }

@@ -34,7 +34,7 @@ pub(super) fn is_between_pieces(guard: PlantGuard) -> bool {
 
 impl<R: Real> System<'_, R> {
     /// Takes the pieces of all laws that hold in a state.
-    pub(super) fn enter_pieces(&self, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+    pub(in super::super) fn enter_pieces(&self, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         let network = &self.plant.network;
         self.piping.enter_pressures(state, &mut at.network);
         for (index, branch) in network.branches.iter().enumerate() {
