@@ -152,7 +152,7 @@ impl Ready {
 
     /// Whether the run will have a log of events.
     pub fn logs_events(&self) -> bool {
-        self.plan().engine == Engine::EventLocated
+        matches!(self, Self::Plant(_)) || self.plan().engine == Engine::EventLocated
     }
 
     /// Runs it. `watch` sees the start and every step of an actuator at fixed steps, with what is run; `reached` hears the time

@@ -296,10 +296,6 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
         (base.replace("[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n", ""), "no actuator is named"),
         (format!("{base}valve.output = \"b\"\n"), "for a five-way valve"),
         (
-            base.replace("[run]", "[run]\nengine = \"fixed-step\""),
-            "is not implemented for a plant of several actuators",
-        ),
-        (
             format!("{base}[antagonist]\ninitial.gauge_pressure = \"1 bar\"\n"),
             "is not implemented in a file of several actuators",
         ),

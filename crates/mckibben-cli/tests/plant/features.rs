@@ -405,3 +405,44 @@ fn a_linear_model_has_the_names_of_the_file() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("names no one of them"));
 }
+
+/// At fixed steps a file gives the columns, the events and the ledger of the other engine, as near as its steps are short.
+#[test]
+fn files_run_at_fixed_steps() {
+    let folder = Folder::new("plant-fixed-steps");
+    for name in ["arm", "bottle", "controlled", "hose-joint"] {
+        let file = example(&format!("plant/{name}"));
+        let set = ["--set", "run.duration=\"0.3 s\"", "--set", "run.sample_interval=\"2 ms\""];
+        run(&folder, &[&["simulate", &file, "-o", "located.csv"], &set[..]].concat());
+        let (names, located) = columns(&folder, "located.csv");
+        let mut misses = Vec::new();
+        for step in ["run.step=\"0.2 ms\"", "run.step=\"0.05 ms\""] {
+            let fixed = ["--set", "run.engine=fixed-step", "--set", step, "--events-output", "events.csv"];
+            let printed =
+                run(&folder, &[&["simulate", &file, "-o", "fixed.csv", "-p", "run.svg"], &set[..], &fixed].concat());
+            assert!(printed.contains("fixed-step") && printed.contains("as given"), "{printed}");
+            let (same, fixed) = columns(&folder, "fixed.csv");
+            assert_eq!(names, same);
+            let states = |name: &&String| {
+                ["_rad", "length_m", "pressure_pa", "air_mass_kg"].iter().any(|end| name.ends_with(end))
+            };
+            let miss = names.iter().filter(states).map(|name| apart(&fixed[name], &located[name]));
+            misses.push(miss.fold(0.0, f64::max));
+            let log = std::fs::read_to_string(folder.path("events.csv")).expect("written");
+            assert!(log.lines().any(|line| line.contains(",valve,")), "{log}");
+        }
+        // Of order 2, but for where a regulator's inlet limits it and where a column hardly moves.
+        assert!(misses[1] < 5e-3 && misses[1] < 0.3 * misses[0], "{name}: {misses:?}");
+    }
+    // Without a step it follows from the accuracy; a sweep takes it too.
+    let chosen = ["--set", "run.engine=fixed-step", "--set", "run.accuracy=1e-2", "--set", "run.duration=\"0.3 s\""];
+    let printed = run(&folder, &[&["simulate", &example("plant/hose-joint")], &chosen[..]].concat());
+    assert!(printed.contains("chosen for an accuracy of 1e-2"), "{printed}");
+    let text = std::fs::read_to_string(example("plant/hose-joint")).expect("the example")
+        + "engine = \"fixed-step\"\nstep = \"0.1 ms\"\nsample_interval = \"10 ms\"\n[sweep]\n\
+           reductions = [\"elbow.angle.final\"]\n[sweep.vary]\n\"mechanism.joints.elbow.mass\" = [\"0.4 kg\", \"0.5 kg\"]\n";
+    folder.file("sweep.toml", &text);
+    run(&folder, &["sweep", "sweep.toml", "-o", "swept.csv"]);
+    let (_, swept) = columns(&folder, "swept.csv");
+    assert!(swept.values().all(|column| column.len() == 2), "{swept:?}");
+}
