@@ -121,6 +121,12 @@ impl fmt::Display for PlaceError {
 
 impl std::error::Error for PlaceError {}
 
+impl PlaceError {
+    pub(crate) fn new(path: &str, why: &str, remedy: String) -> Self {
+        Self { path: path.to_owned(), why: why.to_owned(), remedy }
+    }
+}
+
 impl Place {
     /// The number at a path; of a joint the agonist's, or the antagonist's under `antagonist`.
     ///

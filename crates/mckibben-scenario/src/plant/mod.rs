@@ -15,9 +15,11 @@
 //! | `build` | from those to the core's plant and its start |
 //! | `control` | its controllers |
 //! | `columns` | what there is to record of it, by names |
+//! | `adjust` | other values of its parameters, and derivatives with respect to them |
 //!
 //! Checked by `tests/plant.rs`.
 
+mod adjust;
 mod build;
 pub(crate) mod columns;
 mod control;
@@ -31,6 +33,7 @@ use crate::scenario::{Air, Command, Controller, Hose, Motion, Passage, Run, Scen
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Plant, PlantStart};
 
+pub use adjust::{AdjustedPlant, PlantPlace};
 pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
 pub use control::{ActuatorControl, JointControl, PlantControl};
 

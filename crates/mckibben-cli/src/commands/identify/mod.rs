@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `force_map` | laws of static force from tensions at held pressures and lengths |
 //! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `plant` | the runs of trajectories of a plant, whose parts have names |
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
@@ -16,6 +17,7 @@
 mod force_map;
 mod loops;
 mod outcome;
+mod plant;
 mod rings;
 mod sought;
 mod trajectories;
@@ -46,7 +48,8 @@ A study file:
   input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure; of a joint angle,
-                                          # angular_velocity, torque, and antagonist_length and the like
+                                          # angular_velocity, torque, and antagonist_length and the like; of a
+                                          # part of a plant [columns.\"flexor.length\"], [columns.\"knee.angle\"]
   name = \"P_bar\"
   unit = \"bar\"
   [columns.length]
@@ -129,7 +132,10 @@ pub fn identified(study: &Path, folder: Option<&Path>) -> Result<Outcome, Failur
     let study = Study::load(study).map_err(mistake)?;
     folder.map_or(Ok(()), |folder| outcome::check_folder(&study, folder))?;
     let document = Document::load(&study.scenario)?;
-    document.scenario()?;
+    match study.kind {
+        Kind::Trajectories if document.is_plant() => document.plant_experiment().map(|_| ())?,
+        _ => document.scenario().map(|_| ())?,
+    }
     let recordings = study.recordings().map_err(mistake)?;
     let material = Material { study, document, recordings };
     let found = match material.study.kind {

@@ -77,7 +77,14 @@ pub(super) fn correlations(fit: &Fit) -> Table {
         let whose = if in_antagonist(path).is_some() { "antagonist's " } else { "" };
         if run.is_empty() { format!("{whose}{last}") } else { format!("{whose}{last} [{run}") }
     };
-    let names: Vec<String> = fit.estimates.iter().map(|estimate| short(&estimate.name)).collect();
+    let mut names: Vec<String> = fit.estimates.iter().map(|estimate| short(&estimate.name)).collect();
+    let last = names.clone();
+    for (name, estimate) in names.iter_mut().zip(&fit.estimates) {
+        // Two parts may have a number of one name.
+        if last.iter().filter(|other| *other == name).count() > 1 {
+            name.clone_from(&estimate.name);
+        }
+    }
     let row = |(name, row): (&String, &Vec<f64>)| {
         let cells = row.iter().map(|value| format!("{value:.3}").replace('-', "−"));
         std::iter::once(name.clone()).chain(cells).collect()
