@@ -4,7 +4,7 @@ mod common;
 
 use common::{Folder, of_repository};
 use mckibben::GaugePressure;
-use mckibben::linearize::{Aim, Balance, Content, StateSpace, average, linearize};
+use mckibben::linearize::{Aim, Balance, Content, StateSpace, linearize, linearize_driven};
 use mckibben_scenario::Document;
 use serde_json::Value;
 
@@ -60,7 +60,7 @@ fn both_files_hold_the_librarys_matrices() {
     let file = "examples/linearize-pwm.toml";
     let experiment = Document::load(of_repository(file)).unwrap().experiment().unwrap();
     let content = Content::Of(experiment.start);
-    let pulsed = average(&experiment.rig, Aim::Duty(0.4), content).unwrap();
+    let pulsed = linearize_driven(&experiment.rig, Aim::Duty(0.4), content).unwrap();
     let balance = Balance::AtPressure(GaugePressure(4e5));
     let held = linearize(&experiment.rig, balance, content).unwrap();
     run(&folder, file, &["--output", "pulsed.json"]);

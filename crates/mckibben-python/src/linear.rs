@@ -3,7 +3,8 @@
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{Complex, Items, Matrix, Parts, Point};
-use mckibben_cli::commands::linearize::{Found, LinearizeArguments, Named};
+use mckibben::linearize::Signal;
+use mckibben_cli::commands::linearize::{Found, LinearizeArguments};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -74,8 +75,8 @@ impl LinearModel {
             let values = PyArray1::from_vec(py, rows.concat()).reshape([height, width])?;
             Ok::<_, PyErr>(values.readwrite().make_nonwriteable().as_any().cast::<PyArray2<f64>>()?.clone().unbind())
         };
-        let named = |signals: &[Named]| {
-            signals.iter().map(|signal| (signal.name.clone(), signal.unit.clone())).collect::<Vec<_>>()
+        let named = |signals: &[Signal]| {
+            signals.iter().map(|signal| (signal.name.clone(), signal.unit.to_owned())).collect::<Vec<_>>()
         };
         Ok(Self {
             matrices: [

@@ -73,9 +73,6 @@ limits! {
     JOINT_FIXED_STEP: "run.engine = \"fixed-step\"",
         "for a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
         "set run.engine = \"event-located\", or leave these out";
-    JOINT_LINEAR: "a linear model by `linearize`",
-        "of a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
-        "write a plant: a chain of one joint with two actuators";
     JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
         "run it with `mckibben simulate`, or choose another load.kind";
     JOINT_POSITION: "a position or a set point", "for the valves of a joint or a leg that a host drives",
@@ -106,10 +103,6 @@ limits! {
         "give it a load that moves by itself, or begin a new run";
     DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
         "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
-    LINEAR_LINE: "a linear model by `linearize`", "with an air line or a pressure regulator",
-        "name the actuator, as in [actuators.muscle], or leave out [hose], actuator.leakage and the reservoir or regulator of [supply], and choose a valve with seats";
-    AVERAGE_STROKE: "the average over pulses", "for seats that take their time",
-        "leave out valve.opening_time and valve.closing_time, and add half of each to its delay: as much air passes";
     SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint and where actuators have names", "give search.horizon in place of search.segments";
     SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";

@@ -6,7 +6,7 @@ use crate::common::{PSI, Paper, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::control::Held;
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
-use mckibben::linearize::{JointBalance, linearize_joint};
+
 use mckibben::load::{MomentArm, SeriesTendon, Tendon};
 use mckibben::mechanism::Contact;
 use mckibben::plant::{JointPlant, JointTrajectory};
@@ -301,7 +301,4 @@ fn what_does_not_fit_is_refused() {
     let rig = fitted(&pulsed(), [with_line(line), bare()], Separate).expect("a rig");
     let stepper = JointStepper::new(rig.clone(), Method::Stable).expect_err("refused").to_string();
     assert!(stepper.contains("run.engine = \"fixed-step\" is not implemented for a joint with a hose"), "{stepper}");
-    let balance = JointBalance::AtPressures([GaugePressure(2e5); 2]);
-    let model = linearize_joint(&rig, balance, [ROOM; 2]).expect_err("refused").to_string();
-    assert!(model.contains("a linear model by `linearize` is not implemented of a joint with a hose"), "{model}");
 }

@@ -2,7 +2,9 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, INCH, LB, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
-use mckibben::linearize::{Aim, Balance, Content, Linearization, OperatingPoint, StateSpace, average, linearize};
+use mckibben::linearize::{
+    Aim, Balance, Content, Linearization, OperatingPoint, Signal, StateSpace, linearize, linearize_driven,
+};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::{State, simulate};
 use mckibben::{AbsolutePressure, Error, GaugePressure};
@@ -72,7 +74,9 @@ fn entries_of_the_matrices_in_closed_form() {
     let volume = length * (b * b - length * length) * per_turns + paper.external_volume;
     let slope = (b * b - 3.0 * length * length) * per_turns;
     let StateSpace { a, b, c, d, states, inputs, outputs } = &linear.system;
-    let names = |signals: &[mckibben::linearize::Signal]| signals.iter().map(|s| (s.name, s.unit)).collect::<Vec<_>>();
+    fn names(signals: &[Signal]) -> Vec<(&str, &str)> {
+        signals.iter().map(|signal| (signal.name.as_str(), signal.unit)).collect()
+    }
     assert_eq!(names(states), [("length", "m"), ("velocity", "m/s"), ("pressure", "Pa"), ("air_mass", "kg")]);
     assert_eq!(names(inputs), [("mass_flow", "kg/s"), ("force", "N")]);
     assert_eq!(names(outputs), [("length", "m"), ("velocity", "m/s"), ("pressure", "Pa"), ("tension", "N")]);
@@ -102,7 +106,7 @@ fn what_the_process_keeps_is_a_pole_at_zero_that_no_input_reaches() {
         let paper = Paper::pwm(50.0, 0.5).process(process);
         let held = at_60_psi(&paper);
         let start = paper.start();
-        let pulsed = average(&paper.rig(), Aim::Duty(0.5), Content::Of(start)).expect("a point");
+        let pulsed = linearize_driven(&paper.rig(), Aim::Duty(0.5), Content::Of(start)).expect("a point");
         for linear in [held, pulsed] {
             let row = invariant(&linear, index);
             let StateSpace { a, b, .. } = &linear.system;
@@ -215,7 +219,7 @@ fn held_ends_leave_pressure_and_air_mass() {
     let paper = Paper::sealed().isometric(3.5 * INCH);
     let both = Balance::AtBoth(GaugePressure(60.0 * PSI), 3.5 * INCH);
     let linear = linearize(&paper.rig(), both, Content::Temperature(ROOM)).unwrap();
-    assert_eq!(linear.system.states.iter().map(|s| s.name).collect::<Vec<_>>(), ["pressure", "air_mass"]);
+    assert_eq!(linear.system.states.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["pressure", "air_mass"]);
     assert_eq!(linear.minimal().states.len(), 1);
     assert_eq!(linear.system.inputs.len(), 1);
     let State { length, pressure, air_mass, .. } = linear.point.state;

@@ -5,7 +5,7 @@ use crate::common::tendon::on_tendon;
 use crate::common::{LB, PSI, Paper, ROOM, assert_close, assert_within, between, bisect};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
-use mckibben::linearize::{Aim, Balance, Content, Linearization, Pole, StateSpace, average, linearize};
+use mckibben::linearize::{Aim, Balance, Content, Linearization, Pole, StateSpace, linearize, linearize_driven};
 use mckibben::plant::RigTrajectory;
 use mckibben::simulation::Rig;
 use std::f64::consts::{PI, TAU};
@@ -170,7 +170,7 @@ fn stability_and_air_under_pwm() {
     let start = paper.start();
     for process in [Process::Isentropic, Process::EnergyBalance { heat_transfer: 0.05, wall_temperature: ROOM }] {
         let rig = paper.clone().process(process).rig();
-        let linear = average(&rig, Aim::Duty(0.5), Content::Of(start)).unwrap();
+        let linear = linearize_driven(&rig, Aim::Duty(0.5), Content::Of(start)).unwrap();
         let system = linear.minimal();
         let poles = system.poles().unwrap();
         assert!(poles.iter().all(|pole| pole.real < 0.0), "{poles:?}");
@@ -185,7 +185,7 @@ fn stability_and_air_under_pwm() {
 #[test]
 fn a_stiff_tendon_is_none_under_pulses_on_average() {
     let paper = Paper::pwm(100.0, 0.5);
-    let averaged = |rig: &Rig| average(rig, Aim::Duty(0.5), Content::Temperature(ROOM)).expect("a point");
+    let averaged = |rig: &Rig| linearize_driven(rig, Aim::Duty(0.5), Content::Temperature(ROOM)).expect("a point");
     let (with, without) = (averaged(&on_tendon(&paper, 1e10)), averaged(&paper.rig()));
     assert_eq!(with.point.state, without.point.state);
     let (with, without) = (with.minimal(), without.minimal());

@@ -5,10 +5,10 @@ use crate::common::joint::Pair;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::GaugePressure;
 use mckibben::control::Held;
-use mckibben::linearize::{Content, JointBalance, JointLinearization, StateSpace, average_joint, linearize_joint};
+use mckibben::linearize::{JointBalance, JointLinearization, StateSpace, linearize_driven_joint, linearize_joint};
 use mckibben::load::{MomentArm, Tendon};
-use mckibben::plant::JointPlant;
-use mckibben::simulation::{JointState, State};
+use mckibben::plant::{JointPlant, PlantAir};
+use mckibben::simulation::{JointRig, JointState};
 use mckibben::valve::{Command, FlowStandard, Request};
 use std::f64::consts::PI;
 
@@ -75,9 +75,13 @@ fn pulsed(duties: [f64; 2], frequency: f64) -> Pair {
     })
 }
 
+fn start(pair: &Pair, rig: &JointRig) -> JointState {
+    rig.start(&pair.initial()).expect("a start")
+}
+
 fn averaged(pair: &Pair) -> JointLinearization {
     let rig = pair.rig().expect("a rig");
-    average_joint(&rig, [0, 1].map(|_| Content::Temperature(ROOM))).expect("a model")
+    linearize_driven_joint(&rig, &start(pair, &rig), &PlantAir::Temperatures(vec![ROOM; 2])).expect("a model")
 }
 
 /// `−A⁻¹ B` of one input: how far the balance moves. `A x = −b` by elimination.
@@ -103,13 +107,8 @@ fn a_duty_moves_the_balance_of_the_mean_flows() {
     let duties = [0.5, 0.35];
     let linear = averaged(&pulsed(duties, 400.0));
     let (model, state) = (linear.minimal(), linear.state);
-    let lengths = linear.rig.joint().lengths(state.angle);
-    let content = [0, 1].map(|i| {
-        let (length, pressure, air_mass) = (lengths[i], state.pressure[i], state.air_mass[i]);
-        Content::Of(State { length, velocity: 0.0, pressure, air_mass })
-    });
     assert_eq!(
-        model.inputs.iter().map(|input| input.name).collect::<Vec<_>>()[..2],
+        model.inputs.iter().map(|input| input.name.as_str()).collect::<Vec<_>>()[..2],
         ["agonist_duty", "antagonist_duty"]
     );
     for input in 0..2 {
@@ -118,7 +117,8 @@ fn a_duty_moves_the_balance_of_the_mean_flows() {
         let at = |by: f64| {
             let mut duties = duties;
             duties[input] += by;
-            average_joint(&pulsed(duties, 400.0).rig().expect("a rig"), content).expect("a model").state
+            let rig = pulsed(duties, 400.0).rig().expect("a rig");
+            linearize_driven_joint(&rig, &state, &PlantAir::Start).expect("a model").state
         };
         assert_close(found[0], slope(1e-4, |by| at(by).angle), 1e-4);
         for i in 0..2 {
@@ -138,7 +138,7 @@ fn model_pressure(found: &[f64]) -> f64 {
 fn simulated_pulses_swing_about_the_balance_of_the_mean_flows() {
     let pair = pulsed([0.5, 0.35], 400.0);
     let model = averaged(&pair);
-    let [first, second] = model.averaged.as_ref().expect("averaged");
+    let [first, second] = model.averages() else { panic!("{:?}", model.averages()) };
     assert!(first.follows() && second.follows() && first.ripple_is_small() && second.ripple_is_small());
     let run = JointPlant::new(&model.rig).and_then(|joint| joint.simulate(&model.state, 0.5, 1e-9)).expect("runs");
     // The mean over the last periods.
@@ -155,7 +155,9 @@ fn simulated_pulses_swing_about_the_balance_of_the_mean_flows() {
 
 #[test]
 fn only_pulses_on_both_are_averaged() {
-    let error = average_joint(&uneven().rig().expect("a rig"), [Content::Temperature(ROOM); 2]).expect_err("sealed");
+    let pair = uneven();
+    let rig = pair.rig().expect("a rig");
+    let error = linearize_driven_joint(&rig, &start(&pair, &rig), &PlantAir::Start).expect_err("sealed");
     assert!(error.to_string().contains("no PWM"), "{error}");
 }
 

@@ -3,7 +3,7 @@
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
-use mckibben::linearize::{Aim, Balance, Content, Linearization, average};
+use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize_driven};
 use mckibben::simulation::Rig;
 use mckibben::valve::{Command, Request, ValveKind};
 
@@ -15,14 +15,14 @@ const PROCESSES: [Process; 4] = [
 ];
 
 fn mean(paper: &Paper, duty: f64) -> Linearization {
-    average(&paper.rig(), Aim::Duty(duty), Content::Of(paper.start())).expect("a balance of flows")
+    linearize_driven(&paper.rig(), Aim::Duty(duty), Content::Of(paper.start())).expect("a balance of flows")
 }
 
 #[test]
 fn the_share_is_the_duty_less_the_delays() {
     for (frequency, share) in [(25.0, 0.425), (50.0, 0.35)] {
         let linear = mean(&Paper::pwm(frequency, 0.5), 0.5);
-        let averaged = linear.averaged.as_ref().unwrap();
+        let averaged = linear.averaged().unwrap();
         assert_close(averaged.supply_share(), share, 1e-12);
         assert_close(averaged.duty_range.0, 4e-3 * frequency, 1e-14);
         assert_close(averaged.duty_range.1, 1.0 - 1e-3 * frequency, 1e-14);
@@ -34,7 +34,7 @@ fn the_share_is_the_duty_less_the_delays() {
     // Below the range no pulse opens the valve, above it no gap shuts it: nothing answers to the duty.
     for (duty, share, gauge) in [(0.09, 0.0, 0.0), (0.98, 1.0, 100.0 * PSI)] {
         let linear = mean(&Paper::pwm(25.0, 0.5), duty);
-        let averaged = linear.averaged.as_ref().unwrap();
+        let averaged = linear.averaged().unwrap();
         assert!(!averaged.follows());
         assert_within(averaged.supply_share(), share, 1e-15);
         assert_within(linear.point.gauge_pressure().0, gauge, 1e-6);
@@ -65,7 +65,8 @@ fn choked_both_ways_the_pressure_is_the_share_of_the_supplys() {
 /// How the balance of flows moves with the duty, by differences; and by the matrices with the ends held.
 fn gain(paper: &Paper, duty: f64) -> (f64, f64) {
     let at = |duty: f64| {
-        average(&paper.rig(), Aim::DutyAtLength(duty, 3.5 * INCH), Content::Of(paper.start())).expect("a balance")
+        linearize_driven(&paper.rig(), Aim::DutyAtLength(duty, 3.5 * INCH), Content::Of(paper.start()))
+            .expect("a balance")
     };
     let system = at(duty).minimal();
     let (a, b) = (&system.a, &system.b);
@@ -93,9 +94,9 @@ fn the_duty_for_a_pressure_gives_that_pressure() {
         let paper = Paper::pwm(25.0, 0.5).process(process);
         let (rig, content) = (paper.rig(), Content::Of(paper.start()));
         let gauge = GaugePressure(50.0 * PSI);
-        let held = average(&rig, Aim::Balance(Balance::AtPressure(gauge)), content).unwrap();
-        let duty = held.averaged.as_ref().unwrap().duty;
-        let back = average(&rig, Aim::Duty(duty), content).unwrap();
+        let held = linearize_driven(&rig, Aim::Balance(Balance::AtPressure(gauge)), content).unwrap();
+        let duty = held.averaged().unwrap().duty;
+        let back = linearize_driven(&rig, Aim::Duty(duty), content).unwrap();
         assert_close(back.point.gauge_pressure().0, gauge.0, 1e-9);
         assert_close(back.point.temperature(), held.point.temperature(), 1e-9);
     }
@@ -109,7 +110,7 @@ fn two_seats_that_overlap_or_leave_the_air_alone_are_averaged_too() {
     };
     // Each seat opens 2 ms late and shuts 3 ms late: for 1 ms both are open, twice in a period.
     let linear = mean(&with(Request::Exhaust, 2e-3), 0.5);
-    let averaged = linear.averaged.unwrap();
+    let averaged = linear.averaged().unwrap();
     let both: f64 = averaged.intervals.iter().filter(|i| i.ports.supply && i.ports.exhaust).map(|i| i.share).sum();
     assert_close(both, 0.08, 1e-10);
     assert_close(averaged.duty_range.0, 0.12, 1e-12);
@@ -140,7 +141,7 @@ const PART_OF_RIPPLE: f64 = 0.1;
 
 /// How far the balance lies from the mean of simulated cycles, as a part of the ripple; whether that was promised.
 fn part_of_ripple(paper: &Paper, linear: &Linearization, frequency: f64) -> (f64, bool) {
-    let averaged = linear.averaged.as_ref().unwrap();
+    let averaged = linear.averaged().unwrap();
     let [pressure, _, tension] = cycle_mean(paper, frequency, 3.0, 8);
     let part = (pressure - linear.point.state.pressure.0).abs() / averaged.pressure_ripple;
     let promised = averaged.follows() && averaged.ripple_is_small();
@@ -161,7 +162,7 @@ fn simulated_cycles_have_the_mean_of_the_averaged_model_over_its_range() {
             let paper = Paper::pwm(frequency, duty).with(|rig| rig.delays = delays).process(process);
             let paper = paper.isometric(3.5 * INCH);
             let content = Content::Of(paper.start());
-            let linear = average(&paper.rig(), Aim::DutyAtLength(duty, 3.5 * INCH), content).unwrap();
+            let linear = linearize_driven(&paper.rig(), Aim::DutyAtLength(duty, 3.5 * INCH), content).unwrap();
             let (part, claimed) = part_of_ripple(&paper, &linear, frequency);
             println!("{frequency} Hz, d = {duty}: {part:.4} of the ripple, promised {claimed}");
             assert!(!claimed || part < PART_OF_RIPPLE, "{part}");
@@ -187,7 +188,7 @@ fn the_papers_valve_with_its_load_is_followed_where_that_is_promised() {
 
 #[test]
 fn what_cannot_be_averaged_is_refused_with_a_remedy() {
-    let no = |rig: &Rig, aim, content| match average(rig, aim, content) {
+    let no = |rig: &Rig, aim, content| match linearize_driven(rig, aim, content) {
         Err(error) => error.to_string(),
         Ok(linear) => panic!("{:?}", linear.point),
     };

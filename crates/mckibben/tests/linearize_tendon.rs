@@ -16,7 +16,8 @@ fn at_60_psi(rig: &Rig) -> Linearization {
 }
 
 fn names(system: &StateSpace) -> [Vec<&str>; 3] {
-    [&system.states, &system.inputs, &system.outputs].map(|signals| signals.iter().map(|signal| signal.name).collect())
+    [&system.states, &system.inputs, &system.outputs]
+        .map(|signals| signals.iter().map(|signal| signal.name.as_str()).collect())
 }
 
 /// The coefficients 1, a₁, a₂, … of det(λ I − A), by Faddeev and Le Verrier.
@@ -137,7 +138,7 @@ fn numbers(linear: &Linearization, run: &RigTrajectory, time: f64) -> Vec<f64> {
         "air_mass" => sample.air_mass,
         other => panic!("{other}"),
     };
-    linear.system.states.iter().map(|signal| of(signal.name)).collect()
+    linear.system.states.iter().map(|signal| of(&signal.name)).collect()
 }
 
 /// Half the difference of two runs that start a little to either side follows `dx/dt = A x`.
@@ -170,7 +171,7 @@ fn it_is_the_difference_of_two_simulated_trajectories() {
                 state = runge_kutta(state, 0.05 / 20_000.0, |_, state| rates(state));
             }
             for (place, signal) in linear.system.states.iter().enumerate() {
-                let size = match signal.name {
+                let size = match signal.name.as_str() {
                     "load_velocity" => 1e-4,
                     "pressure" => 20.0,
                     "air_mass" => 1e-10,

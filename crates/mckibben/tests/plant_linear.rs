@@ -8,7 +8,8 @@ use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre, MaxwellSlip};
 use mckibben::linearize::{
-    Aim, Balance, Content, JointBalance, StateSpace, average, average_joint, linearize, linearize_joint,
+    Aim, Balance, Content, JointBalance, StateSpace, linearize, linearize_driven, linearize_driven_joint,
+    linearize_joint,
 };
 use mckibben::load::{Load, MomentArm, Tendon};
 use mckibben::plant::{
@@ -16,7 +17,7 @@ use mckibben::plant::{
     linearize_plant,
 };
 use mckibben::simulation::Rig;
-use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
+use mckibben::valve::{Command, FlowStandard, Port, Request, ValveKind};
 
 const PROCESSES: [Process; 4] = [
     Process::Isentropic,
@@ -43,6 +44,9 @@ fn old_input(input: PlantInput) -> Option<&'static str> {
         PlantInput::Duty { .. } => Some("duty"),
         PlantInput::MassFlow { .. } => Some("mass_flow"),
         PlantInput::Force { .. } => Some("force"),
+        PlantInput::Opening { port: Port::Supply, .. } => Some("supply_opening"),
+        PlantInput::Opening { port: Port::Exhaust, .. } => Some("exhaust_opening"),
+        PlantInput::SupplyPressure { .. } => Some("supply_pressure"),
         _ => None,
     }
 }
@@ -84,7 +88,7 @@ fn assert_same(
         _ => 1.0,
     };
     let size = |row: &[f64], signals: &[mckibben::linearize::Signal]| {
-        row.iter().zip(signals).fold(0.0_f64, |most, (entry, signal)| most.max((entry * usual(signal.name)).abs()))
+        row.iter().zip(signals).fold(0.0_f64, |most, (entry, signal)| most.max((entry * usual(&signal.name)).abs()))
     };
     let mut entry = |mine: f64, theirs: f64, of_row: f64, name: &str, what: &str| {
         let own = theirs.abs().max(1e-6 * of_row / usual(name));
@@ -97,7 +101,7 @@ fn assert_same(
                 new.a[i][j],
                 old.a[*row][*column],
                 size(&old.a[*row], &old.states),
-                old.states[*column].name,
+                &old.states[*column].name,
                 &format!("A {:?} {:?}", new.states[i], new.states[j]),
             );
         }
@@ -107,7 +111,7 @@ fn assert_same(
                     new.b[i][j],
                     old.b[*row][*column],
                     size(&old.b[*row], &old.inputs),
-                    old.inputs[*column].name,
+                    &old.inputs[*column].name,
                     &format!("B {:?} {:?}", new.states[i], new.inputs[j]),
                 );
             }
@@ -120,7 +124,7 @@ fn assert_same(
                 new.c[i][j],
                 old.c[row][*column],
                 size(&old.c[row], &old.states),
-                old.states[*column].name,
+                &old.states[*column].name,
                 &format!("C {shown:?} {:?}", new.states[j]),
             );
         }
@@ -130,7 +134,7 @@ fn assert_same(
                     new.d[i][j],
                     old.d[row][*column],
                     size(&old.d[row], &old.inputs),
-                    old.inputs[*column].name,
+                    &old.inputs[*column].name,
                     &format!("D {shown:?} {:?}", new.inputs[j]),
                 );
             }
@@ -230,7 +234,7 @@ fn a_pulsed_rig_has_the_model_of_its_plant() {
             let paper = Paper::pwm(frequency, duty).process(process);
             let rig = paper.rig();
             let start = paper.start();
-            let old = average(&rig, Aim::Duty(duty), Content::Of(start)).expect("a balance");
+            let old = linearize_driven(&rig, Aim::Duty(duty), Content::Of(start)).expect("a balance");
             let plant = Plant::of_rig(&rig);
             let plant_start = Plant::start_of_rig(&rig, &start);
             let new = linearize_plant(&plant, &plant_start, &PlantBalance::Driven, &PlantAir::Start).expect("a model");
@@ -240,7 +244,7 @@ fn a_pulsed_rig_has_the_model_of_its_plant() {
             let state = |it| old_state(&rig, it);
             assert_same(&old.system, &new.system, &state, &old_input, &old_output, 1e-6);
             assert_same(&old.minimal(), &new.minimal(), &state, &old_input, &old_output, 1e-6);
-            let (theirs, mine) = (old.averaged.expect("averaged"), new.averages[0]);
+            let (theirs, mine) = (old.averaged().expect("averaged"), &new.averages[0]);
             assert_close(mine.shares[0], theirs.supply_share(), 1e-12);
             assert_close(mine.pressure_ripple, theirs.pressure_ripple, 1e-8);
             assert_close(mine.pressure_margin, theirs.pressure_margin, 1e-8);
@@ -284,6 +288,9 @@ fn joint_input(input: PlantInput) -> Option<&'static str> {
         PlantInput::Duty { valve } => Some(["agonist_duty", "antagonist_duty"][valve]),
         PlantInput::MassFlow { actuator } => Some(["agonist_mass_flow", "antagonist_mass_flow"][actuator]),
         PlantInput::Force { .. } => Some("torque"),
+        // The agonist's supply is the first source.
+        PlantInput::SupplyPressure { node: 0 | 1 } => Some("agonist_supply_pressure"),
+        PlantInput::SupplyPressure { .. } => Some("antagonist_supply_pressure"),
         _ => None,
     }
 }
@@ -322,8 +329,9 @@ fn a_joint_has_the_model_of_its_plant() {
     assert_within(new.point.state[0], old.state.angle, 1e-11);
     assert_same(&old.system, &new.system, &joint_state, &joint_input, &joint_output, 1e-7);
     assert_same(&old.minimal(), &new.minimal(), &joint_state, &joint_input, &joint_output, 1e-7);
-    let old =
-        average_joint(&pulsed.rig().expect("a rig"), [0, 1].map(|_| Content::Temperature(ROOM))).expect("a model");
+    let rig = pulsed.rig().expect("a rig");
+    let start = rig.start(&pulsed.initial()).expect("a start");
+    let old = linearize_driven_joint(&rig, &start, &PlantAir::Temperatures(vec![ROOM; 2])).expect("a model");
     let new = model(&pulsed, PlantBalance::Driven);
     assert_within(new.point.state[0], old.state.angle, 1e-10);
     assert_same(&old.system, &new.system, &joint_state, &joint_input, &joint_output, 1e-6);

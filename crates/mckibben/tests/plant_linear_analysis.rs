@@ -2,7 +2,7 @@
 
 use crate::common::{GRAVITY, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::GaugePressure;
-use mckibben::linearize::{Aim, Balance, Content, average, linearize};
+use mckibben::linearize::{Aim, Balance, Content, linearize, linearize_driven};
 use mckibben::mechanism::{Chain, ChainSegment, JointStops, Mechanism, Revolute};
 use mckibben::network::Network;
 use mckibben::plant::{Plant, PlantAir, PlantBalance, PlantInput, PlantOutput, PlantStart, linearize_plant};
@@ -11,7 +11,7 @@ use mckibben::plant::{Plant, PlantAir, PlantBalance, PlantInput, PlantOutput, Pl
 fn a_rig_has_the_poles_ripple_and_reach_of_its_plant() {
     let paper = Paper::pwm(100.0, 0.6).friction(20.0, 0.0);
     let (rig, start) = (paper.rig(), paper.start());
-    let old = average(&rig, Aim::Duty(0.6), Content::Of(start)).expect("a model");
+    let old = linearize_driven(&rig, Aim::Duty(0.6), Content::Of(start)).expect("a model");
     let plant = Plant::of_rig(&rig);
     let plant_start = Plant::start_of_rig(&rig, &start);
     let new = linearize_plant(&plant, &plant_start, &PlantBalance::Driven, &PlantAir::Start).expect("a model");

@@ -22,9 +22,8 @@
 //! Emami-Naeini, Feedback Control of Dynamic Systems. Checked by `tests/linearize_analysis.rs`: closed forms, the
 //! characteristic polynomial, ring-downs in simulation.
 
-use super::{JointLinearization, Linearization, Signal, StateSpace};
+use super::StateSpace;
 use crate::error::Error;
-use crate::simulation::JointState;
 use alloc::vec::Vec;
 use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -92,17 +91,21 @@ pub struct Controllability {
     pub condition: f64,
 }
 
+/// How large a state usually is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct UsualSize {
+    /// Its size in its own unit, or for a rate in that of what it is the rate of.
+    pub(crate) size: f64,
+    /// Whether it is the rate of another: its size is then that in a time of the fastest pole.
+    pub(crate) is_rate: bool,
+}
+
 /// Part of the balanced matrix below which a pole is zero.
 const ZERO: f64 = 1e-12;
 /// Part of the largest singular value below which one is rounding.
 const ROUNDING: f64 = 1e-12;
 /// Steps of the eigenvalue iteration, which needs about two for each state.
 const STEPS: usize = 1000;
-
-/// Whether a state is the rate of another.
-fn is_velocity(signal: &Signal) -> bool {
-    ["velocity", "load_velocity", "angular_velocity"].contains(&signal.name)
-}
 
 impl<X, U, Y> StateSpace<X, U, Y> {
     /// `A`, and the sizes that balance it: `x = sizes · z`.
@@ -151,17 +154,15 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         value.is_finite().then_some(Phasor { real: value.re, imaginary: value.im })
     }
 
-    /// What one input reaches, with the usual size of each state and whether it is the rate of another.
-    pub(crate) fn controllability(
-        &self,
-        input: usize,
-        usual: &[f64],
-        is_velocity: impl Fn(&X) -> bool,
-    ) -> Result<Controllability, Error> {
+    /// What one input reaches, with the usual size of each state.
+    pub(crate) fn controllability(&self, input: usize, usual: &[UsualSize]) -> Result<Controllability, Error> {
         let n = self.states.len();
         let fastest = self.poles()?.first().map_or(0.0, Pole::natural_frequency);
         let rate = if fastest > 0.0 { fastest } else { 1.0 };
-        let size = |state: usize| if is_velocity(&self.states[state]) { usual[state] * rate } else { usual[state] };
+        let size = |state: usize| {
+            let UsualSize { size, is_rate } = usual[state];
+            if is_rate { size * rate } else { size }
+        };
         let a = DMatrix::from_fn(n, n, |row, column| self.a[row][column] * size(column) / (size(row) * rate));
         let mut column = DVector::from_fn(n, |row, _| self.b[row][input] / size(row));
         let mut reach = DMatrix::zeros(n, n);
@@ -183,55 +184,5 @@ impl<X, U, Y> StateSpace<X, U, Y> {
             _ => f64::INFINITY,
         };
         Ok(Controllability { singular_values, rank, condition })
-    }
-}
-
-impl JointLinearization {
-    /// What one input of a model of this linearisation reaches: [`JointLinearization::system`] or
-    /// [`JointLinearization::minimal`]. The usual size of a pressure or a mass of air is its value at the operating point, that
-    /// of the angle a radian, and that of the angular velocity a radian in a time of the fastest pole.
-    ///
-    /// # Errors
-    /// As [`StateSpace::poles`].
-    pub fn controllability(&self, system: &StateSpace, input: usize) -> Result<Controllability, Error> {
-        let JointState { pressure, air_mass, .. } = self.state;
-        let usual = |name: &str| match name {
-            "agonist_pressure" => pressure[0].0,
-            "antagonist_pressure" => pressure[1].0,
-            "agonist_air_mass" => air_mass[0],
-            "antagonist_air_mass" => air_mass[1],
-            _ => 1.0,
-        };
-        let sizes: Vec<f64> = system.states.iter().map(|signal| usual(signal.name)).collect();
-        system.controllability(input, &sizes, is_velocity)
-    }
-}
-
-impl Linearization {
-    /// What one input of a model of this linearisation reaches: [`Linearization::system`] or
-    /// [`Linearization::minimal`]. The usual size of a state is its value at the operating point, and that of the velocity
-    /// the length in a time of the fastest pole; a load on a tendon has those of the actuator.
-    ///
-    /// # Errors
-    /// As [`StateSpace::poles`].
-    pub fn controllability(&self, system: &StateSpace, input: usize) -> Result<Controllability, Error> {
-        let state = self.point.state;
-        let usual = |name: &str| match name {
-            "pressure" => state.pressure.0,
-            "air_mass" => state.air_mass,
-            _ => state.length,
-        };
-        let sizes: Vec<f64> = system.states.iter().map(|signal| usual(signal.name)).collect();
-        system.controllability(input, &sizes, is_velocity)
-    }
-
-    /// How far one output swings, peak to peak, under the valve's switching: by the fundamental of its flow through the
-    /// model. `None` without a PWM.
-    pub fn ripple(&self, output: &str) -> Option<f64> {
-        let averaged = self.averaged.as_ref()?;
-        let system = self.minimal();
-        let (input, output) = (system.input("mass_flow")?, system.output(output)?);
-        let response = system.response(input, output, core::f64::consts::TAU * averaged.frequency)?;
-        Some(2.0 * averaged.fundamental(&self.point) * response.magnitude())
     }
 }

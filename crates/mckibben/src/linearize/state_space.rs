@@ -1,16 +1,31 @@
 //! Matrices with the names and units of what they act on.
 
+use alloc::string::String;
 use alloc::vec::Vec;
 
-/// A state, an input or an output: the difference from its value at the operating point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A state, an input or an output by its name: the difference from its value at the operating point.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signal {
     /// Its name, as in the columns of a run.
-    pub name: &'static str,
-    /// Its symbol.
-    pub symbol: &'static str,
+    pub name: String,
+    /// Its symbol, or its name where it has none.
+    pub symbol: String,
     /// Its SI unit; empty for a pure number.
     pub unit: &'static str,
+}
+
+impl Signal {
+    /// A signal without a symbol of its own.
+    pub fn new(name: impl Into<String>, unit: &'static str) -> Self {
+        let name = name.into();
+        Self { symbol: name.clone(), name, unit }
+    }
+
+    /// The signal with a symbol.
+    #[must_use]
+    pub fn with_symbol(self, symbol: impl Into<String>) -> Self {
+        Self { symbol: symbol.into(), ..self }
+    }
 }
 
 /// `dx/dt = A x + B u`, `y = C x + D u`, each matrix as its rows. What the entries are is said by signals with names, or by
@@ -43,11 +58,25 @@ impl StateSpace {
     pub fn output(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|signal| signal.name == name)
     }
+}
 
-    /// The model without one state that is a linear function of the others, `Σ per_state(name) · x`.
-    pub(super) fn without(&self, name: &str, per_state: impl Fn(&str) -> f64) -> Self {
-        let Some(gone) = self.states.iter().position(|signal| signal.name == name) else { return self.clone() };
-        self.eliminate(gone, |n| per_state(self.states[n].name), |_| 0.0)
+impl<X, U, Y> StateSpace<X, U, Y> {
+    /// The model with names: the states, inputs and outputs at the given places, in that order. Every state must be among
+    /// them, for the others depend on it; inputs and outputs may be left out.
+    pub fn named(&self, [states, inputs, outputs]: [Vec<(usize, Signal)>; 3]) -> StateSpace {
+        let block = |of: &[Vec<f64>], rows: &[(usize, Signal)], columns: &[(usize, Signal)]| -> Vec<Vec<f64>> {
+            let row = |(row, _): &(usize, Signal)| columns.iter().map(|(column, _)| of[*row][*column]).collect();
+            rows.iter().map(row).collect()
+        };
+        StateSpace {
+            a: block(&self.a, &states, &states),
+            b: block(&self.b, &states, &inputs),
+            c: block(&self.c, &outputs, &states),
+            d: block(&self.d, &outputs, &inputs),
+            states: states.into_iter().map(|(_, signal)| signal).collect(),
+            inputs: inputs.into_iter().map(|(_, signal)| signal).collect(),
+            outputs: outputs.into_iter().map(|(_, signal)| signal).collect(),
+        }
     }
 }
 

@@ -22,7 +22,7 @@
 //! `tests/simulation.rs`, `tests/joint.rs` and, against an independent program, `tests/plant_reference.rs`.
 
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
-use super::wire::{Span, Wire};
+use super::wire::{Assembly, Span, Wire};
 use super::{Mounted, Plant};
 use crate::air::{Chamber, Flow};
 use crate::line::split;
@@ -116,6 +116,7 @@ impl<T: Scalar> Evaluation<T> {
 pub(crate) struct System<'a, R: Real> {
     pub(crate) plant: &'a Plant<R>,
     pub(crate) wires: Vec<Wire<'a, R>>,
+    pub(crate) assemblies: Vec<Assembly<'a, R>>,
     pub(crate) piping: Piping<'a, R>,
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
@@ -150,8 +151,8 @@ impl<'a, R: Real> System<'a, R> {
         self.enter_distances(time, state, mode, at);
         self.enter_flows(time, state, mode, at);
         self.enter_actuators(time, state, mode, at, |_, _| {});
-        for m in 0..self.plant.mechanisms.len() {
-            self.accelerate(m, time, state, mode, at);
+        for assembly in &self.assemblies {
+            self.accelerate(assembly, time, state, mode, at);
         }
     }
 
@@ -165,12 +166,12 @@ impl<'a, R: Real> System<'a, R> {
         at: &mut Evaluation<T>,
     ) {
         let Evaluation { units, chambers, gradient, .. } = at;
-        let actuators = self.wires.iter().zip(&mode.actuators);
-        for ((wire, of_actuator), (unit, chamber)) in actuators.zip(units.iter_mut().zip(chambers)) {
-            let [length, velocity] = self.enter_ends(wire, time, state, (mode, of_actuator), (unit, gradient));
-            let (pressure, mass) = (state[wire.places.pressure], state[wire.places.pressure + 1]);
+        for (i, wire) in self.wires.iter().enumerate() {
+            let of_actuator = &mode.actuators[i];
+            let [length, velocity] = self.enter_ends(wire, time, state, (mode, of_actuator), (&mut units[i], gradient));
+            let [pressure, mass] = wire.air(state);
             let slack = of_actuator.mode.extent == Extent::Slack;
-            *chamber = wire.member.actuator.chamber(length, velocity, pressure, mass, slack);
+            chambers[i] = wire.member.actuator.chamber(length, velocity, pressure, mass, slack);
         }
     }
 
@@ -252,8 +253,8 @@ impl<'a, R: Real> System<'a, R> {
     /// Computes all flows, and what of them goes into each chamber.
     pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
         self.enter_flows(time, state, mode, at);
-        for (wire, unit) in self.wires.iter().zip(&mut at.units) {
-            self.fill(wire, time, &mode.actuators[wire.index], &at.network, unit);
+        for (i, wire) in self.wires.iter().enumerate() {
+            self.fill(wire, time, &mode.actuators[i], &at.network, &mut at.units[i]);
         }
     }
 
@@ -300,11 +301,11 @@ impl<'a, R: Real> System<'a, R> {
         mut then: impl FnMut(&Wire<'_, R>, &Unit<T>),
     ) {
         let Evaluation { units, chambers, network, .. } = at;
-        let actuators = self.wires.iter().zip(&mode.actuators);
-        for ((wire, of_actuator), (unit, chamber)) in actuators.zip(units.iter_mut().zip(chambers)) {
+        for (i, wire) in self.wires.iter().enumerate() {
+            let (of_actuator, unit, chamber) = (&mode.actuators[i], &mut units[i], &mut chambers[i]);
             self.fill(wire, time, of_actuator, network, unit);
             if wire.places.length.is_some() {
-                self.enter_end(wire.index, state, of_actuator, unit, chamber);
+                self.enter_end(i, state, of_actuator, unit, chamber);
             } else {
                 let ends = [unit.length, unit.velocity, chamber.pressure];
                 let bristles = wire.places.bristles.map(|place| state[place]);
@@ -314,7 +315,7 @@ impl<'a, R: Real> System<'a, R> {
                 };
             }
             if wire.is_given {
-                self.enter_given(wire.index, unit, chamber);
+                self.enter_given(i, unit, chamber);
             } else {
                 unit.pressure_rate = wire.member.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
             }
@@ -357,35 +358,44 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn accelerate<T: Differentiable<R>>(
         &self,
-        m: usize,
+        assembly: &Assembly<'_, R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        let (places, first) = (&self.plant.places.mechanisms[m], self.plant.places.mechanisms[m].acceleration);
-        match &self.plant.mechanisms[m] {
-            _ if mode.mechanisms[m].frozen => at.acceleration[first..first + places.coordinates].fill(T::zero()),
-            Mechanism::Mass(mass) => {
-                let mut force = mass.force(state[places.first]);
-                for &i in &self.plant.places.members[m] {
+        match assembly.mechanism {
+            Mechanism::Mass(mass) if !mode.mechanisms[assembly.index].frozen => {
+                let mut force = mass.force(state[assembly.places.first]);
+                for &i in assembly.members {
                     force = force - at.units[i].tension;
                 }
-                at.acceleration[first] = force * T::of(mass.per_mass());
+                at.acceleration[assembly.places.acceleration] = force * T::of(mass.per_mass());
             }
-            Mechanism::Chain(chain) => self.accelerate_chain(m, chain, state, mode, at),
-            Mechanism::Prescribed(motion) => {
-                let [_, _, acceleration] = motion.at(time, mode.mechanisms[m].corners_passed);
-                at.acceleration[first] = acceleration;
-            }
-            Mechanism::Fixed | Mechanism::External { .. } => {
-                at.acceleration[first..first + places.coordinates].fill(T::zero());
-            }
+            _ => self.accelerate_other(assembly, time, state, mode, at),
+        }
+    }
+
+    /// Computes the accelerations of a mechanism that is no mass, or that is held.
+    #[inline(never)]
+    fn accelerate_other<T: Differentiable<R>>(
+        &self,
+        &Assembly { index, mechanism, places, .. }: &Assembly<'_, R>,
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) {
+        let its = &mut at.acceleration[places.acceleration..places.acceleration + places.coordinates];
+        match mechanism {
+            _ if mode.mechanisms[index].frozen => its.fill(T::zero()),
+            Mechanism::Chain(chain) => self.accelerate_chain(index, chain, state, mode, at),
+            Mechanism::Prescribed(motion) => its[0] = motion.at(time, mode.mechanisms[index].corners_passed)[2],
+            Mechanism::Mass(_) | Mechanism::Fixed | Mechanism::External { .. } => its.fill(T::zero()),
         }
     }
 
     /// Computes the accelerations of a chain.
-    #[inline(never)]
     fn accelerate_chain<T: Differentiable<R>>(
         &self,
         m: usize,
@@ -512,27 +522,11 @@ impl<'a, R: Real> System<'a, R> {
                 rates[place] = wire.bristle_rate(state[place], unit.velocity, &mode.actuators[wire.index]);
             }
         });
-        let Plant { mechanisms, network, places, .. } = self.plant;
-        for (m, (mechanism, here)) in mechanisms.iter().zip(&places.mechanisms).enumerate() {
-            self.accelerate(m, time, state, mode, at);
-            let from = here.first;
-            let its = &at.acceleration[here.acceleration..here.acceleration + here.coordinates];
-            match mechanism {
-                _ if mode.mechanisms[m].frozen => rates[from..from + 2 * here.coordinates].fill(T::zero()),
-                Mechanism::Mass(_) => (rates[from], rates[from + 1]) = (state[from + 1], its[0]),
-                Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
-                Mechanism::Prescribed(motion) => {
-                    let [_, velocity, _] = motion.at(time, mode.mechanisms[m].corners_passed);
-                    (rates[from], rates[from + 1]) = (velocity, its[0]);
-                }
-                Mechanism::Chain(_) | Mechanism::External { .. } => {
-                    for (k, acceleration) in its.iter().enumerate() {
-                        rates[here.position(k)] = state[here.rate(k)];
-                        rates[here.rate(k)] = *acceleration;
-                    }
-                }
-            }
+        for assembly in &self.assemblies {
+            self.accelerate(assembly, time, state, mode, at);
+            self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);
         }
+        let Plant { network, places, .. } = self.plant;
         for &[node, place] in &places.state_nodes {
             rates[place] = network.node_rate(node, &mode.network, &at.network);
         }
@@ -544,6 +538,38 @@ impl<'a, R: Real> System<'a, R> {
                     None => T::zero(),
                 },
             };
+        }
+    }
+
+    /// Writes the rates of a mechanism's states, whose accelerations are known.
+    #[inline(always)]
+    fn enter_motion<T: Differentiable<R>>(
+        &self,
+        assembly: &Assembly<'_, R>,
+        time: T,
+        state: &[T],
+        mode: &PlantMode<R>,
+        acceleration: &[T],
+        rates: &mut [T],
+    ) {
+        let places = assembly.places;
+        let (from, of_mechanism) = (places.first, &mode.mechanisms[assembly.index]);
+        match assembly.mechanism {
+            _ if of_mechanism.frozen => rates[from..from + 2 * places.coordinates].fill(T::zero()),
+            Mechanism::Mass(_) => {
+                (rates[from], rates[from + 1]) = (state[from + 1], acceleration[places.acceleration]);
+            }
+            Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
+            Mechanism::Prescribed(motion) => {
+                let [_, velocity, acceleration] = motion.at(time, of_mechanism.corners_passed);
+                (rates[from], rates[from + 1]) = (velocity, acceleration);
+            }
+            Mechanism::Chain(_) | Mechanism::External { .. } => {
+                for k in 0..places.coordinates {
+                    rates[places.position(k)] = state[places.rate(k)];
+                    rates[places.rate(k)] = acceleration[places.acceleration + k];
+                }
+            }
         }
     }
 

@@ -32,6 +32,7 @@ mod ledger;
 mod linear;
 mod measure;
 mod mode;
+mod named;
 mod progress;
 mod rig;
 mod run;
@@ -51,6 +52,7 @@ pub use equipment::SupplyNodes;
 pub use feed::Feed;
 pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{PlantGuard, Touching};
+pub(crate) use joint::linear as joint_linear;
 pub use joint::{
     JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
     JointTrajectory, Turning,
@@ -63,10 +65,10 @@ pub use linear::{
     ValveAverage, linearize_plant,
 };
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
-pub(crate) use rig::four;
 pub use rig::{
     RigConsumer, RigEvent, RigPlant, RigReader, RigRunEnd, RigStep, RigTrajectory, simulate, simulate_in_segments,
 };
+pub(crate) use rig::{four, linear as rig_linear, point as rig_point};
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};

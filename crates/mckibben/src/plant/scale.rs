@@ -3,7 +3,7 @@
 use super::dense;
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
-use super::wire::Wire;
+use super::wire::{Assembly, Wire};
 use super::{Mounted, Plant, tendon};
 use crate::air::Process;
 use crate::dual::Dual;
@@ -39,7 +39,8 @@ impl<'a, R: Real> System<'a, R> {
         let wires: Vec<Wire<'a, R>> = plant.actuators.iter().enumerate().map(wire).collect();
         let band = wires.first().map_or(relative_tolerance, |wire| wire.member.band);
         let piping = Piping::new(plant);
-        let mut system = Self { plant, wires, piping, band, usual_torque: Vec::new(), arms: Vec::new() };
+        let assemblies = (0..plant.mechanisms.len()).map(|m| Assembly::new(plant, m)).collect();
+        let mut system = Self { plant, wires, assemblies, piping, band, usual_torque: Vec::new(), arms: Vec::new() };
         system.enter_usual();
         system
     }

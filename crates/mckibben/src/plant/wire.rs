@@ -1,6 +1,6 @@
-//! Where each actuator takes its numbers from, resolved once for a run: what every evaluation would look up again.
+//! Where each actuator and mechanism takes its numbers from, resolved once for a run: what every evaluation would look up again.
 
-use super::{ActuatorPlaces, Plant};
+use super::{ActuatorPlaces, MechanismPlaces, Plant};
 use crate::mechanism::{Coupling, Mechanism};
 use crate::scalar::Real;
 use crate::simulation::member::Member;
@@ -41,7 +41,37 @@ pub(crate) struct Wire<'a, R: Real> {
     pub(crate) is_given: bool,
 }
 
+/// A mechanism, its states and the actuators at it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Assembly<'a, R> {
+    /// Which of the plant.
+    pub(crate) index: usize,
+    pub(crate) mechanism: &'a Mechanism<R>,
+    pub(crate) places: MechanismPlaces,
+    pub(crate) members: &'a [usize],
+}
+
+impl<'a, R> Assembly<'a, R> {
+    /// That of a mechanism of a plant.
+    pub(crate) fn new(plant: &'a Plant<R>, index: usize) -> Self {
+        let places = &plant.places;
+        Self {
+            index,
+            mechanism: &plant.mechanisms[index],
+            places: places.mechanisms[index],
+            members: &places.members[index],
+        }
+    }
+}
+
 impl<'a, R: Real> Wire<'a, R> {
+    /// Pressure in Pa and mass in kg of its air.
+    #[inline(always)]
+    pub(crate) fn air<T: Copy>(&self, state: &[T]) -> [T; 2] {
+        let from = self.places.pressure;
+        [state[from], state[from + 1]]
+    }
+
     /// That of an actuator of a plant.
     pub(crate) fn new(plant: &'a Plant<R>, index: usize, member: Member<'a, R>) -> Self {
         let (mounted, places) = (&plant.actuators[index], &plant.places);

@@ -162,6 +162,12 @@ pub(crate) fn check_times(name: &'static str, time: &[f64]) -> Result<(), Error>
 }
 
 impl<S: Scalar> Command<S> {
+    /// Whether it can be changed a little: the duty of a PWM, a set point or a position. A linear model has such as an input.
+    #[cfg(feature = "alloc")]
+    pub fn is_continuous(&self) -> bool {
+        matches!(self, Self::Pwm { .. } | Self::SetPoints { .. } | Self::Positions { .. })
+    }
+
     /// The same command over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Command<T> {
         match self {

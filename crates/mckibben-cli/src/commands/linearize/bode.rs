@@ -2,12 +2,11 @@
 
 use super::Model;
 use super::joint::JointModel;
-use super::named::{Named, NamedModel, named};
 use super::plant::PlantModel;
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::quantities::quantity;
-use mckibben::linearize::{Phasor, Pole};
+use mckibben::linearize::{Phasor, Pole, Signal, StateSpace};
 use std::f64::consts::{PI, TAU};
 
 /// Points in each decade of frequency.
@@ -17,7 +16,7 @@ const BEYOND: (f64, f64) = (1.0, 6.0);
 
 /// What a figure shows of a model.
 struct View<'m> {
-    system: NamedModel,
+    system: &'m StateSpace,
     poles: &'m [Pole],
     /// Frequencies in Hz of the pulses that are averaged.
     averaged: Vec<f64>,
@@ -28,29 +27,29 @@ struct View<'m> {
 
 /// The figure of one input; the valve's where none is named.
 pub(super) fn figure(model: &Model, input: Option<&str>) -> Result<Figure, Failure> {
-    let averaged = model.linear.averaged.iter().map(|of| of.frequency).collect();
+    let averaged = model.linear.averaged().into_iter().map(|of| of.frequency).collect();
     let outputs = ["length", "pressure", "tension"].map(str::to_owned).to_vec();
-    let system = named(&model.system);
+    let system = &model.system;
     draw(&View { system, poles: &model.poles, averaged, outputs, caption: caption(model) }, input)
 }
 
 /// The figure of one input of a joint; the agonist's valve's where none is named.
 pub(super) fn of_joint(model: &JointModel, input: Option<&str>) -> Result<Figure, Failure> {
-    let averaged = model.linear.averaged.iter().flatten().map(|of| of.frequency).collect();
+    let averaged = model.linear.averages().iter().map(|of| of.frequency).collect();
     let outputs = ["angle", "actuator_torque"].map(str::to_owned).to_vec();
-    let system = named(&model.system);
+    let system = &model.system;
     draw(&View { system, poles: &model.poles, averaged, outputs, caption: model.caption() }, input)
 }
 
 /// The figure of one input of a plant; its first where none is named.
 pub(super) fn of_plant(model: &PlantModel, input: Option<&str>) -> Result<Figure, Failure> {
     let averaged = model.linear.averages.iter().map(|of| of.frequency).collect();
-    let (system, caption) = (model.system.clone(), model.caption());
+    let (system, caption) = (&model.system, model.caption());
     draw(&View { system, poles: &model.poles, averaged, outputs: model.drawn(), caption }, input)
 }
 
 fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
-    let system = &view.system;
+    let system = view.system;
     let names: Vec<&str> = system.inputs.iter().map(|signal| signal.name.as_str()).collect();
     let name = input.or(names.first().copied()).unwrap_or_default();
     let Some(input) = names.iter().position(|known| *known == name) else {
@@ -167,9 +166,9 @@ fn words(name: &str) -> String {
 }
 
 /// The unit of an output over that of an input.
-fn unit(output: &Named, input: &Named) -> String {
+fn unit(output: &Signal, input: &Signal) -> String {
     let typeset = |unit: &str| unit.replace('*', "·");
-    let (of, per) = (typeset(&output.unit), typeset(&input.unit));
+    let (of, per) = (typeset(output.unit), typeset(input.unit));
     match per.as_str() {
         "" => of,
         unit if unit.contains(['/', '·']) => format!("{of}/({unit})"),
@@ -179,8 +178,9 @@ fn unit(output: &Named, input: &Named) -> String {
 
 fn caption(model: &Model) -> String {
     let point = &model.linear.point;
-    let valve = match &model.linear.averaged {
+    let valve = match model.linear.averaged() {
         Some(averaged) => format!("duty {:.3} at {}", averaged.duty, quantity(averaged.frequency, "Hz")),
+        None if model.linear.is_driven() => "valve by its command".to_owned(),
         None => "valve held shut".to_owned(),
     };
     let coulomb = if model.oscillation.is_none() && point.coulomb_bound() > 0.0 {

@@ -2,10 +2,10 @@
 
 use super::Model;
 use super::joint::JointModel;
-use super::named::{Named, NamedModel, named};
 use super::plant::PlantModel;
-use mckibben::linearize::{Averaged, Controllability, Pole};
+use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
+use mckibben::plant::ValveAverage;
 use mckibben_scenario::Assumed;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
@@ -32,51 +32,80 @@ pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
     if let Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } = point.rig.load() {
         values.push(("load_mass_kg", *mass));
     }
-    if let Some(averaged) = &model.linear.averaged {
+    if let Some(averaged) = model.linear.averaged() {
         values.push(("duty", averaged.duty));
+    }
+    for (signal, value) in model.linear.inputs() {
+        let key = match signal.name.as_str() {
+            "set_point" => "set_point_pa",
+            "spool_command" => "spool_command",
+            // What keeps a pressure against a leak, or a bottle full.
+            "mass_flow" if value != 0.0 => "mass_flow_kg_s",
+            "reservoir_mass_flow" if value != 0.0 => "reservoir_mass_flow_kg_s",
+            _ => continue,
+        };
+        values.push((key, value));
     }
     values
 }
 
 fn kind(model: &Model) -> &'static str {
-    if model.linear.averaged.is_some() { "averaged-pwm" } else { "held-valve" }
+    match model.linear.averaged() {
+        Some(_) => "averaged-pwm",
+        None if model.linear.is_driven() => "driven-valve",
+        None => "held-valve",
+    }
 }
 
-/// The model as JSON. A number without a bound is `null`.
+/// What every model has, as JSON with what one of its kind adds. A number without a bound is `null`.
+fn document(
+    (name, kind): (&str, &str),
+    point: Vec<(String, f64)>,
+    (system, poles, reach): (&StateSpace, &[Pole], &[Controllability]),
+    assumed: &[Assumed],
+    more: &[(&str, Value)],
+) -> String {
+    let inputs = system.inputs.iter().zip(reach);
+    let mut document = json!({
+        "format": "mckibben-linear-model",
+        "version": VERSION,
+        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
+        "scenario": name,
+        "model": kind,
+        "operating_point": point.into_iter().map(|(name, value)| (name, json!(value))).collect::<Map<String, Value>>(),
+        "states": signals(&system.states),
+        "inputs": signals(&system.inputs),
+        "outputs": signals(&system.outputs),
+        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
+        "poles": poles.iter().map(pole).collect::<Vec<_>>(),
+        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
+        "assumed": assumptions(assumed),
+    });
+    for (key, value) in more {
+        document[*key] = value.clone();
+    }
+    format!("{document:#}\n")
+}
+
+/// The model as JSON.
 pub(super) fn json(model: &Model) -> String {
-    let (system, names) = (&model.system, named(&model.system));
-    let point: Map<String, Value> = point(model).into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
-    let poles: Vec<Value> = model.poles.iter().map(pole).collect();
-    let inputs = system.inputs.iter().zip(&model.reach);
-    let reach: Vec<Value> = inputs.map(|(input, reach)| controllability(input.name, reach)).collect();
     let equivalent = model.oscillation.map(|(amplitude, frequency)| {
         let damping = model.linear.equivalent_damping(amplitude, frequency).ok();
         json!({
             "amplitude_m": amplitude, "angular_frequency_rad_s": frequency, "damping_n_s_m": damping,
         })
     });
-    let document = json!({
-        "format": "mckibben-linear-model",
-        "version": VERSION,
-        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
-        "scenario": model.name,
-        "model": kind(model),
-        "operating_point": point,
-        "taut": model.linear.point.is_taut(),
-        "states": signals(&names.states),
-        "inputs": signals(&names.inputs),
-        "outputs": signals(&names.outputs),
-        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
-        "poles": poles,
-        "controllability": reach,
-        "coulomb_friction_as_damping": equivalent,
-        "pwm": model.linear.averaged.as_ref().map(|averaged| {
-            let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
-            pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
-        }),
-        "assumed": assumptions(&model.assumed),
+    let pulses = model.linear.averaged().map(|averaged| {
+        let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
+        pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
     });
-    format!("{document:#}\n")
+    let more = [
+        ("taut", json!(model.linear.point.is_taut())),
+        ("coulomb_friction_as_damping", json!(equivalent)),
+        ("pwm", json!(pulses)),
+    ];
+    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    document((&model.name, kind(model)), owned(point(model)), parts, &model.assumed, &more)
 }
 
 fn pole(pole: &Pole) -> Value {
@@ -99,7 +128,7 @@ fn controllability(input: &str, reach: &Controllability) -> Value {
 }
 
 /// A valve under PWM on average; how far outputs swing under its pulses stands beside its validity.
-fn pwm(averaged: &Averaged, poles: &[Pole], ripples: &[(&str, Option<f64>)]) -> Value {
+fn pwm(averaged: &ValveAverage, poles: &[Pole], ripples: &[(&str, Option<f64>)]) -> Value {
     let intervals = averaged.intervals.iter();
     let intervals: Vec<Value> =
         intervals.map(|interval| json!({ "valve": interval.ports.name(), "share": interval.share })).collect();
@@ -126,42 +155,23 @@ fn pwm(averaged: &Averaged, poles: &[Pole], ripples: &[(&str, Option<f64>)]) -> 
 }
 
 /// The PWM's angular frequency over the natural frequency of the fastest pole.
-pub(super) fn over_fastest(averaged: &Averaged, poles: &[Pole]) -> Option<f64> {
+pub(super) fn over_fastest(averaged: &ValveAverage, poles: &[Pole]) -> Option<f64> {
     let fastest = poles.iter().map(Pole::natural_frequency).fold(0.0, f64::max);
     (fastest > 0.0).then(|| TAU * averaged.frequency / fastest)
 }
 
 /// The model of a joint as JSON.
 pub(super) fn joint_json(model: &JointModel) -> String {
-    let (system, names) = (&model.system, named(&model.system));
-    let point: Map<String, Value> =
-        model.point().into_iter().map(|(name, value)| (name.into(), json!(value))).collect();
-    let inputs = system.inputs.iter().zip(&model.reach);
-    let document = json!({
-        "format": "mckibben-linear-model",
-        "version": VERSION,
-        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
-        "scenario": model.name,
-        "model": if model.linear.averaged.is_some() { "joint-averaged-pwm" } else { "joint-held-valves" },
-        "operating_point": point,
-        "states": signals(&names.states),
-        "inputs": signals(&names.inputs),
-        "outputs": signals(&names.outputs),
-        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
-        "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
-        "controllability": inputs.map(|(input, reach)| controllability(input.name, reach)).collect::<Vec<_>>(),
-        "pwm": model.linear.averaged.as_ref().map(|both| both.each_ref().map(|of| pwm(of, &model.poles, &[]))),
-        "assumed": assumptions(&model.assumed),
-    });
-    format!("{document:#}\n")
+    let pulsed = |all: &[ValveAverage]| all.iter().map(|of| pwm(of, &model.poles, &[])).collect::<Vec<_>>();
+    let pulses = Some(model.linear.averages()).filter(|all| !all.is_empty()).map(pulsed);
+    let kind = if model.is_driven() { "joint-averaged-pwm" } else { "joint-held-valves" };
+    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    document((&model.name, kind), owned(model.point()), parts, &model.assumed, &[("pwm", json!(pulses))])
 }
 
 /// The model of a plant as JSON.
 pub(super) fn plant_json(model: &PlantModel) -> String {
-    let system = &model.system;
-    let point: Map<String, Value> = model.point().into_iter().map(|(name, value)| (name, json!(value))).collect();
-    let inputs = system.inputs.iter().zip(&model.reach);
-    let averages = model.linear.averages.iter().map(|of| {
+    let pulses = model.linear.averages.iter().map(|of| {
         json!({
             "of": model.valve(of.valve),
             "frequency_hz": of.frequency,
@@ -178,26 +188,12 @@ pub(super) fn plant_json(model: &PlantModel) -> String {
             },
         })
     });
-    let document = json!({
-        "format": "mckibben-linear-model",
-        "version": VERSION,
-        "program": concat!("mckibben ", env!("CARGO_PKG_VERSION")),
-        "scenario": model.name,
-        "model": model.kind(),
-        "operating_point": point,
-        "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
-        "outputs": signals(&system.outputs),
-        "A": system.a, "B": system.b, "C": system.c, "D": system.d,
-        "poles": model.poles.iter().map(pole).collect::<Vec<_>>(),
-        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
-        "pwm": averages.collect::<Vec<_>>(),
-        "assumed": assumptions(&model.assumed),
-    });
-    format!("{document:#}\n")
+    let more = [("pwm", Value::Array(pulses.collect()))];
+    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    document((&model.name, model.kind()), model.point(), parts, &model.assumed, &more)
 }
 
-fn signals(signals: &[Named]) -> Vec<Value> {
+fn signals(signals: &[Signal]) -> Vec<Value> {
     signals.iter().map(|s| json!({ "name": s.name, "symbol": s.symbol, "unit": s.unit })).collect()
 }
 
@@ -207,14 +203,18 @@ fn assumptions(assumed: &[Assumed]) -> Vec<Value> {
 
 /// The model as a script that MATLAB and Octave run, and that can be read without either.
 pub(super) fn matlab(model: &Model) -> String {
-    let kind = if model.linear.averaged.is_some() { "valve under PWM on average" } else { "valve held shut" };
+    let kind = match kind(model) {
+        "averaged-pwm" => "valve under PWM on average",
+        "driven-valve" => "valve by its command",
+        _ => "valve held shut",
+    };
     let mut values = point(model);
-    values.extend(model.linear.averaged.as_ref().map(|averaged| ("frequency_hz", averaged.frequency)));
-    script(&model.name, kind, &owned(values), &named(&model.system), &model.poles)
+    values.extend(model.linear.averaged().map(|averaged| ("frequency_hz", averaged.frequency)));
+    script(&model.name, kind, &owned(values), &model.system, &model.poles)
 }
 
 /// A model, the values at its point and its poles as a script.
-pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &NamedModel, poles: &[Pole]) -> String {
+pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &StateSpace, poles: &[Pole]) -> String {
     let mut text = String::new();
     let mut line = |words: &str| {
         text.push_str(words);
@@ -231,11 +231,11 @@ pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &N
     }
     line("");
     for (name, signals) in [("states", &system.states), ("inputs", &system.inputs), ("outputs", &system.outputs)] {
-        let names = |of: fn(&Named) -> &str| -> String {
+        let names = |of: fn(&Signal) -> &str| -> String {
             signals.iter().map(|signal| format!("'{}'", of(signal))).collect::<Vec<_>>().join(", ")
         };
         line(&format!("{name} = {{{}}};", names(|signal| &signal.name)));
-        line(&format!("{name}_units = {{{}}};", names(|signal| &signal.unit)));
+        line(&format!("{name}_units = {{{}}};", names(|signal| signal.unit)));
     }
     line("");
     for (name, rows) in [("A", &system.a), ("B", &system.b), ("C", &system.c), ("D", &system.d)] {

@@ -1,12 +1,11 @@
 //! The linear model of whatever a scenario describes.
 
 use super::joint::JointModel;
-use super::named::{NamedModel, named};
 use super::plant::PlantModel;
 use super::{LinearizeArguments, Model, bode, export, given, told};
 use crate::failure::Failure;
 use crate::plot::Figure;
-use mckibben::linearize::Pole;
+use mckibben::linearize::{Pole, StateSpace};
 use mckibben_scenario::Document;
 
 /// A linear model at an operating point, with what is known about it.
@@ -45,10 +44,10 @@ impl Found {
 
     /// The model, if every number of its matrices and of its point is finite.
     fn checked(self) -> Result<Self, Failure> {
-        let NamedModel { a, b, c, d, .. } = self.system();
+        let StateSpace { a, b, c, d, .. } = self.system();
         let entries = [("A", a), ("B", b), ("C", c), ("D", d)]
             .into_iter()
-            .flat_map(|(name, rows)| rows.into_iter().flatten().map(move |value| (name.to_owned(), value)));
+            .flat_map(|(name, rows)| rows.iter().flatten().map(move |value| (name.to_owned(), *value)));
         let poles = self.poles().iter();
         let poles = poles.flat_map(|pole| [pole.real, pole.imaginary].map(|part| ("a pole".to_owned(), part)));
         let fault = entries.chain(self.point()).chain(poles).find(|(_, value)| !value.is_finite());
@@ -59,11 +58,11 @@ impl Found {
     }
 
     /// The matrices, of all states or of those that are needed, as was asked.
-    pub fn system(&self) -> NamedModel {
+    pub fn system(&self) -> &StateSpace {
         match &self.0 {
-            Kind::Actuator(model) => named(&model.system),
-            Kind::Joint(model) => named(&model.system),
-            Kind::Plant(model) => model.system.clone(),
+            Kind::Actuator(model) => &model.system,
+            Kind::Joint(model) => &model.system,
+            Kind::Plant(model) => &model.system,
         }
     }
 

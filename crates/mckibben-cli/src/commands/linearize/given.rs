@@ -3,10 +3,9 @@
 use super::LinearizeArguments;
 use crate::failure::Failure;
 use mckibben::GaugePressure;
-use mckibben::linearize::{Aim, Balance, Content, Linearization, average, linearize};
+use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize, linearize_driven};
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
-use mckibben::valve::Command;
 use mckibben_scenario::{Experiment, quantity};
 
 /// A load as it can be given.
@@ -80,15 +79,15 @@ pub(super) fn linearization(arguments: &LinearizeArguments, experiment: &Experim
         (None, Some(length)) => Balance::AtLength(length),
         (gauge, None) => Balance::AtPressure(gauge.unwrap_or(initial)),
     };
-    let own = match rig.actuation().map(|actuation| &actuation.command) {
-        Some(Command::Pwm { duty, .. }) if pressure.is_none() && arguments.length.is_none() => Some(*duty),
-        _ => None,
-    };
-    Ok(match (arguments.duty.or(own), length) {
-        _ if arguments.pwm => average(&rig, Aim::Balance(balance), content)?,
-        (Some(duty), Some(length)) => average(&rig, Aim::DutyAtLength(duty, length), content)?,
-        (Some(duty), None) => average(&rig, Aim::Duty(duty), content)?,
-        (None, _) => linearize(&rig, balance, content)?,
+    // A command that a linear model has as an input gives the pressure, unless that or the length is given.
+    let own = rig.actuation().is_some_and(|actuation| actuation.command.is_continuous());
+    Ok(match (arguments.duty, length) {
+        _ if arguments.pwm => linearize_driven(&rig, Aim::Balance(balance), content)?,
+        (Some(duty), Some(length)) => linearize_driven(&rig, Aim::DutyAtLength(duty, length), content)?,
+        (Some(duty), None) => linearize_driven(&rig, Aim::Duty(duty), content)?,
+        (None, _) if !own || pressure.is_some() || arguments.length.is_some() => linearize(&rig, balance, content)?,
+        (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content)?,
+        (None, None) => linearize_driven(&rig, Aim::Command, content)?,
     })
 }
 

@@ -3,11 +3,10 @@
 //! | asked for | the valves | the point |
 //! |---|---|---|
 //! | `--angle` with `--stiffness` | held shut | there; the pressures follow |
-//! | a PWM on both actuators | on average | the balance at the pressures of the mean flows |
+//! | pulses, set points or positions of a spool | by their commands, pulses on average | the balance at the pressures that they make |
 //! | else | held shut | the balance at the scenario's initial gauge pressures |
 
 use super::export::owned;
-use super::named::named;
 use super::{LinearizeArguments, export, told};
 use crate::failure::Failure;
 use crate::joint::NAMES;
@@ -16,11 +15,10 @@ use crate::terminal::{HEADING, styled};
 use mckibben::GaugePressure;
 use mckibben::control::Held;
 use mckibben::linearize::{
-    Averaged, Content, Controllability, JointBalance, JointLinearization, Pole, StateSpace, average_joint,
-    linearize_joint,
+    Controllability, JointBalance, JointLinearization, Pole, StateSpace, linearize_driven_joint, linearize_joint,
 };
-use mckibben::simulation::{Driven, State};
-use mckibben::valve::Command;
+use mckibben::plant::{PlantAir, ValveAverage};
+use mckibben::simulation::Driven;
 use mckibben_scenario::{Assumed, JointExperiment};
 
 /// A joint's linear model with what is known about it.
@@ -32,6 +30,7 @@ pub(super) struct JointModel {
     /// What each input reaches.
     pub(super) reach: Vec<Controllability>,
     pub(super) assumed: Vec<Assumed>,
+    driven: bool,
 }
 
 impl JointModel {
@@ -47,35 +46,55 @@ impl JointModel {
         let initial = [0, 1].map(|i| {
             let actuator = &rig.driven()[i].actuator;
             let (pressure, mass) = (experiment.start.pressure[i], experiment.start.air_mass[i]);
-            let volume = actuator.volume(rig.joint().lengths(experiment.start.angle)[i]);
+            let volume = actuator.volume(rig.lengths(experiment.start.angle, experiment.start.pressure)[i]);
             let temperature = pressure.0 * volume / (mass * actuator.air().gas_constant());
             (pressure.gauge(actuator.air().atmosphere()), arguments.temperature.unwrap_or(temperature))
         });
-        let pulsed =
-            |driven: &Driven| driven.actuation.as_ref().is_some_and(|of| matches!(of.command, Command::Pwm { .. }));
+        let commanded = |driven: &Driven| driven.actuation.as_ref().is_some_and(|of| of.command.is_continuous());
         let balance = match (arguments.angle, arguments.stiffness) {
             (Some(angle), Some(stiffness)) => Some(JointBalance::AtStiffness { angle, stiffness }),
-            _ if rig.driven().iter().all(pulsed) => None,
+            _ if rig.driven().iter().any(commanded) => None,
             _ => Some(JointBalance::AtPressures(initial.map(|(gauge, _)| gauge))),
         };
+        let driven = balance.is_none();
         let linear = match balance {
             Some(balance) => linearize_joint(rig, balance, initial.map(|(_, temperature)| temperature))?,
-            None => average_joint(rig, contents(experiment, arguments.temperature))?,
+            None => {
+                let air =
+                    arguments.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; 2]));
+                linearize_driven_joint(rig, &experiment.start, &air)?
+            }
         };
         let system = if arguments.all_states { linear.system.clone() } else { linear.minimal() };
         let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
         let reach = reach.collect::<Result<_, _>>()?;
-        Ok(Self { name: name.to_owned(), poles: system.poles()?, reach, system, linear, assumed })
+        Ok(Self { name: name.to_owned(), poles: system.poles()?, reach, system, linear, assumed, driven })
+    }
+
+    /// Whether the valves are taken by their commands.
+    pub(super) fn is_driven(&self) -> bool {
+        self.driven
     }
 
     /// How the valves are taken.
     fn valves(&self) -> String {
-        let Some([first, second]) = &self.linear.averaged else { return "both valves held shut".to_owned() };
-        let frequency = |of: &Averaged| quantity(of.frequency, "Hz");
-        if first.frequency == second.frequency {
-            return format!("both valves under PWM at {} on average", frequency(first));
+        let frequency = |of: &ValveAverage| quantity(of.frequency, "Hz");
+        match self.linear.averages() {
+            _ if !self.driven => "both valves held shut".to_owned(),
+            [first, second] if first.frequency == second.frequency => {
+                format!("both valves under PWM at {} on average", frequency(first))
+            }
+            [first, second] => {
+                format!("valves under PWM at {} and {} on average", frequency(first), frequency(second))
+            }
+            _ => "valves by their commands, pulses on average".to_owned(),
         }
-        format!("valves under PWM at {} and {} on average", frequency(first), frequency(second))
+    }
+
+    /// Whose valve an average is of.
+    fn whose(&self, average: &ValveAverage) -> &'static str {
+        let has_valve = self.linear.rig.driven()[0].actuation.is_some();
+        NAMES[if has_valve { average.valve.min(1) } else { 1 }]
     }
 
     /// The caption of a figure.
@@ -113,8 +132,9 @@ impl JointModel {
             ("sealed_stiffness_n_m_rad", shut),
             ("coulomb_bound_n_m", self.linear.coulomb_bound()),
         ];
-        if let Some([first, second]) = &self.linear.averaged {
-            point.extend([("agonist_duty", first.duty), ("antagonist_duty", second.duty)]);
+        for average in self.linear.averages() {
+            let name = if self.whose(average) == NAMES[0] { "agonist_duty" } else { "antagonist_duty" };
+            point.push((name, average.duty));
         }
         point
     }
@@ -131,14 +151,15 @@ impl JointModel {
             lines.push(("sticks within", format!("± {} of the balance", quantity(bound, "N*m"))));
         }
         text.push_str(&told::lines(&lines));
-        for (name, averaged) in NAMES.iter().zip(self.linear.averaged.iter().flatten()) {
+        for averaged in self.linear.averages() {
+            let name = self.whose(averaged);
             let heading = styled(HEADING, format!("Mean flow of the {name}'s valve"));
             text.push_str(&format!("\n{heading}\n{}", told::lines(&told::pwm(averaged, &self.poles, Vec::new()))));
         }
         for (heading, table) in [
-            ("Model", told::matrices(&named(&self.system))),
+            ("Model", told::matrices(&self.system)),
             ("Poles", told::poles(&self.poles)),
-            ("Controllability", told::reach(&named(&self.system), &self.reach)),
+            ("Controllability", told::reach(&self.system, &self.reach)),
         ] {
             text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
         }
@@ -153,21 +174,8 @@ impl JointModel {
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
         let kind = format!("antagonistic joint, {}", self.valves());
-        export::script(&self.name, &kind, &owned(self.point()), &named(&self.system), &self.poles)
+        export::script(&self.name, &kind, &owned(self.point()), &self.system, &self.poles)
     }
-}
-
-/// How much air there is in each actuator: as much as has a temperature in K, or as the start's process leaves.
-fn contents(experiment: &JointExperiment, temperature: Option<f64>) -> [Content; 2] {
-    let start = &experiment.start;
-    let lengths = experiment.rig.joint().lengths(start.angle);
-    [0, 1].map(|i| match temperature {
-        Some(kelvin) => Content::Temperature(kelvin),
-        None => {
-            let (pressure, air_mass) = (start.pressure[i], start.air_mass[i]);
-            Content::Of(State { length: lengths[i], velocity: 0.0, pressure, air_mass })
-        }
-    })
 }
 
 /// Refuses what is asked of one actuator alone.

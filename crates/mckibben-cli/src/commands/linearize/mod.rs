@@ -9,7 +9,6 @@
 //! | `bode` | the figure |
 //! | `joint` | all of this for an antagonistic joint |
 //! | `plant` | all of this for a file of many actuators |
-//! | `named` | signals by names that a file may choose |
 //!
 //! Everything is computed by [`mckibben::linearize`]. Checked by `tests/linearize.rs`.
 
@@ -18,7 +17,6 @@ mod export;
 mod found;
 mod given;
 mod joint;
-mod named;
 mod plant;
 mod told;
 
@@ -32,7 +30,6 @@ pub use found::Found;
 use given::{Measure, angle, length, load, pressure, stiffness, temperature};
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::{Assumed, Document};
-pub use named::{Named, NamedModel};
 use std::path::{Path, PathBuf};
 
 /// What `mckibben linearize` is asked.
@@ -48,8 +45,8 @@ Examples:
 The point:
   Two of --pressure, --length and --load give the third; what is not given is that of the scenario.
   --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --pressure nor
-  --length is given. With --pwm the duty follows from the pressure. Otherwise the valve is held shut, and the mass
-  flow into the actuator is the input.
+  --length is given, and the last set point of a regulator or the last position of a spool. With --pwm the command
+  follows from the pressure. Otherwise the valve is held shut, and the mass flow into the actuator is the input.
   Of a file of many actuators pulsed and proportional valves are taken by their commands; where there are none, or with
   controllers, all valves are held shut at the initial pressures. With --pwm the commands are those that hold these.
 

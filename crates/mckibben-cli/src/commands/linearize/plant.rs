@@ -6,16 +6,15 @@
 //! | `--pwm` | by the commands that hold the initial gauge pressures | the balance at these |
 //! | else, and with controllers | held shut | the balance at the initial gauge pressures |
 
-use super::named::{Named, NamedModel, renamed};
 use super::{LinearizeArguments, export, told};
 use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
 use crate::terminal::{HEADING, NOTABLE, styled};
-use mckibben::linearize::{Controllability, Pole};
+use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::plant::{
     PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace, linearize_plant,
 };
-use mckibben::valve::{Command, Port};
+use mckibben::valve::Port;
 use mckibben_scenario::{Assumed, PlantExperiment};
 
 /// Columns of the matrices that are printed at most.
@@ -25,7 +24,7 @@ const MOST_COLUMNS: usize = 10;
 pub(super) struct PlantModel {
     pub(super) name: String,
     pub(super) linear: PlantLinearization,
-    pub(super) system: NamedModel,
+    pub(super) system: StateSpace,
     pub(super) poles: Vec<Pole>,
     /// What each input reaches.
     pub(super) reach: Vec<Controllability>,
@@ -44,9 +43,7 @@ impl PlantModel {
     ) -> Result<Self, Failure> {
         refuse(arguments)?;
         let pressures = || of.start.air.iter().map(|air| air.gauge_pressure).collect();
-        let driven = of.plant.network().valves.iter().any(|valve| {
-            matches!(valve.command, Command::Pwm { .. } | Command::SetPoints { .. } | Command::Positions { .. })
-        });
+        let driven = of.plant.network().valves.iter().any(|valve| valve.command.is_continuous());
         let balance = if arguments.pwm {
             PlantBalance::DrivenAt(pressures())
         } else if driven && of.controls.is_empty() {
@@ -133,7 +130,7 @@ impl PlantModel {
         }
         let inputs = names_of(of);
         for (input, number) in &point.inputs {
-            let Named { name, unit, .. } = inputs.input(input, &point.plant);
+            let Signal { name, unit, .. } = inputs.input(input, &point.plant);
             let unit = unit.to_lowercase().replace(['*', '/'], "_");
             let ending = if unit.is_empty() { String::new() } else { format!("_{unit}") };
             values.push((format!("{name}{ending}"), *number));
@@ -178,13 +175,13 @@ impl PlantModel {
         }
         let named: Vec<(&str, String)> = lines.iter().map(|(name, value)| (name.as_str(), value.clone())).collect();
         text.push_str(&told::lines(&named));
-        let NamedModel { states, inputs, outputs, .. } = &self.system;
+        let StateSpace { states, inputs, outputs, .. } = &self.system;
         let heading = |heading: &str| format!("\n{}", styled(HEADING, heading));
         if states.len() + inputs.len() <= MOST_COLUMNS {
             let table = told::matrices(&self.system);
             text.push_str(&format!("{}  {}\n{}", heading("Model"), table.caption, table.to_text()));
         } else {
-            let listed = |signals: &[Named]| {
+            let listed = |signals: &[Signal]| {
                 let names: Vec<&str> = signals.iter().map(|signal| signal.name.as_str()).collect();
                 format!("{}: {}", signals.len(), names.join(", "))
             };
@@ -273,7 +270,7 @@ impl Names<'_> {
         }
     }
 
-    fn state(&self, of: &PlantState, unit: &'static str) -> Named {
+    fn state(&self, of: &PlantState, unit: &'static str) -> Signal {
         let name = match *of {
             PlantState::Position { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
                 (name, true) => format!("{name}.angle"),
@@ -295,10 +292,10 @@ impl Names<'_> {
             PlantState::SpoolPosition { valve } => format!("{}.spool_position", self.valve(valve)),
             PlantState::SpoolVelocity { valve } => format!("{}.spool_velocity", self.valve(valve)),
         };
-        Named { symbol: name.clone(), name, unit: unit.to_owned() }
+        Signal::new(name, unit)
     }
 
-    fn input(&self, of: &PlantInput, plant: &mckibben::plant::Plant) -> Named {
+    fn input(&self, of: &PlantInput, plant: &mckibben::plant::Plant) -> Signal {
         let name = match *of {
             PlantInput::Duty { valve } => format!("{}.duty", self.valve(valve)),
             PlantInput::SetPoint { valve } => format!("{}.set_point", self.valve(valve)),
@@ -320,10 +317,10 @@ impl Names<'_> {
             }
             PlantInput::GivenPressure { actuator } => format!("{}.given_pressure", self.actuator(actuator)),
         };
-        Named { symbol: name.clone(), name, unit: of.unit(plant).to_owned() }
+        Signal::new(name, of.unit(plant))
     }
 
-    fn output(&self, of: &PlantOutput, unit: &'static str) -> Named {
+    fn output(&self, of: &PlantOutput, unit: &'static str) -> Signal {
         let name = match *of {
             PlantOutput::Length { actuator } => format!("{}.length", self.actuator(actuator)),
             PlantOutput::LengthRate { actuator } => format!("{}.velocity", self.actuator(actuator)),
@@ -343,19 +340,15 @@ impl Names<'_> {
             },
             PlantOutput::NodePressure { node } => self.node(node),
         };
-        Named { symbol: name.clone(), name, unit: unit.to_owned() }
+        Signal::new(name, unit)
     }
 }
 
 /// The model with the names of the file.
-fn by_names(of: &PlantExperiment, linear: &PlantLinearization, system: &PlantStateSpace) -> NamedModel {
+fn by_names(of: &PlantExperiment, linear: &PlantLinearization, system: &PlantStateSpace) -> StateSpace {
     let (names, plant) = (names_of(of), &linear.point.plant);
-    renamed(
-        system,
-        (
-            |state: &PlantState| names.state(state, state.unit(plant)),
-            |input: &PlantInput| names.input(input, plant),
-            |output: &PlantOutput| names.output(output, output.unit(plant)),
-        ),
-    )
+    let states = system.states.iter().map(|state| names.state(state, state.unit(plant)));
+    let inputs = system.inputs.iter().map(|input| names.input(input, plant));
+    let outputs = system.outputs.iter().map(|output| names.output(output, output.unit(plant)));
+    system.named([states.enumerate().collect(), inputs.enumerate().collect(), outputs.enumerate().collect()])
 }

@@ -2,27 +2,28 @@
 
 use super::Model;
 use super::export::over_fastest;
-use super::named::{Named, NamedModel, named};
 use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::terminal::{HEADING, NOTABLE, styled, width, wrap};
 use mckibben::ActuatorState;
 use mckibben::air::Process;
-use mckibben::linearize::{Averaged, Controllability, Pole};
+use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
+use mckibben::plant::ValveAverage;
 use mckibben::simulation::State;
 use mckibben::valve::Ports;
 use std::f64::consts::TAU;
 
 /// The whole text.
 pub(super) fn text(model: &Model) -> String {
-    let valve = match &model.linear.averaged {
+    let valve = match model.linear.averaged() {
         Some(averaged) => format!("PWM at {} on average", quantity(averaged.frequency, "Hz")),
+        None if model.linear.is_driven() => "valve by its command".to_owned(),
         None => "valve held shut".to_owned(),
     };
     let mut text = format!("{}\n", styled(HEADING, format!("{}, {valve}", model.name)));
     text.push_str(&lines(&point(model)));
-    if let Some(averaged) = &model.linear.averaged {
+    if let Some(averaged) = model.linear.averaged() {
         text.push_str(&format!(
             "\n{}\n{}",
             styled(HEADING, "Mean flow"),
@@ -30,9 +31,9 @@ pub(super) fn text(model: &Model) -> String {
         ));
     }
     for (heading, table) in [
-        ("Model", matrices(&named(&model.system))),
+        ("Model", matrices(&model.system)),
         ("Poles", poles(&model.poles)),
-        ("Controllability", reach(&named(&model.system), &model.reach)),
+        ("Controllability", reach(&model.system, &model.reach)),
     ] {
         text.push_str(&format!("\n{}  {}\n{}", styled(HEADING, heading), table.caption, table.to_text()));
     }
@@ -99,7 +100,7 @@ fn swings(model: &Model) -> Vec<String> {
 }
 
 /// A valve under PWM on average, and how far that holds.
-pub(super) fn pwm(averaged: &Averaged, poles: &[Pole], swings: Vec<String>) -> Vec<(&'static str, String)> {
+pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) -> Vec<(&'static str, String)> {
     let (from, to) = averaged.duty_range;
     let yes = |holds: bool, no: &str| if holds { String::new() } else { format!("; {}", styled(NOTABLE, no)) };
     let mut lines = vec![
@@ -141,8 +142,8 @@ pub(super) fn pwm(averaged: &Averaged, poles: &[Pole], swings: Vec<String>) -> V
     lines
 }
 
-pub(super) fn matrices(system: &NamedModel) -> Table {
-    let titled = |signal: &Named| match signal.unit.as_str() {
+pub(super) fn matrices(system: &StateSpace) -> Table {
+    let titled = |signal: &Signal| match signal.unit {
         "" => signal.symbol.clone(),
         unit => format!("{} {unit}", signal.symbol),
     };
@@ -202,7 +203,7 @@ pub(super) fn poles(poles: &[Pole]) -> Table {
     }
 }
 
-pub(super) fn reach(system: &NamedModel, reach: &[Controllability]) -> Table {
+pub(super) fn reach(system: &StateSpace, reach: &[Controllability]) -> Table {
     let rows = system.inputs.iter().zip(reach).map(|(input, reach)| {
         let condition = if reach.condition.is_finite() { digits(reach.condition) } else { "∞".to_owned() };
         let values: Vec<String> = reach.singular_values.iter().map(|value| format!("{value:.1e}")).collect();

@@ -24,6 +24,7 @@
 //!
 //! Checked by `tests/joint.rs`, `tests/joint_located.rs`, `tests/joint_control.rs` and `tests/moment_arm.rs`.
 
+pub(crate) mod linear;
 mod reading;
 mod run;
 mod view;

@@ -23,9 +23,11 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// Steps after which there is no steady state.
-const MOST_STEPS: usize = 400;
+const MOST_STEPS: usize = 1000;
 /// First and longest step in s, and how much one grows on the one before.
 const STEPS: (f64, f64, f64) = (1e-4, 1e9, 4.0);
+/// The step in s below which a change that is too large is cut instead.
+const SHORTEST: f64 = 1e-9;
 /// The part of a pressure by which one step may change it.
 const LARGEST_CHANGE: f64 = 0.3;
 /// The part of its size below which a step is rounding, and below which it has come close.
@@ -34,6 +36,9 @@ const CLOSE: f64 = 1e-10;
 /// Relative rate in 1/s below which the air stands still but for rounding, and above which it does not.
 const STILL: f64 = 1e-8;
 const MOVING: f64 = 1e-3;
+/// What a step must leave at most of what was left, or it is halved up to so many times.
+const LESS: f64 = 0.9;
+const MOST_HALVINGS: usize = 6;
 /// Usual size of a flow in kg/s, for scaling alone.
 const USUAL_FLOW: f64 = 1e-3;
 
@@ -41,10 +46,22 @@ const NO_STEADY_AIR: Error = Error::NoSolution {
     what: "the air of the plant comes to no steady state under these commands",
     remedy: "give pressures that are to be held, or commands between whose fill and exhaust a balance exists",
 };
-const NO_COMMAND: Error = Error::NoSolution {
-    what: "no command that the valve can follow holds a given pressure",
+const NO_DUTY: Error = Error::NoSolution {
+    what: "no command that the valve can follow holds a given pressure: no duty that moves the seats does",
     remedy: "give a pressure well between supply and exhaust, or a lower command.frequency",
 };
+const NO_COMMAND: Error = Error::NoSolution {
+    what: "no command that the valve can follow holds a given pressure",
+    remedy: "give a pressure well between supply and exhaust",
+};
+
+/// That no command holds a pressure.
+fn no_command(drive: &Drive) -> Error {
+    match drive {
+        Drive::Duty(_) => NO_DUTY,
+        _ => NO_COMMAND,
+    }
+}
 
 /// An unknown of the air, and the state whose rate it brings to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,6 +265,9 @@ impl AirSolver<'_> {
         let mut left = residual(frame);
         let mut settled = 0;
         for _ in 0..MOST_STEPS {
+            if norm(&left) == 0.0 {
+                return self.check(frame, &unknowns, &left);
+            }
             let mut jacobian = vec![0.0; count * count];
             for (column, unknown) in unknowns.iter().enumerate() {
                 let rates = frame.evaluate(&self.seeds(unknown, frame, &volumes)).rates;
@@ -277,12 +297,38 @@ impl AirSolver<'_> {
                 }
                 _ => most,
             });
-            let part = 1.0 / largest.max(1.0);
-            let before = frame.clone();
-            for (unknown, change) in unknowns.iter().zip(&change) {
-                self.shift(unknown, part * change * unknown.size, frame, &volumes);
+            // A shorter step, not a part of a long one: where pressures go by themselves at first, that leads elsewhere.
+            if largest > 1.0 && step > SHORTEST {
+                step /= 2.0;
+                continue;
             }
-            let next = residual(frame);
+            let before = frame.clone();
+            let tried = |part: f64, frame: &mut Frame| {
+                frame.clone_from(&before);
+                for (unknown, change) in unknowns.iter().zip(&change) {
+                    self.shift(unknown, part * change * unknown.size, frame, &volumes);
+                }
+                residual(frame)
+            };
+            let whole = 1.0 / largest.max(1.0);
+            let mut next = tried(whole, frame);
+            // A flow goes with the root of a small difference of pressure, and a whole step goes as far beyond its end: less of
+            // it may bring more. Where nothing does, air on its way may be farther from rest before it comes nearer.
+            let brings = |next: &[f64]| norm(next) < LESS * norm(&left);
+            if !brings(&next) {
+                let mut part = whole;
+                for _ in 0..MOST_HALVINGS {
+                    part *= 0.5;
+                    let other = tried(part, frame);
+                    if brings(&other) {
+                        next = other;
+                        break;
+                    }
+                }
+                if !brings(&next) {
+                    next = tried(whole, frame);
+                }
+            }
             let is_better = norm(&next).is_finite() && norm(&next) <= 2.0 * norm(&left) + STILL;
             if !is_better && step > 1e-12 {
                 *frame = before;
@@ -292,14 +338,15 @@ impl AirSolver<'_> {
             left = next;
             if step < longest {
                 step *= growth;
-            } else if part == 1.0 && norm(&change) < CLOSE {
+            } else if largest <= 1.0 && norm(&change) < CLOSE {
                 settled += 1;
                 if settled > 2 || norm(&change) < ROUNDING {
                     return self.check(frame, &unknowns, &left);
                 }
             }
         }
-        Err(if self.holders.iter().any(Option::is_some) { NO_COMMAND } else { NO_STEADY_AIR })
+        let mut holders = self.holders.iter().flatten();
+        Err(holders.next().map_or(NO_STEADY_AIR, |valve| no_command(&frame.drives[*valve])))
     }
 
     /// Checks that nothing was kept from where it would go.
@@ -310,7 +357,7 @@ impl AirSolver<'_> {
             {
                 let [low, high] = self.command_range(valve);
                 if (command <= low || command >= high) && left.abs() > STILL {
-                    return Err(NO_COMMAND);
+                    return Err(no_command(&frame.drives[valve]));
                 }
             }
             if left.abs() > MOVING {

@@ -6,7 +6,7 @@ use super::derivatives::derivatives;
 use super::frame::Drive;
 use super::{PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace};
 use crate::error::Error;
-use crate::linearize::{Controllability, Phasor};
+use crate::linearize::{Controllability, Phasor, UsualSize};
 use crate::mechanism::Mechanism;
 use crate::network::BranchKind;
 use crate::valve::{Port, period, with_duty};
@@ -22,6 +22,12 @@ impl PlantLinearization {
     /// # Errors
     /// As [`PlantStateSpace::poles`](crate::linearize::StateSpace::poles).
     pub fn controllability(&self, system: &PlantStateSpace, input: usize) -> Result<Controllability, Error> {
+        let sizes: Vec<UsualSize> = system.states.iter().map(|state| self.usual_size(state)).collect();
+        system.controllability(input, &sizes)
+    }
+
+    /// How large a state usually is.
+    pub(in crate::plant) fn usual_size(&self, of: &PlantState) -> UsualSize {
         let (plant, state, lengths) = (&self.point.plant, &self.point.state, &self.point.lengths);
         let places = plant.places();
         let coordinate = |mechanism: usize| match (&plant.mechanisms()[mechanism], places.members[mechanism].first()) {
@@ -29,7 +35,7 @@ impl PlantLinearization {
             (_, Some(first)) => lengths[*first],
         };
         let node = |node: usize| places.nodes[node].map_or(1.0, |slot| state[slot]);
-        let size = |of: &PlantState| match *of {
+        let size = match *of {
             PlantState::Position { mechanism, .. } | PlantState::Velocity { mechanism, .. } => coordinate(mechanism),
             PlantState::Pressure { actuator } => state[places.actuators[actuator].pressure],
             PlantState::AirMass { actuator } => state[places.actuators[actuator].mass()],
@@ -44,8 +50,7 @@ impl PlantLinearization {
             }
             PlantState::SpoolPosition { .. } | PlantState::SpoolVelocity { .. } => 1.0,
         };
-        let sizes: Vec<f64> = system.states.iter().map(size).collect();
-        system.controllability(input, &sizes, PlantState::is_rate)
+        UsualSize { size, is_rate: of.is_rate() }
     }
 
     /// How far one output swings, peak to peak, under the switching of a pulsed valve: by the fundamental of its openings

@@ -9,15 +9,16 @@
 //! the model's time constants. Each is reported, none is enforced.
 
 use super::frame::{Drive, Fed, Frame, Number, Quantity};
+use crate::air::Flow;
 use crate::network::{BranchKind, NodeKind};
 use crate::plant::Plant;
 use crate::scalar::Scalar;
 use crate::simulation::Actuation;
-use crate::valve::{Command, duty_range, period};
+use crate::valve::{Command, Interval, duty_range, period};
 use alloc::vec::Vec;
 
 /// A pulsed valve on average, and how far that holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ValveAverage {
     /// The valve.
     pub valve: usize,
@@ -27,6 +28,10 @@ pub struct ValveAverage {
     pub duty: f64,
     /// Actual duty cycles of the flow paths to supply and surroundings: mean openings over a period.
     pub shares: [f64; 2],
+    /// One period of the seats, from the instant at which the pulse is commanded.
+    pub intervals: Vec<Interval>,
+    /// Mean flow through the valve, into what it opens into and out of it, in kg/s each.
+    pub flow: Flow,
     /// Commanded duties between which every pulse and every gap moves the seats.
     pub duty_range: (f64, f64),
     /// Peak to peak ripple in Pa of the pressure that the valve opens into, at a fixed length.
@@ -36,6 +41,11 @@ pub struct ValveAverage {
 }
 
 impl ValveAverage {
+    /// The part of the period in which the path to the supply is open.
+    pub fn supply_share(&self) -> f64 {
+        self.shares[0]
+    }
+
     /// Whether every pulse and every gap moves the seats.
     pub fn follows(&self) -> bool {
         (self.duty_range.0..=self.duty_range.1).contains(&self.duty)
@@ -86,12 +96,19 @@ pub(super) fn averages(plant: &Plant, frame: &Frame) -> Vec<ValveAverage> {
             let [here, beyond] = [node, first.from].map(|node| now.at.network.nodes[node].pressure.value);
             margin = margin.min((here - beyond).abs());
         }
-        let shares = [0, 1].map(|port| intervals.iter().map(|part| part.share * part.openings[port]).sum());
+        let shares: [f64; 2] = [0, 1].map(|port| intervals.iter().map(|part| part.share * part.openings[port]).sum());
+        let mut flow = Flow::none();
+        for (index, _, port) in paths() {
+            let mean = shares[port as usize] * flows[index];
+            flow = flow.and(Flow { inward: mean.max(0.0), outward: (-mean).max(0.0) });
+        }
         averages.push(ValveAverage {
             valve,
             frequency,
             duty: *duty,
             shares,
+            intervals,
+            flow,
             duty_range: duty_range(solenoid, command).unwrap_or((0.0, 1.0)),
             pressure_ripple: ripple,
             pressure_margin: margin,

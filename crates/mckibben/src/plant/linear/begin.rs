@@ -14,8 +14,21 @@ use crate::valve::{Command, Request, SeatClock, Solenoid};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// The plant in balance.
-pub(super) fn begin(plant: &Plant, start: &PlantStart, what: &PlantBalance, air: &PlantAir) -> Result<Frame, Error> {
+/// A plant whose air is at rest, or flows through on average, its mechanisms where they start.
+pub(super) struct Filled<'a> {
+    pub(super) frame: Frame,
+    solver: AirSolver<'a>,
+    /// Of the air of each actuator, `P V/m` in J/kg.
+    pub(super) heats: Vec<f64>,
+}
+
+/// The air of a plant.
+pub(super) fn fill<'a>(
+    plant: &'a Plant,
+    start: &PlantStart,
+    what: &PlantBalance,
+    air: &'a PlantAir,
+) -> Result<Filled<'a>, Error> {
     let mut state = plant.start(start)?;
     let count = plant.actuators.len();
     let listed = |name, given: usize| match given == count {
@@ -80,12 +93,17 @@ pub(super) fn begin(plant: &Plant, start: &PlantStart, what: &PlantBalance, air:
     let start = content.iter().zip(&volumes).map(|([pressure, mass], volume)| [*pressure, *mass, *volume]).collect();
     let solver = AirSolver { plant, air, start, given, holders };
     solver.solve(&mut frame)?;
-    let temperatures: Vec<f64> = (0..count)
-        .map(|i| {
-            let here = plant.places.actuators[i];
-            volumes[i] * frame.state[here.pressure] / frame.state[here.mass()]
-        })
-        .collect();
+    let heat = |i: usize| {
+        let here = plant.places.actuators[i];
+        volumes[i] * frame.state[here.pressure] / frame.state[here.mass()]
+    };
+    let heats = (0..count).map(heat).collect();
+    Ok(Filled { frame, solver, heats })
+}
+
+/// The plant in balance.
+pub(super) fn begin(plant: &Plant, start: &PlantStart, what: &PlantBalance, air: &PlantAir) -> Result<Frame, Error> {
+    let Filled { mut frame, solver, heats } = fill(plant, start, what, air)?;
     balance::balance(&mut frame)?;
     frame.holds_ends = false;
     for (i, volume) in self::volumes(&frame).into_iter().enumerate() {
@@ -93,7 +111,7 @@ pub(super) fn begin(plant: &Plant, start: &PlantStart, what: &PlantBalance, air:
         let pressure = frame.state[here.pressure];
         // Flows leave a temperature, a process that is kept leaves a content.
         frame.state[here.mass()] = match plant.places.keeps_heat[i] {
-            true => volume * pressure / temperatures[i],
+            true => volume * pressure / heats[i],
             false => solver.mass(i, pressure, volume)[0],
         };
     }

@@ -137,6 +137,25 @@ pub fn linearize_plant(
     PlantLinearization::of(plant, frame)
 }
 
+/// Pressure, and temperature in K, of the air of each actuator as it is at rest or flows through on average, with the mechanisms
+/// kept where they start: neither depends on where that is.
+///
+/// # Errors
+/// As [`linearize_plant`], but for what mechanisms in balance ask.
+pub(in crate::plant) fn steady_air(
+    plant: &Plant,
+    start: &PlantStart,
+    balance: &PlantBalance,
+    air: &PlantAir,
+) -> Result<Vec<(AbsolutePressure, f64)>, Error> {
+    let begin::Filled { frame, heats, .. } = begin::fill(plant, start, balance, air)?;
+    let of = |i: usize| {
+        let of_actuator = plant.actuators[i].actuator.air();
+        (AbsolutePressure(frame.state[plant.places.actuators[i].pressure]), heats[i] / of_actuator.gas_constant())
+    };
+    Ok((0..plant.actuators.len()).map(of).collect())
+}
+
 impl PlantLinearization {
     fn of(plant: &Plant, frame: Frame) -> Result<Self, Error> {
         let system = derivatives(&frame);

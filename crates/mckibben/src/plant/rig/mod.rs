@@ -24,6 +24,8 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3. Checked by `tests/simulation.rs`, `tests/properties.rs` and, against an
 //! independent program, `tests/reference.rs`.
 
+pub(crate) mod linear;
+pub(crate) mod point;
 mod reading;
 mod segments;
 

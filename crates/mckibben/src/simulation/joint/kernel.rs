@@ -4,7 +4,7 @@
 //! of the angular acceleration by angle and angular velocity, and for each actuator's pressure the steeper of tangent and
 //! secant to the open port's; what couples these blocks is left out, which the order 2 of Verwer's scheme allows.
 
-use super::{ANGLE, JointRig, JointState, PRESSURE, VELOCITY};
+use super::{ANGLE, JointRig, PRESSURE, VELOCITY};
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
@@ -120,45 +120,6 @@ impl<R: Real> JointRig<R> {
         let contents = self.contents(pieces, state, held);
         let [agonist, antagonist] = [0, 1].map(|i| self.air_rates(i, time, contents[i], held));
         [velocity, acceleration, agonist[0], agonist[1], antagonist[0], antagonist[1]]
-    }
-
-    /// The rates near a point at rest with both valves shut and without Coulomb friction, under a flow into and out
-    /// of each actuator (kg/s) and a torque (N·m) beside the joint's own; and the torque in N·m of both actuators.
-    pub(crate) fn rates_near<T: Over<R>>(
-        &self,
-        at: &JointState<R>,
-        state: &[T; 6],
-        flow: [Flow<T>; 2],
-        torque: T,
-    ) -> ([T; 6], T) {
-        let pieces = self.joint.pieces(at.angle);
-        let lengths = self.joint.lengths(at.angle);
-        let limits = self.actuators().map(Actuator::limits);
-        let beyond = |end: usize| {
-            let stop = self.joint.stops().ends[end];
-            stop.is_some_and(|stop| R::zero().lt(R::constant(SIGN[end]) * (at.angle - stop)))
-        };
-        let held = Held {
-            ports: [Ports::CLOSED; 2],
-            openings: [Openings::Whole; 2],
-            turning: R::zero(),
-            stuck: false,
-            slack: [false; 2],
-            taut: [0, 1].map(|i| limits[i].max_length().lt(lengths[i])),
-            pressed: [beyond(0), beyond(1)],
-            memory: [0, 1].map(|i| Memory::relaxed(limits[i].actuator_length(lengths[i]))),
-        };
-        let [velocity, acceleration] = self.motion(pieces, state, &held);
-        let leverage = self.joint.leverage_in(pieces, state[ANGLE]);
-        let slopes = leverage.slopes();
-        let [of, other] = [0, 1].map(|i| {
-            let (actuator, at) = (&self.driven[i].actuator, PRESSURE[i]);
-            let ends = [leverage.lengths[i], slopes[i] * state[VELOCITY], state[at]];
-            let chamber = actuator.chamber(ends[0], ends[1], state[at], state[at + 1], false);
-            (self.sliding_tension(i, ends, &held), actuator.pressure_rate(&chamber, &flow[i]), flow[i].net())
-        });
-        let acceleration = acceleration + torque / T::of(self.joint.inertia());
-        ([velocity, acceleration, of.1, of.2, other.1, other.2], leverage.torque_of([of.0, other.0]))
     }
 
     /// One part of a step from a time in s.

@@ -13,7 +13,7 @@ use crate::force::Statics;
 use crate::load::Load;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
-use crate::scalar::Over;
+use crate::scalar::Scalar;
 use crate::simulation::{Rig, State};
 
 /// What holds the load in balance: two of gauge pressure, length of the actuator and load, the third follows.
@@ -78,13 +78,18 @@ impl OperatingPoint {
         Ok(Self { rig, state: State { length, velocity, pressure, air_mass } })
     }
 
+    /// Whether the process of the air keeps `P (V/m)^κ`.
+    pub(super) fn keeps_content(rig: &Rig) -> bool {
+        !matches!(rig.actuator().air().process(), Process::EnergyBalance { .. })
+    }
+
     /// Temperature of the air in K.
     pub fn temperature(&self) -> f64 {
         self.rig.actuator().air().temperature(&self.chamber())
     }
 
     /// The air.
-    pub(super) fn chamber(&self) -> Chamber {
+    fn chamber(&self) -> Chamber {
         let State { length, velocity, pressure, air_mass } = self.state;
         self.rig.actuator().chamber(length, velocity, pressure.0, air_mass, false)
     }
@@ -116,35 +121,28 @@ impl OperatingPoint {
     }
 }
 
-/// Whether the process keeps `P (V/m)^κ`.
-pub(super) fn keeps_content(rig: &Rig) -> bool {
-    !matches!(rig.actuator().air().process(), Process::EnergyBalance { .. })
-}
-
-/// The air mass in kg at a length and a pressure that has the `P (V/m)^κ` of a state.
-pub(super) fn mass_of_content<T: Over<f64>>(actuator: &Actuator, state: &State, length: T, pressure: T) -> T {
-    let expansion = actuator.volume(length) / T::of(actuator.volume(state.length));
-    let compression = (pressure / T::of(state.pressure.0)).power(T::of(1.0 / actuator.air().index()));
-    T::of(state.air_mass) * expansion * compression
+/// The air mass in kg at a length (m) and a pressure (Pa) that has the `P (V/m)^κ` of a state.
+fn mass_of_content(actuator: &Actuator, state: &State, length: f64, pressure: f64) -> f64 {
+    let expansion = actuator.volume(length) / actuator.volume(state.length);
+    let compression = Scalar::power(pressure / state.pressure.0, 1.0 / actuator.air().index());
+    state.air_mass * expansion * compression
 }
 
 /// The air mass in kg.
-pub(super) fn air_mass(rig: &Rig, pressure: AbsolutePressure, length: f64, content: Content) -> Result<f64, Error> {
+fn air_mass(rig: &Rig, pressure: AbsolutePressure, length: f64, content: Content) -> Result<f64, Error> {
     let actuator = rig.actuator();
     let at = |temperature| actuator.air().mass(pressure, actuator.volume(length), temperature);
     Ok(match content {
         Content::Temperature(temperature) => at(parameter::INITIAL_TEMPERATURE.check(temperature)?),
-        Content::Of(state) if keeps_content(rig) => mass_of_content(actuator, &state, length, pressure.0),
+        Content::Of(state) if OperatingPoint::keeps_content(rig) => {
+            mass_of_content(actuator, &state, length, pressure.0)
+        }
         Content::Of(state) => at(OperatingPoint { rig: rig.clone(), state }.temperature()),
     })
 }
 
 /// The rig with its load, and the pressure and the length in m at which they balance.
 pub(super) fn balanced(rig: &Rig, balance: Balance) -> Result<(Rig, AbsolutePressure, f64), Error> {
-    rig.check_pressure_is_free()?;
-    if rig.has_plumbing() {
-        return Err(Error::NotImplemented(&crate::limit::LINEAR_LINE));
-    }
     let air = rig.actuator().air();
     if matches!(rig.load(), Load::Prescribed(_)) {
         return Err(Error::NoSolution {
