@@ -78,7 +78,7 @@ pub use model::{Experiment, JointExperiment};
 pub use place::{Place, PlaceError, Seeds};
 pub use plant::{
     ActuatorControl, AdjustedPlant, Coordinate, JointControl, MechanismNames, PlantColumn, PlantContent, PlantControl,
-    PlantExperiment, PlantNames, PlantPlace, PlantQuantity,
+    PlantExperiment, PlantNames, PlantOver, PlantPlace, PlantQuantity,
 };
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,

@@ -10,7 +10,7 @@ use thiserror::Error as ThisError;
 #[derive(Clone, Debug)]
 pub enum Subject {
     /// One actuator with its load, or two that turn a joint against each other.
-    Scenario(Adjustable),
+    Scenario(Box<Adjustable>),
     /// A plant whose actuators have names.
     Plant(AdjustablePlant),
 }
@@ -56,7 +56,7 @@ impl From<Diagnostics> for SubjectError {
 
 impl From<Adjustable> for Subject {
     fn from(of: Adjustable) -> Self {
-        Self::Scenario(of)
+        Self::Scenario(Box::new(of))
     }
 }
 
@@ -90,7 +90,7 @@ impl Subject {
     /// At these values, with only the parameters of these indices looked for.
     pub(super) fn only(&self, numbers: &[usize], values: &[f64]) -> Result<Self, Error> {
         Ok(match self {
-            Self::Scenario(of) => Self::Scenario(of.only(numbers, values)?),
+            Self::Scenario(of) => Self::Scenario(Box::new(of.only(numbers, values)?)),
             Self::Plant(AdjustablePlant { document, places }) => Self::Plant(AdjustablePlant {
                 document: document.with_plant_values(places, values)?,
                 places: numbers.iter().map(|number| places[*number].clone()).collect(),

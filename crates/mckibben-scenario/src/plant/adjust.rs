@@ -47,6 +47,9 @@ enum Label {
     Start(StartNumber),
 }
 
+/// A plant and its start over a scalar.
+pub type PlantOver<S> = (Plant<S>, PlantStart<S>);
+
 /// A plant's file with other values of some parameters, read.
 #[derive(Clone, Debug)]
 pub struct AdjustedPlant {
@@ -222,10 +225,7 @@ impl AdjustedPlant {
     ///
     /// # Errors
     /// When the file can say no value beside one of these.
-    pub fn seeded<const K: usize>(
-        &self,
-        first: usize,
-    ) -> Result<(Plant<Dual<f64, K>>, PlantStart<Dual<f64, K>>), Diagnostics> {
+    pub fn seeded<const K: usize>(&self, first: usize) -> Result<PlantOver<Dual<f64, K>>, Diagnostics> {
         let (labels, here) = numbers_of(&self.experiment);
         let mut slopes = vec![[0.0; K]; here.len()];
         for direction in 0..K.min(self.places.len().saturating_sub(first)) {

@@ -33,7 +33,7 @@ use crate::scenario::{Air, Command, Controller, Hose, Motion, Passage, Run, Scen
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Plant, PlantStart};
 
-pub use adjust::{AdjustedPlant, PlantPlace};
+pub use adjust::{AdjustedPlant, PlantOver, PlantPlace};
 pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
 pub use control::{ActuatorControl, JointControl, PlantControl};
 
