@@ -328,7 +328,9 @@ impl Work<'_> {
         let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let (Some(usual), Some(largest)) = (median(&steps), steps.iter().copied().reduce(f64::max)) else { return };
         let rate = 1.0 / usual;
-        self.note(Severity::Told, format!("{} readings, {rate:.6} a second", times.len()));
+        // As many digits as it takes, of six.
+        let rate = (1e6 * rate).round() / 1e6;
+        self.note(Severity::Told, format!("{} readings, {rate} a second", times.len()));
         if largest > 5.0 * usual {
             let at = steps.iter().position(|step| *step == largest).unwrap_or(0);
             self.note(Severity::Warned, format!("a gap of {largest:.4} s after {:.4} s", times[at]));

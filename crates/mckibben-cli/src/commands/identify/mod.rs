@@ -45,7 +45,8 @@ A study file:
   kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\", and of a valve
                                           # \"flow-curve\", \"steady-flow\", \"tank\", \"pulse-train\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
-  input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it
+  input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it;
+                                          # of a plant the actuators whose pressure was measured
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure; of a joint angle,
                                           # angular_velocity, torque, and antagonist_length and the like; of a
@@ -64,7 +65,8 @@ A study file:
   file = \"data.csv\"                       # .csv or .parquet
   set = { \"load.mass\" = \"5 lb\" }          # keys of the scenario that differ in this run
 
-  [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for
+  [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for, by the path that --set takes;
+                                          # of a plant also \"actuators.flexor.turns\", \"mechanism.joints.knee.damping\"
   from = \"0 N*s/m\"
   to = \"50 N*s/m\"
   per_run = true                          # each run has a value of its own
@@ -160,6 +162,12 @@ fn mistake(error: StudyError) -> Failure {
 }
 
 impl Material {
+    /// The name of the scenario file, without its folder.
+    fn name(&self) -> &str {
+        let path = self.document.source().name();
+        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+    }
+
     /// The scenario of a run: the file's, with what the run says of its own.
     fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
         let mut document = self.document.clone();

@@ -146,7 +146,7 @@ impl Outcome {
         };
         let warnings = material.notes().into_iter().chain([format!("{WARNED}failed: {}", failure.sentence())]);
         Self {
-            title: format!("{}: nothing was found", material.document.source().name()),
+            title: format!("{}: nothing was found", material.name()),
             introduction: vec![format!("Nothing was found: {}", failure.sentence())],
             sections: vec![section],
             warnings: warnings.collect(),

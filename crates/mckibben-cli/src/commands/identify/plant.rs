@@ -2,7 +2,7 @@
 
 use super::Material;
 use super::sought::{self, OfRun};
-use super::trajectories::{held_at_its_end, take_no_part};
+use super::trajectories::held_at_its_end;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Column, Input, Quantity, Recording, Sheet};
@@ -23,8 +23,7 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
     }
     let (unknowns, numbers) = sought::of_runs(material, |run, entry| {
         let found = plants[run].0.find_in_plant(&entry.path);
-        let help = || format!("of the run `{}`", material.recordings[run].name);
-        let place = found.map_err(|error| Failure::input(error.to_string(), help()))?;
+        let place = found.map_err(|error| sought::misplaced(&error, Some(&material.recordings[run].name)))?;
         let (row, value) = (place.parameter(), place.value());
         Ok((place, row, value))
     })?;
@@ -50,20 +49,28 @@ fn read(document: &Document) -> Result<PlantExperiment, Failure> {
 fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<Course>, Failure> {
     let of_no_part = |column: &&Column| column.part.is_none() && column.quantity != Quantity::Time;
     if let Some(column) = recording.sheets.iter().flat_map(|sheet| &sheet.columns).find(of_no_part) {
-        let title = format!("the run `{}` has a {} of no part of the plant", recording.name, column.words());
-        let part = of.names.actuators.first().map_or("flexor", String::as_str);
-        return Err(Failure::input(title, format!("name the part: `[columns.\"{part}.{}\"]`", column.quantity.name())));
+        let title = format!("the run `{}` has a column of no part of the plant: {}", recording.name, column.words());
+        let having = parts(of).into_iter().find(|part| Observed::of_part(of, part, column.quantity).is_some());
+        let help = match having {
+            Some(part) => format!("name the part: `[columns.\"{part}.{}\"]`", column.quantity.name()),
+            None => "name a part and what was measured of it, as in `[columns.\"flexor.length\"]`".to_owned(),
+        };
+        return Err(Failure::input(title, help));
     }
+    let columns = of.columns();
     let mut courses = Vec::new();
     for (sheet, column) in recording.of_parts() {
         let (observed, quantity) = observed(of, column)?;
+        let place = columns.iter().position(|column| column.quantity() == Some(quantity));
         let is_given = matches!(quantity, PlantQuantity::Pressure(i) if of.plant.actuators()[i].pressure.is_some());
         if !is_given {
             let (times, values) = over_time(recording, sheet, column)?;
-            courses.push(Course { observed, times, values, deviation: column.deviation });
+            courses.push((place, Course { observed, times, values, deviation: column.deviation }));
         }
     }
-    Ok(courses)
+    // In the order of a run's table: by the parts, as the file has them.
+    courses.sort_by_key(|(place, _)| *place);
+    Ok(courses.into_iter().map(|(_, course)| course).collect())
 }
 
 /// What a column is of the plant.
@@ -75,13 +82,29 @@ fn observed(of: &PlantExperiment, column: &Column) -> Result<(Observed, PlantQua
             Ok((Observed::Column(found), quantity))
         }
         _ => {
-            let columns = of.columns();
-            let known: Vec<&str> =
-                columns.iter().filter(|of| of.quantity().is_some()).map(|of| of.name.as_str()).collect();
-            let title = format!("the plant has no `{part}.{}`", column.quantity.column().unwrap_or_default());
-            Err(Failure::input(title, format!("its columns are {}", known.join(", "))))
+            let has = |quantity: &Quantity| Observed::of_part(of, part, *quantity).is_some();
+            let known: Vec<&str> = Quantity::OF_PARTS.iter().filter(|of| has(of)).map(|of| of.name()).collect();
+            Err(match known.is_empty() {
+                true => {
+                    let title = format!("the plant has no `{part}`, of which there is a column");
+                    Failure::input(title, format!("its parts with columns are {}", parts(of).join(", ")))
+                }
+                false => {
+                    let title = format!("`{part}` of the plant has no `{}`", column.quantity.name());
+                    Failure::input(title, format!("it has {}", known.join(", ")))
+                }
+            })
         }
     }
+}
+
+/// The names of the parts that have columns.
+fn parts(of: &PlantExperiment) -> Vec<String> {
+    let columns = of.columns().into_iter().filter(|column| column.quantity().is_some());
+    let mut parts: Vec<String> =
+        columns.filter_map(|column| Some(column.name.rsplit_once('.')?.0.to_owned())).collect();
+    parts.dedup();
+    parts
 }
 
 /// Times and values of a column.
@@ -120,11 +143,18 @@ fn give_pressures(
         return Err(Failure::input(title, format!("add `[columns.\"{part}.gauge_pressure\"]`")));
     }
     for (actuator, course) in given {
+        let name = &of.names.actuators[actuator];
         if of.names.valves[actuator].is_some() {
-            take_no_part(warnings);
+            let words = format!(
+                "the pressure of `{name}` is the measured one: what the scenario says of its valve, hose and command takes no part, and no \
+                 supply loses the air that it takes."
+            );
+            if !warnings.contains(&words) {
+                warnings.push(words);
+            }
         }
-        held_at_its_end(recording, &course.time, until, warnings);
-        document.give_pressure(&of.names.actuators[actuator], &course)?;
+        held_at_its_end(recording, &format!("the pressure of `{name}`"), (&course.time, until), warnings);
+        document.give_pressure(name, &course)?;
     }
     Ok(())
 }

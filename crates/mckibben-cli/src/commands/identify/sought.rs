@@ -5,14 +5,14 @@ use crate::failure::Failure;
 use mckibben::parameter::Parameter;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::SoughtEntry;
-use mckibben_scenario::{Document, Place, Scenario, quantity as grammar};
+use mckibben_scenario::{Document, Place, PlaceError, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
 pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Failure> {
     let mut scenario = material.document.scenario()?;
     let mut found = (Vec::new(), Vec::new());
     for entry in entries(material)? {
-        let place = place(material, entry, (&material.document, &mut scenario), "mend [fit]".to_owned())?;
+        let place = place(material, entry, (&material.document, &mut scenario), None)?;
         found.1.push(unknown(entry, place.parameter(), place.value(&mut scenario).unwrap_or(0.0))?);
         found.0.push(place);
     }
@@ -61,7 +61,7 @@ pub(super) fn in_run(
     entry: &SoughtEntry,
     (document, (name, scenario)): (&Document, &mut (String, Scenario)),
 ) -> Result<InScenario<Place>, Failure> {
-    let place = place(material, entry, (document, scenario), format!("of the run `{name}`"))?;
+    let place = place(material, entry, (document, scenario), Some(name))?;
     Ok((place, place.parameter(), place.value(scenario).unwrap_or(0.0)))
 }
 
@@ -78,10 +78,16 @@ fn place(
     material: &Material,
     entry: &SoughtEntry,
     (document, scenario): (&Document, &mut Scenario),
-    help: String,
+    run: Option<&str>,
 ) -> Result<Place, Failure> {
     let all = material.study.sought.iter().map(|other| other.path.as_str());
-    document.find(&entry.path, all, scenario).map_err(|error| Failure::input(error.to_string(), help))
+    document.find(&entry.path, all, scenario).map_err(|error| misplaced(&error, run))
+}
+
+/// That a path of [fit] leads to no parameter of the study's scenario, or of a run's.
+pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
+    let whose = run.map(|run| format!(", in the scenario of the run `{run}`")).unwrap_or_default();
+    Failure::input(format!("{}{whose}", error.what()), error.remedy())
 }
 
 /// Bounds are those of the study within those of the parameter.

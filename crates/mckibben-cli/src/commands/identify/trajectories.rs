@@ -52,7 +52,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let table = left(&found, &held_out);
     let sections = sections(&task, &found, [&numbers, &table], &scenarios);
     Ok(Outcome {
-        title: format!("{} from courses in time", material.document.source().name()),
+        title: format!("{} from courses in time", material.name()),
         introduction: introduction(&task, &found),
         sections,
         table,
@@ -92,7 +92,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         }
         if let Some((_, column)) = recording.of_parts().next() {
             let title =
-                format!("the run `{}` has a {}, but its scenario names no parts", recording.name, column.words());
+                format!("the run `{}` has the {}, but its scenario names no parts", recording.name, column.words());
             return Err(Failure::input(title, "name the quantity alone, as in `[columns.length]`"));
         }
         scenarios.push((recording.name.clone(), scenario));
@@ -126,8 +126,9 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
         true => Some(measured_course(recording, of_other, scenario, warnings)?),
         false => None,
     };
-    if had_valve {
-        take_no_part(warnings);
+    let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+    if had_valve && !warnings.iter().any(|warning| warning == words) {
+        warnings.push(words.to_owned());
     }
     (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
     scenario.pressure = Some(its);
@@ -138,14 +139,6 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
         second.pressure = others;
     }
     Ok(())
-}
-
-/// That a measured pressure stands for a valve.
-pub(super) fn take_no_part(warnings: &mut Vec<String>) {
-    let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
-    if !warnings.iter().any(|warning| warning == words) {
-        warnings.push(words.to_owned());
-    }
 }
 
 /// A pressure that was measured, gauge or absolute, over time.
@@ -161,16 +154,21 @@ fn measured_course(
     }
     let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
     let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
-    held_at_its_end(recording, &time, others.fold(0.0, f64::max), warnings);
+    held_at_its_end(recording, "the pressure", (&time, others.fold(0.0, f64::max)), warnings);
     Ok(PressureCourse { time, gauge_pressure })
 }
 
 /// That a measured pressure ends before what follows it, which goes on until a time in s.
-pub(super) fn held_at_its_end(recording: &Recording, time: &[f64], until: f64, warnings: &mut Vec<String>) {
+pub(super) fn held_at_its_end(
+    recording: &Recording,
+    pressure: &str,
+    (time, until): (&[f64], f64),
+    warnings: &mut Vec<String>,
+) {
     let ends = time.last().copied().unwrap_or(0.0);
     if until > ends {
         warnings.push(format!(
-            "{WARNED}`{}`: the pressure was read up to {}, the others up to {}; it is held at its last value.",
+            "{WARNED}`{}`: {pressure} was read up to {}, the others up to {}; it is held at its last value.",
             recording.name,
             quantity(ends, "s"),
             quantity(until, "s")
@@ -215,12 +213,18 @@ fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
 
 fn introduction(task: &Task, found: &Identified) -> Vec<String> {
     let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|course| course.values.len()).sum();
-    let (numbers, runs) = (task.unknowns.len(), task.runs.len());
+    let numbers = counted(task.unknowns.len(), "parameter");
+    let runs = counted(task.runs.len(), "run");
     vec![format!(
-        "{numbers} numbers from {readings} readings of {runs} runs, by trajectories with every event located and their exact derivatives. \
+        "{numbers} from {readings} readings of {runs}, by trajectories with every event located and their exact derivatives. \
          Condition number {:.1e}.",
         found.found.fit.condition
     )]
+}
+
+/// So many of something.
+fn counted(count: usize, word: &str) -> String {
+    if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
 }
 
 fn drifting(drift: &Drift) -> String {

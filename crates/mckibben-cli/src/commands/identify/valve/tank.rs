@@ -70,7 +70,7 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         Section { id: "tank", label: "Tank", title: "Measured and fitted", plates: found.plates, ..Section::default() },
     ];
     Ok(Outcome {
-        title: format!("Tank of {}", material.document.source().name()),
+        title: format!("Tank of {}", material.name()),
         introduction: vec![found.words],
         sections,
         table: left,
