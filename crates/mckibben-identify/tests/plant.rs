@@ -111,7 +111,8 @@ fn check(found: &Identified, truths: &[f64], part: f64) {
 }
 
 /// Parameters of every section, those of one part and those of all, of a list, and of the start.
-const OF_ALL_SECTIONS: [&str; 20] = [
+const OF_ALL_SECTIONS: [&str; 21] = [
+    "actuator.turns",
     "actuators.deltoid.friction.viscous",
     "actuators.biceps.turns",
     "actuators.deltoid.thread_length",

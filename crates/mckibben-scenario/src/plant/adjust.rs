@@ -18,6 +18,7 @@ use crate::document::{Document, Node, Value};
 use crate::keys::{self, ACTUATORS, Kind};
 use crate::place::{Place, PlaceError};
 use crate::quantity;
+use crate::read::GEOMETRY;
 use crate::scenario::PressureCourse;
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::{Part, Plant, PlantStart, StartNumber};
@@ -199,6 +200,10 @@ impl Document {
                 }
                 _ => node,
             };
+            // The default preset that a file means without a word goes on beside a braid's number of its own.
+            if GEOMETRY.iter().any(|row| row.key == place.key) {
+                document.name_default_preset(self, &at);
+            }
             document.put(&place.key, &at, &node);
         }
         Ok(document)

@@ -294,6 +294,8 @@ fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
     let last = simulated.duration();
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
+    // Many quantities take lower panels, so that a figure stays on one page.
+    let [height, height_off] = if run.courses.len() > 3 { [24.0, 15.0] } else { [32.0, 16.0] };
     for (place, course) in run.courses.iter().enumerate() {
         let kind = course.observed.index().unwrap_or(Observed::ALL.len() + place);
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
@@ -309,6 +311,7 @@ fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
             Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
         panels.push(
             panel
+                .height_mm(height)
                 .series(
                     Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)),
                 )
@@ -322,7 +325,7 @@ fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
                 .zip(&off)
                 .map(|((time, value), off)| vec![kind as f64, *time, *value, value + off]),
         );
-        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(16.0));
+        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(height_off));
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);
