@@ -63,6 +63,30 @@ fn an_arm_is_found_in_its_motion() {
     );
 }
 
+/// A parameter at the top of the file is one of all actuators that have no other, also where the file does not have its section.
+#[test]
+fn parameters_of_all_actuators_are_found() {
+    let folder = Folder::new("identify-arm-all");
+    folder.file("arm.toml", &example("plant/arm.toml"));
+    folder.file("arm.csv", &example("identify/arm.csv"));
+    let study = example("identify/arm.toml").replace("../plant/arm.toml", "arm.toml");
+    let more = "[fit.\"actuator.turns\"]\nstart = 2.4\n[fit.\"valve.opening_delay\"]\nstart = \"5 ms\"\n[fit.\"actuators.triceps.command.time[0]\"]\n";
+    let told = told(&identify(&folder, &folder.file("study.toml", &(study + "\n" + more))));
+    let values = read(&folder, "out/values.csv");
+    // Those of the preset, of the valve's data sheet, and of the file.
+    for (name, truth) in [
+        ("actuator.turns", 2.5),
+        ("actuators.biceps.turns", 2.7),
+        ("valve.opening_delay", 4e-3),
+        ("actuators.triceps.command.time[0]", 0.7),
+    ] {
+        let [low, high] = interval(&values, name);
+        assert!(low < truth && truth < high && high - low < 0.02 * truth, "{name}: {low} to {high}\n{told}");
+    }
+    let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+}
+
 /// The measured pressure of one actuator drives it, whatever its valve in the file; the others go on by theirs.
 #[test]
 fn measured_pressures_drive_some_actuators() {
