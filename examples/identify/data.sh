@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes the data of the studies in this folder, in which 0.6 L/(s·bar), b = 0.32, and delays of 4 ms and 1 ms are to be found, and
-# of the joint 1.3e-3 kg·m², 0.03 N·m·s/rad, and 2.8 and 3 turns:
+# of the joint 1.3e-3 kg·m², 0.03 N·m·s/rad, and 2.8 and 3 turns, and of the arm a shoulder's inertia of 6e-3 kg·m², an elbow's
+# damping of 0.05 N·m·s/rad, 2.7 turns of the biceps and a tank of 250 cm³:
 #     cd examples/identify && sh data.sh
 set -e
 valve='--set valve.sonic_conductance="0.6L/(s*bar)" --set valve.critical_ratio=0.32 --set valve.opening_delay="4ms" --set valve.closing_delay="1ms"'
@@ -47,4 +48,18 @@ awk -F, -v state=7 'function noise() { sum = -6
         NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,angle,P1,P2"; next }
         { printf "%s,%.2f,%.1f,%.1f\n", $at["time_s"], $at["angle_rad"] * 57.29577951 + 0.1 * noise(),
             $at["pressure_pa"] / 1000 + 0.3 * noise(), $at["antagonist_pressure_pa"] / 1000 + 0.3 * noise() }' run.csv > joint.csv
+
+# An arm of six muscles, likewise: three angles, and the gauge pressures of the biceps and of the tank.
+mckibben simulate ../plant/arm.toml --set 'mechanism.joints.shoulder.inertia="6e-3kg*m^2"' \
+    --set 'mechanism.joints.elbow.damping="0.05N*m*s/rad"' --set 'actuators.biceps.turns=2.7' \
+    --set 'supplies.tank.reservoir_volume="250cm^3"' --set 'run.sample_interval="10ms"' --output run.csv
+awk -F, -v state=11 'function noise() { sum = -6
+            for (n = 0; n < 12; n++) { state = state * 16807 % 2147483647; sum += state / 2147483647 }
+            return sum }
+        NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,shoulder,elbow,wrist,biceps,tank"; next }
+        { printf "%s", $at["time_s"]
+          for (k = split("shoulder elbow wrist", of, " "); k > 0; k--) angle[k] = $at[of[k] ".angle_rad"] * 57.29577951 + 0.1 * noise()
+          printf ",%.2f,%.2f,%.2f", angle[1], angle[2], angle[3]
+          printf ",%.1f", $at["biceps.pressure_pa"] / 1000 - 101.325 + 0.3 * noise()
+          printf ",%.1f\n", $at["tank.pressure_pa"] / 1000 - 101.325 + 0.3 * noise() }' run.csv > arm.csv
 rm run.csv

@@ -78,7 +78,7 @@ def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(progra
         assert str(raised.value).splitlines()[0] == re.sub(r"'--(\w+) <\w+>'", r"`\1`", told.splitlines()[0])
 
 
-@pytest.mark.parametrize("study", ["tank", "steady-flow", "flow-curve", "pulse-train"])
+@pytest.mark.parametrize("study", ["tank", "steady-flow", "flow-curve", "pulse-train", "arm"])
 def test_identification_is_that_of_the_command_line(study, program, examples, tmp_path):
     study = examples / f"identify/{study}.toml"
     program(tmp_path, "identify", str(study), "--output", "program")
@@ -97,6 +97,30 @@ def test_identification_is_that_of_the_command_line(study, program, examples, tm
     for name, scenario in found.scenarios.items():
         assert scenario == mckibben.Scenario.load(tmp_path / "program" / name)
     assert found.notes and found.scenarios
+
+
+def test_parts_of_a_plant_are_identified(examples):
+    """What was put into the data of the arm, and a scenario with the values found that runs with the names of the parts."""
+    found = mckibben.identify(examples / "identify/arm.toml")
+    truths = {
+        "mechanism.joints.shoulder.inertia": 6e-3,
+        "mechanism.joints.elbow.damping": 0.05,
+        "actuators.biceps.turns": 2.7,
+        "supplies.tank.reservoir_volume": 250e-6,
+    }
+    assert set(found.keys()) == set(truths) and not any("interval" in words for words in found.warnings)
+    for name, truth in truths.items():
+        low, high = found[name].interval
+        assert low < truth < high and high - low < 0.05 * truth
+    assert list(found.scenarios) == ["scenario.toml"]
+    scenario = found.scenarios["scenario.toml"]
+    assert scenario.to_dict()["actuators"]["biceps"]["turns"] == pytest.approx(found["actuators.biceps.turns"].value)
+    run = mckibben.simulate(scenario)
+    measured = numpy.genfromtxt(examples / "identify/arm.csv", delimiter=",", names=True)
+    for name, column in [("shoulder", "shoulder.angle_rad"), ("elbow", "elbow.angle_rad")]:
+        off = numpy.degrees(numpy.interp(measured["t"], run.t, run[column])) - measured[name]
+        # The noise that `data.sh` adds, in deg.
+        assert numpy.sqrt(numpy.mean(off**2)) == pytest.approx(0.1, rel=0.15)
 
 
 def test_ring_downs_tell_their_friction(tmp_path):

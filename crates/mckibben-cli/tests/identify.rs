@@ -1,6 +1,9 @@
-//! `mckibben identify`: what it finds in data whose truth is known, what it writes, and what it refuses.
+//! `mckibben identify`: what it finds in data whose truth is known, what it writes, and what it refuses. Of files of many
+//! actuators in `plant`.
 
 mod common;
+#[path = "identify/plant.rs"]
+mod plant;
 
 use common::{Folder, of_repository};
 use mckibben_scenario::Scenario;

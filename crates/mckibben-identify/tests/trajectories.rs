@@ -6,7 +6,9 @@ use mckibben::plant::JointPlant;
 use mckibben::simulation::{JointSample, simulate};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Loss, Search, Unknown};
-use mckibben_identify::trajectories::{Course, Horizon, Identified, Observed, Recorded, Task, TrajectoryError};
+use mckibben_identify::trajectories::{
+    Course, Horizon, Identified, Observed, Recorded, Subject, Task, TrajectoryError,
+};
 use mckibben_scenario::{Effectiveness, Load, Place, PressureCourse, Scenario};
 use noise::{Noise, holds};
 
@@ -44,15 +46,23 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
         name: format!("{} Pa", truth.supply.map_or(0.0, |supply| supply.gauge_pressure)),
-        adjustable: Adjustable::new(base, places, [false; 2]),
+        subject: Adjustable::new(base, places, [false; 2]).into(),
         unknowns: (0..sought.len()).collect(),
         courses,
     }
 }
 
+/// The scenario of a run.
+fn base_of(run: &Recorded) -> Scenario {
+    match &run.subject {
+        Subject::Scenario(of) => of.base().clone(),
+        Subject::Plant(_) => panic!("a scenario"),
+    }
+}
+
 /// Looks for numbers from `factor` times their true values.
 fn task(runs: Vec<Recorded>, sought: &[&str], factor: f64) -> Task {
-    let mut base = runs[0].adjustable.base().clone();
+    let mut base = base_of(&runs[0]);
     let unknown = |path: &&str| {
         let value = Place::find(path, &mut base).expect("a number").value(&mut base).expect("a value");
         Unknown::new(*path, "", factor * value).between(0.05 * value, 20.0 * value)
@@ -65,7 +75,7 @@ const SOUGHT: [&str; 4] =
     ["actuator.friction.viscous", "actuator.friction.coulomb_width", "valve.flow_area", "valve.opening_delay"];
 
 fn truth_of(task: &Task) -> Vec<f64> {
-    let mut base = task.runs[0].adjustable.base().clone();
+    let mut base = base_of(&task.runs[0]);
     task.unknowns
         .iter()
         .map(|unknown| Place::find(&unknown.name, &mut base).expect("one").value(&mut base).expect("a value"))
@@ -87,7 +97,7 @@ fn numbers_put_in_come_back_out() {
     }
     assert!(found.found.fit.untold.is_empty());
     assert_eq!(found.scenarios.len(), 2);
-    found.scenarios[1].experiment().expect("a scenario that runs");
+    found.scenarios[1].scenario().expect("one").experiment().expect("a scenario that runs");
 }
 
 #[test]
@@ -230,7 +240,7 @@ fn a_run_that_was_left_out_is_foretold() {
     let held_out = right.held_out(&found);
     assert_eq!(held_out.len(), 3);
     for (observed, [inside, outside]) in held_out.iter().flat_map(|run| &run.errors) {
-        let noise = deviations[*observed as usize];
+        let noise = deviations[observed.index().expect("one of two")];
         // Noise of 200 readings has a deviation of 5 %; a run that was not seen is not foretold better than its noise.
         assert!((0.8..1.2).contains(&(inside / noise)), "{observed:?} {inside}");
         assert!((0.8..1.5).contains(&(outside / noise)), "{observed:?} {outside}");
@@ -255,7 +265,7 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     truth.pressure = Some(PressureCourse { time, gauge_pressure });
     run.courses.retain(|course| course.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
-    Recorded { adjustable: Adjustable::new(truth, places, [false; 2]), ..run }
+    Recorded { subject: Adjustable::new(truth, places, [false; 2]).into(), ..run }
 }
 
 #[test]
@@ -298,13 +308,16 @@ fn each_run_may_have_a_number_of_its_own() {
         assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < 0.03 * truth, "{estimate:?}: {truth}");
     }
     for (scenario, mass) in found.scenarios.iter().zip(&found.found.fit.values()[1..]) {
-        assert!(matches!(&scenario.load, Load::HangingMass { mass: own, .. } if own == mass));
+        assert!(matches!(&scenario.scenario().expect("one").load, Load::HangingMass { mass: own, .. } if own == mass));
     }
     // A run that was left out tells its own mass, and the others tell the friction.
     let held_out = task.held_out(&found);
     assert_eq!(held_out.len(), 3);
     for (observed, [_, outside]) in held_out.iter().flat_map(|run| &run.errors) {
-        assert!((0.8..1.5).contains(&(outside / deviations[*observed as usize])), "{observed:?} {outside}");
+        assert!(
+            (0.8..1.5).contains(&(outside / deviations[observed.index().expect("one of two")])),
+            "{observed:?} {outside}"
+        );
     }
 }
 
@@ -337,7 +350,7 @@ fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
     let mut noise = Noise::new(seed);
     let gauge = |sample: &JointSample, i: usize| sample.actuators[i].pressure.0 - truth.air.atmospheric_pressure;
     let courses = OF_JOINT.map(|(observed, deviation)| {
-        let of = |time: &f64| match (observed, run.at(*time)) {
+        let of = |time: &f64| match (&observed, run.at(*time)) {
             (Observed::Angle, sample) => sample.angle,
             (Observed::GaugePressure, sample) => gauge(&sample, 0),
             (_, sample) => gauge(&sample, 1),
@@ -349,7 +362,7 @@ fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
         name: format!("seed {seed}"),
-        adjustable: Adjustable::new(base, places, [false; 2]),
+        subject: Adjustable::new(base, places, [false; 2]).into(),
         unknowns: (0..sought.len()).collect(),
         courses: courses.to_vec(),
     }
@@ -378,16 +391,18 @@ fn a_joint_gives_back_its_limb_and_both_braids() {
         assert!((estimate.value / truth - 1.0).abs() < 0.02, "{estimate:?}: {truth}");
     }
     assert!(found.found.fit.untold.is_empty() && task.drifts(&found).is_empty() && task.unexplained(&found).is_empty());
-    for ((observed, left), (of, deviation)) in found.left.iter().zip([OF_JOINT[1], OF_JOINT[0], OF_JOINT[2]]) {
+    let [angle, agonist, antagonist] = OF_JOINT;
+    for ((observed, left), (of, deviation)) in found.left.iter().zip([agonist, angle, antagonist]) {
         assert!(*observed == of && (left / deviation - 1.0).abs() < 0.1, "{observed:?}: {left}, not {deviation}");
     }
     for (scenario, simulated) in found.scenarios.iter().zip(&found.simulated) {
-        let of = scenario.joint_experiment().expect("a scenario that runs").expect("a joint");
+        let of =
+            scenario.scenario().expect("a joint's").joint_experiment().expect("a scenario that runs").expect("a joint");
         let again =
             JointPlant::new(&of.rig).and_then(|joint| joint.simulate(&of.start, 0.5, 1e-9)).expect("a run").at(0.4);
-        assert!((simulated.read(Observed::Angle, 0.4) - again.angle).abs() < 1e-7);
-        assert!((simulated.read(Observed::AntagonistLength, 0.4) - again.actuators[1].length).abs() < 1e-8);
-        assert!((simulated.read(Observed::Torque, 0.4) - again.torque).abs() < 1e-5);
+        assert!((simulated.read(&Observed::Angle, 0.4) - again.angle).abs() < 1e-7);
+        assert!((simulated.read(&Observed::AntagonistLength, 0.4) - again.actuators[1].length).abs() < 1e-8);
+        assert!((simulated.read(&Observed::Torque, 0.4) - again.torque).abs() < 1e-5);
     }
     // Each run is foretold by the numbers of the other and its own pressure at the start.
     let held_out = task.held_out(&found);
@@ -404,7 +419,7 @@ fn a_number_of_both_actuators_is_fitted_as_one() {
     let path = "actuator.thread_length";
     let thread = Place::find(path, &mut truth).expect("a number").of_both();
     let mut run = recorded_joint(&truth, &[path], 3);
-    run.adjustable = Adjustable::new(truth.clone(), vec![thread], [false, true]);
+    run.subject = Adjustable::new(truth.clone(), vec![thread], [false, true]).into();
     let mut sought = task(vec![run], &[path], 1.05);
     sought.search = Search { loss: Loss::Huber(2.5), ..sought.search };
     for (course, (_, deviation)) in sought.runs[0].courses.iter_mut().zip(OF_JOINT) {
@@ -416,8 +431,10 @@ fn a_number_of_both_actuators_is_fitted_as_one() {
     let found = identified(&sought);
     let estimate = &found.found.fit.estimates[0];
     assert!(holds(estimate, value) && (estimate.value / value - 1.0).abs() < 1e-3, "{estimate:?}: {value}");
-    let Load::AntagonisticJoint(joint) = &found.scenarios[0].load else { panic!("a joint") };
-    let (first, second) = (&found.scenarios[0].actuator, &joint.antagonist.actuator);
+    let Load::AntagonisticJoint(joint) = &found.scenarios[0].scenario().expect("a joint's").load else {
+        panic!("a joint")
+    };
+    let (first, second) = (&found.scenarios[0].scenario().expect("a joint's").actuator, &joint.antagonist.actuator);
     assert_eq!([first.thread_length, second.thread_length], [estimate.value; 2]);
     // Where the file does not give the least length it follows.
     let least = estimate.value / 3_f64.sqrt();

@@ -8,7 +8,7 @@ use crate::typed::{Function, Items, Names, Numbers, Sequence};
 use mckibben::parameter;
 use mckibben_cli::failure::Failure;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::trajectories::{Asked, Observed};
+use mckibben_identify::trajectories::{Asked, Observed, Subject, SubjectError};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,7 +29,7 @@ pub(crate) struct Differentiable {
     scenario: Py<Scenario>,
     by: Vec<String>,
     of: Vec<String>,
-    adjustable: Adjustable,
+    subject: Subject,
     asked: Asked,
     start: Vec<f64>,
 }
@@ -49,7 +49,7 @@ impl Differentiable {
         by: &[String],
         of: &[String],
         at: Vec<f64>,
-    ) -> Result<(Adjustable, Asked, Vec<f64>), Failure> {
+    ) -> Result<(Subject, Asked, Vec<f64>), Failure> {
         let mut base = scenario.of_one()?.clone();
         if base.has_controller() {
             let remedy = "leave `[controller]` out, and give the command that it should ask for";
@@ -70,7 +70,7 @@ impl Differentiable {
         }
         let given = scenario.document.says_of_each(parameter::MIN_LENGTH.key);
         let asked = Asked { observed: of, times: at, tolerance: base.run.relative_tolerance };
-        Ok((Adjustable::new(base, places, given), asked, start))
+        Ok((Adjustable::new(base, places, given).into(), asked, start))
     }
 
     fn checked(&self, values: &[f64]) -> Result<(), Failure> {
@@ -84,10 +84,13 @@ impl Differentiable {
     }
 
     /// An error of the core; a value that came as an argument stands in no line of the scenario.
-    fn failed(&self, error: &mckibben::Error, py: Python<'_>) -> Failure {
-        match self.by.is_empty() {
-            true => Failure::of_core(error, &self.scenario.bind(py).get().document),
-            false => error.clone().into(),
+    fn failed(&self, error: &SubjectError, py: Python<'_>) -> Failure {
+        match error {
+            SubjectError::Core(error) if self.by.is_empty() => {
+                Failure::of_core(error, &self.scenario.bind(py).get().document)
+            }
+            SubjectError::Core(error) => error.clone().into(),
+            SubjectError::File(words) => Failure::input(words.clone(), "give other values"),
         }
     }
 
@@ -101,8 +104,8 @@ impl Differentiable {
     #[new]
     fn new(scenario: Py<Scenario>, by: Items<String>, of: Items<String>, at: Sequence) -> PyResult<Self> {
         let (by, of) = (by.0, of.0);
-        let (adjustable, asked, start) = Self::of(scenario.get(), &by, &of, at.0).raised()?;
-        Ok(Self { scenario, by, of, adjustable, asked, start })
+        let (subject, asked, start) = Self::of(scenario.get(), &by, &of, at.0).raised()?;
+        Ok(Self { scenario, by, of, subject, asked, start })
     }
 
     /// What is run.
@@ -140,14 +143,14 @@ impl Differentiable {
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
         let units = PyDict::new(py);
         let pairs = self.of.iter().zip(&self.asked.observed);
-        pairs.into_iter().try_for_each(|(name, of)| units.set_item(name, of.quantity().unit()))?;
+        pairs.into_iter().try_for_each(|(name, of)| units.set_item(name, of.unit()))?;
         Ok(Names(units.into_any()))
     }
 
     /// The quantities at the times, of shape (len(at), len(of)).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
         self.checked(&values.0).raised()?;
-        let read = heard(py, |watch| self.asked.values(&self.adjustable, &values.0, watch))?;
+        let read = heard(py, |watch| self.asked.values(&self.subject, &values.0, watch))?;
         let read = read.map_err(|error| self.failed(&error, py)).raised()?;
         Self::shaped(py, read, &[self.asked.times.len(), self.of.len()])
     }
@@ -155,7 +158,7 @@ impl Differentiable {
     /// The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
     fn with_slopes<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
-        let both = heard(py, |watch| self.asked.with_slopes(&self.adjustable, &values.0, watch))?;
+        let both = heard(py, |watch| self.asked.with_slopes(&self.subject, &values.0, watch))?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
         let (times, quantities) = (self.asked.times.len(), self.of.len());
         let read = Self::shaped(py, read, &[times, quantities])?;

@@ -216,11 +216,11 @@ impl Document {
         }
     }
 
-    /// Every key with its value as TOML, a line for each, those of a section before its sections and else in the order of the
+    /// Every key with its value as TOML in its section, the keys of a section before its sections and else in the order of the
     /// file: documents with equal text say the same.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
-        lines_of(&self.root, "", &mut text);
+        sections_of(&self.root, "", &mut text);
         text
     }
 
@@ -239,18 +239,21 @@ impl Document {
     }
 }
 
-/// The keys of a section by their paths, then those of the sections in it: in this order TOML writes a table, so that what is
-/// read from either says the same.
-fn lines_of(table: &Table, above: &str, text: &mut String) {
-    let path = |name: &str| if above.is_empty() { quoted(name) } else { format!("{above}.{}", quoted(name)) };
-    let is_section = |entry: &&Entry| matches!(entry.node.value, Value::Table(_));
-    for Entry { name, node, .. } in table.0.iter().filter(|entry| !is_section(entry)) {
-        text.push_str(&format!("{} = {}\n", path(name), said(&node.value)));
+/// The keys of a section, then the sections in it: in this order TOML writes a table, so that what is read from either says the
+/// same.
+fn sections_of(table: &Table, path: &str, text: &mut String) {
+    let inner = |entry: &Entry| matches!(entry.node.value, Value::Table(_));
+    if !path.is_empty() && (table.0.is_empty() || !table.0.iter().all(inner)) {
+        let gap = if text.is_empty() { "" } else { "\n" };
+        text.push_str(&format!("{gap}[{path}]\n"));
     }
-    for Entry { name, node, .. } in table.0.iter().filter(is_section) {
-        match &node.value {
-            Value::Table(inner) if !inner.0.is_empty() => lines_of(inner, &path(name), text),
-            value => text.push_str(&format!("{} = {}\n", path(name), said(value))),
+    for Entry { name, node, .. } in table.0.iter().filter(|entry| !inner(entry)) {
+        text.push_str(&format!("{} = {}\n", quoted(name), said(&node.value)));
+    }
+    for Entry { name, node, .. } in &table.0 {
+        if let Value::Table(inner) = &node.value {
+            let name = quoted(name);
+            sections_of(inner, &if path.is_empty() { name } else { format!("{path}.{name}") }, text);
         }
     }
 }

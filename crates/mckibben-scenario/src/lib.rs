@@ -34,6 +34,7 @@
 //! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |
 //! | [`sweep`] | many scenarios from one file: what varies, by which design, and what is recorded |
 //! | [`Place`], [`Seeds`] | one number by its path, to be set and to be differentiated by |
+//! | [`PlantPlace`], [`AdjustedPlant`] | the same of a file in which actuators have names |
 //! | [`schema`], [`starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
 
 #![forbid(unsafe_code)]
@@ -76,8 +77,8 @@ pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use place::{Place, PlaceError, Seeds};
 pub use plant::{
-    ActuatorControl, Coordinate, JointControl, MechanismNames, PlantColumn, PlantContent, PlantControl,
-    PlantExperiment, PlantNames, PlantQuantity,
+    ActuatorControl, AdjustedPlant, Coordinate, JointControl, MechanismNames, PlantColumn, PlantContent, PlantControl,
+    PlantExperiment, PlantNames, PlantOver, PlantPlace, PlantQuantity,
 };
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,

@@ -115,11 +115,27 @@ pub struct PlaceError {
 
 impl fmt::Display for PlaceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}` {}; {}", self.path, self.why, self.remedy)
+        write!(f, "{}; {}", self.what(), self.remedy)
     }
 }
 
 impl std::error::Error for PlaceError {}
+
+impl PlaceError {
+    pub(crate) fn new(path: &str, why: &str, remedy: String) -> Self {
+        Self { path: path.to_owned(), why: why.to_owned(), remedy }
+    }
+
+    /// What is wrong with the path.
+    pub fn what(&self) -> String {
+        format!("`{}` {}", self.path, self.why)
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> &str {
+        &self.remedy
+    }
+}
 
 impl Place {
     /// The number at a path; of a joint the agonist's, or the antagonist's under `antagonist`.

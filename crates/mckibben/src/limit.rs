@@ -61,7 +61,7 @@ limits! {
     PLANT_ANTAGONIST: "`[antagonist]`", "in a file of several actuators",
         "write a chain of one joint with two actuators";
     PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
-        "run it with `mckibben simulate`, `sweep` or `linearize`, or write a file of one actuator or joint";
+        "run it with `mckibben simulate`, `sweep`, `linearize` or an `identify` of trajectories, or write a file of one actuator or joint";
     PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Plants`, environments and derivatives",
         "use `simulate`, `sweep` or `linearize`, or write a scenario of one actuator or joint";
     PLANT_MODEL: "a controller by the model", "for a joint within a longer chain, with tendons, or with other than one moment arm each",
@@ -101,7 +101,7 @@ limits! {
         "give it a load that moves by itself, or begin a new run";
     DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
         "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
-    SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint", "give search.horizon in place of search.segments";
+    SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint and where actuators have names", "give search.horizon in place of search.segments";
     SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";
 }

@@ -124,6 +124,7 @@ pub(super) fn sheet(
     let rows = work.lines.len();
     let constant = |(quantity, value): &(Quantity, f64)| Column {
         quantity: *quantity,
+        part: None,
         values: vec![*value; rows],
         slack: vec![false; rows],
         deviation: None,
@@ -172,11 +173,17 @@ impl Work<'_> {
             values.iter().map(|value| value * entry.scale + entry.zero - entry.rules.offset).collect()
         });
         if entry.rules.offset != 0.0 {
-            let (of, unit) = (entry.quantity.words(), entry.quantity.unit());
+            let (of, unit) = (entry.words(), entry.quantity.unit());
             self.note(Severity::Told, format!("an offset of {:.4e} {unit} was taken off the {of}", entry.rules.offset));
         }
         let values: Vec<f64> = values.unwrap_or_default();
-        Column { quantity: entry.quantity, slack: vec![false; values.len()], values, deviation: entry.rules.deviation }
+        Column {
+            quantity: entry.quantity,
+            part: entry.part.clone(),
+            slack: vec![false; values.len()],
+            values,
+            deviation: entry.rules.deviation,
+        }
     }
 
     fn leave_out_empty_rows(&mut self, columns: &mut [Column]) {
@@ -206,7 +213,7 @@ impl Work<'_> {
     fn missing(&mut self, columns: &[Column]) -> Result<(), StudyError> {
         for column in columns {
             let (missing, rows) = (column.values.iter().filter(|value| value.is_nan()).count(), column.values.len());
-            let of = column.quantity.words();
+            let of = column.words();
             if 2 * missing > rows {
                 let what = format!("{missing} of {rows} readings of the {of} are missing");
                 return Err(self.refuse(None, what, "give a table with more than half of them"));
@@ -274,7 +281,7 @@ impl Work<'_> {
             Quantity::Length | Quantity::AntagonistLength | Quantity::Temperature => true,
             _ => false,
         };
-        let (words, unit) = (column.quantity.words(), column.quantity.unit());
+        let (words, unit) = (column.words(), column.quantity.unit());
         let mut found: Vec<(usize, String)> = Vec::new();
         if never_zero {
             let why = |place: usize| (place, format!("where a {words} is above zero"));
@@ -321,7 +328,9 @@ impl Work<'_> {
         let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let (Some(usual), Some(largest)) = (median(&steps), steps.iter().copied().reduce(f64::max)) else { return };
         let rate = 1.0 / usual;
-        self.note(Severity::Told, format!("{} readings, {rate:.6} a second", times.len()));
+        // As many digits as it takes, of six.
+        let rate = (1e6 * rate).round() / 1e6;
+        self.note(Severity::Told, format!("{} readings, {rate} a second", times.len()));
         if largest > 5.0 * usual {
             let at = steps.iter().position(|step| *step == largest).unwrap_or(0);
             self.note(Severity::Warned, format!("a gap of {largest:.4} s after {:.4} s", times[at]));
@@ -344,13 +353,13 @@ impl Work<'_> {
             let (sum, at, count) = within
                 .fold((0.0, 0.0, 0.0), |(sum, at, count), (time, reading)| (sum + reading, at + time, count + 1.0));
             if count == 0.0 {
-                let (of, [from, to]) = (column.quantity.words(), span);
+                let (of, [from, to]) = (column.words(), span);
                 let what = format!("there is no reading of the {of} from {from} s to {to} s, where `zero` asks for it");
                 return Err(self.refuse(None, what, "choose a span within the recording"));
             }
             known.push((at / count, sum / count - value));
         }
-        let (of, unit) = (column.quantity.words(), column.quantity.unit());
+        let (of, unit) = (column.words(), column.quantity.unit());
         let (first, slope) = match known[..] {
             [] => return Ok(()),
             [(_, offset)] => {
@@ -400,14 +409,14 @@ impl Work<'_> {
             };
             self.note(
                 Severity::Warned,
-                format!("{found} readings of the {} look like outliers; they {done}", column.quantity.words()),
+                format!("{found} readings of the {} look like outliers; they {done}", column.words()),
             );
         }
     }
 
     /// Readings at the end of a sensor's range.
     fn ends(&mut self, column: &mut Column, rules: &Rules) -> Result<(), StudyError> {
-        let of = column.quantity.words();
+        let of = column.words();
         if let Some(end) = rules.saturates {
             let mut gone = 0;
             for value in column.values.iter_mut().filter(|value| **value >= end) {
@@ -453,7 +462,7 @@ impl Work<'_> {
         if count > 0 {
             let text = format!(
                 "{count} readings of the {} are at or below {end} N: slack, which says only that the muscle does not pull",
-                column.quantity.words()
+                column.words()
             );
             self.note(Severity::Told, text);
         }

@@ -3,7 +3,7 @@
 use super::clean::{self, Rules};
 use super::table::{self, Table};
 use super::valve::{FlowEntry, PulsesEntry, RawFlow, RawPulses, RawTank, Sections, TankEntry};
-use super::{Quantity, Recording, StudyError};
+use super::{Quantity, Recording, StudyError, words_of};
 use crate::trajectories::Horizon;
 use mckibben_scenario::{Dimension, quantity};
 use serde::Deserialize;
@@ -98,6 +98,8 @@ pub struct Study {
 pub struct ColumnEntry {
     /// What it measures.
     pub quantity: Quantity,
+    /// The part of a plant that it is measured of, as the plant's file calls it.
+    pub part: Option<String>,
     /// Its name in the table's head.
     pub name: String,
     /// Size of its unit in SI.
@@ -247,6 +249,13 @@ struct RawSearch {
     segments: Option<Spanned<String>>,
 }
 
+impl ColumnEntry {
+    /// What it measures, in words.
+    pub(super) fn words(&self) -> String {
+        words_of(self.quantity, self.part.as_deref())
+    }
+}
+
 impl Study {
     /// Reads a study file; the scenario and the tables are not opened yet.
     ///
@@ -278,7 +287,13 @@ impl Study {
         let head = file.study.into_inner();
         let mut columns = Vec::new();
         for (name, raw) in file.columns {
-            columns.push(within.column(&name, raw)?);
+            let at = raw.span().start;
+            let entry = within.column(&name, raw)?;
+            if entry.part.is_some() && head.kind != Kind::Trajectories {
+                let what = format!("`{name}` is of a part of a plant, which only trajectories are fitted of");
+                return Err(within.fault(Some(at), what, "set kind = \"trajectories\", or name the quantity alone"));
+            }
+            columns.push(entry);
         }
         if file.run.is_empty() {
             let remedy = "add `[[run]]` with `file = \"data.csv\"`";
@@ -470,8 +485,18 @@ impl Within<'_> {
         })
     }
 
+    /// A quantity of a part of a plant, such as `flexor.gauge_pressure`, or one alone.
+    fn of_part(&self, name: &str, at: usize) -> Result<(Quantity, Option<String>), StudyError> {
+        let Some((part, word)) = name.rsplit_once('.') else { return Ok((self.quantity(name, at)?, None)) };
+        let found = Quantity::of_part(word).ok_or_else(|| {
+            let known = Quantity::OF_PARTS.map(Quantity::name).join(", ");
+            self.fault(Some(at), format!("`{word}` is no quantity of a plant's part"), format!("known: {known}"))
+        });
+        Ok((found?, Some(part.to_owned())))
+    }
+
     fn column(&self, name: &str, raw: Spanned<RawColumn>) -> Result<ColumnEntry, StudyError> {
-        let quantity = self.quantity(name, raw.span().start)?;
+        let (quantity, part) = self.of_part(name, raw.span().start)?;
         let raw = raw.into_inner();
         let at = Some(raw.unit.span().start);
         let (scale, zero) = self.unit(quantity, &raw.unit)?;
@@ -499,7 +524,7 @@ impl Within<'_> {
                 "leave it out",
             ));
         }
-        Ok(ColumnEntry { quantity, name: raw.name, scale, zero, rules })
+        Ok(ColumnEntry { quantity, part, name: raw.name, scale, zero, rules })
     }
 
     fn run(&self, raw: Spanned<RawRun>) -> Result<RunEntry, StudyError> {

@@ -10,7 +10,7 @@
 //! [columns.gauge_pressure]           # also length, tension, time, absolute_pressure, and of a joint angle, antagonist_length …
 //! name = "P_bar"                     # in the table's head
 //! unit = "bar"
-//! [columns.tension]
+//! [columns.tension]                  # of a plant behind the name of a part: [columns."flexor.tension"], [columns."knee.angle"]
 //! name = "F"
 //! unit = "N"
 //! slack = "0 N"                      # at or below this no tension was held
@@ -92,10 +92,30 @@ pub enum Quantity {
     VolumeFlow,
     /// What the coil is told, a number: it is energised while this is above a threshold.
     Command,
+    /// Velocity of lengthening of an actuator, or rate of a mechanism's position, in m/s; this and what follows of a plant's part.
+    Velocity,
+    /// Mass of the air in an actuator in kg.
+    AirMass,
+    /// Volume of the air in an actuator in m³.
+    Volume,
+    /// Absolute pressure behind the valve in Pa, where a hose leads to the actuator.
+    HosePressure,
+    /// Absolute pressure in Pa that a pressure regulator makes.
+    RegulatedPressure,
+    /// Gauge pressure in Pa that such a regulator is set to.
+    SetPoint,
+    /// Distance in m that an actuator and its tendon span.
+    LoadDistance,
+    /// Rate of that distance in m/s.
+    LoadVelocity,
+    /// Position of a mechanism in m.
+    Position,
+    /// Force of the actuators along it in N.
+    Force,
 }
 
 impl Quantity {
-    /// All of them.
+    /// Those of one actuator, a joint or a valve.
     pub const ALL: [Self; 20] = [
         Self::Time,
         Self::GaugePressure,
@@ -118,6 +138,43 @@ impl Quantity {
         Self::VolumeFlow,
         Self::Command,
     ];
+
+    /// Those of the parts of a plant.
+    pub const OF_PARTS: [Self; 19] = [
+        Self::Length,
+        Self::Velocity,
+        Self::GaugePressure,
+        Self::AbsolutePressure,
+        Self::AirMass,
+        Self::Temperature,
+        Self::Volume,
+        Self::Tension,
+        Self::MassFlow,
+        Self::HosePressure,
+        Self::RegulatedPressure,
+        Self::SetPoint,
+        Self::LoadDistance,
+        Self::LoadVelocity,
+        Self::Angle,
+        Self::AngularVelocity,
+        Self::Torque,
+        Self::Position,
+        Self::Force,
+    ];
+
+    /// What a column of a plant's table is called behind the name of the part, if parts have it.
+    pub fn column(self) -> Option<&'static str> {
+        match self {
+            Self::GaugePressure | Self::AbsolutePressure => Some("pressure"),
+            of => Self::OF_PARTS.contains(&of).then(|| of.name()),
+        }
+    }
+
+    /// What a study may call it behind the name of a part; `pressure` is absolute, as in a plant's table.
+    pub fn of_part(word: &str) -> Option<Self> {
+        let named = Self::OF_PARTS.into_iter().find(|of| of.name() == word);
+        named.or((word == "pressure").then_some(Self::AbsolutePressure))
+    }
 
     /// As it is written in a study, in words, its SI unit, and its dimension.
     fn row(self) -> (&'static str, &'static str, &'static str, Dimension) {
@@ -154,6 +211,16 @@ impl Quantity {
             Self::MassFlow => ("mass_flow", "mass flow", "kg/s", Dimension::MASS_FLOW),
             Self::VolumeFlow => ("volume_flow", "volume flow", "m^3/s ANR", Dimension::VOLUME_FLOW),
             Self::Command => ("command", "command", "", Dimension::NONE),
+            Self::Velocity => ("velocity", "velocity", "m/s", Dimension::VELOCITY),
+            Self::AirMass => ("air_mass", "mass of the air", "kg", Dimension::MASS),
+            Self::Volume => ("volume", "volume", "m^3", Dimension::VOLUME),
+            Self::HosePressure => ("hose_pressure", "pressure in the hose", "Pa", Dimension::PRESSURE),
+            Self::RegulatedPressure => ("regulated_pressure", "regulated pressure", "Pa", Dimension::PRESSURE),
+            Self::SetPoint => ("set_point", "set point", "Pa", Dimension::PRESSURE),
+            Self::LoadDistance => ("load_distance", "distance of the load", "m", Dimension::LENGTH),
+            Self::LoadVelocity => ("load_velocity", "velocity of the load", "m/s", Dimension::VELOCITY),
+            Self::Position => ("position", "position", "m", Dimension::LENGTH),
+            Self::Force => ("force", "force", "N", Dimension::FORCE),
         }
     }
 
@@ -227,6 +294,8 @@ pub struct Sheet {
 pub struct Column {
     /// What it measures.
     pub quantity: Quantity,
+    /// The part of a plant that it is measured of, as the plant's file calls it.
+    pub part: Option<String>,
     /// Values in SI; NaN where there is no reading.
     pub values: Vec<f64>,
     /// Whether no tension was held.
@@ -235,10 +304,29 @@ pub struct Column {
     pub deviation: Option<f64>,
 }
 
+/// A quantity in words, of a part of a plant.
+fn words_of(quantity: Quantity, part: Option<&str>) -> String {
+    part.map_or_else(|| quantity.words().to_owned(), |part| format!("{} of {part}", quantity.words()))
+}
+
+impl Column {
+    /// What it measures, in words.
+    pub fn words(&self) -> String {
+        words_of(self.quantity, self.part.as_deref())
+    }
+}
+
 impl Sheet {
-    /// A column, if it is there.
+    /// A column that is of no part of a plant, if it is there.
     pub fn column(&self, quantity: Quantity) -> Option<&Column> {
-        self.columns.iter().find(|column| column.quantity == quantity)
+        self.columns.iter().find(|column| column.quantity == quantity && column.part.is_none())
+    }
+
+    /// Times and values of a column of it, where there are both.
+    pub fn channel(&self, column: &Column) -> Option<(Vec<f64>, Vec<f64>)> {
+        let times = &self.column(Quantity::Time)?.values;
+        let both = times.iter().zip(&column.values).filter(|(time, value)| time.is_finite() && value.is_finite());
+        Some(both.unzip())
     }
 }
 
@@ -259,8 +347,15 @@ impl Recording {
     /// Times and values of a quantity, where there are both: each at its own rate.
     pub fn channel(&self, quantity: Quantity) -> Option<(Vec<f64>, Vec<f64>)> {
         let sheet = self.sheets.iter().find(|sheet| sheet.column(quantity).is_some())?;
-        let (times, values) = (&sheet.column(Quantity::Time)?.values, &sheet.column(quantity)?.values);
-        Some(times.iter().zip(values).filter(|(time, value)| time.is_finite() && value.is_finite()).unzip())
+        sheet.channel(sheet.column(quantity)?)
+    }
+
+    /// The columns of parts of a plant, each with its table.
+    pub fn of_parts(&self) -> impl Iterator<Item = (&Sheet, &Column)> {
+        let of_part = |column: &&Column| column.part.is_some();
+        self.sheets
+            .iter()
+            .flat_map(move |sheet| sheet.columns.iter().filter(of_part).map(move |column| (sheet, column)))
     }
 
     /// The column of a quantity.

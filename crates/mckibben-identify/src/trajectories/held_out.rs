@@ -21,10 +21,7 @@ impl Task {
         if self.runs.len() < 2 || found.segments.is_some() {
             return Vec::new();
         }
-        let mut scales = [1.0; Observed::ALL.len()];
-        for (observed, scale) in &found.scales {
-            scales[*observed as usize] = *scale;
-        }
+        let scales = || found.scales.clone();
         let values = found.found.fit.values();
         let from = least_squares::starting_at(&self.unknowns, &values);
         let few = Search { most_steps: 50, ..self.search };
@@ -32,7 +29,7 @@ impl Task {
         let told = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
             let runs: Vec<Recorded> = runs.iter().map(|run| run.only(of, values)).collect::<Result<_, _>>().ok()?;
             let from: Vec<Unknown> = of.iter().map(|unknown| from[*unknown].clone()).collect();
-            let fit = least_squares::fit(&Runs::whole(&runs, scales, self.tolerance), &from, &few).ok()?;
+            let fit = least_squares::fit(&Runs::whole(&runs, scales(), self.tolerance), &from, &few).ok()?;
             for (unknown, value) in of.iter().zip(fit.values()) {
                 values[*unknown] = value;
             }
@@ -49,12 +46,12 @@ impl Task {
             if !own.is_empty() {
                 told(this, &own, &mut foretold)?;
             }
-            let alone = Runs::whole(this, scales, self.tolerance);
+            let alone = Runs::whole(this, scales(), self.tolerance);
             let error = |values: &[f64]| alone.scatter(&alone.tried(&self.runs[place], values));
             let (inside, outside) = (error(&values), error(&foretold));
-            let errors = Observed::ALL.into_iter().filter_map(|of| {
-                let scale = scales[of as usize];
-                Some((of, [inside[of as usize]? * scale, outside[of as usize]? * scale]))
+            let errors = inside.into_iter().zip(outside).map(|((of, inside), (_, outside))| {
+                let scale = alone.scale(&of);
+                (of, [inside * scale, outside * scale])
             });
             Some(HeldOutRun { name: self.runs[place].name.clone(), errors: errors.collect() })
         };

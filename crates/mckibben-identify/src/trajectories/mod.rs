@@ -5,7 +5,8 @@
 //! r = (y(t_k; θ) − y_k)/s_y        for each reading y_k of each course, at its own time t_k
 //! ```
 //!
-//! The course y(t; θ) is the event-located engine's, and its derivatives by θ are exact: they come with the run in
+//! A run is of a plant: one actuator with its load, a joint, or any that a file gives names. The course y(t; θ) is the
+//! event-located engine's, and its derivatives by θ are exact: they come with the run in
 //! dual numbers, through every stick, slip and switching of the valve. Runs go side by side on all cores.
 //!
 //! The scale s of a quantity is the deviation of its readings where that is known. Else a first fit weighs each
@@ -24,85 +25,26 @@
 //! differences is held by the scenario crate's `tests/place.rs`.
 
 mod held_out;
+mod observed;
 mod rest;
 mod search;
 mod sensitivities;
 mod shooting;
 mod simulated;
+mod subject;
 
 pub use held_out::HeldOutRun;
+pub use observed::{Observed, ObservedColumn};
 pub use rest::{Drift, Unexplained};
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use sensitivities::Asked;
 pub use simulated::{Simulated, SimulatedReader, Watch};
+pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
-use crate::adjustable::Adjustable;
 use crate::least_squares::{Evaluation, Model};
-use crate::study::Quantity;
 use mckibben::{Error, Real};
 use rayon::prelude::*;
-use simulated::Plant;
-
-/// A quantity that a course is of; length, pressure and tension of a joint are its agonist's.
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub enum Observed {
-    /// Distance between the attachments in m.
-    Length,
-    /// Gauge pressure in Pa.
-    GaugePressure,
-    /// Tension in N.
-    Tension,
-    /// Angle of a joint in rad.
-    Angle,
-    /// Its rate in rad/s.
-    AngularVelocity,
-    /// Torque of both actuators on a joint in N·m.
-    Torque,
-    /// Distance between the attachments of a joint's antagonist in m.
-    AntagonistLength,
-    /// Its gauge pressure in Pa.
-    AntagonistGaugePressure,
-    /// Its tension in N.
-    AntagonistTension,
-}
-
-impl Observed {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Length,
-        Self::GaugePressure,
-        Self::Tension,
-        Self::Angle,
-        Self::AngularVelocity,
-        Self::Torque,
-        Self::AntagonistLength,
-        Self::AntagonistGaugePressure,
-        Self::AntagonistTension,
-    ];
-
-    /// What it is in a study.
-    pub fn quantity(self) -> Quantity {
-        match self {
-            Self::Length => Quantity::Length,
-            Self::GaugePressure => Quantity::GaugePressure,
-            Self::Tension => Quantity::Tension,
-            Self::Angle => Quantity::Angle,
-            Self::AngularVelocity => Quantity::AngularVelocity,
-            Self::Torque => Quantity::Torque,
-            Self::AntagonistLength => Quantity::AntagonistLength,
-            Self::AntagonistGaugePressure => Quantity::AntagonistGaugePressure,
-            Self::AntagonistTension => Quantity::AntagonistTension,
-        }
-    }
-
-    /// Whether only a joint has it.
-    pub fn is_of_joint(self) -> bool {
-        !matches!(self, Self::Length | Self::GaugePressure | Self::Tension)
-    }
-}
-
-/// A number for each quantity, in the order of [`Observed::ALL`].
-type OfEach<T> = [T; Observed::ALL.len()];
+use simulated::{Built, Ready};
 
 /// Readings of one quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,8 +64,8 @@ pub struct Course {
 pub struct Recorded {
     /// What it is called.
     pub name: String,
-    /// Its scenario and the numbers that are looked for in it.
-    pub adjustable: Adjustable,
+    /// What it is of, and the numbers that are looked for in it.
+    pub subject: Subject,
     /// Which unknown each of these numbers is.
     pub unknowns: Vec<usize>,
     /// Its courses.
@@ -133,8 +75,8 @@ pub struct Recorded {
 /// All runs, as far as a horizon.
 pub(crate) struct Runs<'a> {
     pub(crate) runs: &'a [Recorded],
-    /// Scale of each quantity.
-    pub(crate) scales: OfEach<f64>,
+    /// Scale of each quantity; 1 where there is none.
+    pub(crate) scales: Vec<(Observed, f64)>,
     /// Readings after this time in s do not count.
     pub(crate) until: f64,
     pub(crate) tolerance: f64,
@@ -151,24 +93,24 @@ impl Recorded {
     fn only(&self, unknowns: &[usize], values: &[f64]) -> Result<Self, Error> {
         let place = |(number, unknown): (usize, &usize)| Some((number, unknowns.iter().position(|of| of == unknown)?));
         let (numbers, unknowns): (Vec<usize>, Vec<usize>) = self.unknowns.iter().enumerate().filter_map(place).unzip();
-        Ok(Self { adjustable: self.adjustable.only(&numbers, &self.own(values))?, unknowns, ..self.clone() })
+        Ok(Self { subject: self.subject.only(&numbers, &self.own(values))?, unknowns, ..self.clone() })
     }
 
     /// The run with values of all unknowns.
-    fn built(&self, values: &[f64]) -> Result<Plant, Error> {
-        Plant::of(&self.adjustable.at(&self.own(values))?)
+    fn built(&self, values: &[f64]) -> Result<Built, SubjectError> {
+        self.subject.built(&self.own(values))
     }
 
     /// The run as it is simulated with values of all unknowns, up to its last reading.
     fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Simulated, TrajectoryError> {
         let duration = self.duration(f64::INFINITY).max(1e-9);
-        let run = |built: Plant| built.simulate(duration, tolerance, &|_| Ok(()));
+        let run = |built: Built| Ok(built.ready()?.simulate(duration, tolerance, &|_| Ok(()))?);
         self.built(values).and_then(run).map_err(|error| self.failed(error))
     }
 
     /// That it cannot be simulated.
-    fn failed(&self, error: Error) -> TrajectoryError {
-        TrajectoryError::AtStart { run: self.name.clone(), error }
+    fn failed(&self, error: impl Into<SubjectError>) -> TrajectoryError {
+        TrajectoryError::AtStart { run: self.name.clone(), error: error.into() }
     }
 
     /// Values of its own numbers out of those of all unknowns.
@@ -179,22 +121,26 @@ impl Recorded {
 
 impl<'a> Runs<'a> {
     /// From beginning to end.
-    pub(crate) fn whole(runs: &'a [Recorded], scales: OfEach<f64>, tolerance: f64) -> Self {
+    pub(crate) fn whole(runs: &'a [Recorded], scales: Vec<(Observed, f64)>, tolerance: f64) -> Self {
         Self { runs, scales, until: f64::INFINITY, tolerance }
     }
 }
 
 impl Runs<'_> {
-    fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (Observed, f64, f64)> + 'r {
-        run.courses.iter().flat_map(move |course| {
-            let readings =
-                course.times.iter().zip(&course.values).map(|(time, value)| (course.observed, *time, *value));
-            readings.filter(|(_, time, _)| *time <= self.until)
-        })
+    /// Times and values of the readings of a run, course by course.
+    fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (f64, f64)> + 'r {
+        run.courses.iter().flat_map(|course| self.within(course))
     }
 
-    fn scale(&self, course: Observed) -> f64 {
-        self.scales[course as usize]
+    /// Times and values of the readings of a course.
+    fn within<'r>(&'r self, course: &'r Course) -> impl Iterator<Item = (f64, f64)> + 'r {
+        let readings = course.times.iter().copied().zip(course.values.iter().copied());
+        readings.filter(|(time, _)| *time <= self.until)
+    }
+
+    /// By what the residuals of a quantity are divided.
+    fn scale(&self, observed: &Observed) -> f64 {
+        self.scales.iter().find(|(of, _)| of == observed).map_or(1.0, |(_, scale)| *scale)
     }
 
     /// Residuals of one run and their derivatives by its own numbers; what has no value is not a number.
@@ -202,12 +148,14 @@ impl Runs<'_> {
         let (count, width) = (self.readings(run).count(), run.unknowns.len());
         let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * width]);
         let Ok(built) = run.built(values) else { return (residuals, slopes) };
-        for first in run.adjustable.passes() {
+        for first in run.subject.passes() {
             let mut row = 0;
-            let full = self.course(run, &built.seeded(&run.adjustable, first), |residual| {
-                residuals[row] = residual.value;
-                run.adjustable.spread(first, &residual.slope, 1.0, &mut slopes[row * width..][..width]);
-                row += 1;
+            let full = built.seeded(&run.subject, first).and_then(|ready| {
+                Ok(self.course(run, &ready, |residual| {
+                    residuals[row] = residual.value;
+                    run.subject.spread(first, &residual.slope, &mut slopes[row * width..][..width]);
+                    row += 1;
+                })?)
             });
             if full.is_err() {
                 return (vec![f64::NAN; count], slopes);
@@ -219,7 +167,7 @@ impl Runs<'_> {
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        let course = |built: Plant| self.course(run, &built, |residual| residuals.push(residual));
+        let course = |built: Built| Ok(self.course(run, &built.ready()?, |residual| residuals.push(residual))?);
         match run.built(values).and_then(course) {
             Ok(()) => residuals,
             Err(_) => vec![f64::NAN; self.readings(run).count()],
@@ -227,31 +175,49 @@ impl Runs<'_> {
     }
 
     /// Runs a plant and visits each reading with its residual, over any scalar.
-    fn course<R: Real>(&self, run: &Recorded, plant: &Plant<R>, visit: impl FnMut(R)) -> Result<(), Error> {
+    fn course<R: Real>(&self, run: &Recorded, ready: &Ready<R>, visit: impl FnMut(R)) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
-        self.compare(run, &plant.simulate(R::constant(duration), self.tolerance, &|_| Ok(()))?, visit);
+        self.compare(run, &ready.simulate(R::constant(duration), self.tolerance, &|_| Ok(()))?, visit);
         Ok(())
     }
 
     /// Visits each reading with its residual.
     fn compare<R: Real>(&self, run: &Recorded, simulated: &Simulated<R>, mut visit: impl FnMut(R)) {
         let mut reading = SimulatedReader::new(simulated);
-        for (observed, time, value) in self.readings(run) {
-            let simulated = reading.read(observed, R::constant(time));
-            visit((simulated - R::constant(value)) / R::constant(self.scale(observed)));
+        for course in &run.courses {
+            let scale = R::constant(self.scale(&course.observed));
+            for (time, value) in self.within(course) {
+                let simulated = reading.read(&course.observed, R::constant(time));
+                visit((simulated - R::constant(value)) / scale);
+            }
         }
     }
 
-    /// Root mean square residual of each quantity, in scales; `None` where there are no readings.
-    pub(crate) fn scatter(&self, residuals: &[f64]) -> OfEach<Option<f64>> {
-        let mut sums = [(0.0, 0_u32); Observed::ALL.len()];
-        let observed = self.runs.iter().flat_map(|run| self.readings(run));
-        for ((observed, ..), residual) in observed.zip(residuals) {
-            let (squares, count) = &mut sums[observed as usize];
-            (*squares, *count) = (*squares + residual * residual, *count + 1);
+    /// Root mean square residual of each quantity that has readings, in scales.
+    pub(crate) fn scatter(&self, residuals: &[f64]) -> Vec<(Observed, f64)> {
+        let mut sums: Vec<(Observed, f64, u32)> = observed_in(self.runs).into_iter().map(|of| (of, 0.0, 0)).collect();
+        let mut residuals = residuals.iter();
+        for course in self.runs.iter().flat_map(|run| &run.courses) {
+            let Some((_, squares, count)) = sums.iter_mut().find(|(of, ..)| *of == course.observed) else { continue };
+            for (_, residual) in self.within(course).zip(residuals.by_ref()) {
+                (*squares, *count) = (*squares + residual * residual, *count + 1);
+            }
         }
-        sums.map(|(squares, count)| (count > 0).then(|| (squares / f64::from(count)).sqrt()))
+        let read = sums.into_iter().filter(|(.., count)| *count > 0);
+        read.map(|(of, squares, count)| (of, (squares / f64::from(count)).sqrt())).collect()
     }
+}
+
+/// The quantities of which there are courses: those of one actuator or joint in their order, then columns in that of the runs.
+fn observed_in(runs: &[Recorded]) -> Vec<Observed> {
+    let mut found: Vec<Observed> = Vec::new();
+    for course in runs.iter().flat_map(|run| &run.courses) {
+        if !found.contains(&course.observed) {
+            found.push(course.observed.clone());
+        }
+    }
+    found.sort_by_key(|of| of.index().unwrap_or(Observed::ALL.len()));
+    found
 }
 
 impl Model for Runs<'_> {

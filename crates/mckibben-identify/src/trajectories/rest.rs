@@ -44,20 +44,20 @@ impl Task {
     pub fn unexplained(&self, found: &Identified) -> Vec<Unexplained> {
         let of = |(observed, left): &(Observed, f64)| {
             let (mut squares, mut count) = (0.0, 0.0);
-            for course in self.courses(*observed) {
+            for course in self.courses(observed) {
                 let readings = course.times.len() as f64;
                 squares += readings * series::noise(&course.times, &course.values).powi(2);
                 count += readings;
             }
             let noise = (squares / count).sqrt();
-            (*left > BEYOND_NOISE * noise).then_some(Unexplained { observed: *observed, left: *left, noise })
+            (*left > BEYOND_NOISE * noise).then_some(Unexplained { observed: observed.clone(), left: *left, noise })
         };
         found.left.iter().filter_map(of).collect()
     }
 
     /// The courses whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
-        let runs = Runs::whole(&self.runs, [1.0; Observed::ALL.len()], self.tolerance);
+        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance);
         let mut drifts = Vec::new();
         for (run, simulated) in self.runs.iter().zip(&found.simulated) {
             let mut residuals = Vec::new();
@@ -72,7 +72,7 @@ impl Task {
                 let (slope, deviation) = (line.coefficients[1], scatter * line.deviation(&[0.0, 1.0]));
                 let change = -slope * (last - first);
                 if slope.abs() > TOLD * deviation && change.abs() > SIZE * scatter {
-                    drifts.push(Drift { run: run.name.clone(), observed: course.observed, change, scatter });
+                    drifts.push(Drift { run: run.name.clone(), observed: course.observed.clone(), change, scatter });
                 }
             }
         }

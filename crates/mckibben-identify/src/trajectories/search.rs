@@ -1,10 +1,8 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
-use super::{Course, Observed, Recorded, Runs, Simulated, shooting};
+use super::{Course, Described, Observed, Recorded, Runs, Simulated, SubjectError, observed_in, shooting};
 use crate::least_squares::{self, Evaluation, Fit, FitError, Found, Model, Search, Unknown};
 use crate::series;
-use mckibben::Error;
-use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
 
 /// How much of the runs is fitted.
@@ -44,8 +42,8 @@ pub struct Task {
 pub struct Identified {
     /// Values with their uncertainty, and how many starts agreed.
     pub found: Found,
-    /// The scenario of each run with these values.
-    pub scenarios: Vec<Scenario>,
+    /// What each run is of, with these values.
+    pub scenarios: Vec<Described>,
     /// Root mean square of what is left of each quantity, in its unit.
     pub left: Vec<(Observed, f64)>,
     /// Scale by which each quantity was weighed.
@@ -67,7 +65,7 @@ pub enum TrajectoryError {
     /// Readings of a joint in a run of one actuator.
     #[error(
         "the run `{run}` has readings of the {}, which only a joint has; leave them out, or set load.kind = \"antagonistic-joint\"",
-        observed.quantity().words()
+        observed.words()
     )]
     NoJoint {
         /// The run.
@@ -75,8 +73,16 @@ pub enum TrajectoryError {
         /// Of what.
         observed: Observed,
     },
+    /// Readings of a column that the plant of a run does not have.
+    #[error("the run `{run}` has readings of the {}, which its plant does not have; name a column of its parts", observed.words())]
+    NoColumn {
+        /// The run.
+        run: String,
+        /// Of what.
+        observed: Observed,
+    },
     /// Times that are no times.
-    #[error("the {} of the run `{run}`: {why}", observed.quantity().words())]
+    #[error("the {} of the run `{run}`: {why}", observed.words())]
     BadCourse {
         /// The run.
         run: String,
@@ -90,8 +96,8 @@ pub enum TrajectoryError {
     AtStart {
         /// The run.
         run: String,
-        /// The core's error.
-        error: Error,
+        /// What is wrong with the values.
+        error: SubjectError,
     },
     /// A number that the model does not have at its start.
     #[error(
@@ -123,9 +129,13 @@ impl Task {
     /// [`TrajectoryError`], which says what to do.
     pub fn identify(&self) -> Result<Identified, TrajectoryError> {
         self.check()?;
-        let spans = Observed::ALL.map(|observed| self.scale(observed));
-        let (scales, known) = (spans.map(|(scale, _)| scale), spans.map(|(_, known)| known));
-        let all_known = Observed::ALL.into_iter().zip(known).all(|(of, known)| known || !self.has(of));
+        let spans: Vec<(Observed, (f64, bool))> = observed_in(&self.runs)
+            .into_iter()
+            .filter(|of| self.has(of))
+            .map(|of| (of.clone(), self.scale(&of)))
+            .collect();
+        let scales = spans.iter().map(|(of, (scale, _))| (of.clone(), *scale)).collect();
+        let all_known = spans.iter().all(|(_, (_, known))| *known);
         let search = Search { known_scales: all_known, ..self.search };
         let mut runs = Runs::whole(&self.runs, scales, self.tolerance);
         let mut unknowns = self.unknowns.clone();
@@ -143,10 +153,11 @@ impl Task {
         if !all_known {
             // Weigh each quantity by what is left of it, and go on from there.
             let scatter = runs.scatter(&found.0.fit.residuals);
-            let rough = runs.scales;
-            for (place, left) in scatter.into_iter().enumerate().filter(|(place, _)| !known[*place]) {
+            let rough = runs.scales.clone();
+            for ((of, scale), _) in runs.scales.iter_mut().zip(&spans).filter(|(_, (_, (_, known)))| !known) {
+                let left = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, left)| *left);
                 // What is left of noiseless data says nothing: its scale is the span's rounding.
-                runs.scales[place] = (left.unwrap_or(1.0) * rough[place]).max(1e-9 * rough[place]);
+                *scale *= left.max(1e-9);
             }
             unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());
             match self.searched(&runs, &unknowns, &[], &search) {
@@ -157,7 +168,7 @@ impl Task {
         }
         let (found, joined) = found;
         let values = found.fit.values();
-        let scenario = |run: &Recorded| run.adjustable.at(&run.own(&values)).map_err(|error| run.failed(error));
+        let scenario = |run: &Recorded| run.subject.at(&run.own(&values)).map_err(|error| run.failed(error));
         let scenarios = self.runs.iter().map(scenario).collect::<Result<_, _>>()?;
         let segments = match (&self.horizon, &joined) {
             (Horizon::Segments(every), Some(_)) => Some(*every),
@@ -166,12 +177,8 @@ impl Task {
         let whole = || self.runs.iter().map(|run| run.simulated(&values, self.tolerance)).collect();
         let simulated = joined.map_or_else(whole, Ok)?;
         let scatter = runs.scatter(&found.fit.residuals);
-        let scaled = |factor: &dyn Fn(usize) -> Option<f64>| {
-            let of = |(place, observed): (usize, Observed)| Some((observed, factor(place)? * runs.scales[place]));
-            Observed::ALL.into_iter().enumerate().filter_map(of).collect()
-        };
-        let left = scaled(&|place| scatter[place]);
-        let scales = scaled(&|place| scatter[place].map(|_| 1.0));
+        let left = scatter.into_iter().map(|(of, left)| (of.clone(), left * runs.scale(&of))).collect();
+        let scales = runs.scales;
         Ok(Identified { found, scenarios, left, scales, simulated, segments })
     }
 
@@ -197,16 +204,16 @@ impl Task {
         }
     }
 
-    pub(super) fn courses(&self, observed: Observed) -> impl Iterator<Item = &Course> {
-        self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == observed)
+    pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s Course> {
+        self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == *observed)
     }
 
-    fn has(&self, observed: Observed) -> bool {
+    fn has(&self, observed: &Observed) -> bool {
         self.courses(observed).any(|course| !course.values.is_empty())
     }
 
     /// The deviation of a quantity's readings and that it is known, or their span.
-    fn scale(&self, observed: Observed) -> (f64, bool) {
+    fn scale(&self, observed: &Observed) -> (f64, bool) {
         let deviations: Vec<f64> = self.courses(observed).filter_map(|course| course.deviation).collect();
         if let Some(deviation) = deviations.first().filter(|_| deviations.len() == self.courses(observed).count()) {
             return (*deviation, true);
@@ -218,17 +225,14 @@ impl Task {
 
     /// That there is something to fit, and that it can be run from the start.
     fn check(&self) -> Result<(), TrajectoryError> {
-        if !Observed::ALL.into_iter().any(|observed| self.has(observed)) {
+        if !observed_in(&self.runs).iter().any(|observed| self.has(observed)) {
             return Err(TrajectoryError::NoReadings);
         }
         let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         for run in &self.runs {
             for course in &run.courses {
-                let observed = course.observed;
-                if observed.is_of_joint() && !run.adjustable.base().has_joint() {
-                    return Err(TrajectoryError::NoJoint { run: run.name.clone(), observed });
-                }
-                let bad = |why| TrajectoryError::BadCourse { run: run.name.clone(), observed, why };
+                let observed = &course.observed;
+                let bad = |why| TrajectoryError::BadCourse { run: run.name.clone(), observed: observed.clone(), why };
                 series::check(&course.times, &course.values, observed.quantity().words(), 0)
                     .map_err(|error| bad(error.to_string()))?;
                 if let Some(first) = course.times.first().filter(|first| **first < 0.0) {
@@ -237,7 +241,14 @@ impl Task {
                     )));
                 }
             }
-            run.built(&first).map_err(|error| run.failed(error))?;
+            let built = run.built(&first).and_then(|built| Ok(built.ready()?)).map_err(|error| run.failed(error))?;
+            if let Some(course) = run.courses.iter().find(|course| course.observed.place(&built.plant).is_none()) {
+                let (run, observed) = (run.name.clone(), course.observed.clone());
+                return Err(match observed.is_of_joint() {
+                    true => TrajectoryError::NoJoint { run, observed },
+                    false => TrajectoryError::NoColumn { run, observed },
+                });
+            }
         }
         if let Horizon::Segments(every) = self.horizon {
             let duration = self.runs.iter().fold(0.0_f64, |longest, run| longest.max(run.duration(f64::INFINITY)));
@@ -245,7 +256,7 @@ impl Task {
                 return Err(TrajectoryError::Segments { every, duration });
             }
         }
-        let runs = Runs::whole(&self.runs, [1.0; Observed::ALL.len()], self.tolerance);
+        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance);
         if runs.residuals() == 0 {
             return Err(TrajectoryError::NoReadings);
         }

@@ -7,16 +7,15 @@
 //! A derivative holds between events; where an event is on the point of coming or going there is none, and it is that of
 //! the side on which the run lies.
 
-use super::simulated::{Plant, Watch};
-use super::{Observed, Simulated, SimulatedReader};
-use crate::adjustable::Adjustable;
+use super::simulated::{Ready, Watch};
+use super::{Observed, Simulated, SimulatedReader, Subject, SubjectError};
 use mckibben::{Error, Real};
 use rayon::prelude::*;
 
 /// What a run is asked for: quantities, the times in s, and the relative tolerance of each step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
-    /// The quantities; all that the scenario's kind of load has.
+    /// The quantities; all that the scenario's kind of load, or the plant, has.
     pub observed: Vec<Observed>,
     /// The times in s, zero or above.
     pub times: Vec<f64>,
@@ -30,8 +29,8 @@ impl Asked {
     ///
     /// # Errors
     /// When the scenario cannot be so, or its run cannot go on, and those of `watch`.
-    pub fn values(&self, of: &Adjustable, values: &[f64], watch: &Watch<'_>) -> Result<Vec<f64>, Error> {
-        Ok(self.read(&self.run(&Plant::of(&of.at(values)?)?, watch)?).collect())
+    pub fn values(&self, of: &Subject, values: &[f64], watch: &Watch<'_>) -> Result<Vec<f64>, SubjectError> {
+        Ok(self.read(&self.run(&of.built(values)?.ready()?, watch)?).collect())
     }
 
     /// The same with the derivatives of each by the numbers, `[time][quantity][number]` in one row.
@@ -40,29 +39,29 @@ impl Asked {
     /// As [`Asked::values`].
     pub fn with_slopes(
         &self,
-        of: &Adjustable,
+        of: &Subject,
         values: &[f64],
         watch: &Watch<'_>,
-    ) -> Result<(Vec<f64>, Vec<f64>), Error> {
-        let width = of.places().len();
+    ) -> Result<(Vec<f64>, Vec<f64>), SubjectError> {
+        let width = of.width();
         if width == 0 {
             return Ok((self.values(of, values, watch)?, Vec::new()));
         }
-        let plant = Plant::of(&of.at(values)?)?;
+        let built = of.built(values)?;
         let passes: Vec<usize> = of.passes().collect();
-        let pass = |first: &usize| Ok(self.read(&self.run(&plant.seeded(of, *first), watch)?).collect::<Vec<_>>());
-        let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, Error>>()?;
+        let pass = |first: &usize| Ok(self.read(&self.run(&built.seeded(of, *first)?, watch)?).collect::<Vec<_>>());
+        let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, SubjectError>>()?;
         let read: Vec<f64> = duals[0].iter().map(|dual| dual.value).collect();
         let mut slopes = vec![0.0; read.len() * width];
         for (first, duals) in passes.iter().zip(&duals) {
             for (dual, row) in duals.iter().zip(slopes.chunks_exact_mut(width)) {
-                of.spread(*first, &dual.slope, 1.0, row);
+                of.spread(*first, &dual.slope, row);
             }
         }
         Ok((read, slopes))
     }
 
-    fn run<R: Real>(&self, plant: &Plant<R>, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
+    fn run<R: Real>(&self, plant: &Ready<R>, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
         let last = self.times.iter().copied().fold(1e-9, f64::max);
         plant.simulate(R::constant(last), self.tolerance, watch)
     }
@@ -70,6 +69,6 @@ impl Asked {
     fn read<'r, R: Real>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {
         let (mut reading, width) = (SimulatedReader::new(run), self.observed.len());
         (0..width * self.times.len())
-            .map(move |place| reading.read(self.observed[place % width], R::constant(self.times[place / width])))
+            .map(move |place| reading.read(&self.observed[place % width], R::constant(self.times[place / width])))
     }
 }

@@ -16,7 +16,7 @@
 //!
 //! Source: Bock (1983), Recent advances in parameter identification techniques for ODE.
 
-use super::{Observed, Recorded, Runs, Simulated, TrajectoryError};
+use super::{Observed, Recorded, Runs, Simulated, SubjectError, TrajectoryError};
 use crate::adjustable::Seeded;
 use crate::least_squares::{self, Evaluation, Fit, Model, Search, Unknown};
 use crate::series::Polynomial;
@@ -63,9 +63,9 @@ fn slot(joint: usize) -> usize {
 impl Chain {
     /// Joints every so many seconds; the states there are those that were measured, where they were, and else those of the
     /// simulation from the joint before.
-    fn begin(run: &Recorded, values: &[f64], every: f64, tolerance: f64, first: usize) -> Result<Self, Error> {
-        let plant = run.built(values)?;
-        let (rig, start) = plant.rig()?;
+    fn begin(run: &Recorded, values: &[f64], every: f64, tolerance: f64, first: usize) -> Result<Self, SubjectError> {
+        let ready = run.built(values)?.ready()?;
+        let (rig, start) = ready.rig()?;
         let duration = run.duration(f64::INFINITY);
         let joints: Vec<f64> = (1..).map(|place| every * f64::from(place)).take_while(|t| *t < duration).collect();
         let mut begun = Vec::new();
@@ -136,7 +136,7 @@ impl Segments<'_> {
                 }
                 State::from_array(here)
             })?;
-        let simulated = Simulated::Rig(Box::new(trajectory));
+        let simulated = Simulated { trajectory: trajectory.into_plant() };
         self.runs.compare(run, &simulated, &mut visit);
         lacking.into_iter().for_each(visit);
         Ok(simulated)
@@ -185,8 +185,8 @@ impl Segments<'_> {
         chain: &Chain,
         values: &[f64],
         visit: impl FnMut(f64),
-    ) -> Result<Simulated, Error> {
-        self.course((run, chain), run.built(values)?.rig()?, values, |_, at| at, visit)
+    ) -> Result<Simulated, SubjectError> {
+        Ok(self.course((run, chain), run.built(values)?.ready()?.rig()?, values, |_, at| at, visit)?)
     }
 
     fn joint_unknowns(&self) -> usize {
@@ -207,14 +207,14 @@ impl Segments<'_> {
         let nothing = || (vec![f64::NAN; count], vec![0.0; count * width]);
         let (mut residuals, mut slopes) = nothing();
         let Ok(built) = run.built(values) else { return nothing() };
-        for first in run.adjustable.passes() {
-            let seeded = built.seeded(&run.adjustable, first);
+        for first in run.subject.passes() {
+            let Ok(seeded) = built.seeded(&run.subject, first) else { return nothing() };
             let Ok(rig) = seeded.rig() else { return nothing() };
             let mut row = 0;
             let constant = |_: usize, at: [f64; STATES]| at.map(Seeded::constant);
             let full = self.course((run, chain), rig, values, constant, |residual| {
                 let mut by_own = vec![0.0; run.unknowns.len()];
-                run.adjustable.spread(first, &residual.slope, 1.0, &mut by_own);
+                run.subject.spread(first, &residual.slope, &mut by_own);
                 for (unknown, slope) in run.unknowns.iter().zip(by_own) {
                     slopes[row * width + unknown] += slope;
                 }
@@ -225,10 +225,10 @@ impl Segments<'_> {
                 return nothing();
             }
         }
-        let plant = built.over(|_, _, value| Seeded::constant(value));
-        let Ok(rig) = plant.rig() else { return nothing() };
+        let Ok(constant) = built.over(|_, _, value| Seeded::constant(value)) else { return nothing() };
+        let Ok(rig) = constant.rig() else { return nothing() };
         let seed = |joint: usize, at: [f64; STATES]| std::array::from_fn(|n| Seeded::variable(at[n], slot(joint) + n));
-        let readings: Vec<f64> = self.runs.readings(run).map(|(_, time, _)| time).collect();
+        let readings: Vec<f64> = self.runs.readings(run).map(|(time, _)| time).collect();
         let mut row = 0;
         let full = self.course((run, chain), rig, values, seed, |residual| {
             // A reading knows the joint behind which it lies, what a joint lacks its own state and that of the joint before.

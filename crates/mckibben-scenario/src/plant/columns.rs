@@ -4,6 +4,7 @@
 
 use super::{MechanismNames, PlantExperiment};
 use crate::sweep::column_of;
+use mckibben::Real;
 use mckibben::mechanism::Mechanism;
 use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{Plant, PlantSample};
@@ -66,7 +67,7 @@ pub struct PlantColumn {
 
 impl PlantQuantity {
     /// The value in a sample of a plant.
-    pub fn of(self, plant: &Plant, sample: &PlantSample) -> f64 {
+    pub fn of<R: Real>(self, plant: &Plant<R>, sample: &PlantSample<R>) -> R {
         let has_tendon = |i: usize| plant.actuators()[i].tendon.is_some();
         let (actuator, mechanism) = (|i: usize| &sample.actuators[i], |m: usize| &sample.mechanisms[m]);
         match self {

@@ -15,9 +15,11 @@
 //! | `build` | from those to the core's plant and its start |
 //! | `control` | its controllers |
 //! | `columns` | what there is to record of it, by names |
+//! | `adjust` | other values of its parameters, and derivatives with respect to them |
 //!
 //! Checked by `tests/plant.rs`.
 
+mod adjust;
 mod build;
 pub(crate) mod columns;
 mod control;
@@ -33,6 +35,7 @@ use mckibben::Error;
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping, plant_step_for_accuracy};
 
+pub use adjust::{AdjustedPlant, PlantOver, PlantPlace};
 pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
 pub use control::{ActuatorControl, JointControl, PlantControl};
 

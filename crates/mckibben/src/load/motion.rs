@@ -19,7 +19,7 @@
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Real, Scalar};
 use core::f64::consts::TAU;
 
 /// The distance between the attachments as a function of time.
@@ -126,6 +126,20 @@ impl Motion {
             return fault("a length is not between 0 and the thread length", row + 1, "give shorter, positive lengths");
         }
         Ok(Self::Table { time, length })
+    }
+}
+
+impl<S: Real> Motion<S> {
+    /// That it has no more than [`MAX_COUNT`](parameter::MAX_COUNT) periods in a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        if let Self::Sinusoid { frequency, .. } = self {
+            let frequency = frequency.value();
+            parameter::MOTION_FREQUENCY.check_count(frequency, frequency * duration, "periods of the motion")?;
+        }
+        Ok(())
     }
 }
 

@@ -86,7 +86,7 @@ use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::parameter::Parameter;
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
 use crate::simulation::PressureCourse;
 use alloc::vec::Vec;
 
@@ -323,6 +323,22 @@ impl<S: Scalar> Plant<S> {
     /// Where each state lies.
     pub fn places(&self) -> &Places {
         &self.places
+    }
+}
+
+impl<R: Real> Plant<R> {
+    /// That the commands of its valves and the motions that are prescribed have no more than
+    /// [`MAX_COUNT`](crate::parameter::MAX_COUNT) pulses and periods in a run of `duration` s.
+    ///
+    /// # Errors
+    /// [`Error::TooMany`] otherwise.
+    pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
+        for mechanism in &self.mechanisms {
+            if let Mechanism::Prescribed(motion) = mechanism {
+                motion.check_counts(duration)?;
+            }
+        }
+        self.network.valves.iter().try_for_each(|valve| valve.check_counts(duration))
     }
 }
 

@@ -191,6 +191,11 @@ impl<V: PlantView<R>, R: Real> ViewTrajectory<V, R> {
         &self.trajectory
     }
 
+    /// The run of the plant alone.
+    pub fn into_plant(self) -> PlantTrajectory<R> {
+        self.trajectory
+    }
+
     /// The events in order of time.
     pub fn events(&self) -> &[V::Event] {
         &self.events

@@ -186,10 +186,7 @@ impl<S: Real> Rig<S> {
     /// # Errors
     /// [`Error::TooMany`] otherwise.
     pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
-        if let Some(Motion::Sinusoid { frequency, .. }) = self.load.motion() {
-            let frequency = frequency.value();
-            parameter::MOTION_FREQUENCY.check_count(frequency, frequency * duration, "periods of the motion")?;
-        }
+        self.load.motion().map_or(Ok(()), |motion| motion.check_counts(duration))?;
         self.actuation.as_ref().map_or(Ok(()), |actuation| actuation.check_counts(duration))
     }
 }

@@ -86,7 +86,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let table = comparison(&judged);
     let sections = sections(material, &map, &base, &judged, best, &table, &text);
     Ok(Outcome {
-        title: format!("Laws of static force for {}", material.document.source().name()),
+        title: format!("Laws of static force for {}", material.name()),
         introduction: introduction(&map, &judged, best, by, deviation),
         sections,
         table,

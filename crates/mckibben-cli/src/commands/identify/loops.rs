@@ -47,7 +47,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         quantity(found.left, "N")
     );
     Ok(Outcome {
-        title: format!("Loops of {}", material.document.source().name()),
+        title: format!("Loops of {}", material.name()),
         introduction: vec![introduction],
         sections,
         table: Table::default(),

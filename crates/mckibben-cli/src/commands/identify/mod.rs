@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `force_map` | laws of static force from tensions at held pressures and lengths |
 //! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `plant` | the runs of trajectories of a plant, whose parts have names |
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
@@ -16,6 +17,7 @@
 mod force_map;
 mod loops;
 mod outcome;
+mod plant;
 mod rings;
 mod sought;
 mod trajectories;
@@ -43,10 +45,12 @@ A study file:
   kind = \"force-map\"                      # or \"hysteresis\", \"ring-down\", \"trajectories\", and of a valve
                                           # \"flow-curve\", \"steady-flow\", \"tank\", \"pulse-train\"
   scenario = \"muscle.toml\"                # the muscle and the rig as far as they are known
-  input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it
+  input = \"gauge-pressure\"                # of trajectories: driven by the measured pressure, whatever made it;
+                                          # of a plant the actuators whose pressure was measured
 
   [columns.gauge_pressure]                # also length, tension, time, absolute_pressure; of a joint angle,
-                                          # angular_velocity, torque, and antagonist_length and the like
+                                          # angular_velocity, torque, and antagonist_length and the like; of a
+                                          # part of a plant [columns.\"flexor.length\"], [columns.\"knee.angle\"]
   name = \"P_bar\"
   unit = \"bar\"
   [columns.length]
@@ -61,7 +65,8 @@ A study file:
   file = \"data.csv\"                       # .csv or .parquet
   set = { \"load.mass\" = \"5 lb\" }          # keys of the scenario that differ in this run
 
-  [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for
+  [fit.\"actuator.friction.viscous\"]       # of trajectories: what is looked for, by the path that --set takes;
+                                          # of a plant also \"actuators.flexor.turns\", \"mechanism.joints.knee.damping\"
   from = \"0 N*s/m\"
   to = \"50 N*s/m\"
   per_run = true                          # each run has a value of its own
@@ -129,7 +134,10 @@ pub fn identified(study: &Path, folder: Option<&Path>) -> Result<Outcome, Failur
     let study = Study::load(study).map_err(mistake)?;
     folder.map_or(Ok(()), |folder| outcome::check_folder(&study, folder))?;
     let document = Document::load(&study.scenario)?;
-    document.scenario()?;
+    match study.kind {
+        Kind::Trajectories if document.is_plant() => document.plant_experiment().map(|_| ())?,
+        _ => document.scenario().map(|_| ())?,
+    }
     let recordings = study.recordings().map_err(mistake)?;
     let material = Material { study, document, recordings };
     let found = match material.study.kind {
@@ -154,6 +162,12 @@ fn mistake(error: StudyError) -> Failure {
 }
 
 impl Material {
+    /// The name of the scenario file, without its folder.
+    fn name(&self) -> &str {
+        let path = self.document.source().name();
+        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+    }
+
     /// The scenario of a run: the file's, with what the run says of its own.
     fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
         let mut document = self.document.clone();

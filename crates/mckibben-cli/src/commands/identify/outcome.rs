@@ -56,12 +56,17 @@ pub const WARNED: &str = "! ";
 
 /// A scenario file of what was found.
 pub(super) fn file(scenario: &Scenario) -> String {
-    format!("# By `mckibben identify`.\n\n{}", scenario.to_toml())
+    headed(&scenario.to_toml())
 }
 
-/// A scenario file for each run whose scenario differs, or one for all.
-pub(super) fn files<'a>(named: impl Iterator<Item = (&'a str, &'a Scenario)>) -> Vec<(String, String)> {
-    let texts: Vec<(&str, String)> = named.map(|(run, scenario)| (run, file(scenario))).collect();
+/// A scenario's text with a line that says where it comes from.
+fn headed(text: &str) -> String {
+    format!("# By `mckibben identify`.\n\n{text}")
+}
+
+/// A scenario file for each run whose scenario, given as TOML, differs, or one for all.
+pub(super) fn files<'a>(named: impl Iterator<Item = (&'a str, String)>) -> Vec<(String, String)> {
+    let texts: Vec<(&str, String)> = named.map(|(run, text)| (run, headed(&text))).collect();
     match texts.windows(2).all(|pair| pair[0].1 == pair[1].1) {
         true => texts.into_iter().take(1).map(|(_, text)| (SCENARIO.to_owned(), text)).collect(),
         false => texts.into_iter().map(|(run, text)| (scenario_of(run), text)).collect(),
@@ -141,7 +146,7 @@ impl Outcome {
         };
         let warnings = material.notes().into_iter().chain([format!("{WARNED}failed: {}", failure.sentence())]);
         Self {
-            title: format!("{}: nothing was found", material.document.source().name()),
+            title: format!("{}: nothing was found", material.name()),
             introduction: vec![format!("Nothing was found: {}", failure.sentence())],
             sections: vec![section],
             warnings: warnings.collect(),

@@ -68,7 +68,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
                         disagree by more than their intervals, the spring is not linear or friction is not what the estimator takes it for."
         .to_owned();
     Ok(Outcome {
-        title: format!("Ring-downs of {}", material.document.source().name()),
+        title: format!("Ring-downs of {}", material.name()),
         introduction: vec![introduction],
         sections,
         table,

@@ -2,52 +2,67 @@
 
 use super::Material;
 use crate::failure::Failure;
+use mckibben::parameter::Parameter;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::SoughtEntry;
-use mckibben_scenario::{Document, Place, Scenario, quantity as grammar};
+use mckibben_scenario::{Document, Place, PlaceError, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
 pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Failure> {
     let mut scenario = material.document.scenario()?;
     let mut found = (Vec::new(), Vec::new());
     for entry in entries(material)? {
-        let place = place(material, entry, (&material.document, &mut scenario), "mend [fit]".to_owned())?;
-        found.1.push(unknown(entry, &place, &mut scenario)?);
+        let place = place(material, entry, (&material.document, &mut scenario), None)?;
+        found.1.push(unknown(entry, place.parameter(), place.value(&mut scenario).unwrap_or(0.0))?);
         found.0.push(place);
     }
     Ok(found)
 }
 
 /// The numbers of one run: their places in its scenario, and which unknown each of them is.
-pub(super) struct OfRun {
-    pub(super) places: Vec<Place>,
+pub(super) struct OfRun<P> {
+    pub(super) places: Vec<P>,
     pub(super) unknowns: Vec<usize>,
 }
 
-/// All of them in the scenarios of runs, each with its name. A number that is each run's own is an unknown for each, named
-/// behind its path; a common one starts at the first run's value.
-pub(super) fn of_runs(
+/// A number in a scenario: its place, its row in the table of parameters, and the value that it has there.
+pub(super) type InScenario<P> = (P, &'static Parameter, f64);
+
+/// All of them in the scenarios of runs; `find` finds that of an entry in the scenario of a run by its index. A number that is
+/// each run's own is an unknown for each, named behind its path; a common one starts at the first run's value.
+pub(super) fn of_runs<P>(
     material: &Material,
-    runs: &mut [(String, Scenario)],
-) -> Result<(Vec<Unknown>, Vec<OfRun>), Failure> {
+    mut find: impl FnMut(usize, &SoughtEntry) -> Result<InScenario<P>, Failure>,
+) -> Result<(Vec<Unknown>, Vec<OfRun<P>>), Failure> {
     let mut unknowns: Vec<Unknown> = Vec::new();
-    let mut numbers: Vec<OfRun> = runs.iter().map(|_| OfRun { places: Vec::new(), unknowns: Vec::new() }).collect();
-    let documents = material.recordings.iter().map(|of| material.document_of(of)).collect::<Result<Vec<_>, _>>()?;
+    let mut numbers: Vec<OfRun<P>> =
+        material.recordings.iter().map(|_| OfRun { places: Vec::new(), unknowns: Vec::new() }).collect();
     for entry in entries(material)? {
         let first = unknowns.len();
-        for (((name, scenario), document), of) in runs.iter_mut().zip(&documents).zip(&mut numbers) {
-            let place = place(material, entry, (document, scenario), format!("of the run `{name}`"))?;
+        for (run, of) in numbers.iter_mut().enumerate() {
+            let (place, row, value) = find(run, entry)?;
             if entry.per_run {
-                let own = unknown(entry, &place, scenario)?;
-                unknowns.push(Unknown { name: format!("{} [{name}]", entry.path), ..own });
+                let own = unknown(entry, row, value)?;
+                let name = format!("{} [{}]", entry.path, material.recordings[run].name);
+                unknowns.push(Unknown { name, ..own });
             } else if unknowns.len() == first {
-                unknowns.push(unknown(entry, &place, scenario)?);
+                unknowns.push(unknown(entry, row, value)?);
             }
             of.unknowns.push(unknowns.len() - 1);
             of.places.push(place);
         }
     }
     Ok((unknowns, numbers))
+}
+
+/// A number of the scenario of a run.
+pub(super) fn in_run(
+    material: &Material,
+    entry: &SoughtEntry,
+    (document, (name, scenario)): (&Document, &mut (String, Scenario)),
+) -> Result<InScenario<Place>, Failure> {
+    let place = place(material, entry, (document, scenario), Some(name))?;
+    Ok((place, place.parameter(), place.value(scenario).unwrap_or(0.0)))
 }
 
 fn entries(material: &Material) -> Result<&[SoughtEntry], Failure> {
@@ -63,15 +78,20 @@ fn place(
     material: &Material,
     entry: &SoughtEntry,
     (document, scenario): (&Document, &mut Scenario),
-    help: String,
+    run: Option<&str>,
 ) -> Result<Place, Failure> {
     let all = material.study.sought.iter().map(|other| other.path.as_str());
-    document.find(&entry.path, all, scenario).map_err(|error| Failure::input(error.to_string(), help))
+    document.find(&entry.path, all, scenario).map_err(|error| misplaced(&error, run))
+}
+
+/// That a path of [fit] leads to no parameter of the study's scenario, or of a run's.
+pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
+    let whose = run.map(|run| format!(", in the scenario of the run `{run}`")).unwrap_or_default();
+    Failure::input(format!("{}{whose}", error.what()), error.remedy())
 }
 
 /// Bounds are those of the study within those of the parameter.
-fn unknown(entry: &SoughtEntry, place: &Place, scenario: &mut Scenario) -> Result<Unknown, Failure> {
-    let (row, first) = (place.parameter(), place.value(scenario).unwrap_or(0.0));
+fn unknown(entry: &SoughtEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
     let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
         let Some(text) = text else { return Ok(None) };
         let wrong = |why: String| {
@@ -104,7 +124,7 @@ fn unknown(entry: &SoughtEntry, place: &Place, scenario: &mut Scenario) -> Resul
             "give one above zero",
         ));
     }
-    let unit = if place.path().ends_with(']') { "" } else { row.unit };
+    let unit = if entry.path.ends_with(']') { "" } else { row.unit };
     let unknown = Unknown::new(entry.path.clone(), unit, start).between(least, largest);
     Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
 }

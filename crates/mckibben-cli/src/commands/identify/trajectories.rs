@@ -2,7 +2,7 @@
 
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::sought::{self, OfRun};
-use super::{Material, pressure_of, values};
+use super::{Material, plant, pressure_of, values};
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use crate::progress::Progress;
@@ -10,9 +10,10 @@ use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
-    Course, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TrajectoryError, Unexplained,
+    Course, Described, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TrajectoryError, Unexplained,
 };
 use mckibben_scenario::{Load, PressureCourse, Scenario};
 
@@ -44,12 +45,14 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     }
     warnings.extend(task.drifts(&found).iter().map(drifting));
     warnings.extend(task.unexplained(&found).iter().map(unexplained));
-    let scenarios = outcome::files(task.runs.iter().map(|run| run.name.as_str()).zip(&found.scenarios));
+    let scenarios = outcome::files(
+        task.runs.iter().map(|run| run.name.as_str()).zip(found.scenarios.iter().map(Described::to_toml)),
+    );
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
     let table = left(&found, &held_out);
     let sections = sections(&task, &found, [&numbers, &table], &scenarios);
     Ok(Outcome {
-        title: format!("{} from courses in time", material.document.source().name()),
+        title: format!("{} from courses in time", material.name()),
         introduction: introduction(&task, &found),
         sections,
         table,
@@ -62,30 +65,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
 }
 
 fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure> {
-    let mut scenarios = Vec::new();
-    let mut given = Vec::new();
-    for recording in &material.recordings {
-        let document = material.document_of(recording)?;
-        let mut scenario = document.scenario()?;
-        if material.study.input == Input::GaugePressure {
-            give_pressure(&mut scenario, recording, warnings)?;
-        }
-        scenarios.push((recording.name.clone(), scenario));
-        given.push(document.says_of_each(parameter::MIN_LENGTH.key));
-    }
-    let (unknowns, numbers) = sought::of_runs(material, &mut scenarios)?;
-    let mut runs = Vec::new();
-    for (((name, scenario), OfRun { places, unknowns }), (recording, given)) in
-        scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(given))
-    {
-        let mut courses = courses(recording, scenario.air.atmospheric_pressure);
-        let others = scenario.of_antagonist();
-        let driven = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
-        for (driven, pressure) in driven.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
-            courses.retain(|course| !driven || course.observed != pressure);
-        }
-        runs.push(Recorded { name, adjustable: Adjustable::new(scenario, places, given), unknowns, courses });
-    }
+    let (runs, unknowns) = match material.document.is_plant() {
+        true => plant::runs(material, warnings)?,
+        false => runs(material, warnings)?,
+    };
     let starts = sought::more_starts(&unknowns, material.study.more_starts);
     Ok(Task {
         runs,
@@ -97,6 +80,43 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
     })
 }
 
+/// The runs of one actuator or a joint, and the numbers that are looked for in them.
+fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded>, Vec<Unknown>), Failure> {
+    let mut scenarios = Vec::new();
+    let mut documents = Vec::new();
+    for recording in &material.recordings {
+        let document = material.document_of(recording)?;
+        let mut scenario = document.scenario()?;
+        if material.study.input == Input::GaugePressure {
+            give_pressure(&mut scenario, recording, warnings)?;
+        }
+        if let Some((_, column)) = recording.of_parts().next() {
+            let title =
+                format!("the run `{}` has the {}, but its scenario names no parts", recording.name, column.words());
+            return Err(Failure::input(title, "name the quantity alone, as in `[columns.length]`"));
+        }
+        scenarios.push((recording.name.clone(), scenario));
+        documents.push(document);
+    }
+    let (unknowns, numbers) = sought::of_runs(material, |run, entry| {
+        sought::in_run(material, entry, (&documents[run], &mut scenarios[run]))
+    })?;
+    let mut runs = Vec::new();
+    for (((name, scenario), OfRun { places, unknowns }), (recording, document)) in
+        scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(documents))
+    {
+        let given = document.says_of_each(parameter::MIN_LENGTH.key);
+        let mut courses = courses(recording, scenario.air.atmospheric_pressure);
+        let others = scenario.of_antagonist();
+        let driven = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
+        for (driven, pressure) in driven.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
+            courses.retain(|course| !driven || course.observed != pressure);
+        }
+        runs.push(Recorded { name, subject: Adjustable::new(scenario, places, given).into(), unknowns, courses });
+    }
+    Ok((runs, unknowns))
+}
+
 /// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says.
 fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
     let had_valve = scenario.valve.is_some() || scenario.of_antagonist().is_some_and(|of| of.valve.is_some());
@@ -106,11 +126,9 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
         true => Some(measured_course(recording, of_other, scenario, warnings)?),
         false => None,
     };
-    if had_valve {
-        let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
-        if !warnings.iter().any(|warning| warning == words) {
-            warnings.push(words.to_owned());
-        }
+    let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+    if had_valve && !warnings.iter().any(|warning| warning == words) {
+        warnings.push(words.to_owned());
     }
     (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
     scenario.pressure = Some(its);
@@ -136,16 +154,26 @@ fn measured_course(
     }
     let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
     let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
-    let (ends, until) = (time.last().copied().unwrap_or(0.0), others.fold(0.0, f64::max));
+    held_at_its_end(recording, "the pressure", (&time, others.fold(0.0, f64::max)), warnings);
+    Ok(PressureCourse { time, gauge_pressure })
+}
+
+/// That a measured pressure ends before what follows it, which goes on until a time in s.
+pub(super) fn held_at_its_end(
+    recording: &Recording,
+    pressure: &str,
+    (time, until): (&[f64], f64),
+    warnings: &mut Vec<String>,
+) {
+    let ends = time.last().copied().unwrap_or(0.0);
     if until > ends {
         warnings.push(format!(
-            "{WARNED}`{}`: the pressure was read up to {}, the others up to {}; it is held at its last value.",
+            "{WARNED}`{}`: {pressure} was read up to {}, the others up to {}; it is held at its last value.",
             recording.name,
             quantity(ends, "s"),
             quantity(until, "s")
         ));
     }
-    Ok(PressureCourse { time, gauge_pressure })
 }
 
 /// What follows the pressure.
@@ -185,16 +213,22 @@ fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
 
 fn introduction(task: &Task, found: &Identified) -> Vec<String> {
     let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|course| course.values.len()).sum();
-    let (numbers, runs) = (task.unknowns.len(), task.runs.len());
+    let numbers = counted(task.unknowns.len(), "parameter");
+    let runs = counted(task.runs.len(), "run");
     vec![format!(
-        "{numbers} numbers from {readings} readings of {runs} runs, by trajectories with every event located and their exact derivatives. \
+        "{numbers} from {readings} readings of {runs}, by trajectories with every event located and their exact derivatives. \
          Condition number {:.1e}.",
         found.found.fit.condition
     )]
 }
 
+/// So many of something.
+fn counted(count: usize, word: &str) -> String {
+    if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
+}
+
 fn drifting(drift: &Drift) -> String {
-    let (words, unit) = (drift.observed.quantity().words(), drift.observed.quantity().unit());
+    let (words, unit) = (drift.observed.words(), drift.observed.unit());
     format!(
         "{WARNED}`{}`: what the model leaves of the {words} changes by {} from the first reading to the last, where readings scatter by {}: \
          a sensor that drifts (`zero` takes off what you know of it), or something that the scenario lacks.",
@@ -205,7 +239,7 @@ fn drifting(drift: &Drift) -> String {
 }
 
 fn unexplained(rest: &Unexplained) -> String {
-    let (words, unit) = (rest.observed.quantity().words(), rest.observed.quantity().unit());
+    let (words, unit) = (rest.observed.words(), rest.observed.unit());
     format!(
         "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
          lacks something, or the search has ended beside the best values (`more_starts`, `horizon` or `segments` in [search] help \
@@ -218,16 +252,16 @@ fn unexplained(rest: &Unexplained) -> String {
 /// What is left of each quantity over all runs, and of each run with and without it in the fit.
 fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
-        let (words, unit) = (left.0.quantity().words(), left.0.quantity().unit());
-        let mut row = vec!["all".to_owned(), words.to_owned(), quantity(left.1, unit), quantity(scale.1, unit)];
+        let (words, unit) = (left.0.words(), left.0.unit());
+        let mut row = vec!["all".to_owned(), words, quantity(left.1, unit), quantity(scale.1, unit)];
         row.resize(if held_out.is_empty() { 4 } else { 5 }, "–".to_owned());
         row
     };
     let of_run = |of: &HeldOutRun| -> Vec<Vec<String>> {
         let row = |(observed, [inside, outside]): &(Observed, [f64; 2])| {
-            let (words, unit) = (observed.quantity().words(), observed.quantity().unit());
+            let unit = observed.unit();
             let [inside, outside] = [inside, outside].map(|error| quantity(*error, unit));
-            vec![format!("`{}`", of.name), words.to_owned(), inside, "–".to_owned(), outside]
+            vec![format!("`{}`", of.name), observed.words(), inside, "–".to_owned(), outside]
         };
         of.errors.iter().map(row).collect()
     };
@@ -260,20 +294,24 @@ fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
     let last = simulated.duration();
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
-    for course in &run.courses {
+    // Many quantities take lower panels, so that a figure stays on one page.
+    let [height, height_off] = if run.courses.len() > 3 { [24.0, 15.0] } else { [32.0, 16.0] };
+    for (place, course) in run.courses.iter().enumerate() {
+        let kind = course.observed.index().unwrap_or(Observed::ALL.len() + place);
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
-        let curve = times.iter().map(|time| simulated.read(course.observed, *time)).collect();
+        let curve = times.iter().map(|time| simulated.read(&course.observed, *time)).collect();
         let off: Vec<f64> = course
             .times
             .iter()
             .zip(&course.values)
-            .map(|(time, value)| simulated.read(course.observed, *time) - value)
+            .map(|(time, value)| simulated.read(&course.observed, *time) - value)
             .collect();
-        let (words, unit) = (course.observed.quantity().words(), course.observed.quantity().unit());
+        let (words, unit) = (course.observed.words(), course.observed.unit());
         let panel =
             Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
         panels.push(
             panel
+                .height_mm(height)
                 .series(
                     Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)),
                 )
@@ -285,9 +323,9 @@ fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
                 .iter()
                 .zip(&course.values)
                 .zip(&off)
-                .map(|((time, value), off)| vec![f64::from(course.observed as u8), *time, *value, value + off]),
+                .map(|((time, value), off)| vec![kind as f64, *time, *value, value + off]),
         );
-        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(16.0));
+        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(height_off));
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);

@@ -66,6 +66,20 @@ pub(super) fn row(estimate: &Estimate) -> Vec<String> {
     vec![format!("`{}`", estimate.name), value, estimate.unit.to_owned(), interval]
 }
 
+/// The name of the part of a plant that a path leads into.
+fn part_of(path: &str) -> Option<&str> {
+    let mut names = path.split('.');
+    match names.next()? {
+        "actuators" | "supplies" => names.next(),
+        "mechanism" => names.find(|name| *name == "joints").and_then(|_| names.next()),
+        "mechanisms" => {
+            let mechanism = names.next();
+            names.find(|name| *name == "joints").map_or(mechanism, |_| names.next())
+        }
+        _ => None,
+    }
+}
+
 /// The correlations of a fit as a table; empty for a single number.
 pub(super) fn correlations(fit: &Fit) -> Table {
     if fit.estimates.len() < 2 {
@@ -74,10 +88,21 @@ pub(super) fn correlations(fit: &Fit) -> Table {
     let short = |name: &str| {
         let (path, run) = name.split_once(" [").unwrap_or((name, ""));
         let last = path.rsplit_once('.').map_or(path, |(_, last)| last);
-        let whose = if in_antagonist(path).is_some() { "antagonist's " } else { "" };
-        if run.is_empty() { format!("{whose}{last}") } else { format!("{whose}{last} [{run}") }
+        let name = match part_of(path) {
+            Some(part) => format!("{last} of {part}"),
+            None if in_antagonist(path).is_some() => format!("antagonist's {last}"),
+            None => last.to_owned(),
+        };
+        if run.is_empty() { name } else { format!("{name} [{run}") }
     };
-    let names: Vec<String> = fit.estimates.iter().map(|estimate| short(&estimate.name)).collect();
+    let mut names: Vec<String> = fit.estimates.iter().map(|estimate| short(&estimate.name)).collect();
+    let last = names.clone();
+    for (name, estimate) in names.iter_mut().zip(&fit.estimates) {
+        // Two parts may have a number of one name.
+        if last.iter().filter(|other| *other == name).count() > 1 {
+            name.clone_from(&estimate.name);
+        }
+    }
     let row = |(name, row): (&String, &Vec<f64>)| {
         let cells = row.iter().map(|value| format!("{value:.3}").replace('-', "−"));
         std::iter::once(name.clone()).chain(cells).collect()
@@ -123,7 +148,22 @@ pub(super) fn warnings(fit: &Fit) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::rounded;
+    use super::{part_of, rounded};
+
+    #[test]
+    fn a_path_leads_into_a_part() {
+        for (path, part) in [
+            ("actuators.biceps.friction.viscous", Some("biceps")),
+            ("supplies.tank.reservoir_volume", Some("tank")),
+            ("mechanism.joints.elbow.damping", Some("elbow")),
+            ("mechanism.gravity", None),
+            ("mechanisms.arm.joints.elbow.damping", Some("elbow")),
+            ("mechanisms.trolley.mass", Some("trolley")),
+            ("actuator.turns", None),
+        ] {
+            assert_eq!(part_of(path), part, "{path}");
+        }
+    }
 
     #[test]
     fn a_deviation_says_how_many_digits() {

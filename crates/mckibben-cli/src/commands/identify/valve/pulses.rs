@@ -69,7 +69,7 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         Section { id: "pulses", label: "Pulses", title: "Onsets, and duties", plates, ..Section::default() },
     ];
     Ok(Outcome {
-        title: format!("Pulse trains of {}", material.document.source().name()),
+        title: format!("Pulse trains of {}", material.name()),
         introduction,
         sections,
         table,

@@ -170,7 +170,7 @@ fn outcome(
     scenarios: Vec<(String, String)>,
 ) -> Outcome {
     Outcome {
-        title: format!("{title} of {}", material.document.source().name()),
+        title: format!("{title} of {}", material.name()),
         introduction: vec![introduction],
         sections,
         table: Table::default(),

@@ -62,7 +62,7 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         None => by_trajectory(&runs, &mut warnings)?,
     };
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &found.numbers);
-    let scenarios = outcome::files(runs.iter().map(|run| run.run).zip(&found.scenarios));
+    let scenarios = outcome::files(runs.iter().map(|run| run.run).zip(found.scenarios.iter().map(Scenario::to_toml)));
     let left = if runs.len() > 1 { found.left } else { Table::default() };
     let tables = [&numbers, &left].into_iter().filter(|table| !table.head.is_empty()).cloned().collect();
     let sections = vec![
@@ -70,7 +70,7 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         Section { id: "tank", label: "Tank", title: "Measured and fitted", plates: found.plates, ..Section::default() },
     ];
     Ok(Outcome {
-        title: format!("Tank of {}", material.document.source().name()),
+        title: format!("Tank of {}", material.name()),
         introduction: vec![found.words],
         sections,
         table: left,

@@ -1,0 +1,160 @@
+//! The runs of trajectories of a plant: its file with what a run says of its own, and columns behind the names of parts.
+
+use super::Material;
+use super::sought::{self, OfRun};
+use super::trajectories::held_at_its_end;
+use crate::failure::Failure;
+use mckibben_identify::least_squares::Unknown;
+use mckibben_identify::study::{Column, Input, Quantity, Recording, Sheet};
+use mckibben_identify::trajectories::{AdjustablePlant, Course, Observed, Recorded, Subject};
+use mckibben_scenario::{Document, PlantExperiment, PlantQuantity, PressureCourse};
+
+/// The runs, and the numbers that are looked for in them.
+pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded>, Vec<Unknown>), Failure> {
+    let mut plants = Vec::new();
+    for recording in &material.recordings {
+        let mut document = material.document_of(recording)?;
+        let mut experiment = read(&document)?;
+        if material.study.input == Input::GaugePressure {
+            give_pressures(&mut document, &experiment, recording, warnings)?;
+            experiment = read(&document)?;
+        }
+        plants.push((document, experiment));
+    }
+    let (unknowns, numbers) = sought::of_runs(material, |run, entry| {
+        let found = plants[run].0.find_in_plant(&entry.path);
+        let place = found.map_err(|error| sought::misplaced(&error, Some(&material.recordings[run].name)))?;
+        let (row, value) = (place.parameter(), place.value());
+        Ok((place, row, value))
+    })?;
+    let mut runs = Vec::new();
+    for ((recording, (document, experiment)), OfRun { places, unknowns }) in
+        material.recordings.iter().zip(plants).zip(numbers)
+    {
+        let courses = courses(recording, &experiment)?;
+        let subject = Subject::Plant(AdjustablePlant { document, places });
+        runs.push(Recorded { name: recording.name.clone(), subject, unknowns, courses });
+    }
+    Ok((runs, unknowns))
+}
+
+/// The plant of a file.
+fn read(document: &Document) -> Result<PlantExperiment, Failure> {
+    document
+        .plant_experiment()?
+        .ok_or_else(|| Failure::input("the scenario names no actuators", "add `[actuators.NAME]`"))
+}
+
+/// The courses of a run; a pressure that is given is no course.
+fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<Course>, Failure> {
+    let of_no_part = |column: &&Column| column.part.is_none() && column.quantity != Quantity::Time;
+    if let Some(column) = recording.sheets.iter().flat_map(|sheet| &sheet.columns).find(of_no_part) {
+        let title = format!("the run `{}` has a column of no part of the plant: {}", recording.name, column.words());
+        let having = parts(of).into_iter().find(|part| Observed::of_part(of, part, column.quantity).is_some());
+        let help = match having {
+            Some(part) => format!("name the part: `[columns.\"{part}.{}\"]`", column.quantity.name()),
+            None => "name a part and what was measured of it, as in `[columns.\"flexor.length\"]`".to_owned(),
+        };
+        return Err(Failure::input(title, help));
+    }
+    let columns = of.columns();
+    let mut courses = Vec::new();
+    for (sheet, column) in recording.of_parts() {
+        let (observed, quantity) = observed(of, column)?;
+        let place = columns.iter().position(|column| column.quantity() == Some(quantity));
+        let is_given = matches!(quantity, PlantQuantity::Pressure(i) if of.plant.actuators()[i].pressure.is_some());
+        if !is_given {
+            let (times, values) = over_time(recording, sheet, column)?;
+            courses.push((place, Course { observed, times, values, deviation: column.deviation }));
+        }
+    }
+    // In the order of a run's table: by the parts, as the file has them.
+    courses.sort_by_key(|(place, _)| *place);
+    Ok(courses.into_iter().map(|(_, course)| course).collect())
+}
+
+/// What a column is of the plant.
+fn observed(of: &PlantExperiment, column: &Column) -> Result<(Observed, PlantQuantity), Failure> {
+    let part = column.part.as_deref().unwrap_or_default();
+    match Observed::of_part(of, part, column.quantity) {
+        Some(Observed::Column(found)) => {
+            let quantity = found.quantity;
+            Ok((Observed::Column(found), quantity))
+        }
+        _ => {
+            let has = |quantity: &Quantity| Observed::of_part(of, part, *quantity).is_some();
+            let known: Vec<&str> = Quantity::OF_PARTS.iter().filter(|of| has(of)).map(|of| of.name()).collect();
+            Err(match known.is_empty() {
+                true => {
+                    let title = format!("the plant has no `{part}`, of which there is a column");
+                    Failure::input(title, format!("its parts with columns are {}", parts(of).join(", ")))
+                }
+                false => {
+                    let title = format!("`{part}` of the plant has no `{}`", column.quantity.name());
+                    Failure::input(title, format!("it has {}", known.join(", ")))
+                }
+            })
+        }
+    }
+}
+
+/// The names of the parts that have columns.
+fn parts(of: &PlantExperiment) -> Vec<String> {
+    let columns = of.columns().into_iter().filter(|column| column.quantity().is_some());
+    let mut parts: Vec<String> =
+        columns.filter_map(|column| Some(column.name.rsplit_once('.')?.0.to_owned())).collect();
+    parts.dedup();
+    parts
+}
+
+/// Times and values of a column.
+fn over_time(recording: &Recording, sheet: &Sheet, column: &Column) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    sheet.channel(column).ok_or_else(|| {
+        let title = format!("the run `{}` has no {} over time", recording.name, column.words());
+        Failure::input(title, "add `[columns.time]`, in the same table")
+    })
+}
+
+/// Drives each actuator whose pressure was measured by that in place of what the file says; the others go on as it says.
+fn give_pressures(
+    document: &mut Document,
+    of: &PlantExperiment,
+    recording: &Recording,
+    warnings: &mut Vec<String>,
+) -> Result<(), Failure> {
+    let (mut given, mut until) = (Vec::new(), 0.0_f64);
+    for (sheet, column) in recording.of_parts() {
+        let (time, mut values) = over_time(recording, sheet, column)?;
+        match observed(of, column)?.1 {
+            PlantQuantity::Pressure(actuator) => {
+                if column.quantity == Quantity::AbsolutePressure {
+                    values.iter_mut().for_each(|pressure| *pressure -= of.plant.network().atmosphere);
+                }
+                if !given.iter().any(|(other, _)| *other == actuator) {
+                    given.push((actuator, PressureCourse { time, gauge_pressure: values }));
+                }
+            }
+            _ => until = until.max(time.last().copied().unwrap_or(0.0)),
+        }
+    }
+    if given.is_empty() {
+        let title = format!("the run `{}` has no pressure of an actuator", recording.name);
+        let part = of.names.actuators.first().map_or("flexor", String::as_str);
+        return Err(Failure::input(title, format!("add `[columns.\"{part}.gauge_pressure\"]`")));
+    }
+    for (actuator, course) in given {
+        let name = &of.names.actuators[actuator];
+        if of.names.valves[actuator].is_some() {
+            let words = format!(
+                "the pressure of `{name}` is the measured one: what the scenario says of its valve, hose and command takes no part, and no \
+                 supply loses the air that it takes."
+            );
+            if !warnings.contains(&words) {
+                warnings.push(words);
+            }
+        }
+        held_at_its_end(recording, &format!("the pressure of `{name}`"), (&course.time, until), warnings);
+        document.give_pressure(name, &course)?;
+    }
+    Ok(())
+}
