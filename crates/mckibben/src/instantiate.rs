@@ -82,10 +82,10 @@ entry_points! {
     fn advance_plant_run(run: &mut PlantRun<Self>, until: Self) -> Result<(), Error> =
         run.extend(until, &mut |_| Ok(()));
     #[cfg(feature = "alloc")]
-    fn begin_plant_steps<'r>(run: &'r PlantRun<Self>, method: Method) -> PlantSteps<'r, Self> =
+    fn begin_plant_steps(run: &PlantRun<Self>, method: Method) -> PlantSteps<Self> =
         PlantSteps::generic_begin(run, method);
     #[cfg(feature = "alloc")]
-    fn advance_plant_steps(steps: &mut PlantSteps<'_, Self>, until: Self) -> Result<(), Error> =
+    fn advance_plant_steps(steps: &mut PlantSteps<Self>, until: Self) -> Result<(), Error> =
         steps.generic_advance_to(until);
     #[cfg(feature = "alloc")]
     fn record_plant_run(

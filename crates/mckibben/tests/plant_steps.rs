@@ -144,7 +144,7 @@ fn steps_of_a_host_are_saved_restored_and_set() {
     let (plant, start) = as_plant(&smooth(1.1e-4));
     let run = PlantRun::new(&plant, &start, 1e-9).expect("a start");
     let mut steps = run.steps(Method::Stable);
-    let drive = |steps: &mut mckibben::plant::PlantSteps<'_>, from: u32| {
+    let drive = |steps: &mut mckibben::plant::PlantSteps, from: u32| {
         for count in from..from + 50 {
             let request = if count % 20 < 10 { Request::Fill } else { Request::Exhaust };
             steps.set(0, request).expect("a request");

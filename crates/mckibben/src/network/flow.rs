@@ -95,7 +95,7 @@ impl<R: Real> Network<R> {
     pub(crate) fn flows<T: Over<R>>(
         &self,
         time: T,
-        piping: &Piping<'_, R>,
+        piping: &Piping<R>,
         around: Surroundings<'_, T>,
         air: &Air<R>,
         mode: &NetworkMode<R>,
@@ -153,7 +153,7 @@ impl<R: Real> Network<R> {
     #[inline(never)]
     fn flow_of_pipe<T: Over<R>>(
         &self,
-        Pipe { branch, kind, from, to, place }: &Pipe<'_, R>,
+        Pipe { branch, kind, from, to, place }: &Pipe<R>,
         around: Surroundings<'_, T>,
         air: &Air<R>,
         mode: &NetworkMode<R>,
@@ -270,7 +270,7 @@ impl<R: Real> Network<R> {
     }
 }
 
-impl<R: Real> Piping<'_, R> {
+impl<R: Real> Piping<R> {
     /// Sets the pressures of the nodes that change, and their sums to zero.
     #[inline(always)]
     fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {

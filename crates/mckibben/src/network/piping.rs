@@ -31,10 +31,10 @@ pub(super) struct End {
 
 /// A flow path of a valve, or a check valve, between its ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Orifice<'a, R> {
+pub(super) struct Orifice<R> {
     /// Which branch.
     pub(super) branch: usize,
-    pub(super) law: &'a FlowLaw<R>,
+    pub(super) law: FlowLaw<R>,
     /// The valve that opens it, and by which of its ports.
     pub(super) opened: Option<(usize, Port)>,
     /// Whether air that comes back counts with the ambient temperature.
@@ -47,10 +47,10 @@ pub(super) struct Orifice<'a, R> {
 
 /// Any other branch between its ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pipe<'a, R> {
+pub(super) struct Pipe<R> {
     /// Which branch.
     pub(super) branch: usize,
-    pub(super) kind: &'a BranchKind<R>,
+    pub(super) kind: BranchKind<R>,
     pub(super) from: End,
     pub(super) to: End,
     /// Place of its flow among the states.
@@ -59,17 +59,17 @@ pub(super) struct Pipe<'a, R> {
 
 /// All branches of a network, and the nodes whose pressure changes.
 #[derive(Clone, Debug)]
-pub(crate) struct Piping<'a, R> {
-    pub(super) orifices: Vec<Orifice<'a, R>>,
-    pub(super) pipes: Vec<Pipe<'a, R>>,
+pub(crate) struct Piping<R> {
+    pub(super) orifices: Vec<Orifice<R>>,
+    pub(super) pipes: Vec<Pipe<R>>,
     pub(super) varying: Vec<Varying>,
     /// The outlets of regulators that a node of the network feeds, each with that node, the last outlet first.
     pub(super) drawn: Vec<[usize; 2]>,
 }
 
-impl<'a, R: Scalar> Piping<'a, R> {
+impl<R: Scalar> Piping<R> {
     /// That of a plant.
-    pub(crate) fn new(plant: &'a Plant<R>) -> Self {
+    pub(crate) fn new(plant: &Plant<R>) -> Self {
         let (network, places) = (plant.network(), plant.places());
         let end = |node: usize| {
             let kind = &network.nodes[node].kind;
@@ -87,10 +87,8 @@ impl<'a, R: Scalar> Piping<'a, R> {
         let (mut orifices, mut pipes) = (Vec::new(), Vec::new());
         for (branch, it) in network.branches.iter().enumerate() {
             let (from, to) = (end(it.from), end(it.to));
-            let (law, opened, ambient, copies) = match &it.kind {
-                BranchKind::Path { law, valve, port, ambient, copies } => {
-                    (law, Some((*valve, *port)), *ambient, *copies)
-                }
+            let (law, opened, ambient, copies) = match it.kind {
+                BranchKind::Path { law, valve, port, ambient, copies } => (law, Some((valve, port)), ambient, copies),
                 BranchKind::Check { law } => (law, None, false, R::one()),
                 kind => {
                     pipes.push(Pipe { branch, kind, from, to, place: places.branches[branch] });
@@ -114,7 +112,7 @@ impl<'a, R: Scalar> Piping<'a, R> {
     }
 }
 
-impl<R: Scalar> Piping<'_, R> {
+impl<R: Scalar> Piping<R> {
     /// Sets the pressures of the nodes that change alone.
     pub(crate) fn enter_pressures<T: Scalar>(&self, state: &[T], at: &mut NetworkState<T>) {
         for varying in &self.varying {

@@ -14,6 +14,7 @@ use crate::network::{BranchKind, NodeKind};
 use crate::scalar::Scalar;
 use crate::simulation::Extent;
 use crate::simulation::member::Trace;
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -47,7 +48,7 @@ struct Passing {
 #[derive(Debug)]
 pub(super) struct Bookkeeper<'a> {
     plant: &'a Plant,
-    observer: Observer<'a, f64>,
+    observer: Observer<f64>,
     dead: Option<DeadState>,
     ledger: PlantLedger,
     nodes: Vec<Passing>,
@@ -75,7 +76,7 @@ impl<'a> Bookkeeper<'a> {
         };
         Self {
             plant,
-            observer: Observer::new(plant, stepping),
+            observer: Observer::new(&Arc::new(plant.clone()), stepping),
             dead: DeadState::of(plant),
             ledger,
             nodes: vec![Passing::default(); network.nodes.len()],

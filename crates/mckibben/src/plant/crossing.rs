@@ -41,7 +41,7 @@ pub struct PlantEventKind {
     pub kind: EventKind,
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The next instant in s, up to and with `until`, at which a mode ends by itself.
     pub(crate) fn next_instant(&self, mode: &PlantMode<R>, until: R) -> Option<R> {
         let network = self.plant.network.next_instant(&mode.network, until);

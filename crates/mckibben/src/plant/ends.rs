@@ -19,7 +19,7 @@ const JUMP: f64 = 1e3;
 /// Part of its length by which an end without viscous friction may miss its balance.
 const UNBALANCED: f64 = 1e-6;
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// How an actuator slides whose length changes with the sign of `heading`; zero counts as longer.
     #[inline]
     pub(super) fn slides(&self, i: usize, heading: f64) -> Sliding {

@@ -33,6 +33,7 @@ use crate::network::flow::{NetworkState, Surroundings};
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::{Extent, Sliding};
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -113,11 +114,11 @@ impl<T: Scalar> Evaluation<T> {
 
 /// A plant with what its events are told from rounding by.
 #[derive(Clone, Debug)]
-pub(crate) struct System<'a, R: Real> {
-    pub(crate) plant: &'a Plant<R>,
-    pub(crate) wires: Vec<Wire<'a, R>>,
-    pub(crate) assemblies: Vec<Assembly<'a, R>>,
-    pub(crate) piping: Piping<'a, R>,
+pub(crate) struct System<R: Real> {
+    pub(crate) plant: Arc<Plant<R>>,
+    pub(crate) wires: Vec<Wire<R>>,
+    pub(crate) assemblies: Vec<Assembly<R>>,
+    pub(crate) piping: Piping<R>,
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
     /// Usual arms of the actuators, and usual torques on each mechanism.
@@ -125,11 +126,11 @@ pub(crate) struct System<'a, R: Real> {
     pub(crate) usual_torque: Vec<f64>,
 }
 
-impl<'a, R: Real> System<'a, R> {
+impl<R: Real> System<R> {
     /// Gradient of an actuator's distance.
     #[inline(always)]
     pub(crate) fn gradient<'e, T>(&self, i: usize, gradient: &'e [T]) -> &'e [T] {
-        let plant = self.plant;
+        let plant = &*self.plant;
         let from = plant.places.actuators[i].gradient;
         &gradient[from..from + plant.places.mechanisms[plant.actuators[i].mechanism].coordinates]
     }
@@ -192,7 +193,7 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn enter_ends<T: Over<R>>(
         &self,
-        wire: &Wire<'_, R>,
+        wire: &Wire<R>,
         time: T,
         state: &[T],
         (mode, of_actuator): (&PlantMode<R>, &ActuatorMode<R>),
@@ -231,7 +232,7 @@ impl<'a, R: Real> System<'a, R> {
     /// Distance and its rate of an actuator that spans joints; its gradient is written.
     #[inline(never)]
     fn span<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, gradients: &mut [T]) -> [T; 2] {
-        let Plant { actuators, mechanisms, places, .. } = self.plant;
+        let Plant { actuators, mechanisms, places, .. } = &*self.plant;
         let (mounted, here) = (&actuators[i], &places.actuators[i]);
         let (position, rates) = places.mechanisms[mounted.mechanism].of(state);
         let chain = match &mechanisms[mounted.mechanism] {
@@ -263,7 +264,7 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn fill<T: Over<R>>(
         &self,
-        wire: &Wire<'_, R>,
+        wire: &Wire<R>,
         time: T,
         of_actuator: &ActuatorMode<R>,
         network: &NetworkState<T>,
@@ -298,7 +299,7 @@ impl<'a, R: Real> System<'a, R> {
         state: &[T],
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
-        mut then: impl FnMut(&Wire<'_, R>, &Unit<T>),
+        mut then: impl FnMut(&Wire<R>, &Unit<T>),
     ) {
         let Evaluation { units, chambers, network, .. } = at;
         for (i, wire) in self.wires.iter().enumerate() {
@@ -358,16 +359,16 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn accelerate<T: Differentiable<R>>(
         &self,
-        assembly: &Assembly<'_, R>,
+        assembly: &Assembly<R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
         at: &mut Evaluation<T>,
     ) {
-        match assembly.mechanism {
+        match &assembly.mechanism {
             Mechanism::Mass(mass) if !mode.mechanisms[assembly.index].frozen => {
                 let mut force = mass.force(state[assembly.places.first]);
-                for &i in assembly.members {
+                for &i in &assembly.members {
                     force = force - at.units[i].tension;
                 }
                 at.acceleration[assembly.places.acceleration] = force * T::of(mass.per_mass());
@@ -380,7 +381,7 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(never)]
     fn accelerate_other<T: Differentiable<R>>(
         &self,
-        &Assembly { index, mechanism, places, .. }: &Assembly<'_, R>,
+        &Assembly { index, ref mechanism, places, .. }: &Assembly<R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
@@ -526,7 +527,7 @@ impl<'a, R: Real> System<'a, R> {
             self.accelerate(assembly, time, state, mode, at);
             self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);
         }
-        let Plant { network, places, .. } = self.plant;
+        let Plant { network, places, .. } = &*self.plant;
         for &[node, place] in &places.state_nodes {
             rates[place] = network.node_rate(node, &mode.network, &at.network);
         }
@@ -545,7 +546,7 @@ impl<'a, R: Real> System<'a, R> {
     #[inline(always)]
     fn enter_motion<T: Differentiable<R>>(
         &self,
-        assembly: &Assembly<'_, R>,
+        assembly: &Assembly<R>,
         time: T,
         state: &[T],
         mode: &PlantMode<R>,
@@ -554,7 +555,7 @@ impl<'a, R: Real> System<'a, R> {
     ) {
         let places = assembly.places;
         let (from, of_mechanism) = (places.first, &mode.mechanisms[assembly.index]);
-        match assembly.mechanism {
+        match &assembly.mechanism {
             _ if of_mechanism.frozen => rates[from..from + 2 * places.coordinates].fill(T::zero()),
             Mechanism::Mass(_) => {
                 (rates[from], rates[from + 1]) = (state[from + 1], acceleration[places.acceleration]);
@@ -582,7 +583,7 @@ impl<'a, R: Real> System<'a, R> {
     }
 }
 
-impl<R: Real> Wire<'_, R> {
+impl<R: Real> Wire<R> {
     /// The rate of the bristles in m/s.
     #[inline(always)]
     pub(super) fn bristle_rate<T: Over<R>>(&self, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {

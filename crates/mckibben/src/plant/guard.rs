@@ -73,7 +73,7 @@ pub(super) const FASTEST: f64 = 100.0;
 /// Part of the longest length by which velocities at rest are measured, in 1/s.
 const SLOW: f64 = 0.1;
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The velocity in m/s by which zero must be passed before an actuator is at rest: what a few steps may err.
     pub(crate) fn rest_band(&self, i: usize) -> f64 {
         10.0 * self.band * SLOW * self.wires[i].member.longest
@@ -88,7 +88,7 @@ impl<R: Real> System<'_, R> {
         for i in 0..self.wires.len() {
             self.actuator_guards(i, mode, guards);
         }
-        let plant = self.plant;
+        let plant = &*self.plant;
         let place = |node: usize| match plant.network.nodes[node].kind {
             crate::network::NodeKind::Chamber { actuator } => Some(plant.places.actuators[actuator].pressure),
             _ => plant.places.nodes[node],
@@ -393,7 +393,7 @@ impl<R: Real> System<'_, R> {
         let pull = || tendon::tension(tendon, of_actuator, unit.distance, unit.length);
         let limits = member.actuator.limits();
         match guard {
-            Guard::Rest if tendon::is_damped(member.actuator, of_actuator) => {
+            Guard::Rest if tendon::is_damped(&member.actuator, of_actuator) => {
                 let ends = [unit.distance, unit.length, pressure];
                 band - direction * self.excess(i, tendon, of_actuator, ends, bristles)
             }

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use alloc::vec::Vec;
 
-impl<R: Real> Hybrid<R> for System<'_, R> {
+impl<R: Real> Hybrid<R> for System<R> {
     type Mode = PlantMode<R>;
     type Guard = PlantGuard;
     type Kind = PlantEventKind;
@@ -21,7 +21,7 @@ impl<R: Real> Hybrid<R> for System<'_, R> {
     }
 
     fn work<T: Over<R>>(&self) -> Evaluation<T> {
-        Evaluation::new(self.plant)
+        Evaluation::new(&self.plant)
     }
 
     // The stages of a step call it in as many places.

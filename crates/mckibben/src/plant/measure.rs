@@ -12,7 +12,7 @@ use crate::scalar::Real;
 use crate::valve::is_due;
 use alloc::vec::Vec;
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// What there is to measure at a time in s.
     pub(crate) fn measure(
         &self,
@@ -21,7 +21,7 @@ impl<R: Real> System<'_, R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> PlantMeasurement<R> {
-        let plant = self.plant;
+        let plant = &*self.plant;
         self.evaluate(time, state, mode, at);
         for m in 0..plant.mechanisms.len() {
             self.share_tensions(m, state, mode, at);

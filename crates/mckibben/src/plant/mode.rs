@@ -62,17 +62,17 @@ pub struct PlantMode<R: Real = f64> {
     pub drivers: Vec<Driver<R>>,
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The mode of a plant of which nothing but the pieces of its laws is known yet, in a state: all paths as their valves begin,
     /// all actuators at rest between their limits, no contacts.
     pub(super) fn first_mode(&self, state: &[R]) -> PlantMode<R> {
-        let plant = self.plant;
+        let plant = &*self.plant;
         let mut arms = vec![0; plant.places.arms];
         for (mounted, here) in plant.actuators.iter().zip(&plant.places.actuators) {
             let (position, _) = plant.places.mechanisms[mounted.mechanism].of(state);
             mounted.coupling.pieces(position, &mut arms[here.arms..here.arms + mounted.coupling.arm_count()]);
         }
-        let actuator = |Wire { member, places, .. }: &Wire<'_, R>| ActuatorMode {
+        let actuator = |Wire { member, places, .. }: &Wire<R>| ActuatorMode {
             mode: Mode {
                 ports: Ports::CLOSED,
                 supply_zone: None,

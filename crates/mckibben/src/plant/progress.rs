@@ -14,7 +14,7 @@ use crate::simulation::EventKind;
 /// What goes on without end, and what ends it.
 type Case = (&'static str, &'static str);
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The error of a run that does not go on.
     pub(crate) fn halts(&self, time: R, state: &[R], why: Halt, event: Option<PlantEventKind>) -> Error {
         let stopped = |(reason, remedy): Case, quantity, value, unit| Error::Stopped {

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::valve::{Command, Demand};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 /// Where a run of a plant is: its states, its discrete state with what its drivers remember, and how it was going.
@@ -84,8 +85,8 @@ impl<R: Real> PlantSnapshot<R> {
     }
 
     /// As [`PlantRun::set_rates`].
-    pub(super) fn set_rates(&mut self, system: &System<'_, R>, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        let plant = system.plant;
+    pub(super) fn set_rates(&mut self, system: &System<R>, mechanism: usize, rates: &[R]) -> Result<(), Error> {
+        let plant = &*system.plant;
         let external = matches!(plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
         if !external {
             return Err(Error::Misuse {
@@ -143,7 +144,7 @@ impl<R: Real> PlantSnapshot<R> {
 /// ```
 #[derive(Clone, Debug)]
 pub struct PlantRun<R: Real = f64> {
-    plant: Plant<R>,
+    system: System<R>,
     stepping: TimeStepping,
     reached: PlantSnapshot<R>,
 }
@@ -191,20 +192,26 @@ impl<R: Real> PlantRun<R> {
             let its = &mut plant.network.valves[valve];
             its.command = Command::nothing_of(&its.solenoid);
         }
-        let system = System::new(&plant, stepping.tolerance());
-        let mut at = Evaluation::new(&plant);
+        let system = System::new(&Arc::new(plant), stepping.tolerance());
+        let plant = &*system.plant;
+        let mut at = Evaluation::new(plant);
         let mut mode = system.begin((R::zero(), None), &mut state, &memories, &mut at);
         system.check_ends(R::zero(), &state, &mode, &mut at)?;
         system.balance_ends(R::zero(), &mut state, &mode, &mut at);
         system.check_jumps(R::zero(), &state, &mode, &mut at)?;
         mode.drivers = drivers;
         let reached = PlantSnapshot { time: R::zero(), state, mode, pace: Pace::begin(0.0) };
-        Ok(Self { plant, stepping, reached })
+        Ok(Self { system, stepping, reached })
     }
 
     /// The plant. Drivers have taken the place of the commands of their valves.
     pub fn plant(&self) -> &Plant<R> {
-        &self.plant
+        &self.system.plant
+    }
+
+    /// The plant, shared with whoever evaluates it.
+    pub(crate) fn shared_plant(&self) -> &Arc<Plant<R>> {
+        &self.system.plant
     }
 
     /// How it goes through time.
@@ -244,18 +251,13 @@ impl<R: Real> PlantRun<R> {
 
     pub(crate) fn generic_measurement(&self) -> PlantMeasurement<R> {
         let PlantSnapshot { time, state, mode, .. } = &self.reached;
-        System::new(&self.plant, self.relative_tolerance()).measure(
-            *time,
-            state,
-            mode,
-            &mut Evaluation::new(&self.plant),
-        )
+        self.system.measure(*time, state, mode, &mut Evaluation::new(&self.system.plant))
     }
 
     /// The sizes by which errors in the states are scaled now.
     pub(crate) fn scales(&self) -> Vec<f64> {
         let mut scales = alloc::vec![0.0; self.state().len()];
-        System::new(&self.plant, self.relative_tolerance()).scales(self.state(), self.mode(), &mut scales);
+        self.system.scales(self.state(), self.mode(), &mut scales);
         scales
     }
 
@@ -276,8 +278,7 @@ impl<R: Real> PlantRun<R> {
     pub(crate) fn go_on_from(&mut self, state: &[R]) {
         let PlantSnapshot { time, state: own, mode, pace } = &mut self.reached;
         own.copy_from_slice(state);
-        let system = System::new(&self.plant, self.stepping.tolerance());
-        *mode = system.begin((*time, Some(mode)), own, &[], &mut Evaluation::new(&self.plant));
+        *mode = self.system.begin((*time, Some(mode)), own, &[], &mut Evaluation::new(&self.system.plant));
         *pace = pace.anew();
     }
 
@@ -291,7 +292,7 @@ impl<R: Real> PlantRun<R> {
     }
 
     pub(crate) fn generic_set(&mut self, valve: usize, demand: Demand<R>) -> Result<(), Error> {
-        self.reached.set(&self.plant, valve, demand)
+        self.reached.set(&self.system.plant, valve, demand)
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.
@@ -304,8 +305,7 @@ impl<R: Real> PlantRun<R> {
     }
 
     pub(crate) fn generic_set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        let system = System::new(&self.plant, self.relative_tolerance());
-        self.reached.set_rates(&system, mechanism, rates)
+        self.reached.set_rates(&self.system, mechanism, rates)
     }
 
     /// Goes on to `until` in s; nothing where that has been reached.
@@ -326,18 +326,17 @@ impl<R: Real> PlantRun<R> {
         }
         parameter::DURATION.check(span)?;
         let mut from = self.reached.clone();
-        from.pulse(&self.plant, until)?;
+        from.pulse(&self.system.plant, until)?;
         let relative_tolerance = match self.stepping {
             TimeStepping::Located { relative_tolerance } => relative_tolerance,
             TimeStepping::Fixed { method, step } => {
-                steps::extend(&self.plant, (method, step), &mut from, until, keep)?;
+                steps::extend(&self.system, (method, step), &mut from, until, keep)?;
                 self.reached = from;
                 return Ok(());
             }
         };
         let PlantSnapshot { time, state, mode, pace } = from;
-        let system = System::new(&self.plant, relative_tolerance);
-        let mut integrator = Integrator::resume(&system, (time, &state, mode), until, relative_tolerance, pace);
+        let mut integrator = Integrator::resume(&self.system, (time, &state, mode), until, relative_tolerance, pace);
         while integrator.advance()? {
             keep(&integrator.piece())?;
         }

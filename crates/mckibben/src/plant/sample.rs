@@ -18,6 +18,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
 use crate::simulation::{Extent, SampleTimes};
 use crate::valve::Ports;
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -154,8 +155,8 @@ impl<R: Real> PlantSample<R> {
 
 /// Evaluates a plant in states and modes and makes samples of it, with room that is used again.
 #[derive(Debug)]
-pub(crate) struct Observer<'a, R: Real> {
-    pub(crate) system: System<'a, R>,
+pub(crate) struct Observer<R: Real> {
+    pub(crate) system: System<R>,
     pub(crate) at: Evaluation<R>,
     /// `Σ ṁ T` of what flows into each actuator, in kg·K/s.
     pub(crate) warmth: Vec<R>,
@@ -163,9 +164,9 @@ pub(crate) struct Observer<'a, R: Real> {
     is_fixed: bool,
 }
 
-impl<'a, R: Real> Observer<'a, R> {
+impl<R: Real> Observer<R> {
     /// Of a run that goes through time by a [`TimeStepping`].
-    pub(crate) fn new(plant: &'a Plant<R>, stepping: TimeStepping) -> Self {
+    pub(crate) fn new(plant: &Arc<Plant<R>>, stepping: TimeStepping) -> Self {
         let system = System::new(plant, stepping.tolerance());
         let is_fixed = matches!(stepping, TimeStepping::Fixed { .. });
         Self { system, at: Evaluation::new(plant), warmth: vec![R::zero(); plant.actuators().len()], is_fixed }
@@ -183,7 +184,7 @@ impl<'a, R: Real> Observer<'a, R> {
     /// Computes everything at a time in s, a state and a mode, but the tensions of what sticks.
     pub(crate) fn evaluate_flows(&mut self, time: R, state: &[R], mode: &PlantMode<R>) {
         let Self { system, at, warmth, .. } = self;
-        let plant = system.plant;
+        let plant = &*system.plant;
         system.evaluate(time, state, mode, at);
         for (i, warmth) in warmth.iter_mut().enumerate() {
             // Air whose pressure is given comes in as warm as it is inside.
@@ -235,7 +236,7 @@ impl<'a, R: Real> Observer<'a, R> {
         let own = self.mode_with_pieces(time, state, mode);
         let mode = own.as_ref().unwrap_or(mode);
         self.evaluate_flows(time, state, mode);
-        let plant = self.system.plant;
+        let plant = self.system.plant.clone();
         for m in 0..plant.mechanisms().len() {
             self.system.share_tensions(m, state, mode, &mut self.at);
         }
@@ -321,7 +322,7 @@ pub(crate) struct Actual<R> {
 }
 
 /// Where an actuator itself is: slack, it rests on its shortest length.
-pub(crate) fn actual<R: Real>(system: &System<'_, R>, i: usize, mode: &PlantMode<R>, at: &Evaluation<R>) -> Actual<R> {
+pub(crate) fn actual<R: Real>(system: &System<R>, i: usize, mode: &PlantMode<R>, at: &Evaluation<R>) -> Actual<R> {
     let unit = &at.units[i];
     match mode.actuators[i].mode.extent {
         Extent::Slack => Actual { length: system.wires[i].member.actuator.limits().min_length(), velocity: R::zero() },
@@ -333,7 +334,7 @@ pub(crate) fn actual<R: Real>(system: &System<'_, R>, i: usize, mode: &PlantMode
 #[derive(Debug)]
 pub struct PlantReader<'t, R: Real = f64> {
     trajectory: &'t PlantTrajectory<R>,
-    observer: Observer<'t, R>,
+    observer: Observer<R>,
     state: Vec<R>,
     /// Pieces that have begun by the last time that was read.
     begun: usize,
@@ -347,7 +348,7 @@ impl<'t, R: Real> PlantReader<'t, R> {
 
     pub(crate) fn generic_new(trajectory: &'t PlantTrajectory<R>) -> Self {
         let plant = trajectory.plant();
-        let observer = Observer::new(plant, trajectory.stepping());
+        let observer = Observer::new(trajectory.shared_plant(), trajectory.stepping());
         Self { trajectory, observer, state: vec![R::zero(); plant.places().states], begun: 0 }
     }
 

@@ -14,6 +14,7 @@ use crate::scalar::{Real, Scalar};
 use crate::simulation::member::Member;
 use crate::simulation::{Extent, Sliding};
 use crate::valve::FlowZone;
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -24,10 +25,10 @@ const MEETING: f64 = 4.0;
 /// Part of the depth under the usual torque by which a pressed stop is measured.
 const PRESSED: f64 = 0.5;
 
-impl<'a, R: Real> System<'a, R> {
+impl<R: Real> System<R> {
     /// A plant whose steps are controlled to `relative_tolerance`.
-    pub(crate) fn new(plant: &'a Plant<R>, relative_tolerance: f64) -> Self {
-        let wire = |(index, mounted): (usize, &'a Mounted<R>)| {
+    pub(crate) fn new(plant: &Arc<Plant<R>>, relative_tolerance: f64) -> Self {
+        let wire = |(index, mounted): (usize, &Mounted<R>)| {
             let arm = usual_arm(plant, mounted);
             let pull = match &plant.mechanisms[mounted.mechanism] {
                 Mechanism::Mass(mass) => mass.pull().value().abs(),
@@ -36,10 +37,11 @@ impl<'a, R: Real> System<'a, R> {
             };
             Wire::new(plant, index, Member::new(&mounted.actuator, relative_tolerance, pull))
         };
-        let wires: Vec<Wire<'a, R>> = plant.actuators.iter().enumerate().map(wire).collect();
+        let wires: Vec<Wire<R>> = plant.actuators.iter().enumerate().map(wire).collect();
         let band = wires.first().map_or(relative_tolerance, |wire| wire.member.band);
         let piping = Piping::new(plant);
         let assemblies = (0..plant.mechanisms.len()).map(|m| Assembly::new(plant, m)).collect();
+        let plant = plant.clone();
         let mut system = Self { plant, wires, assemblies, piping, band, usual_torque: Vec::new(), arms: Vec::new() };
         system.enter_usual();
         system
@@ -47,8 +49,8 @@ impl<'a, R: Real> System<'a, R> {
 
     /// Usual arms of the actuators, and the torques that they make.
     fn enter_usual(&mut self) {
-        let plant = self.plant;
-        self.arms = plant.actuators.iter().map(|mounted| usual_arm(plant, mounted)).collect();
+        let plant = self.plant.clone();
+        self.arms = plant.actuators.iter().map(|mounted| usual_arm(&plant, mounted)).collect();
         self.usual_torque = vec![0.0; plant.mechanisms.len()];
         for (i, mounted) in plant.actuators.iter().enumerate() {
             self.usual_torque[mounted.mechanism] += self.arms[i] * self.wires[i].member.force_band / self.band;
@@ -63,7 +65,7 @@ impl<'a, R: Real> System<'a, R> {
 
     /// Scales of the states in a mode, above zero.
     pub(crate) fn scales(&self, state: &[R], mode: &PlantMode<R>, scales: &mut [f64]) {
-        let plant = self.plant;
+        let plant = &*self.plant;
         for (scale, value) in scales.iter_mut().zip(state) {
             *scale = value.value().abs();
         }

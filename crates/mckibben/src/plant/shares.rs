@@ -41,7 +41,7 @@ const FLAT: f64 = 1e-9;
 /// Part of the terms of a sum below which it is rounding.
 const ROUNDING: f64 = 1e-14;
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// Enters the tensions of the actuators of a mechanism that stick, once everything else at an instant is computed.
     pub(crate) fn share_tensions(&self, m: usize, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
         let of_mechanism = &mode.mechanisms[m];

@@ -53,7 +53,7 @@ pub(crate) struct Facet {
     pub(super) block: Vec<usize>,
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The least and the largest tension in N that an actuator without a tendon can hold at rest.
     pub(crate) fn holdable<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> (T, T) {
         let of_actuator = &mode.actuators[i];

@@ -243,7 +243,7 @@ fn check_length<R: Real>(actuator: &Actuator<R>, length: R, on_tendon: bool) -> 
     Ok(())
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The mode at a time in s in a state, which may be set on a border that it lies on; valves and drivers go on as in a former
     /// mode if there is one. Hysteresis without a memory is relaxed.
     pub(crate) fn begin(
@@ -253,7 +253,7 @@ impl<R: Real> System<'_, R> {
         memories: &[Option<Memory<R>>],
         at: &mut Evaluation<R>,
     ) -> PlantMode<R> {
-        let plant = self.plant;
+        let plant = &*self.plant;
         let mut mode = self.first_mode(state);
         if let Some(former) = former {
             mode.network.valves.clone_from(&former.network.valves);

@@ -25,8 +25,8 @@ use core::cell::RefCell;
 use core::fmt;
 
 /// Evaluates steps, with room that is used again.
-struct Room<'p> {
-    observer: Observer<'p, f64>,
+struct Room {
+    observer: Observer<f64>,
     state: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ trait ReadsSteps {
 }
 
 /// The plant stands beside what is borrowed while a step is read.
-struct Shared<'p>(&'p Plant, RefCell<Room<'p>>);
+struct Shared<'p>(&'p Plant, RefCell<Room>);
 
 impl ReadsSteps for Shared<'_> {
     fn plant(&self) -> &Plant {
@@ -148,7 +148,7 @@ impl PlantRun {
     /// As [`PlantRun::advance_to`], and those of the consumer, such as [`Error::Interrupted`].
     pub fn stream_to(&mut self, until: f64, consumer: &mut PlantConsumer<'_>) -> Result<(), Error> {
         parameter::DURATION.check(until)?;
-        let plant = self.plant().clone();
+        let plant = self.shared_plant().clone();
         let observer = Observer::new(&plant, self.stepping());
         let room = Room { observer, state: vec![0.0; plant.places().states] };
         let reads = Shared(&plant, RefCell::new(room));
@@ -169,7 +169,7 @@ impl PlantRun {
     /// The sample at the time that has been reached, after any event there.
     pub fn sample(&self) -> PlantSample {
         let mut sample = PlantSample::new(self.plant());
-        let mut observer = Observer::new(self.plant(), self.stepping());
+        let mut observer = Observer::new(self.shared_plant(), self.stepping());
         observer.observe(self.time(), self.state(), self.mode(), &mut sample);
         sample
     }
@@ -181,7 +181,7 @@ impl PlantTrajectory {
     /// # Errors
     /// Those of the consumer.
     pub fn replay(&self, consumer: &mut PlantConsumer<'_>) -> Result<(), Error> {
-        let plant = self.plant();
+        let plant = self.shared_plant();
         let observer = Observer::new(plant, self.stepping());
         let room = Room { observer, state: vec![0.0; plant.places().states] };
         let reads = Shared(plant, RefCell::new(room));

@@ -56,7 +56,7 @@ pub(crate) fn is_damped<R: Real>(actuator: &Actuator<R>, of_actuator: &ActuatorM
     taut || actuator.friction().viscous().value() > 0.0
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The rate L̇ in m/s of the length of an actuator on a tendon.
     pub(crate) fn end_velocity<T: Differentiable<R>>(
         &self,

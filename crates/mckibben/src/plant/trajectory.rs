@@ -13,6 +13,7 @@ use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::valve::SIMULTANEOUS;
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -49,7 +50,7 @@ pub(crate) struct PieceView<'t, R: Real = f64> {
 /// A run of a plant.
 #[derive(Clone, Debug)]
 pub struct PlantTrajectory<R: Real = f64> {
-    plant: Plant<R>,
+    plant: Arc<Plant<R>>,
     stepping: TimeStepping,
     /// The modes, each stored once.
     segments: Vec<PlantMode<R>>,
@@ -97,7 +98,7 @@ impl<R: Real> PlantTrajectory<R> {
     /// Nothing yet of a run, from where that is.
     pub(crate) fn begin(run: &PlantRun<R>) -> Self {
         Self {
-            plant: run.plant().clone(),
+            plant: run.shared_plant().clone(),
             stepping: run.stepping(),
             segments: Vec::new(),
             pieces: Vec::new(),
@@ -127,7 +128,11 @@ impl<R: Real> PlantTrajectory<R> {
                 events.push(PlantEvent { time: piece.end, kind });
                 segments.push(after.clone());
                 if let Part::Driver(driver) = kind.part {
-                    plant.network.record_settings(after.drivers[driver].valves(), piece.end, &after.network);
+                    Arc::make_mut(plant).network.record_settings(
+                        after.drivers[driver].valves(),
+                        piece.end,
+                        &after.network,
+                    );
                     decisions.extend(after.drivers[driver].last().map(|decision| (driver, decision.clone())));
                 }
             }
@@ -153,6 +158,11 @@ impl<R: Real> PlantTrajectory<R> {
 
     /// The plant that was simulated; the commands of valves that a driver had are the tables of all that it asked for.
     pub fn plant(&self) -> &Plant<R> {
+        &self.plant
+    }
+
+    /// The plant, shared with whoever evaluates it.
+    pub(crate) fn shared_plant(&self) -> &Arc<Plant<R>> {
         &self.plant
     }
 
@@ -265,7 +275,7 @@ impl<R: Real> PlantTrajectory<R> {
     /// Reads the states at a time in s by which so many pieces have begun; the time kept within the run, and the mode.
     pub(crate) fn read(
         &self,
-        system: &System<'_, R>,
+        system: &System<R>,
         begun: usize,
         time: R,
         state: &mut [R],

@@ -4,6 +4,7 @@ use super::{ActuatorPlaces, MechanismPlaces, Plant};
 use crate::mechanism::{Coupling, Mechanism};
 use crate::scalar::Real;
 use crate::simulation::member::Member;
+use alloc::vec::Vec;
 
 /// How the distance of an actuator follows from the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,11 +28,11 @@ pub(crate) enum Span {
 }
 
 /// An actuator, its states and what it spans.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wire<'a, R: Real> {
+#[derive(Clone, Debug)]
+pub(crate) struct Wire<R: Real> {
     /// Which of the plant.
     pub(crate) index: usize,
-    pub(crate) member: Member<'a, R>,
+    pub(crate) member: Member<R>,
     pub(crate) places: ActuatorPlaces,
     pub(crate) mechanism: usize,
     pub(crate) span: Span,
@@ -42,29 +43,29 @@ pub(crate) struct Wire<'a, R: Real> {
 }
 
 /// A mechanism, its states and the actuators at it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Assembly<'a, R> {
+#[derive(Clone, Debug)]
+pub(crate) struct Assembly<R: Real> {
     /// Which of the plant.
     pub(crate) index: usize,
-    pub(crate) mechanism: &'a Mechanism<R>,
+    pub(crate) mechanism: Mechanism<R>,
     pub(crate) places: MechanismPlaces,
-    pub(crate) members: &'a [usize],
+    pub(crate) members: Vec<usize>,
 }
 
-impl<'a, R> Assembly<'a, R> {
+impl<R: Real> Assembly<R> {
     /// That of a mechanism of a plant.
-    pub(crate) fn new(plant: &'a Plant<R>, index: usize) -> Self {
+    pub(crate) fn new(plant: &Plant<R>, index: usize) -> Self {
         let places = &plant.places;
         Self {
             index,
-            mechanism: &plant.mechanisms[index],
+            mechanism: plant.mechanisms[index].clone(),
             places: places.mechanisms[index],
-            members: &places.members[index],
+            members: places.members[index].clone(),
         }
     }
 }
 
-impl<'a, R: Real> Wire<'a, R> {
+impl<R: Real> Wire<R> {
     /// Pressure in Pa and mass in kg of its air.
     #[inline(always)]
     pub(crate) fn air<T: Copy>(&self, state: &[T]) -> [T; 2] {
@@ -81,7 +82,7 @@ impl<'a, R: Real> Wire<'a, R> {
     }
 
     /// That of an actuator of a plant.
-    pub(crate) fn new(plant: &'a Plant<R>, index: usize, member: Member<'a, R>) -> Self {
+    pub(crate) fn new(plant: &Plant<R>, index: usize, member: Member<R>) -> Self {
         let (mounted, places) = (&plant.actuators[index], &plant.places);
         let of_mechanism = &places.mechanisms[mounted.mechanism];
         let span = match (&plant.mechanisms[mounted.mechanism], &mounted.coupling) {

@@ -25,9 +25,9 @@ const ROOM_TEMPERATURE: f64 = 293.15;
 const TAUT: f64 = 0.5;
 
 /// An actuator with the tolerance to which its events are told from rounding.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Member<'a, R: Real> {
-    pub(crate) actuator: &'a Actuator<R>,
+#[derive(Clone, Debug)]
+pub(crate) struct Member<R: Real> {
+    pub(crate) actuator: Actuator<R>,
     /// Usual sizes: the longest length, the atmosphere's pressure, the air at that.
     pub(crate) longest: f64,
     pub(crate) atmosphere: f64,
@@ -71,9 +71,9 @@ impl<R: Real> Trace<R> {
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
-impl<'a, R: Real> Member<'a, R> {
+impl<R: Real> Member<R> {
     /// An actuator against a usual force of `pull` N whose steps are controlled to `relative_tolerance`.
-    pub(crate) fn new(actuator: &'a Actuator<R>, relative_tolerance: f64, pull: f64) -> Self {
+    pub(crate) fn new(actuator: &Actuator<R>, relative_tolerance: f64, pull: f64) -> Self {
         let (air, limits, braid) = (actuator.air(), actuator.limits(), &actuator.law().law.braid);
         let atmosphere = air.atmosphere().0.value();
         let longest = limits.max_length();
@@ -84,7 +84,7 @@ impl<'a, R: Real> Member<'a, R> {
         let force = pull.max(gas_force);
         let band = band(relative_tolerance);
         Self {
-            actuator,
+            actuator: actuator.clone(),
             longest: longest.value(),
             atmosphere,
             air_mass,
@@ -141,7 +141,7 @@ impl<'a, R: Real> Member<'a, R> {
 
     /// LuGre's law, if that is the friction.
     #[inline(always)]
-    pub(crate) fn lugre(&self) -> Option<&'a LuGre<R>> {
+    pub(crate) fn lugre(&self) -> Option<&LuGre<R>> {
         self.actuator.friction().lugre()
     }
 
@@ -175,7 +175,7 @@ impl<'a, R: Real> Member<'a, R> {
     /// The same as the threads rub.
     #[inline(always)]
     pub(crate) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: Rubbing<T>) -> T {
-        let actuator = self.actuator;
+        let actuator = &self.actuator;
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
         let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];

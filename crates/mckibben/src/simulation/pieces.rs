@@ -6,10 +6,10 @@ use super::mode::{Guard, Mode};
 use crate::force::Piece;
 use crate::scalar::Real;
 
-impl<R: Real> Member<'_, R> {
+impl<R: Real> Member<R> {
     /// The piece of the effectiveness at an absolute pressure.
     pub(crate) fn effectiveness_piece(&self, pressure: R) -> usize {
-        let actuator = self.actuator;
+        let actuator = &self.actuator;
         let gauge = actuator.gauge(pressure).0.value();
         piece_of(gauge, |piece| actuator.law().effectiveness.piece_bounds(piece).1)
     }

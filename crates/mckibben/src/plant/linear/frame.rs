@@ -16,6 +16,7 @@ use crate::plant::{Mounted, Plant};
 use crate::scalar::Scalar;
 use crate::simulation::{Actuation, Extent, Sliding};
 use crate::valve::{Approach, Command, Openings, Port, Ports, actual_duty_cycle};
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -170,6 +171,7 @@ impl Frame {
             }
         }
         let openings = (0..self.drives.len()).map(|valve| self.openings(valve, &state, &number)).collect();
+        let plant = Arc::new(plant);
         let system = System::new(&plant, TOLERANCE);
         let mut at = Evaluation::new(&plant);
         let count = plant.places.states;
@@ -237,7 +239,7 @@ impl Frame {
         let count = self.plant.places.mechanisms[m].coordinates;
         let state: Vec<Number> = self.state.iter().map(|value| Number::constant(*value)).collect();
         let mut matrix = vec![Number::constant(0.0); count * count];
-        System::new(&self.plant, TOLERANCE).mass_matrix(m, &state, &mut matrix);
+        System::new(&Arc::new(self.plant.clone()), TOLERANCE).mass_matrix(m, &state, &mut matrix);
         let mut matrix: Vec<f64> = matrix.into_iter().map(|entry| entry.value).collect();
         crate::plant::dense::factor(&mut matrix, count);
         matrix
@@ -245,7 +247,7 @@ impl Frame {
 
     /// Usual forces along the coordinates of each mechanism, by which residual forces are measured.
     pub(super) fn usual_forces(&self) -> Vec<f64> {
-        let system = System::new(&self.plant, TOLERANCE);
+        let system = System::new(&Arc::new(self.plant.clone()), TOLERANCE);
         let own = self.plant.mechanisms.iter().map(|mechanism| match mechanism {
             Mechanism::Mass(mass) => mass.pull().value.abs(),
             Mechanism::Chain(chain) => chain.usual_torque(),
@@ -257,13 +259,13 @@ impl Frame {
 
 /// The mode that holds at rest in a state: no dry friction, hysteresis relaxed, every flow path in the piece of its law.
 fn enter_mode(
-    system: &System<'_, Number>,
+    system: &System<Number>,
     state: &[Number],
     openings: Vec<[Number; 2]>,
     holds_ends: bool,
     at: &mut Evaluation<Number>,
 ) -> PlantMode<Number> {
-    let plant = system.plant;
+    let plant = &*system.plant;
     let time = Number::constant(0.0);
     let mut mode = system.first_mode(state);
     for (i, its) in mode.actuators.iter_mut().enumerate() {

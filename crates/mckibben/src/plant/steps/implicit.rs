@@ -103,7 +103,7 @@ impl<R: Real> Implicit<R> {
     /// Sets the numbers of a stage of a reach in s, at a state where the plant has been evaluated.
     pub(super) fn factor(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         (time, reach): (R, R),
         state: &[R],
         mode: &PlantMode<R>,
@@ -124,14 +124,7 @@ impl<R: Real> Implicit<R> {
         self.network.factor(network, &mode.network, reach, answers, slopes);
     }
 
-    fn factor_mechanism(
-        &mut self,
-        system: &System<'_, R>,
-        m: usize,
-        state: &[R],
-        mode: &PlantMode<R>,
-        at: &Evaluation<R>,
-    ) {
+    fn factor_mechanism(&mut self, system: &System<R>, m: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) {
         let here = system.plant.places.mechanisms[m];
         let (count, from) = (here.coordinates, self.begins[m]);
         if mode.mechanisms[m].frozen || !system.plant.mechanisms[m].is_dynamic() {
@@ -189,7 +182,7 @@ impl<R: Real> Implicit<R> {
     /// Writes the slopes that have `right` for their right side.
     pub(super) fn solve(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         mode: &PlantMode<R>,
         at: &Evaluation<R>,
         right: &[R],
@@ -211,7 +204,7 @@ impl<R: Real> Implicit<R> {
 
     fn solve_mechanism(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         (m, here): (usize, MechanismPlaces),
         at: &Evaluation<R>,
         right: &[R],
@@ -244,7 +237,7 @@ impl<R: Real> Implicit<R> {
     /// The end of an actuator on a tendon, or its bristles.
     fn solve_own(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         (i, here): (usize, MechanismPlaces),
         at: &Evaluation<R>,
         right: &[R],
@@ -263,7 +256,7 @@ impl<R: Real> Implicit<R> {
     }
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// The state of an actuator that answers within a stage beside its mechanism: the length of an end on a tendon, or bristles.
     fn own_place(&self, i: usize) -> Option<usize> {
         let here = &self.plant.places.actuators[i];

@@ -64,7 +64,7 @@ impl<R: Real> Stages<R> {
     #[allow(clippy::too_many_arguments)]
     pub(super) fn take(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         method: Method,
         span: Span<R>,
         state: &[R],
@@ -85,7 +85,7 @@ impl<R: Real> Stages<R> {
     /// The slopes at the beginning of the last step of RK4 and at its end.
     pub(super) fn slopes_at_ends(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         time: R,
         end: &[R],
         mode: &PlantMode<R>,
@@ -99,7 +99,7 @@ impl<R: Real> Stages<R> {
     /// The classical Runge–Kutta method.
     fn take_rk4(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         (time, step): Span<R>,
         state: &[R],
         mode: &mut PlantMode<R>,
@@ -124,7 +124,7 @@ impl<R: Real> Stages<R> {
     /// Verwer's Rosenbrock method of order 2.
     fn take_ros2(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         (time, step): Span<R>,
         state: &[R],
         mode: &mut PlantMode<R>,
@@ -163,7 +163,7 @@ impl<R: Real> Stages<R> {
     /// stays positive, unless so much heat comes in meanwhile that the pressure stays while the air goes.
     fn take_backward_euler(
         &mut self,
-        system: &System<'_, R>,
+        system: &System<R>,
         (time, step): Span<R>,
         state: &[R],
         mode: &mut PlantMode<R>,
@@ -201,7 +201,7 @@ fn axpy<R: Real>(end: &mut [R], state: &[R], step: R, slope: &[R]) {
     }
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// Whether a step from one state to another leaves enough of every pressure and of all air to be believed.
     fn is_positive(&self, from: &[R], to: &[R]) -> bool {
         let places = &self.plant.places;

@@ -92,16 +92,16 @@ fn step_end<R: Real>(time: R, step: f64, until: R) -> R {
 
 /// Advances a run from where it is to `until` in s at fixed steps, and hands each part to `keep`.
 pub(super) fn extend<R: Real>(
-    plant: &Plant<R>,
+    system: &System<R>,
     (method, step): (Method, f64),
     reached: &mut PlantSnapshot<R>,
     until: R,
     keep: &mut Keep<'_, R>,
 ) -> Result<(), Error> {
-    let (system, mut work) = (System::new(plant, NARROW), Workspace::new(plant));
+    let mut work = Workspace::new(&system.plant);
     while reached.time().lt(until) {
         let end = step_end(reached.time(), step, until);
-        part::advance(&system, method, reached, end, &mut work, Some(&mut *keep))?;
+        part::advance(system, method, reached, end, &mut work, Some(&mut *keep))?;
     }
     reached.pace_mut().add(work.statistics);
     Ok(())
@@ -126,9 +126,8 @@ pub(super) fn extend<R: Real>(
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct PlantSteps<'r, R: Real = f64> {
-    run: &'r PlantRun<R>,
-    system: System<'r, R>,
+pub struct PlantSteps<R: Real = f64> {
+    system: System<R>,
     method: Method,
     reached: PlantSnapshot<R>,
     work: Workspace<R>,
@@ -136,22 +135,22 @@ pub struct PlantSteps<'r, R: Real = f64> {
 
 impl<R: Real> PlantRun<R> {
     /// Steps of a method from where the run is; the run itself stays there.
-    pub fn steps(&self, method: Method) -> PlantSteps<'_, R> {
+    pub fn steps(&self, method: Method) -> PlantSteps<R> {
         R::begin_plant_steps(self, method)
     }
 }
 
-impl<'r, R: Real> PlantSteps<'r, R> {
-    pub(crate) fn generic_begin(run: &'r PlantRun<R>, method: Method) -> Self {
-        let system = System::new(run.plant(), NARROW);
+impl<R: Real> PlantSteps<R> {
+    pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Self {
+        let system = System::new(run.shared_plant(), NARROW);
         let reached = run.save();
         let work = Workspace::new(run.plant());
-        Self { run, system, method, reached, work }
+        Self { system, method, reached, work }
     }
 
     /// The plant.
-    pub fn plant(&self) -> &'r Plant<R> {
-        self.run.plant()
+    pub fn plant(&self) -> &Plant<R> {
+        &self.system.plant
     }
 
     /// The time in s that has been reached.
@@ -187,7 +186,7 @@ impl<'r, R: Real> PlantSteps<'r, R> {
     /// # Errors
     /// As [`PlantRun::set`].
     pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
-        self.reached.set(self.run.plant(), valve, demand.into())
+        self.reached.set(&self.system.plant, valve, demand.into())
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives.
@@ -213,8 +212,8 @@ impl<'r, R: Real> PlantSteps<'r, R> {
             return Ok(());
         }
         parameter::DURATION.check(span)?;
-        let Self { run, system, method, reached, work } = self;
-        reached.pulse(run.plant(), until)?;
+        let Self { system, method, reached, work } = self;
+        reached.pulse(&system.plant, until)?;
         let done = part::advance(system, *method, reached, until, work, None);
         if done.is_err() {
             work.return_to_begin(reached);
@@ -223,12 +222,12 @@ impl<'r, R: Real> PlantSteps<'r, R> {
     }
 }
 
-impl PlantSteps<'_> {
+impl PlantSteps {
     /// Everything that is known at the time that has been reached.
     pub fn sample(&self) -> PlantSample {
         let mut sample = PlantSample::new(self.plant());
         let fixed = TimeStepping::Fixed { method: self.method, step: 1.0 };
-        let mut observer = Observer::new(self.plant(), fixed);
+        let mut observer = Observer::new(&self.system.plant, fixed);
         observer.observe(self.time(), self.state(), self.mode(), &mut sample);
         sample
     }

@@ -91,7 +91,7 @@ impl<R: Real> Workspace<R> {
 
 /// Advances a plant to `until` in s, through every instant up to then, and hands each part to `keep`, if anybody keeps it.
 pub(super) fn advance<R: Real>(
-    system: &System<'_, R>,
+    system: &System<R>,
     method: Method,
     reached: &mut PlantSnapshot<R>,
     until: R,
@@ -116,8 +116,8 @@ pub(super) fn advance<R: Real>(
 }
 
 /// A plant on its way from one instant to the next.
-struct Part<'p, 's, 'k, R: Real> {
-    system: &'p System<'s, R>,
+struct Part<'p, 'k, R: Real> {
+    system: &'p System<R>,
     method: Method,
     time: &'p mut R,
     state: &'p mut [R],
@@ -126,7 +126,7 @@ struct Part<'p, 's, 'k, R: Real> {
     keep: Option<&'p mut Keep<'k, R>>,
 }
 
-impl<R: Real> Part<'_, '_, '_, R> {
+impl<R: Real> Part<'_, '_, R> {
     /// Goes on to `until`.
     fn advance(&mut self, until: R) -> Result<(), Error> {
         let parts = self.system.wires.len() + self.system.assemblies.len();
@@ -314,7 +314,7 @@ impl<R: Real> Part<'_, '_, '_, R> {
 
 /// The value of a guard in a state.
 fn value_of<R: Real>(
-    system: &System<'_, R>,
+    system: &System<R>,
     (guard, form): (PlantGuard, GuardForm),
     time: R,
     state: &[R],

@@ -32,7 +32,7 @@ pub(super) fn is_between_pieces(guard: PlantGuard) -> bool {
     }
 }
 
-impl<R: Real> System<'_, R> {
+impl<R: Real> System<R> {
     /// Takes the pieces of all laws that hold in a state.
     pub(in super::super) fn enter_pieces(&self, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         let network = &self.plant.network;
