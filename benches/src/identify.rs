@@ -163,7 +163,7 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
     ];
     Ok(Recorded {
         name: format!("{number}"),
-        adjustable: Adjustable::new(base, places, [true; 2]),
+        subject: Adjustable::new(base, places, [true; 2]).into(),
         unknowns: (0..SOUGHT.len()).collect(),
         courses,
     })
