@@ -325,7 +325,7 @@ impl Scenario {
         let load = self.core_load(actuator.law().law.end_length())?;
         let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
         let rig = match self.core_tendon()? {
-            Some(tendon) => rig.with_tendon(tendon)?,
+            Some(tendon) => rig.with_tendon(tendon),
             None => rig,
         };
         match self.core_pressure()? {
@@ -466,7 +466,11 @@ impl Scenario {
             Load::ConstantForce { force, mass } => load::Load::constant_force(*mass, *force),
             // A joint is no load of one actuator: `rig` has refused it.
             Load::Isometric | Load::AntagonisticJoint(_) => Ok(load::Load::Isometric),
-            Load::PrescribedMotion(motion) => core_motion(motion, end_length).map(load::Load::Prescribed),
+            Load::PrescribedMotion(motion) => {
+                // A tendon takes whatever the actuator cannot follow.
+                let end = if self.tendon.is_some() { f64::MAX } else { end_length };
+                core_motion(motion, end).map(load::Load::Prescribed)
+            }
         }
     }
 

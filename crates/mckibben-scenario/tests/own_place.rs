@@ -329,7 +329,7 @@ fn loads() {
     );
     let tendon = SeriesTendon::new(9e3, 0.05).expect("a tendon");
     let load = Load::constant_force(2.1, 20.0).expect("a load");
-    assert_eq!(force, expected(load).with_tendon(tendon).expect("a rig"));
+    assert_eq!(force, expected(load).with_tendon(tendon));
     let motion = Motion::sinusoid(0.088, 2e-3, 3.0, 0.4, 0.11).expect("a motion");
     let text = "[load]\nkind = \"prescribed-motion\"\nlength = \"0.088 m\"\namplitude = \"2e-3 m\"\nfrequency = \"3 Hz\"\nphase = \"0.4 rad\"\n";
     assert_eq!(with(text), expected(Load::Prescribed(motion)));

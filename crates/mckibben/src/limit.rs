@@ -83,14 +83,12 @@ limits! {
         "give run.step, such as \"0.1 ms\"";
     CONTROLLER_PAIR: "a pair of pressures by torque and stiffness", "for another law of force than the ideal braid's",
         "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness";
-    TENDON_MOTION: "a prescribed motion", "with a tendon in series",
-        "set load.kind = \"hanging-mass\", \"constant-force\" or \"isometric\", or leave out [tendon]";
+    TENDON_MOTION: "a prescribed motion with a tendon in series", "in the fixed-step engine",
+        "name the actuator, as in [actuators.muscle], set run.engine = \"event-located\", or leave out [tendon]";
     TENDON_FALLING: "friction that depends on the velocity, without viscous friction", "in series with a tendon",
         "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"";
-    PRESSURE_FIXED_STEP: "a pressure that is given over time", "in the fixed-step engine",
-        "set run.engine = \"event-located\", or leave out [pressure]";
-    PRESSURE_TENDON: "a pressure that is given over time", "for one actuator on a tendon",
-        "name the actuator, as in [actuators.muscle], leave out [tendon], or drive the pressure by a valve";
+    PRESSURE_FIXED_STEP: "a pressure that is given over time", "for one actuator in the fixed-step engine",
+        "name the actuator, as in [actuators.muscle], set run.engine = \"event-located\", or leave out [pressure]";
     PRESSURE_LINEAR: "a linear model by `linearize`",
         "of an actuator on a tendon whose pressure is given and that has no viscous friction",
         "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";

@@ -192,7 +192,7 @@ fn rigs_on_a_tendon_go_by_themselves_wherever_they_stand() {
     let tendon = SeriesTendon::new(1e4, 0.1).expect("a tendon");
     let on_tendon = [1, 3, 9].map(|index| {
         let Row { rig, start } = row(index);
-        Row { rig: rig.with_tendon(tendon).expect("a rig"), start }
+        Row { rig: rig.with_tendon(tendon), start }
     });
     let expected = on_tendon.each_ref().map(|row| bits(&alone(row, Method::Stable)));
     assert_ne!(expected[0], bits(&alone(&row(1), Method::Stable)));

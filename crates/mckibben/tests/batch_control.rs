@@ -37,7 +37,7 @@ fn rows(count: usize) -> Trackers {
             let rig = paper.rig().with_line(line).expect("a line");
             let tendon = SeriesTendon::new(5e3 + 2e4 * v, 0.1).expect("a tendon");
             ControlledRow {
-                rig: if row % 7 == 4 { rig.with_tendon(tendon).expect("a rig") } else { rig },
+                rig: if row % 7 == 4 { rig.with_tendon(tendon) } else { rig },
                 start: paper.start(),
                 controller: Tracker::new(Quantity::Pressure, set_point, Regulator::Pid(pid)).expect("a tracker"),
                 sampling: Sampling::new([50.0, 50.0, 80.0][row % 3], row % 2).expect("a rate"),
@@ -111,7 +111,7 @@ fn what_a_valve_cannot_do_is_the_row_s_own_fault_on_a_tendon_too() {
         sampling: set_up.0,
         sensors: set_up.1,
     };
-    let rows = vec![row(paper.rig()), row(paper.rig().with_tendon(tendon).expect("a rig"))];
+    let rows = vec![row(paper.rig()), row(paper.rig().with_tendon(tendon))];
     let mut batch = Batch::<f64>::controlled(rows, Method::Stable).expect("loops");
     batch.advance(0.1, 100);
     for sample in batch.samples() {

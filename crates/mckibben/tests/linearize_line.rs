@@ -157,7 +157,7 @@ fn a_hose_behind_a_shut_valve_follows_two_runs() {
         assert!(names(&linear.system.states).contains(&"bristles"));
         assert_eq!(linear.minimal().states.len(), states - 1);
         let rig = with_line(&paper, Line { hose: Some(hose(kind)), ..Line::NONE });
-        let rig = rig.with_tendon(SeriesTendon::new(8e3, 0.05).expect("a tendon")).expect("a rig");
+        let rig = rig.with_tendon(SeriesTendon::new(8e3, 0.05).expect("a tendon"));
         let linear = linearize(&rig, balance, Content::Temperature(ROOM)).expect("a model");
         assert_eq!(names(&linear.system.states)[..3], ["load_distance", "load_velocity", "length"]);
         assert_is_of_runs(&linear, 0.0, "hose and tendon");

@@ -4,13 +4,13 @@
 use crate::common::{ATMOSPHERE, INCH, Paper, assert_within, runge_kutta};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
-use mckibben::load::SeriesTendon;
+use mckibben::load::{Load, Motion, SeriesTendon};
 use mckibben::mechanism::{Coupling, Mass, Mechanism, Pull};
 use mckibben::network::Network;
 use mckibben::plant::{
     InitialAir, Mounted, Plant, PlantAir, PlantBalance, PlantStart, linearize_plant, simulate_plant,
 };
-use mckibben::simulation::PressureCourse;
+use mckibben::simulation::{FixedStepper, Initial, InitialLength, Method, PressureCourse, simulate};
 use std::f64::consts::PI;
 
 const STIFFNESS: f64 = 2e4;
@@ -140,4 +140,36 @@ fn a_linear_model_needs_viscous_friction() {
     let error = model(0.0).expect_err("refused").to_string();
     assert!(error.contains("give actuator.friction.viscous, however small"), "{error}");
     model(5.0).expect("a model");
+}
+
+/// One actuator on a tendon, its pressure and the motion of the tendon's far end both given: the tendon's tension is the braid's and the
+/// viscous friction's at every time.
+#[test]
+fn one_actuator_follows_a_pressure_and_a_motion() {
+    let (viscous, amplitude, frequency) = (3.0, 1e-3, 3.0);
+    let paper = Paper::sealed().friction(viscous, 0.0);
+    let motion = Motion::sinusoid(DISTANCE, amplitude, frequency, 0.0, f64::MAX).expect("a motion");
+    let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");
+    let course = PressureCourse::new(&TIMES, &GAUGES).expect("a course");
+    let rig = paper.rig().with_load(Load::Prescribed(motion)).with_tendon(tendon).with_pressure(course).expect("a rig");
+    let initial = Initial {
+        gauge_pressure: GaugePressure(0.0),
+        temperature: ROOM,
+        length: InitialLength::Equilibrium,
+        velocity: 0.0,
+    };
+    let start = rig.start(&initial).expect("a start");
+    let balanced = STIFFNESS * (DISTANCE - REST - start.length);
+    assert_within(pull(&paper, start.length, GAUGES[0]), balanced, 1e-9 * balanced);
+    let run = simulate(&rig, start, TIMES[2], 1e-11).expect("a run");
+    for sample in run.samples(1e-3) {
+        let distance = DISTANCE + amplitude * (2.0 * PI * frequency * sample.time).sin();
+        assert_within(sample.load_distance, distance, 1e-12);
+        let tension = STIFFNESS * (distance - REST - sample.length);
+        assert_within(sample.tension, tension, 1e-9 * tension);
+        let own = pull(&paper, sample.length, gauge(sample.time)) + viscous * sample.velocity;
+        assert_within(own, tension, 1e-8 * tension);
+    }
+    let stepped = FixedStepper::new(&rig, start, Method::Rk4).advance_to(1e-3).expect_err("refused").to_string();
+    assert!(stepped.contains("[actuators.muscle]"), "{stepped}");
 }

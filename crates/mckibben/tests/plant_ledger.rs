@@ -335,7 +335,7 @@ fn lines_close() {
     }
     let tendon = SeriesTendon::new(2e4, 0.05).expect("a tendon");
     let filled = paper.clone().gauge(40.0 * PSI);
-    let ledger = run_of(&filled.rig().with_tendon(tendon).expect("a rig"), &filled, 0.3, 1e-8).ledger();
+    let ledger = run_of(&filled.rig().with_tendon(tendon), &filled, 0.3, 1e-8).ledger();
     assert!(ledger.actuators[0].tendon_storage != 0.0);
     assert_closes("tendon", &ledger, 1e-6);
     let course = PressureCourse::new(&[0.0, 0.2, 0.4], &[1e5, 4e5, 2e5]).expect("a course");

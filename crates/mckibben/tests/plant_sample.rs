@@ -94,7 +94,7 @@ fn samples_of_rigs() {
     }
     let tendon = SeriesTendon::new(2e4, 0.05).expect("a tendon");
     let filled = pwm.clone().gauge(40.0 * PSI);
-    compare_with_rig("tendon", &filled.rig().with_tendon(tendon).expect("a rig"), &filled, 0.2);
+    compare_with_rig("tendon", &filled.rig().with_tendon(tendon), &filled, 0.2);
     let hose = |kind| Hose::new(kind, [1.0, 3e-3], [1.8e-5, 293.15, 1.0], &air).expect("a hose");
     let bottle = Reservoir::new([1e-3, 1.4, 293.15], GaugePressure(7e5), None, &air).expect("a bottle");
     let regulator = Regulator::new(2e7, 0.0, 0.01).expect("a regulator");

@@ -89,7 +89,7 @@ fn begun(pair: &Pair) -> (JointStepper, JointCourse) {
 fn on_tendon(row: usize) -> (Rig, State) {
     let tendon = SeriesTendon::new(between(row, 3, 3e3, 3e4), 0.1).expect("a tendon");
     let paper = paper(row);
-    (paper.rig().with_tendon(tendon).expect("a rig"), paper.start())
+    (paper.rig().with_tendon(tendon), paper.start())
 }
 
 fn regulator(quantity: Quantity, band: f64) -> Regulator {

@@ -188,6 +188,7 @@ fn whoever_does_not_take_it_says_so() {
     assert!(ModularActuator::new(&rig, start, 25.0).is_err());
     let moved = Load::Prescribed(Motion::sinusoid(0.09, 1e-3, 1.0, 0.0, 0.1).expect("a motion"));
     let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");
-    let told = paper.rig().with_load(moved).with_tendon(tendon).expect_err("refused").to_string();
-    assert!(told.contains("isometric"), "{told}");
+    let rig = paper.rig().with_load(moved).with_tendon(tendon);
+    let refused = FixedStepper::new(&rig, start, Method::Rk4).advance_to(1e-3).expect_err("refused").to_string();
+    assert!(refused.contains("event-located") && refused.contains("a prescribed motion"), "{refused}");
 }

@@ -81,7 +81,7 @@ fn row(index: usize) -> (Row, Tells) {
         }
         _ => {
             let tendon = SeriesTendon::new(2e4, 0.1).expect("a tendon");
-            (hold(&paper).rig().with_tendon(tendon).expect("a rig"), any_request)
+            (hold(&paper).rig().with_tendon(tendon), any_request)
         }
     };
     let start = start(&rig, &paper);
@@ -116,7 +116,7 @@ fn under(rig: &Rig, command: Command) -> Rig {
     let actuation = Some(Actuation { solenoid: *solenoid, command });
     let anew = Rig::new(rig.actuator().clone(), actuation, rig.load().clone()).expect("a rig");
     let anew = anew.with_line(*rig.line()).expect("a line");
-    rig.tendon().map_or(anew.clone(), |tendon| anew.with_tendon(*tendon).expect("a rig"))
+    rig.tendon().map_or(anew.clone(), |tendon| anew.with_tendon(*tendon))
 }
 
 /// Equal steps from one time to another, as a batch takes them.

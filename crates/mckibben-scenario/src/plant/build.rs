@@ -137,7 +137,7 @@ impl Parts {
                 let load = alone.core_load(actuator.law().law.end_length())?;
                 let mut rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
                 if let Some(tendon) = tendon {
-                    rig = rig.with_tendon(tendon)?;
+                    rig = rig.with_tendon(tendon);
                 }
                 if let Some(course) = &pressure {
                     rig = rig.with_pressure(course.clone())?;
@@ -173,7 +173,8 @@ impl Parts {
                     (Some(tendon), _) => {
                         let distance = coupling.span(&frame.mechanism, &frame.positions);
                         let gauge = pressure.as_ref().map_or(initial.gauge_pressure.0, |course| course.at(0.0, 0)[0]);
-                        Some(balanced(&bare, gauge, |length| tendon.tension(distance - length)))
+                        let pressure = GaugePressure(gauge).absolute(bare.air().atmosphere());
+                        Some(tendon.balance(&bare, distance, pressure.0))
                     }
                     (None, _) => None,
                 };
@@ -208,17 +209,4 @@ fn mounted_on(mount: &Mount) -> Result<(usize, Coupling), Error> {
             Ok((*mechanism, Coupling::Points(ends)))
         }
     }
-}
-
-/// The length in m at which an actuator at a gauge pressure (Pa) balances what pulls on it, a tension in N that falls with its
-/// length; its shortest or longest where it balances nowhere between.
-fn balanced(actuator: &Actuator, gauge: f64, pull: impl Fn(f64) -> f64) -> f64 {
-    let pressure = GaugePressure(gauge).absolute(actuator.air().atmosphere()).0;
-    let (mut low, mut high) = (actuator.limits().min_length(), actuator.limits().max_length());
-    // Halving a length of a metre so often leaves less than rounding.
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if pull(middle) > actuator.static_force(middle, pressure).max(0.0) { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }

@@ -49,7 +49,7 @@ impl<R: Number> Lane<R> {
             rig: like.filter(|like| are_same(&rig, like)).cloned().unwrap_or_else(|| Arc::new(rig)),
             actuation: row.rig.actuation().cloned(),
             load: row.rig.load().clone(),
-            fault: row.rig.check_pressure_is_free().err(),
+            fault: row.rig.check_fixed_steps().err(),
             control: None,
         }
     }

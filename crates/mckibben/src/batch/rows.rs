@@ -86,7 +86,7 @@ impl<W: Wide, L: Statics<W>, const N: usize> Rows<W, L, N> {
             state,
             held: Held { memory, compressor: W::mask(runs), ..Held::nothing() },
             elements,
-            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_pressure_is_free().is_ok())),
+            alive: W::mask(|lane| rows.get(lane).is_some_and(|row| row.rig.check_fixed_steps().is_ok())),
             under_way: W::Mask::splat(false),
             known_until: 0.0,
             soonest: f64::INFINITY,

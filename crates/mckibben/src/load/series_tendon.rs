@@ -70,7 +70,7 @@ impl<S: Scalar> SeriesTendon<S> {
 impl<R: Real> SeriesTendon<R> {
     /// The length in m at which the static force of an actuator at an absolute pressure (Pa) is the tension of this tendon,
     /// both over a distance (m) together; the shortest or the end length where there is none between.
-    pub(crate) fn balance(&self, actuator: &Actuator<R>, distance: R, pressure: R) -> R {
+    pub fn balance(&self, actuator: &Actuator<R>, distance: R, pressure: R) -> R {
         let excess = |length: R| {
             let tight = self.tension(distance - length);
             (actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero())).larger(R::zero())

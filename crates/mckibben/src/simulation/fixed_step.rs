@@ -146,7 +146,7 @@ impl<R: Real<Time = R>> Journey<R> {
 
     /// As [`FixedStepper::advance_to`].
     pub(crate) fn advance_to(&mut self, rig: &Rig<R>, method: Method, until: R) -> Result<(), Error> {
-        rig.check_pressure_is_free()?;
+        rig.check_fixed_steps()?;
         match &mut self.far_end {
             None => self.walk.advance_to(rig, &rig.timetable(), method, until, None),
             Some(far_end) => far_end.advance_to(&mut self.walk, &By { method, seats: rig.seats() }, until),

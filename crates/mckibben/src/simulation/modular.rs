@@ -123,7 +123,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         if rig.tendon().is_some() {
             return Err(Error::NotImplemented(&crate::limit::MODULAR_TENDON));
         }
-        rig.check_pressure_is_free()?;
+        rig.check_fixed_steps()?;
         if rig.actuation().is_some_and(|drive| !drive.solenoid.has_seats()) {
             return Err(Error::NotImplemented(&crate::limit::MODULAR_VALVE));
         }

@@ -130,27 +130,24 @@ impl Rig {
     /// [`Initial`](super::Initial) says.
     ///
     /// # Errors
-    /// [`Error::Misuse`] for a rig with a valve or a leak, [`Error::NotImplemented`] for one with a tendon; [`Error::Inconsistent`] for a pressure
-    /// below vacuum.
+    /// [`Error::Misuse`] for a rig with a valve or a leak; [`Error::Inconsistent`] for a pressure below vacuum.
     #[cfg(feature = "alloc")]
     pub fn with_pressure(self, course: PressureCourse) -> Result<Self, Error> {
-        if self.tendon().is_some() {
-            return Err(Error::NotImplemented(&limit::PRESSURE_TENDON));
-        }
         course.check(self.actuator(), self.line())?;
         Ok(self.driven_at(course))
     }
 }
 
 impl<S: Scalar, L: Statics<S>> Rig<S, L> {
-    /// That the air of the actuator is what its valve makes it.
+    /// That the rig can be stepped at fixed steps.
     ///
     /// # Errors
-    /// [`Error::NotImplemented`] for a pressure that is given over time.
-    pub(crate) fn check_pressure_is_free(&self) -> Result<(), Error> {
-        match self.pressure_course() {
-            None => Ok(()),
-            Some(_) => Err(Error::NotImplemented(&limit::PRESSURE_FIXED_STEP)),
+    /// [`Error::NotImplemented`] for a pressure that is given over time, and for a prescribed motion of a tendon's end.
+    pub(crate) fn check_fixed_steps(&self) -> Result<(), Error> {
+        match (self.pressure_course(), self.tendon(), self.load().motion()) {
+            (Some(_), ..) => Err(Error::NotImplemented(&limit::PRESSURE_FIXED_STEP)),
+            (None, Some(_), Some(_)) => Err(Error::NotImplemented(&limit::TENDON_MOTION)),
+            _ => Ok(()),
         }
     }
 }

@@ -232,23 +232,16 @@ impl Rig {
     /// [`Error::Misuse`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
     /// regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
-        if !line.is_none() {
-            self.check_pressure_is_free()?;
+        if let (Some(course), false) = (&self.pressure, line.is_none()) {
+            course.check(&self.actuator, &line)?;
         }
         check_line(&self.actuator, self.actuation.as_ref(), &line)?;
         Ok(Self { line, ..self }.with_transport())
     }
 
-    /// The same rig with an elastic tendon between actuator and load: both engines take it.
-    ///
-    /// # Errors
-    /// [`Error::NotImplemented`] for a prescribed motion.
-    pub fn with_tendon(self, tendon: SeriesTendon) -> Result<Self, Error> {
-        self.check_pressure_is_free()?;
-        if self.load.motion().is_some() {
-            return Err(Error::NotImplemented(&crate::limit::TENDON_MOTION));
-        }
-        Ok(Self { tendon: Some(tendon), ..self })
+    /// The rig with an elastic tendon between actuator and load. A prescribed motion is that of both ends together.
+    pub fn with_tendon(self, tendon: SeriesTendon) -> Self {
+        Self { tendon: Some(tendon), ..self }
     }
 
     /// The same rig with the pressure in its actuator given.
@@ -469,8 +462,9 @@ impl<S: Real> Rig<S> {
         let pressure = gauge.absolute(air.atmosphere());
         let (length, velocity) = match (&self.load, initial.length) {
             (Load::Prescribed(motion), _) => {
-                let [length, velocity, _] = motion.at(S::zero(), 0);
-                (length, velocity)
+                let [distance, velocity, _] = motion.at(S::zero(), 0);
+                let balance = |tendon: &SeriesTendon<S>| tendon.balance(&self.actuator, distance, pressure.0);
+                (self.tendon.as_ref().map_or(distance, balance), velocity)
             }
             (Load::Isometric, InitialLength::At(length)) => (length, S::zero()),
             (_, InitialLength::At(length)) => (length, initial.velocity),

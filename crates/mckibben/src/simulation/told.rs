@@ -155,7 +155,7 @@ impl<R: Real> Told<R> {
 
 /// Why a rig cannot begin anew in the middle of a run, if it cannot.
 pub(crate) fn check_restart<R: Real>(rig: &Rig<R>) -> Result<(), Error> {
-    rig.check_pressure_is_free()?;
+    rig.check_fixed_steps()?;
     match rig.load().motion() {
         None => Ok(()),
         Some(_) => Err(Error::NotImplemented(&crate::limit::BEGIN_MOTION)),

@@ -9,7 +9,7 @@ pub(crate) const REST: f64 = 0.05;
 pub(crate) const MASS: f64 = 5.0 * LB;
 
 pub(crate) fn on_tendon(paper: &Paper, stiffness: f64) -> Rig {
-    paper.rig().with_tendon(SeriesTendon::new(stiffness, REST).expect("a tendon")).expect("a rig")
+    paper.rig().with_tendon(SeriesTendon::new(stiffness, REST).expect("a tendon"))
 }
 
 /// Sealed at 3 bar, without friction.

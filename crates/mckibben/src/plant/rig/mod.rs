@@ -109,7 +109,11 @@ impl<R: Real> Plant<R> {
             }
             None => state.length,
         };
-        let is_held = rig.load().inertia().is_none() && rig.tendon().is_some();
+        let is_held = matches!(rig.load(), Load::Isometric) && rig.tendon().is_some();
+        let distance = match rig.load() {
+            Load::Prescribed(motion) => motion.at(R::zero(), 0)[0],
+            _ => distance,
+        };
         PlantStart {
             positions: vec![vec![distance]],
             rates: vec![vec![if is_held { R::zero() } else { state.velocity }]],
