@@ -1,7 +1,7 @@
 //! How the pressures of a network answer to each other within a step: a linear system that is solved from the ends of the tree
 //! to its root and back, in time linear in its nodes.
 //!
-//! With `δ_b` for the change of the flow through a branch over the reach `r` of a stage, and k for the slopes that are looked for,
+//! With `δ_b` for the change of the flow through a branch over a stage, `r = γh`, and k for the slopes that are looked for,
 //! the rows of `(I − rA) k = f` are
 //!
 //! ```text
@@ -93,7 +93,7 @@ pub(crate) struct Elimination<R> {
 }
 
 /// What the system asks of a plant at an instant.
-pub(crate) struct Answers<R> {
+pub(crate) struct NodeResponse<R> {
     /// Pa per kg of what comes in.
     pub(crate) per_mass: R,
     /// In 1/s, besides flows.
@@ -183,30 +183,30 @@ impl<R: Real> Elimination<R> {
         Self { rows, edges }
     }
 
-    /// Sets the numbers of a stage of a reach in s: `answers` says those of a node, `slopes` how a branch answers to the pressures
+    /// Sets the numbers of a stage for γh in s: `response` says those of a node, `slopes` how a branch answers to the pressures
     /// at its ends, and the share σ of a cell.
     pub(crate) fn factor(
         &mut self,
         network: &Network<R>,
         mode: &NetworkMode<R>,
-        reach: R,
-        answers: impl Fn(usize) -> Answers<R>,
+        gamma_h: R,
+        response: impl Fn(usize) -> NodeResponse<R>,
         mut slopes: impl FnMut(usize) -> ([R; 2], R),
     ) {
         let (zero, one) = (R::zero(), R::one());
         for row in &mut self.rows {
-            let Answers { per_mass, falls } = answers(row.node);
-            (row.answer, row.own, row.by_inlet) = (reach * per_mass, one + reach * falls, zero);
+            let NodeResponse { per_mass, falls } = response(row.node);
+            (row.answer, row.own, row.by_inlet) = (gamma_h * per_mass, one + gamma_h * falls, zero);
             let of_node = &mode.nodes[row.node];
             match &network.nodes[row.node].kind {
                 NodeKind::Outlet { regulator, .. } if of_node.poppet != Poppet::Rests => {
-                    let rate = reach / regulator.lag();
+                    let rate = gamma_h / regulator.lag();
                     row.own = one + rate;
                     (row.answer, row.by_inlet) =
                         if of_node.limited { (zero, rate) } else { (rate * regulator.droop(), zero) };
                 }
                 NodeKind::Port { regulator, .. } if of_node.approach == Some(Approach::Settles) => {
-                    row.own = one - reach * regulator.rate_in(Approach::Settles, one, zero);
+                    row.own = one - gamma_h * regulator.rate_in(Approach::Settles, one, zero);
                 }
                 _ => {}
             }
@@ -242,7 +242,7 @@ impl<R: Real> Elimination<R> {
     }
 
     /// Writes the slopes of the network's states that have `right` for their right side.
-    pub(crate) fn solve(&mut self, reach: R, right: &[R], slopes: &mut [R]) {
+    pub(crate) fn solve(&mut self, gamma_h: R, right: &[R], slopes: &mut [R]) {
         let zero = R::zero();
         self.rows.iter_mut().for_each(|row| row.outflow = zero);
         for edge in &mut self.edges {
@@ -293,7 +293,7 @@ impl<R: Real> Elimination<R> {
         }
         for row in &self.rows {
             if let Some(mass) = row.mass {
-                slopes[mass] = right[mass] - reach * row.outflow;
+                slopes[mass] = right[mass] - gamma_h * row.outflow;
             }
         }
     }
@@ -305,7 +305,7 @@ impl<R: Real> Network<R> {
     pub(crate) fn slopes(
         &self,
         branch: usize,
-        (time, reach): (R, R),
+        (time, gamma_h): (R, R),
         around: Surroundings<'_, R>,
         air: &Air<R>,
         (mode, at): (&NetworkMode<R>, &NetworkState<R>),
@@ -341,7 +341,7 @@ impl<R: Real> Network<R> {
                     return (if forwards { [per_pressure, zero] } else { [zero, -per_pressure] }, zero);
                 }
                 let place = at.flows[branch];
-                let drive = reach * hose.per_inertance();
+                let drive = gamma_h * hose.per_inertance();
                 let share = one / drive.multiply_add(hose.steepest_loss(place, near, far), one);
                 return ([drive * share; 2], share);
             }

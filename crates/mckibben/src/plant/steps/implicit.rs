@@ -30,7 +30,7 @@ use crate::mechanism::Mechanism;
 use crate::mechanism::chain::Contacts;
 use crate::network::NodeKind;
 use crate::network::flow::Surroundings;
-use crate::network::implicit::{Answers, Elimination};
+use crate::network::implicit::{Elimination, NodeResponse};
 use crate::scalar::{Over, Real};
 use crate::simulation::Sliding;
 use alloc::vec;
@@ -38,7 +38,7 @@ use alloc::vec::Vec;
 
 /// How the tension of an actuator answers.
 #[derive(Clone, Copy, Debug)]
-struct Pull<R> {
+struct TensionResponse<R> {
     stiffness: R,
     damping: R,
     /// How the tension answers to what its end or its bristles would do by themselves.
@@ -54,9 +54,9 @@ struct Pull<R> {
 /// The system of a plant.
 #[derive(Clone, Debug)]
 pub(super) struct Implicit<R> {
-    reach: R,
+    gamma_h: R,
     network: Elimination<R>,
-    pulls: Vec<Pull<R>>,
+    tensions: Vec<TensionResponse<R>>,
     /// Of each mechanism one after the other: M, T_q and the factored matrix.
     mass: Vec<R>,
     turning: Vec<R>,
@@ -78,7 +78,7 @@ impl<R: Real> Implicit<R> {
             size += count * count;
         }
         let most = counts.max().unwrap_or(0);
-        let none = Pull {
+        let none = TensionResponse {
             stiffness: zero,
             damping: zero,
             by_own: zero,
@@ -88,9 +88,9 @@ impl<R: Real> Implicit<R> {
             beside: R::one(),
         };
         Self {
-            reach: zero,
+            gamma_h: zero,
             network: Elimination::new(plant),
-            pulls: vec![none; plant.actuators().len()],
+            tensions: vec![none; plant.actuators().len()],
             mass: vec![zero; size],
             turning: vec![zero; size],
             factors: vec![zero; size],
@@ -100,28 +100,28 @@ impl<R: Real> Implicit<R> {
         }
     }
 
-    /// Sets the numbers of a stage of a reach in s, at a state where the plant has been evaluated.
+    /// Sets the numbers of a stage for γh in s, at a state where the plant has been evaluated.
     pub(super) fn factor(
         &mut self,
         system: &System<R>,
-        (time, reach): (R, R),
+        (time, gamma_h): (R, R),
         state: &[R],
         mode: &PlantMode<R>,
         at: &Evaluation<R>,
     ) {
-        self.reach = reach;
-        for i in 0..self.pulls.len() {
-            self.pulls[i] = system.pull_slopes(i, reach, state, mode, at);
+        self.gamma_h = gamma_h;
+        for i in 0..self.tensions.len() {
+            self.tensions[i] = system.tension_response(i, gamma_h, state, mode, at);
         }
         for m in 0..system.assemblies.len() {
             self.factor_mechanism(system, m, state, mode, at);
         }
         let network = &system.plant.network;
-        let answers = |node: usize| system.answers(node, at);
+        let response = |node: usize| system.response(node, at);
         let Some(first) = system.wires.first() else { return };
         let (around, air) = (Surroundings { chambers: &at.chambers, state }, first.member.actuator.air());
-        let slopes = |branch: usize| network.slopes(branch, (time, reach), around, air, (&mode.network, &at.network));
-        self.network.factor(network, &mode.network, reach, answers, slopes);
+        let slopes = |branch: usize| network.slopes(branch, (time, gamma_h), around, air, (&mode.network, &at.network));
+        self.network.factor(network, &mode.network, gamma_h, response, slopes);
     }
 
     fn factor_mechanism(&mut self, system: &System<R>, m: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) {
@@ -130,7 +130,7 @@ impl<R: Real> Implicit<R> {
         if mode.mechanisms[m].frozen || !system.plant.mechanisms[m].is_dynamic() {
             return;
         }
-        let (r, half) = (self.reach, R::constant(0.5));
+        let (r, half) = (self.gamma_h, R::constant(0.5));
         let all = from..from + count * count;
         system.mass_matrix(m, state, &mut self.mass[all.clone()]);
         self.factors[all.clone()].copy_from_slice(&self.mass[all.clone()]);
@@ -167,7 +167,7 @@ impl<R: Real> Implicit<R> {
         }
         for &i in &system.plant.places.members[m] {
             let gradient = system.gradient(i, &at.gradient);
-            let Pull { stiffness, damping, .. } = self.pulls[i];
+            let TensionResponse { stiffness, damping, .. } = self.tensions[i];
             let both = r * (damping + r * stiffness);
             for row in 0..count {
                 for column in 0..count {
@@ -199,7 +199,7 @@ impl<R: Real> Implicit<R> {
                 self.solve_own(system, (i, here), at, right, slopes);
             }
         }
-        self.network.solve(self.reach, right, slopes);
+        self.network.solve(self.gamma_h, right, slopes);
     }
 
     fn solve_mechanism(
@@ -210,7 +210,7 @@ impl<R: Real> Implicit<R> {
         right: &[R],
         slopes: &mut [R],
     ) {
-        let (r, count, from) = (self.reach, here.coordinates, self.begins[m]);
+        let (r, count, from) = (self.gamma_h, here.coordinates, self.begins[m]);
         let of_matrix = |matrix: &[R], row: usize, vector: &[R]| {
             dense::dot(&matrix[from + row * count..from + (row + 1) * count], vector)
         };
@@ -220,9 +220,9 @@ impl<R: Real> Implicit<R> {
         }
         for &i in &system.plant.places.members[m] {
             let gradient = system.gradient(i, &at.gradient);
-            let pull = &self.pulls[i];
-            let own = system.own_place(i).map_or(R::zero(), |place| pull.by_own * right[place]);
-            let force = pull.stiffness.multiply_add(dense::dot(gradient, positions), own);
+            let response = &self.tensions[i];
+            let own = system.own_place(i).map_or(R::zero(), |place| response.by_own * right[place]);
+            let force = response.stiffness.multiply_add(dense::dot(gradient, positions), own);
             for (sum, entry) in self.work.iter_mut().zip(gradient) {
                 *sum = *sum - r * *entry * force;
             }
@@ -246,12 +246,12 @@ impl<R: Real> Implicit<R> {
         let Some(place) = system.own_place(i) else { return };
         let gradient = system.gradient(i, &at.gradient);
         let (positions, rates) = here.of(slopes);
-        let Pull { share, by_distance, by_rate, .. } = self.pulls[i];
+        let TensionResponse { share, by_distance, by_rate, .. } = self.tensions[i];
         let answer = by_distance * dense::dot(gradient, positions) + by_rate * dense::dot(gradient, rates);
         slopes[place] = (right[place] + answer) * share;
         let its = &system.plant.places.actuators[i];
         if let (Some(_), Some(bristles)) = (its.length, its.bristles) {
-            slopes[bristles] = right[bristles] * self.pulls[i].beside;
+            slopes[bristles] = right[bristles] * self.tensions[i].beside;
         }
     }
 }
@@ -263,10 +263,17 @@ impl<R: Real> System<R> {
         here.length.or(here.bristles)
     }
 
-    /// How the tension of an actuator answers within a stage of a reach in s.
-    fn pull_slopes(&self, i: usize, reach: R, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> Pull<R> {
+    /// How the tension of an actuator answers within a stage for γh in s.
+    fn tension_response(
+        &self,
+        i: usize,
+        gamma_h: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &Evaluation<R>,
+    ) -> TensionResponse<R> {
         let (zero, one) = (R::zero(), R::one());
-        let mut pull = Pull {
+        let mut response = TensionResponse {
             stiffness: zero,
             damping: zero,
             by_own: zero,
@@ -282,7 +289,7 @@ impl<R: Real> System<R> {
         if let (Some(tendon), Some(_)) = (&self.plant.actuators[i].tendon, wire.places.length) {
             let tight = if of_actuator.loose { zero } else { tendon.stiffness() };
             if of_actuator.mode.sliding == Sliding::Stuck {
-                return Pull { stiffness: tight, ..pull };
+                return TensionResponse { stiffness: tight, ..response };
             }
             let moving = Unit {
                 distance: seeded(unit.distance, 0),
@@ -300,51 +307,52 @@ impl<R: Real> System<R> {
             let bent = bristles.map(constant);
             let [by_distance, by_rate, by_length] =
                 self.end_velocity(i, tendon, of_actuator, (&moving, &chamber), bent).slope;
-            let share = one / (one - reach * by_length).larger(one);
-            pull = Pull { share, by_distance: reach * by_distance, by_rate: reach * by_rate, ..pull };
+            let share = one / (one - gamma_h * by_length).larger(one);
+            response =
+                TensionResponse { share, by_distance: gamma_h * by_distance, by_rate: gamma_h * by_rate, ..response };
             // φ = k (k_x − k_L), with k_L put in.
-            pull.stiffness = tight * (one - share * pull.by_distance).larger(zero);
-            pull.damping = -tight * share * pull.by_rate;
-            pull.by_own = -tight * share;
+            response.stiffness = tight * (one - share * response.by_distance).larger(zero);
+            response.damping = -tight * share * response.by_rate;
+            response.by_own = -tight * share;
             if let Some(bent) = bristles {
                 let rate = wire.bristle_rate(seeded(bent, 2), constant(unit.velocity), of_actuator);
-                pull.beside = one / (one - reach * rate.slope[2]).larger(one);
+                response.beside = one / (one - gamma_h * rate.slope[2]).larger(one);
             }
-            return pull;
+            return response;
         }
         if of_actuator.mode.sliding == Sliding::Stuck {
-            return pull;
+            return response;
         }
         let ends = [seeded(unit.length, 0), seeded(unit.velocity, 1), constant(at.chambers[i].pressure)];
         let bent = bristles.map(|bent| seeded(bent, 2));
         let tension = wire.member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bent));
         let [stiffness, damping, by_bristles] = tension.slope;
-        (pull.stiffness, pull.damping) = (stiffness, damping.larger(zero));
+        (response.stiffness, response.damping) = (stiffness, damping.larger(zero));
         if let Some(bent) = bristles {
             let rate = wire.bristle_rate(seeded(bent, 2), seeded(unit.velocity, 1), of_actuator);
             let [_, by_velocity, by_itself] = rate.slope;
-            pull.share = one / (one - reach * by_itself).larger(one);
-            pull.by_rate = reach * by_velocity;
-            pull.by_own = by_bristles * pull.share;
-            pull.damping = pull.damping + by_bristles * pull.share * pull.by_rate;
+            response.share = one / (one - gamma_h * by_itself).larger(one);
+            response.by_rate = gamma_h * by_velocity;
+            response.by_own = by_bristles * response.share;
+            response.damping = response.damping + by_bristles * response.share * response.by_rate;
         }
-        pull
+        response
     }
 
     /// How the pressure of a node answers to what comes in, and how fast it falls besides.
-    fn answers(&self, node: usize, at: &Evaluation<R>) -> Answers<R> {
+    fn response(&self, node: usize, at: &Evaluation<R>) -> NodeResponse<R> {
         let zero = R::zero();
         let per_mass = match &self.plant.network.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
                 let (chamber, air) = (&at.chambers[*actuator], self.plant.actuators[*actuator].actuator.air());
                 let grows = air.index() * chamber.volume_rate / chamber.volume;
                 let falls = grows.larger(zero) + R::constant(self.heat_settling(*actuator, at));
-                return Answers { per_mass: air.index() * chamber.pressure / chamber.mass, falls };
+                return NodeResponse { per_mass: air.index() * chamber.pressure / chamber.mass, falls };
             }
             NodeKind::Hose(hose) => hose.stiffness(),
             NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(R::one()),
             _ => zero,
         };
-        Answers { per_mass, falls: zero }
+        NodeResponse { per_mass, falls: zero }
     }
 }

@@ -107,10 +107,10 @@ impl<R: Real> Stages<R> {
         end: &mut [R],
     ) -> u64 {
         let half = R::constant(0.5) * step;
-        for (stage, reach) in [R::zero(), half, half, step].into_iter().enumerate() {
-            axpy(&mut self.state, state, reach, &self.slopes[stage.saturating_sub(1)]);
-            system.enter_pieces(time + reach, &self.state, mode, at);
-            system.rates(time + reach, &self.state, mode, at, &mut self.slopes[stage]);
+        for (stage, ahead) in [R::zero(), half, half, step].into_iter().enumerate() {
+            axpy(&mut self.state, state, ahead, &self.slopes[stage.saturating_sub(1)]);
+            system.enter_pieces(time + ahead, &self.state, mode, at);
+            system.rates(time + ahead, &self.state, mode, at, &mut self.slopes[stage]);
         }
         let (sixth, two) = (step * R::constant(1.0 / 6.0), R::constant(2.0));
         let [k1, k2, k3, k4] = &self.slopes;
