@@ -119,19 +119,35 @@ fn path(out: &mut String, outline: &Outline, theme: Theme) {
         }
     }
     out.push_str(" d=\"");
-    let mut after_line = false;
+    // Where the pen is, as it was written, and whether the last letter was that of a line.
+    let (mut pen, mut after_line) = ([String::new(), String::new()], false);
     for step in &outline.steps {
+        let mut is_line = false;
         match step {
-            Step::Move([x, y]) => put!(out, "M{} {}", number(*x), number(*y)),
-            // A repeated letter may be left out, which is a sixth of a long curve.
-            Step::Line([x, y]) => put!(out, "{}{} {}", if after_line { ' ' } else { 'L' }, number(*x), number(*y)),
+            Step::Move(to) => {
+                pen = to.map(number);
+                put!(out, "M{} {}", pen[0], pen[1]);
+            }
+            // Half of a square, a sixth of a long curve: a line along an axis has one number, and a repeated letter is left out.
+            Step::Line(to) => {
+                let [x, y] = to.map(number);
+                match (x == pen[0], y == pen[1]) {
+                    (false, true) => put!(out, "H{x}"),
+                    (true, false) => put!(out, "V{y}"),
+                    _ => {
+                        put!(out, "{}{x} {y}", if after_line { ' ' } else { 'L' });
+                        is_line = true;
+                    }
+                }
+                pen = [x, y];
+            }
             Step::Close => out.push('Z'),
             Step::Disc([x, y], r) => {
                 let (start, r, d) = (number(x - r), number(*r), number(2.0 * r));
                 put!(out, "M{start} {}a{r} {r} 0 1 1 {d} 0a{r} {r} 0 1 1 -{d} 0Z", number(*y));
             }
         }
-        after_line = matches!(step, Step::Line(_));
+        after_line = is_line;
     }
     out.push_str("\"/>\n");
 }

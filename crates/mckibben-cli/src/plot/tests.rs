@@ -180,7 +180,7 @@ fn a_fixed_axis_over_distant_data_keeps_them_inside() {
     figure.panels[0].y = Axis::new("y", "").starting_at(0.0).ending_at(1.0);
     figure.x = Axis::new("x", "").starting_at(0.5).ending_at(1.5);
     let svg = figure.to_svg(Theme::Light).unwrap();
-    let numbers = svg.split([' ', 'M', 'L', 'Z', '"']).filter_map(|s| s.parse::<f64>().ok());
+    let numbers = svg.split([' ', 'M', 'L', 'H', 'V', 'Z', '"']).filter_map(|s| s.parse::<f64>().ok());
     assert!(numbers.into_iter().all(|v| v.abs() < 1000.0));
 }
 
