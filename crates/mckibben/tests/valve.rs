@@ -176,6 +176,9 @@ fn zones_are_the_pieces_of_the_law_and_meet_at_their_bounds() {
                 let whole = valve.flow(port, &air_at(pressure, 280.0)).net();
                 // One rounding of the ratio against 1 − r ≥ 0, and the sign of zero.
                 assert_within(piece, whole, 1e-13 * valve.law.conductance() * beyond);
+                if share > 0.0 && share < 1.0 {
+                    assert_eq!(valve.law.zone(beyond, pressure), zone);
+                }
                 assert_eq!(zone.is_inward(), piece > 0.0 || (piece == 0.0 && zone == FlowZone::LaminarIn));
             }
         }

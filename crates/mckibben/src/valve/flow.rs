@@ -344,6 +344,27 @@ impl<S: Real> FlowLaw<S> {
             FlowZone::ChokedOut => (choked_out, None),
         }
     }
+
+    /// The zone that holds between a port and an actuator at these absolute pressures in Pa: up to rounding that whose
+    /// [bounds](FlowLaw::bounds) the pressure in the actuator lies between.
+    #[inline(always)]
+    pub fn zone(&self, beyond: S, pressure: S) -> FlowZone {
+        let (critical, laminar) = (self.critical_ratio().value(), self.laminar_ratio.value());
+        let (beyond, pressure) = (beyond.value(), pressure.value());
+        if pressure <= beyond {
+            match pressure {
+                _ if pressure <= critical * beyond => FlowZone::ChokedIn,
+                _ if pressure <= laminar * beyond => FlowZone::SubsonicIn,
+                _ => FlowZone::LaminarIn,
+            }
+        } else {
+            match pressure {
+                _ if laminar * pressure <= beyond => FlowZone::LaminarOut,
+                _ if critical * pressure <= beyond => FlowZone::SubsonicOut,
+                _ => FlowZone::ChokedOut,
+            }
+        }
+    }
 }
 
 /// Coefficients in rising powers of t of the polynomial through `function` at the Chebyshev points of `[−1, 1]`.

@@ -38,9 +38,18 @@ impl<R: Real> System<R> {
         let network = &self.plant.network;
         self.piping.enter_pressures(state, &mut at.network);
         for (index, branch) in network.branches.iter().enumerate() {
-            if let BranchKind::Path { .. } | BranchKind::Check { .. } | BranchKind::Loss(_) = branch.kind {
-                let pressure = [branch.from, branch.to].map(|node| at.network.nodes[node].pressure);
-                network.enter_branch(index, pressure, &mut mode.network);
+            let pressure = [branch.from, branch.to].map(|node| at.network.nodes[node].pressure);
+            match &branch.kind {
+                BranchKind::Path { law, .. } => {
+                    let is_open = network.is_open(index, &mode.network);
+                    mode.network.branches[index].zone = is_open.then(|| law.zone(pressure[0], pressure[1]));
+                }
+                BranchKind::Check { law } => {
+                    let zone = law.zone(pressure[0], pressure[1]);
+                    mode.network.branches[index].zone = Some(zone).filter(|zone| zone.is_inward());
+                }
+                BranchKind::Loss(_) => network.enter_branch(index, pressure, &mut mode.network),
+                BranchKind::Inertia(_) | BranchKind::Leak(_) | BranchKind::Compressor => {}
             }
         }
         for (i, wire) in self.wires.iter().enumerate() {
