@@ -12,7 +12,7 @@ use mckibben::load::{Load, MomentArm};
 use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
 use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
 use mckibben::simulation::{Driven, Rig};
-use mckibben::{Actuator, Error, GaugePressure};
+use mckibben::{Error, GaugePressure};
 
 impl Document {
     pub(super) fn build_plant(&self, of: PlantScenario) -> Result<PlantExperiment, Diagnostics> {

@@ -232,6 +232,7 @@ impl Rig {
     /// [`Error::Misuse`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
     /// regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
+        #[cfg(feature = "alloc")]
         if let (Some(course), false) = (&self.pressure, line.is_none()) {
             course.check(&self.actuator, &line)?;
         }
