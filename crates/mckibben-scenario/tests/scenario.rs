@@ -403,13 +403,17 @@ fn a_pressure_over_time_is_read_built_and_written() {
             "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n[command]\nkind = \"fill\"\n",
             "`valve` has no meaning where `[pressure]`",
         ),
-        ("[tendon]\nstiffness = \"10 kN/m\"\n", "is not implemented for one actuator on a tendon"),
         ("[actuator]\nleakage = \"1e-12 m^3/(s*Pa)\"\n", "a valve or a leak would change it too"),
     ] {
         let document = Document::parse(&format!("{file}{more}"), "test.toml").expect("it is TOML");
         let error = document.experiment().expect_err("a mistake").to_string();
         assert!(error.contains(words), "{error}");
     }
+    // A tendon goes with it.
+    let tendon =
+        Document::parse(&format!("{file}[tendon]\nstiffness = \"10 kN/m\"\n"), "test.toml").expect("it is TOML");
+    let rig = tendon.experiment().unwrap_or_else(|error| panic!("{error}")).rig;
+    assert!(rig.tendon().is_some() && rig.pressure_course().is_some());
     let short = file.replace(", \"3 bar\"", "");
     let error = Document::parse(&short, "test.toml").expect("it is TOML").experiment().expect_err("short").to_string();
     assert!(error.contains("equally long"), "{error}");

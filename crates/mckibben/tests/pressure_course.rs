@@ -140,5 +140,5 @@ fn what_does_not_go_together_is_refused() {
     let rig = given(&paper);
     let start = rig.start(&paper.initial()).expect("a start");
     let error = FixedStepper::new(&rig, start, Method::Stable).advance_to(1e-3).expect_err("fixed steps");
-    assert!(error.to_string().contains("is not implemented in the fixed-step engine"), "{error}");
+    assert!(error.to_string().contains("is not implemented for one actuator in the fixed-step engine"), "{error}");
 }
