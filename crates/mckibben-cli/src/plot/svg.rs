@@ -33,7 +33,10 @@ pub(super) fn document(scene: &Scene, theme: Theme) -> String {
     }
     for item in &scene.items {
         match item {
-            Item::Outline(outline) => path(&mut out, outline, theme),
+            Item::Outline(outline) => match discs(outline) {
+                Some(radius) => dots(&mut out, outline, radius, theme),
+                None => path(&mut out, outline, theme),
+            },
             Item::Words(words) => text(&mut out, words, theme),
         }
     }
@@ -51,7 +54,11 @@ fn style(scene: &Scene) -> String {
     for item in &scene.items {
         match item {
             Item::Outline(outline) => {
-                fills.extend(outline.fill.map(|f| f.ink));
+                let inks = match discs(outline) {
+                    Some(_) => &mut strokes,
+                    None => &mut fills,
+                };
+                inks.extend(outline.fill.map(|f| f.ink));
                 strokes.extend(outline.stroke.map(|s| s.ink));
             }
             Item::Words(words) => {
@@ -103,6 +110,31 @@ fn paint(out: &mut String, fill: Option<Ink>, stroke: Option<Ink>, theme: Theme)
             [('f', fill), ('s', stroke)].into_iter().filter_map(|(letter, ink)| Some(class(letter, ink?))).collect();
         put!(out, r#" class="{}""#, classes.join(" "));
     }
+}
+
+/// The radius of the discs, where an outline is nothing but filled discs of one size.
+fn discs(outline: &Outline) -> Option<f64> {
+    let Some(Step::Disc(_, radius)) = outline.steps.first() else { return None };
+    let same = outline.steps.iter().all(|step| matches!(step, Step::Disc(_, r) if r == radius));
+    (same && outline.fill.is_some() && outline.stroke.is_none()).then_some(*radius)
+}
+
+/// Discs of one size: ends of lines that have no length, a quarter of the text of two arcs.
+fn dots(out: &mut String, outline: &Outline, radius: f64, theme: Theme) {
+    let Some(fill) = outline.fill else { return };
+    out.push_str("<path");
+    paint(out, None, Some(fill.ink), theme);
+    if fill.opacity < 1.0 {
+        put!(out, r#" stroke-opacity="{}""#, number(fill.opacity));
+    }
+    put!(out, r#" stroke-width="{}" stroke-linecap="round" d=""#, number(2.0 * radius));
+    for step in &outline.steps {
+        if let Step::Disc(centre, _) = step {
+            let [x, y] = centre.map(number);
+            put!(out, "M{x} {y}h0");
+        }
+    }
+    out.push_str("\"/>\n");
 }
 
 fn path(out: &mut String, outline: &Outline, theme: Theme) {
@@ -216,6 +248,25 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Discs of one size are round ends of lines, in the colour and with the diameter of the discs; others stay arcs.
+    #[test]
+    fn discs_of_one_size_are_dots() {
+        let fill = Some(super::super::scene::Fill { ink: Ink::Category(0), opacity: 0.5 });
+        let outline = |radii: [f64; 2]| Outline {
+            steps: vec![Step::Disc([1.0, 2.0], radii[0]), Step::Disc([3.0, 4.5], radii[1])],
+            fill,
+            stroke: None,
+        };
+        let scene = |radii| Scene { items: vec![Item::Outline(outline(radii))], ..Scene::default() };
+        let dots = document(&scene([0.8, 0.8]), Theme::Light);
+        assert!(
+            dots.contains(r#"stroke-opacity="0.5" stroke-width="1.6" stroke-linecap="round" d="M1 2h0M3 4.5h0""#),
+            "{dots}"
+        );
+        let arcs = document(&scene([0.8, 0.7]), Theme::Light);
+        assert!(arcs.contains("fill-opacity") && arcs.contains("a0.7 0.7"), "{arcs}");
+    }
 
     #[test]
     fn numbers_are_short() {
