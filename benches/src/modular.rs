@@ -5,11 +5,12 @@
 //! As many actuators of the file as asked for are stepped on all cores (`RAYON_NUM_THREADS` says how many) as
 //! `benches/python/overhead.py` does: steps of 1 ms, a duty cycle and a length for each row, the ends going to and fro. The
 //! least of several repeats is printed in ns for a row; for one actuator also with what a state that is a value costs: going
-//! back to a snapshot before the step, and taking one after it.
+//! back to a snapshot before the step, and taking one after it; and as a plant whose ends a host moves (`PlantSteps::move_to`).
 
 use mckibben::control::Drive;
-use mckibben::simulation::ModularActuator;
-use mckibben::valve::{Command, Request};
+use mckibben::plant::{Plant, PlantRun};
+use mckibben::simulation::{Method, ModularActuator, Rig, State};
+use mckibben::valve::{Command, Demand, Request};
 use mckibben_scenario::Document;
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -31,9 +32,9 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     match measure(file, *count, *steps) {
-        Ok((plain, kept)) => {
-            let kept = kept.map_or_else(|| "null".into(), |kept| format!("{kept:.3}"));
-            println!("{{\"ns\": {plain:.3}, \"ns_with_snapshots\": {kept}}}");
+        Ok((plain, alone)) => {
+            let [kept, plant] = [0, 1].map(|k| alone.map_or_else(|| "null".into(), |alone| format!("{:.3}", alone[k])));
+            println!("{{\"ns\": {plain:.3}, \"ns_with_snapshots\": {kept}, \"ns_as_plant\": {plant}}}");
             ExitCode::SUCCESS
         }
         Err(text) => {
@@ -62,8 +63,8 @@ impl Row {
     }
 }
 
-/// Nanoseconds for a row's step, plainly and with snapshots before and after; the latter for a row alone only.
-fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>), String> {
+/// Nanoseconds for a row's step; for a row alone also with snapshots before and after, and as a plant.
+fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<[f64; 2]>), String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
     let experiment = document.experiment().map_err(|error| error.to_string())?;
     let Some(Command::Pwm { frequency, pulse, rest, .. }) = experiment.rig.actuation().map(|drive| &drive.command)
@@ -100,11 +101,34 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>),
         black_box(&tension);
         least = least.min(1e9 * spent / (count * steps) as f64);
     }
-    let kept = match rows.as_slice() {
-        [row] => Some(with_snapshots(&actuator, row, steps, drive).map_err(|error| error.to_string())?),
+    let alone = match rows.as_slice() {
+        [row] => {
+            let demand = Demand::Pulses { frequency: *frequency, duty: row.duty, pulse, rest };
+            let both = with_snapshots(&actuator, row, steps, drive)
+                .and_then(|kept| Ok([kept, as_plant(&experiment.rig, &experiment.start, row, steps, demand)?]));
+            Some(both.map_err(|error| error.to_string())?)
+        }
         _ => None,
     };
-    Ok((least, kept))
+    Ok((least, alone))
+}
+
+/// The actuator as a plant whose ends a host moves. Its pulses are set once: they come from the first on until it is set anew.
+fn as_plant(rig: &Rig, start: &State, row: &Row, steps: usize, demand: Demand) -> Result<f64, mckibben::Error> {
+    let (plant, start) = Plant::of_rig(rig).to_external(&Plant::start_of_rig(rig, start))?;
+    let begun = PlantRun::new(&plant, &start, 1e-9)?.steps(Method::Stable);
+    let mut least = f64::INFINITY;
+    for _ in 0..REPEATS {
+        let mut host = begun.clone();
+        host.set(0, demand)?;
+        let began = Instant::now();
+        for step in 0..steps {
+            host.move_to(host.time() + STEP, &[row.length[step % 2]])?;
+            black_box(host.compute(0)?.tension);
+        }
+        least = least.min(1e9 * began.elapsed().as_secs_f64() / steps as f64);
+    }
+    Ok(least)
 }
 
 /// The same of one actuator whose state somebody else keeps.

@@ -15,6 +15,7 @@ use crate::simulation::timetable::Timetable;
 use crate::simulation::{Method, Rig, Sample};
 #[cfg(feature = "alloc")]
 use crate::{
+    actuator::Response,
     command::{Driver, PlantMeasurement},
     plant::{
         Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory, TimeStepping,
@@ -87,6 +88,12 @@ entry_points! {
     #[cfg(feature = "alloc")]
     fn advance_plant_steps(steps: &mut PlantSteps<Self>, until: Self) -> Result<(), Error> =
         steps.generic_advance_to(until);
+    #[cfg(feature = "alloc")]
+    fn move_plant_steps(steps: &mut PlantSteps<Self>, until: Self, distances: &[Self]) -> Result<(), Error> =
+        steps.generic_move_to(until, distances);
+    #[cfg(feature = "alloc")]
+    fn compute_plant_steps(steps: &mut PlantSteps<Self>, actuator: usize) -> Result<Response<Self>, Error> =
+        steps.generic_compute(actuator);
     #[cfg(feature = "alloc")]
     fn record_plant_run(
         run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>

@@ -92,7 +92,8 @@ limits! {
     PRESSURE_LINEAR: "a linear model by `linearize`",
         "of an actuator on a tendon whose pressure is given and that has no viscous friction",
         "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";
-    MODULAR_TENDON: "a tendon in series", "in a modular actuator", "make a TendonActuator, or leave out [tendon]";
+    MODULAR_TENDON: "a tendon in series", "in a modular actuator",
+        "move the ends of a plant with an external mechanism by `PlantSteps`, or leave out [tendon]";
     MODULAR_VALVE: "a pressure regulator or a proportional spool", "as the valve of a modular actuator",
         "choose a valve with seats such as valve.kind = \"three-way\"";
     BEGIN_MOTION: "a beginning in the middle of a run", "for a load whose motion is given from t = 0",

@@ -21,6 +21,7 @@ mod plant_control;
 mod plant_dead_time;
 mod plant_ends;
 mod plant_given_tendon;
+mod plant_host;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]

@@ -43,7 +43,6 @@ mod regulated_rig;
 mod row_by_row;
 mod run;
 mod segments;
-mod series_tendon;
 mod simulation;
 mod snapshot;
 mod solenoid;

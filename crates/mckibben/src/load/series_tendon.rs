@@ -13,7 +13,7 @@
 //!
 //! It has no mass and no loss, and it only pulls: let go, it hangs loose.
 //!
-//! Source: Hooke. Checked by `tests/series_tendon.rs` and `tests/tendon_rig.rs`.
+//! Source: Hooke. Checked by `tests/plant_host.rs` and `tests/tendon_rig.rs`.
 
 use crate::actuator::Actuator;
 use crate::convert::Convert;

@@ -49,7 +49,7 @@ pub struct ValveMode<R> {
 }
 
 /// The discrete state of a network.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct NetworkMode<R> {
     /// Of each branch.
     pub branches: Vec<BranchMode>,
@@ -57,6 +57,21 @@ pub struct NetworkMode<R> {
     pub nodes: Vec<NodeMode>,
     /// Of each valve.
     pub valves: Vec<ValveMode<R>>,
+}
+
+impl<R: Clone> Clone for NetworkMode<R> {
+    fn clone(&self) -> Self {
+        let Self { branches, nodes, valves } = self;
+        Self { branches: branches.clone(), nodes: nodes.clone(), valves: valves.clone() }
+    }
+
+    /// Takes on another mode in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { branches, nodes, valves } = self;
+        branches.clone_from(&source.branches);
+        nodes.clone_from(&source.nodes);
+        valves.clone_from(&source.valves);
+    }
 }
 
 impl<R: Real> Network<R> {

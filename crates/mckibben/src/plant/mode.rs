@@ -31,7 +31,7 @@ pub struct ActuatorMode<R = f64> {
 }
 
 /// The discrete state of a mechanism.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct MechanismMode {
     /// Whether friction holds all of its coordinates.
     pub frozen: bool,
@@ -47,8 +47,25 @@ pub struct MechanismMode {
     pub(crate) corners_passed: usize,
 }
 
+impl Clone for MechanismMode {
+    fn clone(&self) -> Self {
+        let Self { frozen, stops, foot, basis, facets, corners_passed } = self;
+        let (stops, basis, facets) = (stops.clone(), basis.clone(), facets.clone());
+        Self { frozen: *frozen, stops, foot: *foot, basis, facets, corners_passed: *corners_passed }
+    }
+
+    /// Takes on another mode in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { frozen, stops, foot, basis, facets, corners_passed } = self;
+        (*frozen, *foot, *corners_passed) = (source.frozen, source.foot, source.corners_passed);
+        stops.clone_from(&source.stops);
+        basis.clone_from(&source.basis);
+        facets.clone_from(&source.facets);
+    }
+}
+
 /// The discrete state of a plant.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct PlantMode<R: Real = f64> {
     /// Of each actuator.
     pub actuators: Vec<ActuatorMode<R>>,
@@ -60,6 +77,24 @@ pub struct PlantMode<R: Real = f64> {
     pub(crate) arms: Vec<usize>,
     /// The drivers, with what their controllers remember.
     pub drivers: Vec<Driver<R>>,
+}
+
+impl<R: Real> Clone for PlantMode<R> {
+    fn clone(&self) -> Self {
+        let Self { actuators, mechanisms, network, arms, drivers } = self;
+        let (actuators, mechanisms, network) = (actuators.clone(), mechanisms.clone(), network.clone());
+        Self { actuators, mechanisms, network, arms: arms.clone(), drivers: drivers.clone() }
+    }
+
+    /// Takes on another mode in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { actuators, mechanisms, network, arms, drivers } = self;
+        actuators.clone_from(&source.actuators);
+        mechanisms.clone_from(&source.mechanisms);
+        network.clone_from(&source.network);
+        arms.clone_from(&source.arms);
+        drivers.clone_from(&source.drivers);
+    }
 }
 
 impl<R: Real> System<R> {

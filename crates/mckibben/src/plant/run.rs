@@ -18,12 +18,27 @@ use alloc::vec::Vec;
 /// Where a run of a plant is: its states, its discrete state with what its drivers remember, and how it was going.
 ///
 /// It is a value: a run can be restored to it as often as wanted, and goes on to the same bits.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct PlantSnapshot<R: Real = f64> {
     time: R,
     state: Vec<R>,
     mode: PlantMode<R>,
     pace: Pace,
+}
+
+impl<R: Real> Clone for PlantSnapshot<R> {
+    fn clone(&self) -> Self {
+        let Self { time, state, mode, pace } = self;
+        Self { time: *time, state: state.clone(), mode: mode.clone(), pace: *pace }
+    }
+
+    /// Takes on another snapshot in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { time, state, mode, pace } = self;
+        (*time, *pace) = (source.time, source.pace);
+        state.clone_from(&source.state);
+        mode.clone_from(&source.mode);
+    }
 }
 
 impl<R: Real> PlantSnapshot<R> {
@@ -85,7 +100,13 @@ impl<R: Real> PlantSnapshot<R> {
     }
 
     /// As [`PlantRun::set_rates`].
-    pub(super) fn set_rates(&mut self, system: &System<R>, mechanism: usize, rates: &[R]) -> Result<(), Error> {
+    pub(super) fn set_rates(
+        &mut self,
+        system: &System<R>,
+        mechanism: usize,
+        rates: &[R],
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
         let plant = &*system.plant;
         let external = matches!(plant.mechanisms.get(mechanism), Some(crate::mechanism::Mechanism::External { .. }));
         if !external {
@@ -105,8 +126,7 @@ impl<R: Real> PlantSnapshot<R> {
         }
         rates.iter().try_for_each(|rate| parameter::INITIAL_VELOCITY.check(rate.value()).map(drop))?;
         self.state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(rates);
-        let mut at = Evaluation::new(plant);
-        system.enter_given_motion(mechanism, self.time, &mut self.state, &mut self.mode, &mut at);
+        system.enter_given_motion(mechanism, self.time, &mut self.state, &mut self.mode, at);
         Ok(())
     }
 
@@ -305,7 +325,8 @@ impl<R: Real> PlantRun<R> {
     }
 
     pub(crate) fn generic_set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        self.reached.set_rates(&self.system, mechanism, rates)
+        let mut at = Evaluation::new(self.plant());
+        self.reached.set_rates(&self.system, mechanism, rates, &mut at)
     }
 
     /// Goes on to `until` in s; nothing where that has been reached.

@@ -43,8 +43,6 @@ mod regulated;
 pub(crate) mod rig;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
-mod series_tendon;
-#[cfg(feature = "alloc")]
 mod snapshot;
 #[cfg(feature = "alloc")]
 mod stepper;
@@ -79,8 +77,6 @@ pub use pressure_course::PressureCourse;
 pub use reading::{Readable, Reading};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
-#[cfg(feature = "alloc")]
-pub use series_tendon::TendonActuator;
 #[cfg(feature = "alloc")]
 pub use snapshot::Snapshot;
 #[cfg(feature = "alloc")]

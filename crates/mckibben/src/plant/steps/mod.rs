@@ -12,12 +12,14 @@
 //! | the end of a mode | is located by the method's own step: [`part`] |
 //! | more air than there is | shorter steps by backward Euler: [`method`] |
 //! | what is stiff | a linear system over what it is in: [`implicit`] |
+//! | ends that a host moves | [`host`] |
 //!
 //! What error a step leaves is in `docs/accuracy.md`.
 //!
 //! Checked by `tests/plant_steps.rs`: against the event-located engine, by the order of the error in the step.
 
 mod accuracy;
+mod host;
 mod implicit;
 mod method;
 mod part;
@@ -131,6 +133,10 @@ pub struct PlantSteps<R: Real = f64> {
     method: Method,
     reached: PlantSnapshot<R>,
     work: Workspace<R>,
+    /// Where a move began, to return there if it fails.
+    before: PlantSnapshot<R>,
+    /// In s; infinite where moves are not divided.
+    longest_part: f64,
 }
 
 impl<R: Real> PlantRun<R> {
@@ -145,7 +151,8 @@ impl<R: Real> PlantSteps<R> {
         let system = System::new(run.shared_plant(), NARROW);
         let reached = run.save();
         let work = Workspace::new(run.plant());
-        Self { system, method, reached, work }
+        let before = reached.clone();
+        Self { system, method, reached, work, before, longest_part: f64::INFINITY }
     }
 
     /// The plant.
@@ -194,7 +201,8 @@ impl<R: Real> PlantSteps<R> {
     /// # Errors
     /// As [`PlantRun::set_rates`].
     pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        self.reached.set_rates(&self.system, mechanism, rates)
+        let Self { system, reached, work, .. } = self;
+        reached.set_rates(system, mechanism, rates, &mut work.at)
     }
 
     /// Goes on to `until` in s in one step, divided where something switches; nothing where that has been reached.
@@ -212,7 +220,7 @@ impl<R: Real> PlantSteps<R> {
             return Ok(());
         }
         parameter::DURATION.check(span)?;
-        let Self { system, method, reached, work } = self;
+        let Self { system, method, reached, work, .. } = self;
         reached.pulse(&system.plant, until)?;
         let done = part::advance(system, *method, reached, until, work, None);
         if done.is_err() {

@@ -45,9 +45,10 @@ pub(super) struct Workspace<R: Real> {
     has_guards: bool,
     /// Those of the guards that are below zero at the end, and their values at the beginning.
     violated: Vec<(usize, R)>,
-    /// Where the step began, to return there if it fails: the mode once it has changed.
+    /// Where the step began, to return there if it fails: the mode once it has changed, in memory that is kept.
     begun: (R, Vec<R>),
     mode_begun: Option<PlantMode<R>>,
+    has_mode_begun: bool,
     pub(super) statistics: Statistics,
     /// The part as a polynomial, for those that keep it.
     arc: Arc<R>,
@@ -65,6 +66,7 @@ impl<R: Real> Workspace<R> {
             violated: Vec::new(),
             begun: (R::zero(), vec![R::zero(); states]),
             mode_begun: None,
+            has_mode_begun: false,
             statistics: Statistics::default(),
             arc: Arc::new(states),
         }
@@ -73,8 +75,11 @@ impl<R: Real> Workspace<R> {
     /// Notes that a mode is about to change.
     fn mode_changes(&mut self, mode: &PlantMode<R>) {
         self.has_guards = false;
-        if self.mode_begun.is_none() {
-            self.mode_begun = Some(mode.clone());
+        if !core::mem::replace(&mut self.has_mode_begun, true) {
+            match &mut self.mode_begun {
+                Some(begun) => begun.clone_from(mode),
+                None => self.mode_begun = Some(mode.clone()),
+            }
         }
     }
 
@@ -83,8 +88,8 @@ impl<R: Real> Workspace<R> {
         let (time, state, mode) = reached.parts();
         *time = self.begun.0;
         state.copy_from_slice(&self.begun.1);
-        if let Some(begun) = self.mode_begun.take() {
-            *mode = begun;
+        if let Some(begun) = self.mode_begun.as_ref().filter(|_| self.has_mode_begun) {
+            mode.clone_from(begun);
         }
     }
 }
@@ -101,7 +106,7 @@ pub(super) fn advance<R: Real>(
     let (time, state, mode) = reached.parts();
     work.begun.0 = *time;
     work.begun.1.copy_from_slice(state);
-    (work.mode_begun, work.has_guards) = (None, false);
+    (work.has_mode_begun, work.has_guards) = (false, false);
     loop {
         let instant = system.next_instant(mode, until);
         let target = instant.map_or(until, |instant| if instant.lt(until) { instant } else { until });

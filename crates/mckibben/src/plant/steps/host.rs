@@ -1,0 +1,247 @@
+//! The external mechanism in a loop of one's own: where the ends are, in; tensions, out.
+//!
+//! ```text
+//! set       what a valve does from now on
+//! move_to   all ends that a host moves go in straight lines to where they are at the end of the step; air, valves, hoses,
+//!           tendons, friction and controllers follow, with every event at its instant within the step
+//! compute   the tension of an actuator and its derivatives, while its ends move as they do now
+//!
+//! set_rates   how fast the ends move from now on
+//! save        where everything is
+//! restore     back to there, as for a step that is only tried
+//! limit_step  the longest part of a step that is taken in one go
+//! ```
+//!
+//! A robot's simulator knows how long each actuator is and wants to know how hard it pulls; everything else is kept here, for
+//! any number of actuators with the network that they share. What moves by itself, such as a mass beside them, goes on by its
+//! own forces.
+//!
+//! A host asks for the tensions where the ends are, takes its own step with them, and moves the ends to where they are then. A
+//! host that moves first, to where the ends were, has tensions that lag its lengths by a step, which makes a stiff end
+//! unstable.
+//!
+//! ```
+//! use mckibben::plant::{Plant, PlantRun, PlantStart};
+//! use mckibben::simulation::Method;
+//! use mckibben::valve::Request;
+//!
+//! # fn lifts(plant: &Plant, start: &PlantStart) -> Result<(), mckibben::Error> {
+//! let mut steps = PlantRun::new(plant, start, 1e-6)?.steps(Method::Stable);
+//! steps.set(0, Request::Fill)?;
+//! let (mass, step, mut velocity) = (2.0, 1e-3, 0.0);
+//! let mut distance = steps.state()[plant.places().mechanisms[0].position(0)];
+//! for count in 1..=1000 {
+//!     velocity += (9.81 - steps.compute(0)?.tension / mass) * step;
+//!     distance += velocity * step;
+//!     steps.move_to(f64::from(count) * step, &[distance])?;
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! At rest the dry friction of (12) is set-valued and the response has its middle, zero: a load that it would hold creeps,
+//! until whoever owns the load treats it as stuck. An actuator on an elastic tendon sticks by itself.
+//!
+//! Source: Colbrunn, Nelson & Quinn (2001), section 4, the modular actuator. Checked by `tests/plant_host.rs`.
+
+use super::super::run::PlantRun;
+use super::super::sample::ActuatorSample;
+use super::super::{Mounted, Plant, PlantStart};
+use super::{NARROW, PlantSteps, part};
+use crate::actuator::Response;
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::mechanism::{Coupling, Mechanism};
+use crate::parameter;
+use crate::scalar::{Over, Real};
+use crate::simulation::{MOST_PARTS, Method, Sliding};
+use alloc::vec;
+
+/// A part that is this much longer than the longest is as long.
+const ROUNDING: f64 = 1e-9;
+
+impl Plant {
+    /// The plant with one external mechanism in place of all of its own, and its start: a host moves the ends of each
+    /// actuator, whose distance is the coordinate of its index.
+    ///
+    /// # Errors
+    /// As [`PlantRun::new`].
+    pub fn to_external(&self, start: &PlantStart) -> Result<(Plant, PlantStart), Error> {
+        let at_start = PlantRun::new(self, start, NARROW)?.steps(Method::Stable).sample();
+        let count = self.actuators().len();
+        let mounted = self.actuators().iter().enumerate().map(|(coordinate, mounted)| Mounted {
+            mechanism: 0,
+            coupling: Coupling::Direct { coordinate },
+            ..mounted.clone()
+        });
+        let plant =
+            Plant::new(mounted.collect(), self.network().clone(), vec![Mechanism::External { distances: count }])?;
+        let of_each = |value: fn(&ActuatorSample) -> f64| vec![at_start.actuators.iter().map(value).collect()];
+        let (positions, rates) = (of_each(|its| its.distance), of_each(|its| its.rate));
+        Ok((plant, PlantStart { positions, rates, ..start.clone() }))
+    }
+}
+
+impl<R: Real> PlantSteps<R> {
+    /// Divides every step from now on into equal parts no longer than `longest` in s; infinity leaves steps whole. Along them
+    /// the distances are interpolated linearly, so that a host with long steps has the air of one with short steps.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless `longest` is above zero. Then nothing has changed.
+    pub fn limit_step(&mut self, longest: f64) -> Result<(), Error> {
+        if longest != f64::INFINITY {
+            parameter::STEP.check(longest)?;
+        }
+        self.longest_part = longest;
+        Ok(())
+    }
+
+    /// The ends of all external mechanisms go in straight lines to `distances` in m at `until` in s: one distance for each
+    /// coordinate, in the order of the mechanisms.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] for a time that is not later than the last, and for more than [`MOST_PARTS`] parts;
+    /// [`Error::Table`] unless there is one distance for each coordinate; [`Error::OutOfRange`] for a number that is not
+    /// finite; [`Error::Stopped`] when the plant leaves the physics. The steps then stay where they were.
+    pub fn move_to(&mut self, until: R, distances: &[R]) -> Result<(), Error> {
+        R::move_plant_steps(self, until, distances)
+    }
+
+    pub(crate) fn generic_move_to(&mut self, until: R, distances: &[R]) -> Result<(), Error> {
+        let from = self.time();
+        let span = until - from;
+        if !from.lt(until) {
+            return Err(Error::Misuse {
+                what: "the ends of actuators cannot be moved back in time or in no time",
+                remedy: "give a time later than the last",
+            });
+        }
+        parameter::DURATION.check(span.value())?;
+        let parts = span.value() / self.longest_part - ROUNDING;
+        if parts > MOST_PARTS {
+            return Err(Error::Misuse {
+                what: "a step has more than ten million parts",
+                remedy: "take a shorter step, or longer parts",
+            });
+        }
+        self.check_moves(span, distances)?;
+        self.before.clone_from(&self.reached);
+        let moved = self.go_along(from, span, parts as u64 + 1, distances);
+        if moved.is_err() {
+            self.reached.clone_from(&self.before);
+        }
+        moved
+    }
+
+    /// That there is one distance for each coordinate that a host moves, and that it can be reached.
+    fn check_moves(&self, span: R, distances: &[R]) -> Result<(), Error> {
+        let places = &self.plant().places().mechanisms;
+        let mut left = distances.iter();
+        let mut count = 0;
+        for (mechanism, here) in self.plant().mechanisms().iter().zip(places) {
+            if !matches!(mechanism, Mechanism::External { .. }) {
+                continue;
+            }
+            count += here.coordinates;
+            for (k, distance) in (0..here.coordinates).zip(left.by_ref()) {
+                let rate = (*distance - self.state()[here.position(k)]) / span;
+                parameter::INITIAL_VELOCITY.check(rate.value())?;
+            }
+        }
+        if count == distances.len() {
+            return Ok(());
+        }
+        Err(Error::Table {
+            name: "distances",
+            problem: "there is not one distance for each coordinate of the external mechanisms",
+            entry: distances.len().min(count) + 1,
+            remedy: "give as many distances as the external mechanisms have coordinates",
+        })
+    }
+
+    /// Sets all rates and goes on, in so many parts, to where the distances are.
+    fn go_along(&mut self, from: R, span: R, parts: u64, distances: &[R]) -> Result<(), Error> {
+        let Self { system, method, reached, work, .. } = self;
+        let plant = &*system.plant;
+        let of_host = || {
+            let mechanisms = plant.mechanisms().iter().zip(&plant.places().mechanisms).enumerate();
+            mechanisms.filter(|(_, (mechanism, _))| matches!(mechanism, Mechanism::External { .. }))
+        };
+        let mut first = 0;
+        for (m, (_, here)) in of_host() {
+            let (time, state, mode) = reached.parts();
+            for k in 0..here.coordinates {
+                state[here.rate(k)] = (distances[first + k] - state[here.position(k)]) / span;
+            }
+            first += here.coordinates;
+            system.enter_given_motion(m, *time, state, mode, &mut work.at);
+        }
+        for part in 1..=parts {
+            let end = if part == parts { from + span } else { from + span * R::constant(part as f64 / parts as f64) };
+            reached.pulse(plant, end)?;
+            part::advance(system, *method, reached, end, work, None)?;
+        }
+        // They are there exactly, so that nothing adds up over many steps.
+        let mut first = 0;
+        for (_, (_, here)) in of_host() {
+            let (_, state, _) = reached.parts();
+            state[here.first..here.first + here.coordinates]
+                .copy_from_slice(&distances[first..first + here.coordinates]);
+            first += here.coordinates;
+        }
+        Ok(())
+    }
+
+    /// The tension of an actuator, its derivatives over the distance, its rate and the pressure, and the rates of its air,
+    /// while its ends move as they do now. On a tendon the length of the actuator is a state, and the derivative over the
+    /// distance is the tendon's stiffness.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] when there is no such actuator.
+    pub fn compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
+        R::compute_plant_steps(self, actuator)
+    }
+
+    pub(crate) fn generic_compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
+        let Self { system, reached, work, .. } = self;
+        let (time, state, mode) = reached.parts();
+        let Some(mounted) = system.plant.actuators().get(actuator) else {
+            return Err(Error::Misuse {
+                what: "an actuator is asked for that is not there",
+                remedy: "name one of the plant's actuators, counted from zero",
+            });
+        };
+        system.enter_pieces(*time, state, mode, &mut work.at);
+        system.evaluate(*time, state, mode, &mut work.at);
+        system.share_tensions(mounted.mechanism, state, mode, &mut work.at);
+        let (unit, chamber, its) = (work.at.units[actuator], work.at.chambers[actuator], &mode.actuators[actuator]);
+        let slopes = match &mounted.tendon {
+            Some(_) if its.loose => [R::zero(); 3],
+            Some(tendon) => [tendon.stiffness(), R::zero(), R::zero()],
+            None => {
+                let mut sliding = its.mode;
+                if sliding.sliding == Sliding::Stuck {
+                    sliding.sliding = Sliding::Frictionless;
+                }
+                let ends: [Dual<R, 3>; 3] = [
+                    Dual::variable(unit.length, 0),
+                    Dual::variable(unit.velocity, 1),
+                    Dual::variable(chamber.pressure, 2),
+                ];
+                let bristles = system.bristles(actuator, state).map(<Dual<R, 3> as Over<R>>::of);
+                system.wires[actuator].member.tension(ends, &sliding, (&its.trace, bristles)).slope
+            }
+        };
+        let air = mounted.actuator.air();
+        Ok(Response {
+            tension: unit.tension.larger(R::zero()),
+            per_length: slopes[0],
+            per_velocity: slopes[1],
+            per_pressure: slopes[2],
+            pressure_rate: unit.pressure_rate,
+            mass_flow: unit.flow.net(),
+            temperature: air.temperature(&chamber),
+            volume: chamber.volume,
+        })
+    }
+}
