@@ -173,12 +173,6 @@ impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
         self.valve.as_ref()
     }
 
-    /// The valve, to be fed at another pressure.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn valve_mut(&mut self) -> Option<&mut Valve<S>> {
-        self.valve.as_mut()
-    }
-
     /// Gauge pressure at an absolute pressure in Pa.
     #[inline(always)]
     pub fn gauge<T: Over<S>>(&self, pressure: T) -> GaugePressure<T> {

@@ -81,6 +81,7 @@ mod actuator;
 mod braid;
 mod convert;
 mod dual;
+mod equilibrium;
 mod error;
 mod instantiate;
 mod nested;

@@ -262,6 +262,53 @@ fn actuators_on_one_bottle_are_one_system() {
     assert!(errors[1] < errors[0] / 3.0 && errors[2] < errors[1] / 6.0 && errors[2] < 2e-4, "{errors:?}");
 }
 
+/// Valves that only fill let nothing out: bottle and chambers hold the air that was there, wherever it has gone.
+#[test]
+fn no_air_is_lost_between_the_bottle_and_what_it_fills() {
+    let (plant, start, bottle) = on_a_bottle();
+    let mut host = steps(&plant, &start);
+    let places = plant.places();
+    let tank = places.nodes[bottle].expect("a state");
+    let NodeKind::Reservoir(reservoir) = &plant.network().nodes[bottle].kind else { panic!("it is a bottle") };
+    // What a unit of air adds to the pressure of the bottle is a constant.
+    let per_mass = reservoir.pressure_rate(1.0);
+    let content =
+        |state: &[f64]| state[tank] / per_mass + places.actuators.iter().map(|here| state[here.mass()]).sum::<f64>();
+    let (all, full) = (content(host.state()), host.state()[tank]);
+    for valve in 0..3 {
+        host.set(valve, Request::Fill).expect("a request");
+    }
+    for count in 1..=300 {
+        let (_, distances) = asked(count - 1);
+        host.move_to(f64::from(count) * 1e-3, &distances).expect("a step");
+        assert_close(content(host.state()), all, 1e-12);
+    }
+    assert!(host.state()[tank] < full - 2e4, "the bottle has given air");
+}
+
+/// A rest distance is the longest at which an actuator on its tendon does not pull.
+#[test]
+fn an_actuator_does_not_pull_up_to_its_rest_distance() {
+    let (paper, tendon) = (Paper::sealed().gauge(2e5), SeriesTendon::new(5e4, 0.04).expect("a tendon"));
+    let (plant, mut start) = sealed(&[paper], Some(tendon), external(1));
+    start.lengths = vec![None];
+    let rest = plant.rest_distance(0, GaugePressure(2e5)).expect("a distance");
+    for (beyond, pulls) in [(-1e-4, false), (1e-4, true)] {
+        start.positions = vec![vec![rest + beyond]];
+        let tension = steps(&plant, &start).compute(0).expect("one").tension;
+        assert_eq!(tension > 0.0, pulls, "{tension} N at {beyond} m beyond");
+    }
+    let bare = Plant::new(
+        vec![Mounted { tendon: None, ..plant.actuators()[0].clone() }],
+        plant.network().clone(),
+        vec![external(1)],
+    );
+    let alone = bare.expect("a plant").rest_distance(0, GaugePressure(2e5)).expect("a length");
+    assert_close(rest - alone, 0.04, 1e-12);
+    assert!(matches!(plant.rest_distance(1, GaugePressure(2e5)), Err(Error::Misuse { .. })));
+    assert!(plant.rest_distance(0, GaugePressure(-2e5)).is_err(), "no air has less than no pressure");
+}
+
 /// What moved by itself, moved by a host to where it went: the air is that of the run.
 #[test]
 fn any_plant_becomes_one_whose_ends_a_host_moves() {

@@ -33,7 +33,6 @@ mod line_step;
 mod line_study;
 mod line_supply;
 mod lugre;
-mod manifold;
 mod modular;
 mod pressure_course;
 mod properties;

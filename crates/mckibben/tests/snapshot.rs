@@ -98,7 +98,6 @@ fn what_has_gone_through_numbers_goes_on_to_the_same_bits() {
             step(&mut one, count);
             step(&mut other, count);
             assert_eq!(other.sample(), one.sample(), "rig {number}, step {count}");
-            assert_eq!((other.drawn(), other.exhausted()), (one.drawn(), one.exhausted()));
         }
     }
 }

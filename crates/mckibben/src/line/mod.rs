@@ -15,8 +15,8 @@
 //! | [`Regulator`] | droop, dead band and lag: one state | both engines, batches |
 //!
 //! [`Tube`] is the friction law of a hose and [`linear`] the closed form that a distributed hose approaches.
-//! `docs/air-line.md` says when to choose what. In a loop of one's own a
-//! [`Manifold`](crate::simulation::Manifold) of reservoir, compressor and regulator feeds several actuators that differ.
+//! `docs/air-line.md` says when to choose what. Several actuators
+//! on one supply are a [plant](crate::plant).
 
 mod friction;
 mod hose;

@@ -7,12 +7,10 @@
 //! ```
 //!
 //! Order 2 between the motions of seats. The step has to resolve what is stiff in the leg, the belt and the stops, not the
-//! air. Dry friction of the actuators has its middle at rest ([`ModularActuator`]); hysteresis holds. A [`Manifold`] holds
-//! its pressure over a step, and what depends on it has order 1.
+//! air. Dry friction of the actuators has its middle at rest ([`ModularActuator`]); hysteresis holds.
 //!
-//! Checked by `tests/leg.rs` and `tests/manifold.rs`.
+//! Checked by `tests/leg.rs`.
 
-use super::manifold::Manifold;
 use super::modular::ModularActuator;
 use super::rig::{Initial, InitialLength, Rig, State};
 use super::sample::Sample;
@@ -29,7 +27,6 @@ pub struct LegStepper<R: Real<Time = R> = f64> {
     leg: Leg<R>,
     state: LegState<R>,
     actuators: [ModularActuator<R>; STRANDS],
-    manifold: Option<Manifold<R>>,
 }
 
 /// What is known of a leg at an instant.
@@ -69,7 +66,7 @@ impl LegStepper {
             ModularActuator::new(rig, start, pulse_frequency)
         };
         let actuators = [begin(0)?, begin(1)?, begin(2)?, begin(3)?, begin(4)?, begin(5)?];
-        Ok(Self { leg, state, actuators, manifold: None })
+        Ok(Self { leg, state, actuators })
     }
 }
 
@@ -92,21 +89,6 @@ impl<R: Real<Time = R>> LegStepper<R> {
     /// The actuators.
     pub fn actuators(&self) -> &[ModularActuator<R>; STRANDS] {
         &self.actuators
-    }
-
-    /// The same leg whose six valves one manifold feeds, in place of each rig's own supply.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] for a strand without a valve, and for a manifold that is at another time than the leg.
-    pub fn with_manifold(mut self, manifold: Manifold<R>) -> Result<Self, Error> {
-        manifold.feed(&mut self.actuators)?;
-        self.manifold = Some(manifold);
-        Ok(self)
-    }
-
-    /// What feeds the valves, if they share a supply.
-    pub fn manifold(&self) -> Option<&Manifold<R>> {
-        self.manifold.as_ref()
     }
 
     /// What is asked of each valve from now on.
@@ -140,7 +122,7 @@ impl<R: Real<Time = R>> LegStepper<R> {
     /// Goes on to `until` s, later than the time that has been reached, in one step.
     ///
     /// # Errors
-    /// As [`ModularActuator::move_to`] and [`Manifold::serve`].
+    /// As [`ModularActuator::move_to`].
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         let step = until - self.time();
         let half = R::constant(0.5) * step;
@@ -150,9 +132,6 @@ impl<R: Real<Time = R>> LegStepper<R> {
         let angles = ahead(angles, step, halfway);
         for (actuator, length) in self.actuators.iter_mut().zip(self.leg.lengths(&angles)) {
             actuator.move_to(until, length)?;
-        }
-        if let Some(manifold) = &mut self.manifold {
-            manifold.serve(until, &mut self.actuators)?;
         }
         let foreseen = ahead(rates, step, first);
         let arrived = LegState { angles, rates: foreseen };

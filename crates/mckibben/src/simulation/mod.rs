@@ -11,8 +11,8 @@
 //! [driver](crate::plant::RigPlant::driver), and the second is a [`ControlledStepper`]. Whatever goes through time at fixed
 //! steps is a [`Stepper`].
 //!
-//! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop,
-//! and a [`Manifold`] feeds several that are unlike from one supply.
+//! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop.
+//! Several on one supply are a [plant](crate::plant) whose ends a host [moves](crate::plant::PlantSteps::move_to).
 
 #[cfg(feature = "alloc")]
 pub mod accuracy;
@@ -27,8 +27,6 @@ pub(crate) mod joint;
 pub(crate) mod kernel;
 #[cfg(feature = "alloc")]
 mod leg;
-#[cfg(feature = "alloc")]
-mod manifold;
 #[cfg(feature = "alloc")]
 pub(crate) mod member;
 mod mode;
@@ -68,8 +66,6 @@ pub use joint::{Driven, Fittings, InitialAngle, JointInitial, JointRig, JointSta
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
 pub use leg::{LegSample, LegStepper};
-#[cfg(feature = "alloc")]
-pub use manifold::{Manifold, ManifoldState};
 pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
 #[cfg(feature = "alloc")]
 pub use modular::{MOST_PARTS, ModularActuator};

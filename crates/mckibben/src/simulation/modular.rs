@@ -7,9 +7,6 @@
 //!           step ends belongs to the next, so that a command that is given there comes before it
 //! respond   the tension and its derivatives there
 //!
-//! feed      the pressure that comes to the valve from now on
-//! drawn     the air that the last step took from the supply
-//!
 //! limit_step    the longest part of a step that the air is integrated over in one go
 //! rest_length   the length at which it pulls nothing
 //!
@@ -50,23 +47,14 @@
 //! until whoever owns the load treats it as stuck. A Maxwell-slip hysteresis holds by itself. Requests take effect without the
 //! delay of a hose.
 //!
-//! Several on one supply are fed by a [`Manifold`](super::Manifold). For that a step keeps account of the air, from instant
-//! to instant, with the air A of actuator and hose:
+//! Several on one supply are a [plant](crate::plant) whose ends a host [moves](crate::plant::PlantSteps::move_to).
 //!
-//! | open in the part | drawn from the supply |
-//! |---|---|
-//! | the passage to the supply alone | `ΔA` + what leaked, by the trapezoid of its ends |
-//! | both passages | the trapezoid of the flow through that passage |
-//! | neither, or that to the surroundings alone | nothing |
-//!
-//! Whatever of it is not in `ΔA` is exhausted, so that no air is lost.
-//!
-//! Checked by `tests/modular.rs` and `tests/manifold.rs`.
+//! Checked by `tests/modular.rs`.
 
 use super::course::Course;
 use super::fixed_step::{Walk, stepped};
-use super::kernel::{Held, Method};
-use super::piped::{Stepped, of_rig};
+use super::kernel::Method;
+use super::piped::of_rig;
 use super::rig::{Rig, State};
 use super::sample::Sample;
 use super::snapshot::Snapshot;
@@ -76,11 +64,10 @@ use crate::control::{Drive, Modulator};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::load::Line;
-use crate::numbered::Row;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Real;
-use crate::valve::{Ports, Request, below_vacuum, is_due};
+use crate::valve::{Ports, Request, is_due};
 
 /// One actuator with its air, its valve and its air line, whose ends somebody else moves.
 #[derive(Clone, Debug)]
@@ -91,7 +78,6 @@ pub struct ModularActuator<R: Real<Time = R> = f64> {
     pulse_frequency: R,
     /// In s; infinite where steps are not divided.
     longest_part: R,
-    exchange: Exchange<R>,
 }
 
 /// Parts of a step, and edges of pulses within it, at most: more would take minutes, and nobody means them.
@@ -101,15 +87,8 @@ const MOST_PULSES: f64 = 9e15;
 /// A part that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
 
-/// Air in kg that a step took from the supply and gave to the surroundings.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Exchange<R> {
-    drawn: R,
-    exhausted: R,
-}
-
 /// Where an actuator is, to go back to.
-pub(super) type Place<R> = (Walk<R>, Modulator<R>, Exchange<R>);
+pub(super) type Place<R> = (Walk<R>, Modulator<R>);
 
 impl<R: Real<Time = R>> ModularActuator<R> {
     /// The actuator of a rig at t = 0 in a state, with its coils released; pulses come at `pulse_frequency` in Hz. The
@@ -131,8 +110,8 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         let mut walk = Walk::new(&rig, stepped(&rig, start));
         walk.course.held.line = Line::resting(start.length);
         walk.pass(&rig, &rig.seats());
-        let (modulator, exchange, longest_part) = (Modulator::idle(), Exchange::none(), R::constant(f64::INFINITY));
-        Ok(Self { rig, walk, modulator, pulse_frequency, longest_part, exchange })
+        let longest_part = R::constant(f64::INFINITY);
+        Ok(Self { rig, walk, modulator: Modulator::idle(), pulse_frequency, longest_part })
     }
 
     /// Divides every step from now on into equal parts no longer than `longest` in s; infinity leaves steps whole.
@@ -184,13 +163,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that air cannot have; [`Error::Misuse`] where the
     /// braid pushes up to the length at which its law ends.
     pub fn rest_length(&self, gauge: GaugePressure<R>) -> Result<R, Error> {
-        let air = self.rig.actuator().air();
-        parameter::INITIAL_GAUGE_PRESSURE.check(gauge.0.value())?;
-        let pressure = gauge.absolute(air.atmosphere());
-        if pressure.0.le(R::zero()) {
-            return Err(below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, GaugePressure(gauge.0.value()), air));
-        }
-        self.rig.length_under(R::zero(), pressure)
+        self.rig.actuator().rest_length(gauge)
     }
 
     /// The time in s that has been reached.
@@ -208,7 +181,7 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         Snapshot(self.going())
     }
 
-    /// Goes to where an actuator of the same rig was. What feeds its valve stays.
+    /// Goes to where an actuator of the same rig was.
     pub fn restore(&mut self, snapshot: &Snapshot<R>) {
         self.back_to(snapshot.0);
         // Numbers do not say them, for they follow from where the seats are.
@@ -223,50 +196,6 @@ impl<R: Real<Time = R>> ModularActuator<R> {
     /// Everything that is known at that time, the tension with the velocity of the last step.
     pub fn sample(&self) -> Sample<R> {
         self.walk.sample(&self.rig)
-    }
-
-    /// Air in kg that the last step took from the supply; below zero where more flowed back.
-    pub fn drawn(&self) -> R {
-        self.exchange.drawn
-    }
-
-    /// Air in kg that the last step gave to the surroundings, through valve and leak; below zero where more came in.
-    pub fn exhausted(&self) -> R {
-        self.exchange.exhausted
-    }
-
-    /// Air in kg that actuator and hose hold.
-    pub fn content(&self) -> R {
-        self.content_in(&self.walk.course.state)
-    }
-
-    /// Air comes to the valve's passage to the supply at an absolute pressure from now on, in place of the supply's. Its
-    /// temperature stays the supply's.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] when there is no valve, or the rig has a supply of its own that changes;
-    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that no supply may have. Then nothing has changed.
-    pub fn feed(&mut self, pressure: AbsolutePressure<R>) -> Result<(), Error> {
-        if self.rig.line().supply.is_some() {
-            return Err(Error::Misuse {
-                what: "an actuator is fed whose own line already has a reservoir or a regulator",
-                remedy: "leave them out of the actuator's line, or give it no other supply",
-            });
-        }
-        let air = self.rig.actuator().air();
-        let gauge = GaugePressure((pressure.0 - air.atmosphere().0).value());
-        parameter::SUPPLY_GAUGE_PRESSURE.check(gauge.0)?;
-        if pressure.0.le(R::zero()) {
-            return Err(below_vacuum(&parameter::SUPPLY_GAUGE_PRESSURE, gauge, air));
-        }
-        let Some(valve) = self.rig.valve_mut() else {
-            return Err(Error::Misuse {
-                what: "an actuator is fed, but it has no valve",
-                remedy: "give the actuator a valve, or leave it sealed and off the manifold",
-            });
-        };
-        valve.feed(pressure.0);
-        Ok(())
     }
 
     /// What is asked of the valve from now on. Pulses begin with the next period, which may be now.
@@ -317,7 +246,6 @@ impl<R: Real<Time = R>> ModularActuator<R> {
                 remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
             });
         }
-        self.exchange = Exchange::none();
         let course = &mut self.walk.course;
         let slope = (length - course.state[0]) / (until - from);
         course.held.line = Line { time: from, length: course.state[0], slope };
@@ -351,67 +279,28 @@ impl<R: Real<Time = R>> ModularActuator<R> {
         self.part_to(until, before)
     }
 
-    /// Goes on to `until` in one part and keeps account of the air; where that leaves the physics, back to where everything
-    /// was `before`.
+    /// Goes on to `until` in one part; where that leaves the physics, back to where everything was `before`.
     fn part_to(&mut self, until: R, before: &Place<R>) -> Result<(), Error> {
-        let began = self.walk.course;
         let went = self.walk.advance_to(&self.rig, &self.rig.seats(), Method::Stable, until, None);
-        match went {
-            Ok(()) => {
-                self.account(&began);
-                Ok(())
-            }
-            Err(error) => {
-                self.back_to(*before);
-                Err(of_modular(error))
-            }
-        }
+        went.map_err(|error| {
+            self.back_to(*before);
+            of_modular(error)
+        })
     }
 
     /// All that a step changes.
-    pub(super) fn going(&self) -> Place<R> {
-        (self.walk, self.modulator, self.exchange)
+    fn going(&self) -> Place<R> {
+        (self.walk, self.modulator)
     }
 
     /// Back to before a step that was only tried.
-    pub(super) fn back_to(&mut self, before: Place<R>) {
-        (self.walk, self.modulator, self.exchange) = before;
-    }
-
-    /// Keeps account of the air over a part that ends here, during which the passages were open as where it began.
-    fn account(&mut self, began: &Course<R>) {
-        let (ended, held) = (&self.walk.course, &began.held);
-        let half = R::constant(0.5) * (ended.time - began.time);
-        let over = |flow: fn(&Self, R, &Stepped<R>, &Held<R>) -> R| {
-            half * (flow(self, began.time, &began.state, held) + flow(self, ended.time, &ended.state, held))
-        };
-        let gain = self.content_in(&ended.state) - self.content_in(&began.state);
-        let drawn = match (held.supply, held.exhaust) {
-            (false, _) => R::zero(),
-            (true, false) => gain + over(Self::leak),
-            (true, true) => over(Self::inflow),
-        };
-        let Exchange { drawn: so_far, exhausted } = self.exchange;
-        self.exchange = Exchange { drawn: so_far + drawn, exhausted: exhausted + (drawn - gain) };
-    }
-
-    fn content_in(&self, state: &Stepped<R>) -> R {
-        state[3] + self.rig.hose_content(state).unwrap_or(R::zero())
+    fn back_to(&mut self, before: Place<R>) {
+        (self.walk, self.modulator) = before;
     }
 
     fn chamber(&self, [length, velocity, pressure, air_mass]: [R; 4]) -> Chamber<R> {
         let actuator = self.rig.actuator();
         actuator.chamber(length, velocity, pressure, air_mass, actuator.limits().is_slack(length))
-    }
-
-    /// Flow in kg/s out through the leak.
-    fn leak(&self, _: R, state: &Stepped<R>, _: &Held<R>) -> R {
-        self.rig.leak(&self.chamber(of_rig(state))).map_or(R::zero(), |leak| -leak.net())
-    }
-
-    /// Flow in kg/s from the supply through its passage as far as that is open.
-    fn inflow(&self, time: R, state: &Stepped<R>, held: &Held<R>) -> R {
-        self.rig.drawn(time, &self.rig.before(&self.chamber(of_rig(state)), state), state, held)
     }
 
     /// The tension, its derivatives and the rates of the state, while the ends move apart at `velocity` in m/s.
@@ -449,20 +338,5 @@ fn of_modular(error: Error) -> Error {
             },
         },
         other => other,
-    }
-}
-
-impl<R: Real> Exchange<R> {
-    pub(super) fn none() -> Self {
-        Self { drawn: R::zero(), exhausted: R::zero() }
-    }
-}
-
-impl Exchange<f64> {
-    /// As numbers in a row.
-    pub(super) fn each_number(&mut self, row: &mut impl Row) {
-        let Self { drawn, exhausted } = self;
-        row.number(drawn);
-        row.number(exhausted);
     }
 }

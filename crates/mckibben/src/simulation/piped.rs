@@ -248,23 +248,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         AtValve { into: supply.and(exhaust), drawn: supply.net() }
     }
 
-    /// Flow in kg/s that is drawn from a supply, constant or not, by what the valve opens into.
-    #[cfg(feature = "alloc")]
-    pub(super) fn drawn<const N: usize>(
-        &self,
-        time: S,
-        before: &Chamber<S>,
-        state: &Stepped<S, N>,
-        held: &Held<S>,
-    ) -> S {
-        let Some(valve) = self.actuator().valve() else { return S::zero() };
-        let feed = match self.feed(state) {
-            Some(feed) => feed,
-            None => valve.port_pressure(Port::Supply),
-        };
-        self.at_valve(time, before, Some(feed), held).drawn
-    }
-
     /// Flow into the actuator, the leak's too, of a rig that is piped.
     #[inline(always)]
     pub(super) fn actuator_inflow<const N: usize>(

@@ -25,7 +25,6 @@ use crate::line::Line;
 use crate::load::{Load, Motion, SeriesTendon};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
-use crate::root;
 use crate::scalar::{Over, Real, Scalar};
 use crate::valve::{Command, Regulator, Solenoid, Valve};
 
@@ -397,12 +396,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.actuation.as_mut()
     }
 
-    /// The valve, to be fed at another pressure.
-    #[cfg(feature = "alloc")]
-    pub(super) fn valve_mut(&mut self) -> Option<&mut Valve<S>> {
-        self.actuator.valve_mut()
-    }
-
     /// The same rig with nothing asked of its valve.
     #[cfg(feature = "alloc")]
     pub(crate) fn not_asked(mut self) -> Self
@@ -487,42 +480,6 @@ impl<S: Real> Rig<S> {
                 remedy: "give initial.length a length",
             });
         };
-        self.length_under(inertia.pull, pressure)
-    }
-
-    /// The distance in m at which a pull in N balances the static force at a pressure; as [`Rig::equilibrium`].
-    pub(super) fn length_under(&self, pull: S, pressure: AbsolutePressure<S>) -> Result<S, Error> {
-        let limits = self.actuator.limits();
-        let surplus =
-            |length: S| self.actuator.static_force(length, pressure.0) + limits.force(length, S::zero()) - pull;
-        let at = |length: f64| surplus(S::constant(length)).value();
-        let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
-        let thread = self.actuator.law().law.end_length().value();
-        let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
-        if at(bracket.1) < 0.0 {
-            return Err(Error::NoSolution {
-                what: "the load would pull the braid straight: there is no equilibrium below the thread length",
-                remedy: "lighten the load or stiffen actuator.limit.stiffness",
-            });
-        }
-        if at(bracket.0) > 0.0 {
-            return if pull.value() >= 0.0 {
-                Ok(limits.min_length())
-            } else {
-                Err(Error::NoSolution {
-                    what: "the load pushes the attachments together: there is no equilibrium",
-                    remedy: "give initial.length a length",
-                })
-            };
-        }
-        let root = S::constant(root::bracketed(bracket.0, bracket.1, 1e-16, at));
-        // One Newton step over the scalar: it polishes the value and carries the derivatives.
-        let slope: crate::Dual<S, 1> = {
-            let length = crate::Dual::variable(root, 0);
-            self.actuator.static_force(length, crate::Dual::of(pressure.0))
-                + limits.force(length, crate::Dual::of(S::zero()))
-        };
-        let step = surplus(root) / slope.slope[0];
-        Ok(if step.value().abs() < 1e-9 * root.value() { root - step } else { root })
+        self.actuator.length_under(inertia.pull, pressure)
     }
 }

@@ -5,7 +5,7 @@
 use super::course::Course;
 use super::fixed_step::Walk;
 use super::kernel::Held;
-use super::modular::{Exchange, Place};
+use super::modular::Place;
 use super::piped::{PIPED, of_rig};
 use super::rig::State;
 use super::timetable::Progress;
@@ -56,7 +56,7 @@ impl Snapshot {
     pub fn of_numbers(numbers: &[f64]) -> Result<Self, Error> {
         let nothing = Course { time: 0.0, state: [0.0; PIPED], held: Held::nothing() };
         let walk = Walk { course: nothing, progress: Progress::none(), ports: Ports::CLOSED };
-        let (mut place, mut row) = ((walk, Modulator::idle(), Exchange::none()), PutBack::from(numbers));
+        let (mut place, mut row) = ((walk, Modulator::idle()), PutBack::from(numbers));
         each_number(&mut place, &mut row);
         let snapshot = Self(place);
         let State { pressure, air_mass, .. } = snapshot.state();
@@ -72,7 +72,7 @@ impl Snapshot {
 
 /// All that differs from one state of an actuator to another, in a row. How far the passages are open between their ends
 /// follows from the seats.
-fn each_number((walk, modulator, exchange): &mut Place<f64>, row: &mut impl Row) {
+fn each_number((walk, modulator): &mut Place<f64>, row: &mut impl Row) {
     let Walk { course: Course { time, state, held }, progress, ports } = walk;
     row.number(time);
     row.numbers(state);
@@ -89,5 +89,4 @@ fn each_number((walk, modulator, exchange): &mut Place<f64>, row: &mut impl Row)
     row.truth(exhaust);
     progress.each_number_of_seats(row);
     modulator.each_number(row);
-    exchange.each_number(row);
 }

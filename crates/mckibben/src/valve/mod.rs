@@ -226,12 +226,6 @@ impl<S: Scalar> Valve<S> {
         }
     }
 
-    /// Air comes to the passage to the supply at an absolute pressure in Pa from now on, with the supply's temperature.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn feed(&mut self, pressure: S) {
-        self.beyond_supply = Beyond::new(pressure, &self.supply);
-    }
-
     /// Flow through the open passage to a port.
     #[inline(always)]
     pub fn law_of(&self, port: Port) -> &FlowLaw<S> {

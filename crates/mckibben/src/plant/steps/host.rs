@@ -6,6 +6,7 @@
 //!           tendons, friction and controllers follow, with every event at its instant within the step
 //! compute   the tension of an actuator and its derivatives, while its ends move as they do now
 //!
+//! Plant::rest_distance   how far apart the ends of an actuator are where it does not pull
 //! set_rates   how fast the ends move from now on
 //! save        where everything is
 //! restore     back to there, as for a step that is only tried
@@ -53,9 +54,16 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::parameter;
+use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Real};
 use crate::simulation::{MOST_PARTS, Method, Sliding};
 use alloc::vec;
+
+/// What is said of an actuator that is not there.
+const NO_ACTUATOR: Error = Error::Misuse {
+    what: "an actuator is asked for that is not there",
+    remedy: "name one of the plant's actuators, counted from zero",
+};
 
 /// A part that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
@@ -79,6 +87,19 @@ impl Plant {
         let of_each = |value: fn(&ActuatorSample) -> f64| vec![at_start.actuators.iter().map(value).collect()];
         let (positions, rates) = (of_each(|its| its.distance), of_each(|its| its.rate));
         Ok((plant, PlantStart { positions, rates, ..start.clone() }))
+    }
+}
+
+impl<R: Real> Plant<R> {
+    /// The longest distance in m between the ends of an actuator, with its tendon, at which it does not pull: at rest at a
+    /// gauge pressure, without friction.
+    ///
+    /// # Errors
+    /// As [`Actuator::rest_length`](crate::Actuator::rest_length); [`Error::Misuse`] when there is no such actuator.
+    pub fn rest_distance(&self, actuator: usize, gauge: GaugePressure<R>) -> Result<R, Error> {
+        let mounted = self.actuators.get(actuator).ok_or(NO_ACTUATOR)?;
+        let length = mounted.actuator.rest_length(gauge)?;
+        Ok(mounted.tendon.as_ref().map_or(length, |tendon| length + tendon.rest_length()))
     }
 }
 
@@ -205,12 +226,7 @@ impl<R: Real> PlantSteps<R> {
     pub(crate) fn generic_compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
         let Self { system, reached, work, .. } = self;
         let (time, state, mode) = reached.parts();
-        let Some(mounted) = system.plant.actuators().get(actuator) else {
-            return Err(Error::Misuse {
-                what: "an actuator is asked for that is not there",
-                remedy: "name one of the plant's actuators, counted from zero",
-            });
-        };
+        let mounted = system.plant.actuators().get(actuator).ok_or(NO_ACTUATOR)?;
         system.enter_pieces(*time, state, mode, &mut work.at);
         system.evaluate(*time, state, mode, &mut work.at);
         system.share_tensions(mounted.mechanism, state, mode, &mut work.at);

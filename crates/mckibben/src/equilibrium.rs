@@ -1,0 +1,80 @@
+//! The length at which an actuator at rest bears a pull.
+//!
+//! ```text
+//! F_s(L, P) + F_limit(L) = F          (9)(14), without friction
+//! ```
+//!
+//! Both grow with the length, so that there is one such length at most between the shortest one and the end of the law.
+//!
+//! Source: Colbrunn, Nelson & Quinn (2001), (9) and (14). Checked by `tests/modular.rs`, `tests/simulation.rs` and
+//! `tests/plant_host.rs`.
+
+use crate::actuator::Actuator;
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::force::Statics;
+use crate::parameter;
+use crate::pressure::{AbsolutePressure, GaugePressure};
+use crate::root;
+use crate::scalar::{Over, Real};
+use crate::valve::below_vacuum;
+
+/// Part of a length to which its last step of Newton's is believed.
+const CLOSE: f64 = 1e-9;
+
+impl<R: Real> Actuator<R> {
+    /// The distance in m between the ends at which a pull in N balances the static force at a pressure; the shortest length
+    /// where even that bears more.
+    ///
+    /// # Errors
+    /// [`Error::NoSolution`] for a pull that the braid does not bear below the length at which its law ends, and for ends that
+    /// are pushed together.
+    pub fn length_under(&self, pull: R, pressure: AbsolutePressure<R>) -> Result<R, Error> {
+        let limits = self.limits();
+        let surplus = |length: R| self.static_force(length, pressure.0) + limits.force(length, R::zero()) - pull;
+        let at = |length: f64| surplus(R::constant(length)).value();
+        let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
+        let thread = self.law().law.end_length().value();
+        let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
+        if at(bracket.1) < 0.0 {
+            return Err(Error::NoSolution {
+                what: "the load would pull the braid straight: there is no equilibrium below the thread length",
+                remedy: "lighten the load or stiffen actuator.limit.stiffness",
+            });
+        }
+        if at(bracket.0) > 0.0 {
+            return if pull.value() >= 0.0 {
+                Ok(limits.min_length())
+            } else {
+                Err(Error::NoSolution {
+                    what: "the load pushes the attachments together: there is no equilibrium",
+                    remedy: "give initial.length a length",
+                })
+            };
+        }
+        let root = R::constant(root::bracketed(bracket.0, bracket.1, 1e-16, at));
+        // One Newton step over the scalar: it polishes the value and carries the derivatives.
+        let slope: Dual<R, 1> = {
+            let length = Dual::variable(root, 0);
+            self.static_force(length, Dual::of(pressure.0)) + limits.force(length, Dual::of(R::zero()))
+        };
+        let step = surplus(root) / slope.slope[0];
+        Ok(if step.value().abs() < CLOSE * root.value() { root - step } else { root })
+    }
+
+    /// The longest distance in m between the ends at which the actuator, at rest at a gauge pressure and without friction,
+    /// does not pull; its shortest length where it pulls even there.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a pressure that air cannot have; [`Error::NoSolution`] where the
+    /// braid pushes up to the length at which its law ends.
+    pub fn rest_length(&self, gauge: GaugePressure<R>) -> Result<R, Error> {
+        parameter::INITIAL_GAUGE_PRESSURE.check(gauge.0.value())?;
+        let pressure = gauge.absolute(self.air().atmosphere());
+        if pressure.0.le(R::zero()) {
+            let gauge = GaugePressure(gauge.0.value());
+            return Err(below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, gauge, self.air()));
+        }
+        self.length_under(R::zero(), pressure)
+    }
+}
