@@ -84,10 +84,8 @@ impl Coupling {
 
     /// Distance in m between the attachments with a mechanism at coordinates in m or rad, as many as it has.
     pub fn span(&self, mechanism: &Mechanism, position: &[f64]) -> f64 {
-        let mut pieces = vec![0; self.arm_count()];
-        self.pieces(position, &mut pieces);
         let chain = if let Mechanism::Chain(chain) = mechanism { Some(chain) } else { None };
-        self.distance(chain, position, &pieces, &mut vec![0.0; position.len()])
+        self.distance_at(chain, position, &mut vec![0.0; position.len()])
     }
 }
 
@@ -126,14 +124,19 @@ impl<S: Scalar> Coupling<S> {
         }
     }
 
+    /// The distance in m at the mechanism's coordinates, and its gradient, by the pieces of the moment arms that hold there.
+    pub(crate) fn distance_at<T: Over<S>>(&self, chain: Option<&Chain<S>>, position: &[T], gradient: &mut [T]) -> T {
+        self.distance(chain, position, |_, arm, angle| arm.at(angle), gradient)
+    }
+
     /// The distance in m; its gradient over the mechanism's coordinates (m per unit of each) is written to `gradient`.
-    /// `pieces` are those of the moment arms.
+    /// `of_arm` tells arm and excursion (m) of a moment arm, by its number, at an angle (rad).
     #[inline(always)]
     pub(crate) fn distance<T: Over<S>>(
         &self,
         chain: Option<&Chain<S>>,
         position: &[T],
-        pieces: &[usize],
+        of_arm: impl Fn(usize, &MomentArm<S>, T) -> [T; 2],
         gradient: &mut [T],
     ) -> T {
         match self {
@@ -145,8 +148,8 @@ impl<S: Scalar> Coupling<S> {
             Self::Arms { rest_length, arms } => {
                 gradient.fill(T::zero());
                 let mut distance = T::of(*rest_length);
-                for (Arm { joint, sign, arm }, piece) in arms.iter().zip(pieces) {
-                    let [arm, excursion] = arm.in_piece(*piece, position[*joint]);
+                for (number, Arm { joint, sign, arm }) in arms.iter().enumerate() {
+                    let [arm, excursion] = of_arm(number, arm, position[*joint]);
                     let sign = T::constant(*sign);
                     distance = distance - sign * excursion;
                     gradient[*joint] = gradient[*joint] - sign * arm;

@@ -19,11 +19,12 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.2, and conservation of mass at each node; the laws of [hoses, leaks,
 //! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/simulation.rs`.
 
+use super::formulas::FlowFormulas;
 use super::mode::NetworkMode;
 use super::piping::{End, Orifice, Pipe, Piping};
 use super::{Branch, BranchKind, Network, Node, NodeKind};
 use crate::air::{Air, Chamber};
-use crate::scalar::{Over, Real, Scalar};
+use crate::scalar::{Mask, Over, Real, Scalar};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -89,7 +90,7 @@ pub(crate) struct Surroundings<'a, T> {
     pub(crate) state: &'a [T],
 }
 
-impl<R: Real> Network<R> {
+impl<R: Scalar> Network<R> {
     /// Computes all flows at a time in s.
     #[inline(always)]
     pub(crate) fn flows<T: Over<R>>(
@@ -98,46 +99,28 @@ impl<R: Real> Network<R> {
         piping: &Piping<R>,
         around: Surroundings<'_, T>,
         air: &Air<R>,
-        mode: &NetworkMode<R>,
+        mode: &impl FlowFormulas<R>,
         at: &mut NetworkState<T>,
     ) {
         let NetworkState { nodes, flows } = at;
         piping.enter_nodes(around, nodes);
         for orifice in &piping.orifices {
-            let Orifice { law, from, to, .. } = orifice;
-            let Some(zone) = mode.branches[orifice.branch].zone else {
+            let Orifice { from, to, .. } = orifice;
+            let ends = OrificeEnds { near: &nodes[from.node], far: &nodes[to.node], around, air };
+            let Some((is_inward, flow)) = mode.orifice(orifice, ends, time) else {
                 flows[orifice.branch] = T::zero();
                 continue;
             };
-            let (near, far) = (&nodes[from.node], &nodes[to.node]);
-            // A piece of an orifice's law says which way its air goes, also a little beyond its ends.
-            let is_inward = zone.is_inward();
-            let mut flow = T::of(law.conductance());
-            flow = flow
-                * match (is_inward, orifice.ambient) {
-                    (true, _) => drive(from, around, air, near),
-                    (false, true) => far.pressure * far.per_root_temperature,
-                    (false, false) => drive(to, around, air, far),
-                };
-            flow = flow
-                * law.in_zone(zone, || match is_inward {
-                    true => (near.pressure - far.pressure) * near.per_pressure,
-                    false => (far.pressure - near.pressure) * far.per_pressure,
-                });
-            if let Some((valve, port)) = orifice.opened
-                && let Some(shares) = mode.valves[valve].openings.at(time)
-            {
-                flow = flow * shares[port as usize];
-            }
-            let at_source = flow * T::of(orifice.copies);
-            if is_inward {
-                flows[orifice.branch] = flow;
+            flows[orifice.branch] = T::select(is_inward, flow, -flow);
+            if is_inward.any() {
+                let flow = T::select(is_inward, flow, T::zero());
                 self.bring(to, flow, from, around, air, nodes);
-                take(from, at_source, nodes);
-            } else {
-                flows[orifice.branch] = -flow;
+                take(from, flow * T::of(orifice.copies), nodes);
+            }
+            if (!is_inward).any() {
+                let flow = T::select(is_inward, T::zero(), flow);
                 take(to, flow, nodes);
-                self.bring(from, at_source, to, around, air, nodes);
+                self.bring(from, flow * T::of(orifice.copies), to, around, air, nodes);
             }
         }
         for pipe in &piping.pipes {
@@ -156,14 +139,13 @@ impl<R: Real> Network<R> {
         Pipe { branch, kind, from, to, place }: &Pipe<R>,
         around: Surroundings<'_, T>,
         air: &Air<R>,
-        mode: &NetworkMode<R>,
+        mode: &impl FlowFormulas<R>,
         nodes: &mut [NodeState<T>],
         flows: &mut [T],
     ) {
-        let of_branch = &mode.branches[*branch];
         let (near, far) = (nodes[from.node].pressure, nodes[to.node].pressure);
         let flow = match kind {
-            BranchKind::Loss(hose) => hose.tube().flow_in(of_branch.regime, near, far),
+            BranchKind::Loss(hose) => mode.loss(*branch, hose, [near, far]),
             BranchKind::Inertia(_) => place.map_or(T::zero(), |place| around.state[place]),
             BranchKind::Leak(leakage) => {
                 let outwards = near.lt(far);
@@ -175,7 +157,7 @@ impl<R: Real> Network<R> {
                 leakage.between(near, far, T::of(air.gas_constant()) * upstream)
             }
             BranchKind::Compressor => match &self.nodes[to.node].kind {
-                NodeKind::Reservoir(reservoir) if of_branch.runs => reservoir.delivery(far),
+                NodeKind::Reservoir(reservoir) => T::select(mode.runs(*branch), reservoir.delivery(far), T::zero()),
                 _ => T::zero(),
             },
             BranchKind::Path { .. } | BranchKind::Check { .. } => return,
@@ -219,6 +201,29 @@ impl<R: Real> Network<R> {
         }
     }
 
+    /// The rate of a node's pressure in Pa/s, once all flows are known; of a chamber the actuator's to say.
+    pub(crate) fn node_rate<T: Over<R>>(&self, node: usize, mode: &impl FlowFormulas<R>, at: &NetworkState<T>) -> T {
+        match &self.nodes[node].kind {
+            NodeKind::Hose(hose) => hose.pressure_rate(at.nodes[node].net()),
+            NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(at.nodes[node].net()),
+            NodeKind::Outlet { .. } | NodeKind::Port { .. } => mode.regulated_rate(self, node, at),
+            NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => T::zero(),
+        }
+    }
+
+    /// The rate of the flow through a cell of a distributed hose in kg/s².
+    pub(crate) fn branch_rate<T: Over<R>>(&self, branch: usize, at: &NetworkState<T>) -> T {
+        let Branch { from, to, kind } = &self.branches[branch];
+        match kind {
+            BranchKind::Inertia(hose) => {
+                hose.flow_rate(at.flows[branch], at.nodes[*from].pressure, at.nodes[*to].pressure)
+            }
+            _ => T::zero(),
+        }
+    }
+}
+
+impl<R: Real> Network<R> {
     /// The error in Pa of a regulator's outlet, once all flows are known.
     pub(crate) fn outlet_error<T: Over<R>>(
         &self,
@@ -240,37 +245,9 @@ impl<R: Real> Network<R> {
         let inlet = at.nodes[*inlet].pressure;
         Some(-regulator.error(inlet, T::of(self.absolute(*set)), None, -at.nodes[node].net()))
     }
-
-    /// The rate of a node's pressure in Pa/s, once all flows are known; of a chamber the actuator's to say.
-    pub(crate) fn node_rate<T: Over<R>>(&self, node: usize, mode: &NetworkMode<R>, at: &NetworkState<T>) -> T {
-        let of_node = &at.nodes[node];
-        match &self.nodes[node].kind {
-            NodeKind::Hose(hose) => hose.pressure_rate(of_node.net()),
-            NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(of_node.net()),
-            NodeKind::Outlet { regulator, .. } => self
-                .outlet_error(node, mode, at)
-                .map_or(T::zero(), |error| regulator.pressure_rate(error, mode.nodes[node].poppet)),
-            NodeKind::Port { regulator, .. } => match (mode.nodes[node].approach, self.set_point(node, mode)) {
-                (Some(approach), Some(set)) => regulator.rate_in(approach, of_node.pressure, T::of(set)),
-                _ => T::zero(),
-            },
-            NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => T::zero(),
-        }
-    }
-
-    /// The rate of the flow through a cell of a distributed hose in kg/s².
-    pub(crate) fn branch_rate<T: Over<R>>(&self, branch: usize, at: &NetworkState<T>) -> T {
-        let Branch { from, to, kind } = &self.branches[branch];
-        match kind {
-            BranchKind::Inertia(hose) => {
-                hose.flow_rate(at.flows[branch], at.nodes[*from].pressure, at.nodes[*to].pressure)
-            }
-            _ => T::zero(),
-        }
-    }
 }
 
-impl<R: Real> Piping<R> {
+impl<R: Scalar> Piping<R> {
     /// Sets the pressures of the nodes that change, and their sums to zero.
     #[inline(always)]
     fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {
@@ -299,14 +276,44 @@ fn take<T: Scalar>(end: &End, amount: T, nodes: &mut [NodeState<T>]) {
     }
 }
 
-/// `P/√T` of the air of a node in Pa/√K.
-#[inline(always)]
-fn drive<R: Real, T: Over<R>>(end: &End, around: Surroundings<'_, T>, air: &Air<R>, at: &NodeState<T>) -> T {
-    match end.chamber {
-        Some(actuator) => {
-            let chamber = &around.chambers[actuator];
-            (T::of(air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
+/// What lies at the two ends of an orifice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OrificeEnds<'a, S: Scalar, T> {
+    near: &'a NodeState<T>,
+    far: &'a NodeState<T>,
+    around: Surroundings<'a, T>,
+    air: &'a Air<S>,
+}
+
+impl<S: Scalar, T: Over<S>> OrificeEnds<'_, S, T> {
+    /// `P/√T` in Pa/√K of the air that flows inwards or outwards.
+    #[inline(always)]
+    pub(super) fn drive(&self, orifice: &Orifice<S>, is_inward: bool) -> T {
+        match (is_inward, orifice.ambient) {
+            (true, _) => self.drive_of(&orifice.from, self.near),
+            (false, true) => self.far.pressure * self.far.per_root_temperature,
+            (false, false) => self.drive_of(&orifice.to, self.far),
         }
-        None => at.pressure * at.per_root_temperature,
+    }
+
+    /// `1 − P_down/P_up` for a flow inwards or outwards.
+    #[inline(always)]
+    pub(super) fn gap(&self, is_inward: bool) -> T {
+        match is_inward {
+            true => (self.near.pressure - self.far.pressure) * self.near.per_pressure,
+            false => (self.far.pressure - self.near.pressure) * self.far.per_pressure,
+        }
+    }
+
+    /// `P/√T` of the air of a node in Pa/√K.
+    #[inline(always)]
+    fn drive_of(&self, end: &End, at: &NodeState<T>) -> T {
+        match end.chamber {
+            Some(actuator) => {
+                let chamber = &self.around.chambers[actuator];
+                (T::of(self.air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
+            }
+            None => at.pressure * at.per_root_temperature,
+        }
     }
 }

@@ -30,6 +30,7 @@
 
 pub(crate) mod choke;
 pub(crate) mod flow;
+pub(crate) mod formulas;
 pub(crate) mod guard;
 pub(crate) mod implicit;
 pub(crate) mod mode;

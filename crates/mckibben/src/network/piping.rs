@@ -31,7 +31,7 @@ pub(super) struct End {
 
 /// A flow path of a valve, or a check valve, between its ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Orifice<R> {
+pub(crate) struct Orifice<R> {
     /// Which branch.
     pub(super) branch: usize,
     pub(super) law: FlowLaw<R>,

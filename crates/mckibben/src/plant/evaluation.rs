@@ -16,23 +16,27 @@
 //! | ṁ, P | mass flows through branches, absolute pressures of nodes and actuators | kg/s, Pa |
 //! | L, F | length and tension of an actuator | m, N |
 //!
-//! It is done once for rates, samples, guards and audits alike, by the formulas of a [`PlantMode`], over any scalar.
+//! It is done once for rates, samples, guards and audits alike, over any scalar; the discrete state says which
+//! [formulas](super::formulas) hold.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.1, for one actuator; virtual work for several. Checked by
 //! `tests/simulation.rs`, `tests/joint.rs` and, against an independent program, `tests/plant_reference.rs`.
 
-use super::mode::{ActuatorMode, MechanismMode, PlantMode};
+use super::formulas::Formulas;
+use super::mode::{ActuatorMode, PlantMode};
 use super::wire::{Assembly, Span, Wire};
 use super::{Mounted, Plant};
 use crate::air::{Chamber, Flow};
 use crate::line::split;
-use crate::mechanism::chain::{Chain, Contacts};
+use crate::load::MomentArm;
+use crate::mechanism::chain::Chain;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
+use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
-use crate::scalar::{Differentiable, Over, Real, Scalar};
-use crate::simulation::{Extent, Sliding};
+use crate::scalar::{Differentiable, Mask, Over, Real, Scalar};
+use crate::simulation::Extent;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -114,7 +118,7 @@ impl<T: Scalar> Evaluation<T> {
 
 /// A plant with what its events are told from rounding by.
 #[derive(Clone, Debug)]
-pub(crate) struct System<R: Real> {
+pub(crate) struct System<R: Scalar> {
     pub(crate) plant: Arc<Plant<R>>,
     pub(crate) wires: Vec<Wire<R>>,
     pub(crate) assemblies: Vec<Assembly<R>>,
@@ -126,7 +130,7 @@ pub(crate) struct System<R: Real> {
     pub(crate) usual_torque: Vec<f64>,
 }
 
-impl<R: Real> System<R> {
+impl<R: Scalar> System<R> {
     /// Gradient of an actuator's distance.
     #[inline(always)]
     pub(crate) fn gradient<'e, T>(&self, i: usize, gradient: &'e [T]) -> &'e [T] {
@@ -146,7 +150,7 @@ impl<R: Real> System<R> {
         &self,
         time: T,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
         self.enter_distances(time, state, mode, at);
@@ -163,16 +167,14 @@ impl<R: Real> System<R> {
         &self,
         time: T,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
         let Evaluation { units, chambers, gradient, .. } = at;
         for (i, wire) in self.wires.iter().enumerate() {
-            let of_actuator = &mode.actuators[i];
-            let [length, velocity] = self.enter_ends(wire, time, state, (mode, of_actuator), (&mut units[i], gradient));
+            let [length, velocity] = self.enter_ends(wire, time, state, mode, (&mut units[i], gradient));
             let [pressure, mass] = wire.air(state);
-            let slack = of_actuator.mode.extent == Extent::Slack;
-            chambers[i] = wire.member.actuator.chamber(length, velocity, pressure, mass, slack);
+            chambers[i] = wire.member.actuator.chamber(length, velocity, pressure, mass, mode.is_slack(i));
         }
     }
 
@@ -182,11 +184,11 @@ impl<R: Real> System<R> {
         i: usize,
         time: T,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
         let into = (&mut at.units[i], &mut at.gradient[..]);
-        self.enter_ends(&self.wires[i], time, state, (mode, &mode.actuators[i]), into);
+        self.enter_ends(&self.wires[i], time, state, mode, into);
     }
 
     /// Writes distance, length and their rates of an actuator; returns the last two.
@@ -196,42 +198,34 @@ impl<R: Real> System<R> {
         wire: &Wire<R>,
         time: T,
         state: &[T],
-        (mode, of_actuator): (&PlantMode<R>, &ActuatorMode<R>),
+        mode: &impl Formulas<R>,
         (unit, gradient): (&mut Unit<T>, &mut [T]),
     ) -> [T; 2] {
-        let of_mechanism = &mode.mechanisms[wire.mechanism];
         let [distance, rate] = match wire.span {
             Span::Direct { position, rate } => {
-                [state[position], if of_mechanism.frozen { T::zero() } else { state[rate] }]
+                [state[position], T::select(mode.is_frozen(wire.mechanism), T::zero(), state[rate])]
             }
             Span::Fixed { position } => [state[position], T::zero()],
-            Span::Prescribed => self.prescribed(wire.mechanism, time, of_mechanism),
+            Span::Prescribed => match &self.plant.mechanisms[wire.mechanism] {
+                Mechanism::Prescribed(motion) => {
+                    let [length, velocity, _] = mode.motion(wire.mechanism, motion, time);
+                    [length, velocity]
+                }
+                _ => [T::zero(); 2],
+            },
             Span::Coupled => self.span(wire.index, state, mode, gradient),
         };
         let (length, velocity) = match wire.places.length {
             Some(place) => (state[place], T::zero()),
-            None if of_actuator.mode.sliding == Sliding::Stuck => (distance, T::zero()),
-            None => (distance, rate),
+            None => (distance, T::select(mode.is_stuck(wire.index), T::zero(), rate)),
         };
         (unit.distance, unit.rate, unit.length, unit.velocity) = (distance, rate, length, velocity);
         [length, velocity]
     }
 
-    /// Length and velocity of a prescribed motion.
-    #[inline(never)]
-    fn prescribed<T: Over<R>>(&self, m: usize, time: T, of_mechanism: &MechanismMode) -> [T; 2] {
-        match &self.plant.mechanisms[m] {
-            Mechanism::Prescribed(motion) => {
-                let [length, velocity, _] = motion.at(time, of_mechanism.corners_passed);
-                [length, velocity]
-            }
-            _ => [T::zero(); 2],
-        }
-    }
-
     /// Distance and its rate of an actuator that spans joints; its gradient is written.
     #[inline(never)]
-    fn span<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, gradients: &mut [T]) -> [T; 2] {
+    fn span<T: Over<R>>(&self, i: usize, state: &[T], mode: &impl Formulas<R>, gradients: &mut [T]) -> [T; 2] {
         let Plant { actuators, mechanisms, places, .. } = &*self.plant;
         let (mounted, here) = (&actuators[i], &places.actuators[i]);
         let (position, rates) = places.mechanisms[mounted.mechanism].of(state);
@@ -239,23 +233,18 @@ impl<R: Real> System<R> {
             Mechanism::Chain(chain) => Some(chain),
             _ => None,
         };
-        let pieces = &mode.arms[here.arms..here.arms + mounted.coupling.arm_count()];
         let gradient = &mut gradients[here.gradient..here.gradient + position.len()];
-        let distance = mounted.coupling.distance(chain, position, pieces, gradient);
-        let mut rate = T::zero();
-        if !mode.mechanisms[mounted.mechanism].frozen {
-            for (entry, velocity) in gradient.iter().zip(rates) {
-                rate = rate + *entry * *velocity;
-            }
-        }
-        [distance, rate]
+        let arm = |number: usize, arm: &_, angle: T| mode.arm(here.arms + number, arm, angle);
+        let distance = mounted.coupling.distance(chain, position, arm, gradient);
+        let rate = super::dense::dot(gradient, rates);
+        [distance, T::select(mode.is_frozen(mounted.mechanism), T::zero(), rate)]
     }
 
     /// Computes all flows, and what of them goes into each chamber.
-    pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+    pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         self.enter_flows(time, state, mode, at);
         for (i, wire) in self.wires.iter().enumerate() {
-            self.fill(wire, time, &mode.actuators[i], &at.network, &mut at.units[i]);
+            self.fill(wire, time, mode, &at.network, &mut at.units[i]);
         }
     }
 
@@ -266,7 +255,7 @@ impl<R: Real> System<R> {
         &self,
         wire: &Wire<R>,
         time: T,
-        of_actuator: &ActuatorMode<R>,
+        mode: &impl Formulas<R>,
         network: &NetworkState<T>,
         unit: &mut Unit<T>,
     ) {
@@ -278,17 +267,17 @@ impl<R: Real> System<R> {
             None => (Flow::none(), T::zero()),
         };
         if wire.is_given {
-            unit.pressure_rate = self.given_rate(wire.index, time, of_actuator);
+            unit.pressure_rate = mode.given_rate(self, wire.index, time);
         }
     }
 
     /// Computes all flows.
     #[inline(always)]
-    fn enter_flows<T: Over<R>>(&self, time: T, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+    fn enter_flows<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         let Some(first) = self.wires.first() else { return };
         let around = Surroundings { chambers: &at.chambers, state };
         let air = first.member.actuator.air();
-        self.plant.network.flows(time, &self.piping, around, air, &mode.network, &mut at.network);
+        self.plant.network.flows(time, &self.piping, around, air, mode.flows(), &mut at.network);
     }
 
     /// Computes tensions and air of all actuators, whose flows are known, and hands each on.
@@ -297,23 +286,20 @@ impl<R: Real> System<R> {
         &self,
         time: T,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
         mut then: impl FnMut(&Wire<R>, &Unit<T>),
     ) {
         let Evaluation { units, chambers, network, .. } = at;
         for (i, wire) in self.wires.iter().enumerate() {
-            let (of_actuator, unit, chamber) = (&mode.actuators[i], &mut units[i], &mut chambers[i]);
-            self.fill(wire, time, of_actuator, network, unit);
+            let (unit, chamber) = (&mut units[i], &mut chambers[i]);
+            self.fill(wire, time, mode, network, unit);
             if wire.places.length.is_some() {
-                self.enter_end(i, state, of_actuator, unit, chamber);
+                mode.enter_end(self, i, self.bristles(i, state), (unit, chamber));
             } else {
                 let ends = [unit.length, unit.velocity, chamber.pressure];
                 let bristles = wire.places.bristles.map(|place| state[place]);
-                unit.tension = match of_actuator.mode.sliding {
-                    Sliding::Stuck => T::zero(),
-                    _ => wire.member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bristles)),
-                };
+                unit.tension = mode.tension(wire, ends, bristles);
             }
             if wire.is_given {
                 self.enter_given(i, unit, chamber);
@@ -323,30 +309,6 @@ impl<R: Real> System<R> {
             unit.mass_rate = unit.flow.net();
             then(wire, unit);
         }
-    }
-
-    /// Computes velocity and tension of an actuator on a tendon.
-    #[inline(never)]
-    fn enter_end<T: Differentiable<R>>(
-        &self,
-        i: usize,
-        state: &[T],
-        of_actuator: &ActuatorMode<R>,
-        unit: &mut Unit<T>,
-        chamber: &mut Chamber<T>,
-    ) {
-        let mounted = &self.plant.actuators[i];
-        let Some(tendon) = &mounted.tendon else { return };
-        unit.velocity = self.end_velocity(i, tendon, of_actuator, (unit, chamber), self.bristles(i, state));
-        unit.tension = super::tendon::tension(tendon, of_actuator, unit.distance, unit.length);
-        *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
-    }
-
-    /// The rate of a pressure that is given over time.
-    #[inline(never)]
-    fn given_rate<T: Over<R>>(&self, i: usize, time: T, of_actuator: &ActuatorMode<R>) -> T {
-        let course = self.plant.actuators[i].pressure.as_ref();
-        course.map_or(T::zero(), |course| course.at(time, of_actuator.rows_passed)[1])
     }
 
     /// Computes the flow that the rate of a given pressure takes.
@@ -362,37 +324,48 @@ impl<R: Real> System<R> {
         assembly: &Assembly<R>,
         time: T,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
         match &assembly.mechanism {
-            Mechanism::Mass(mass) if !mode.mechanisms[assembly.index].frozen => {
+            Mechanism::Mass(mass) => {
                 let mut force = mass.force(state[assembly.places.first]);
                 for &i in &assembly.members {
                     force = force - at.units[i].tension;
                 }
-                at.acceleration[assembly.places.acceleration] = force * T::of(mass.per_mass());
+                let acceleration = force * T::of(mass.per_mass());
+                at.acceleration[assembly.places.acceleration] =
+                    T::select(mode.is_frozen(assembly.index), T::zero(), acceleration);
             }
             _ => self.accelerate_other(assembly, time, state, mode, at),
         }
     }
 
-    /// Computes the accelerations of a mechanism that is no mass, or that is held.
+    /// Computes the accelerations of a mechanism that is no mass.
     #[inline(never)]
     fn accelerate_other<T: Differentiable<R>>(
         &self,
         &Assembly { index, ref mechanism, places, .. }: &Assembly<R>,
         time: T,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
-        let its = &mut at.acceleration[places.acceleration..places.acceleration + places.coordinates];
+        let its = places.acceleration..places.acceleration + places.coordinates;
+        let frozen = mode.is_frozen(index);
+        if !(!frozen).any() {
+            at.acceleration[its].fill(T::zero());
+            return;
+        }
         match mechanism {
-            _ if mode.mechanisms[index].frozen => its.fill(T::zero()),
-            Mechanism::Chain(chain) => self.accelerate_chain(index, chain, state, mode, at),
-            Mechanism::Prescribed(motion) => its[0] = motion.at(time, mode.mechanisms[index].corners_passed)[2],
-            Mechanism::Mass(_) | Mechanism::Fixed | Mechanism::External { .. } => its.fill(T::zero()),
+            Mechanism::Chain(chain) => {
+                self.accelerate_chain(index, chain, state, mode, at);
+                for acceleration in &mut at.acceleration[its] {
+                    *acceleration = T::select(frozen, T::zero(), *acceleration);
+                }
+            }
+            Mechanism::Prescribed(motion) => at.acceleration[its.start] = mode.motion(index, motion, time)[2],
+            Mechanism::Mass(_) | Mechanism::Fixed | Mechanism::External { .. } => at.acceleration[its].fill(T::zero()),
         }
     }
 
@@ -402,7 +375,7 @@ impl<R: Real> System<R> {
         m: usize,
         chain: &Chain<R>,
         state: &[T],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
         let (places, first) = (&self.plant.places.mechanisms[m], self.plant.places.mechanisms[m].acceleration);
@@ -419,23 +392,23 @@ impl<R: Real> System<R> {
         let acceleration = &mut at.acceleration[first..first + count];
         acceleration.copy_from_slice(&at.force[..count]);
         super::dense::solve(&at.matrix[..count * count], count, acceleration);
-        if !mode.mechanisms[m].basis.is_empty() {
-            self.hold(m, state, mode, at);
-        }
+        mode.hold(self, m, state, at);
     }
 
     /// Generalised forces on a mechanism, of all but sticking actuators without a tendon: `τ − h − Σ Jᵀ F`.
-    pub(crate) fn enter_force<T: Over<R>>(&self, m: usize, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+    pub(crate) fn enter_force<T: Over<R>>(
+        &self,
+        m: usize,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+    ) {
         let places = &self.plant.places;
         let (position, rates) = places.mechanisms[m].of(state);
-        let of_mechanism = &mode.mechanisms[m];
         let force = &mut at.force[..position.len()];
         match &self.plant.mechanisms[m] {
             Mechanism::Mass(mass) => force[0] = mass.force(position[0]),
-            Mechanism::Chain(chain) => {
-                let contacts = Contacts { stops: &of_mechanism.stops, foot: of_mechanism.foot };
-                chain.torques(position, rates, contacts, force);
-            }
+            Mechanism::Chain(_) => mode.torques(self, m, (position, rates), force),
             Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => force.fill(T::zero()),
         }
         for &i in &places.members[m] {
@@ -446,12 +419,97 @@ impl<R: Real> System<R> {
         }
     }
 
+    /// The rates of all states at a time in s.
+    pub(crate) fn rates<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+        rates: &mut [T],
+    ) {
+        self.enter_distances(time, state, mode, at);
+        self.enter_flows(time, state, mode, at);
+        self.enter_actuators(time, state, mode, at, |wire, unit| {
+            let places = &wire.places;
+            (rates[places.pressure], rates[places.pressure + 1]) = (unit.pressure_rate, unit.mass_rate);
+            if let Some(place) = places.length {
+                rates[place] = unit.velocity;
+            }
+            if let Some(place) = places.bristles {
+                rates[place] = mode.bristle_rate(wire, state[place], unit.velocity);
+            }
+        });
+        for assembly in &self.assemblies {
+            self.accelerate(assembly, time, state, mode, at);
+            self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);
+        }
+        let Plant { network, places, .. } = &*self.plant;
+        for &[node, place] in &places.state_nodes {
+            rates[place] = network.node_rate(node, mode.flows(), &at.network);
+        }
+        for &[branch, place] in &places.state_branches {
+            rates[place] = match mode.flows().sonic::<T>(network, branch) {
+                None => network.branch_rate(branch, &at.network),
+                Some((behind, per_pressure)) => per_pressure * self.pressure_rate(behind, mode, at),
+            };
+        }
+    }
+
+    /// Writes the rates of a mechanism's states, whose accelerations are known.
+    #[inline(always)]
+    fn enter_motion<T: Differentiable<R>>(
+        &self,
+        assembly: &Assembly<R>,
+        time: T,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        acceleration: &[T],
+        rates: &mut [T],
+    ) {
+        let places = assembly.places;
+        let (from, frozen) = (places.first, mode.is_frozen(assembly.index));
+        match &assembly.mechanism {
+            Mechanism::Mass(_) => {
+                rates[from] = T::select(frozen, T::zero(), state[from + 1]);
+                rates[from + 1] = acceleration[places.acceleration];
+            }
+            Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
+            Mechanism::Prescribed(motion) => {
+                let [_, velocity, acceleration] = mode.motion(assembly.index, motion, time);
+                (rates[from], rates[from + 1]) = (velocity, acceleration);
+            }
+            Mechanism::Chain(_) | Mechanism::External { .. } => {
+                for k in 0..places.coordinates {
+                    rates[places.position(k)] = T::select(frozen, T::zero(), state[places.rate(k)]);
+                    rates[places.rate(k)] = acceleration[places.acceleration + k];
+                }
+            }
+        }
+    }
+
+    /// The rate of the pressure of a node in Pa/s, once everything is evaluated.
+    pub(crate) fn pressure_rate<T: Over<R>>(&self, node: usize, mode: &impl Formulas<R>, at: &Evaluation<T>) -> T {
+        match self.plant.network.nodes[node].kind {
+            NodeKind::Chamber { actuator } => at.units[actuator].pressure_rate,
+            _ => self.plant.network.node_rate(node, mode.flows(), &at.network),
+        }
+    }
+}
+
+impl<R: Real> System<R> {
     /// Takes from the accelerations of a mechanism what sticking actuators hold.
     ///
     /// ```text
     /// λ = W⁻¹ (J q̈₀ + J̇ q̇)      W = J M⁻¹ Jᵀ      q̈ = q̈₀ − M⁻¹ Jᵀ λ
     /// ```
-    fn hold<T: Differentiable<R>>(&self, m: usize, state: &[T], mode: &PlantMode<R>, at: &mut Evaluation<T>) {
+    pub(super) fn hold<T: Differentiable<R>>(
+        &self,
+        m: usize,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) {
         let count = self.plant.places.mechanisms[m].coordinates;
         let first = self.plant.places.mechanisms[m].acceleration;
         let basis = &mode.mechanisms[m].basis;
@@ -494,92 +552,13 @@ impl<R: Real> System<R> {
         let mut gradient: Vec<T::Dual> = along.clone();
         let from = self.plant.places.actuators[i].arms;
         let pieces = &mode.arms[from..from + coupling.arm_count()];
-        let _ = Coupling::distance(coupling, Some(chain), &along, pieces, &mut gradient);
+        let arm = |number: usize, arm: &MomentArm<R>, angle: T::Dual| arm.in_piece(pieces[number], angle);
+        let _ = coupling.distance(Some(chain), &along, arm, &mut gradient);
         let mut sum = T::zero();
         for (entry, rate) in gradient.into_iter().zip(rates) {
             sum = sum + T::split(entry)[1] * *rate;
         }
         sum
-    }
-
-    /// The rates of all states at a time in s.
-    pub(crate) fn rates<T: Differentiable<R>>(
-        &self,
-        time: T,
-        state: &[T],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<T>,
-        rates: &mut [T],
-    ) {
-        self.enter_distances(time, state, mode, at);
-        self.enter_flows(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at, |wire, unit| {
-            let places = &wire.places;
-            (rates[places.pressure], rates[places.pressure + 1]) = (unit.pressure_rate, unit.mass_rate);
-            if let Some(place) = places.length {
-                rates[place] = unit.velocity;
-            }
-            if let Some(place) = places.bristles {
-                rates[place] = wire.bristle_rate(state[place], unit.velocity, &mode.actuators[wire.index]);
-            }
-        });
-        for assembly in &self.assemblies {
-            self.accelerate(assembly, time, state, mode, at);
-            self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);
-        }
-        let Plant { network, places, .. } = &*self.plant;
-        for &[node, place] in &places.state_nodes {
-            rates[place] = network.node_rate(node, &mode.network, &at.network);
-        }
-        for &[branch, place] in &places.state_branches {
-            rates[place] = match mode.network.branches[branch].sonic {
-                None => network.branch_rate(branch, &at.network),
-                Some(forwards) => match network.sonic::<T>(branch, forwards) {
-                    Some((behind, per_pressure)) => per_pressure * self.pressure_rate(behind, mode, at),
-                    None => T::zero(),
-                },
-            };
-        }
-    }
-
-    /// Writes the rates of a mechanism's states, whose accelerations are known.
-    #[inline(always)]
-    fn enter_motion<T: Differentiable<R>>(
-        &self,
-        assembly: &Assembly<R>,
-        time: T,
-        state: &[T],
-        mode: &PlantMode<R>,
-        acceleration: &[T],
-        rates: &mut [T],
-    ) {
-        let places = assembly.places;
-        let (from, of_mechanism) = (places.first, &mode.mechanisms[assembly.index]);
-        match &assembly.mechanism {
-            _ if of_mechanism.frozen => rates[from..from + 2 * places.coordinates].fill(T::zero()),
-            Mechanism::Mass(_) => {
-                (rates[from], rates[from + 1]) = (state[from + 1], acceleration[places.acceleration]);
-            }
-            Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
-            Mechanism::Prescribed(motion) => {
-                let [_, velocity, acceleration] = motion.at(time, of_mechanism.corners_passed);
-                (rates[from], rates[from + 1]) = (velocity, acceleration);
-            }
-            Mechanism::Chain(_) | Mechanism::External { .. } => {
-                for k in 0..places.coordinates {
-                    rates[places.position(k)] = state[places.rate(k)];
-                    rates[places.rate(k)] = acceleration[places.acceleration + k];
-                }
-            }
-        }
-    }
-
-    /// The rate of the pressure of a node in Pa/s, once everything is evaluated.
-    pub(crate) fn pressure_rate<T: Over<R>>(&self, node: usize, mode: &PlantMode<R>, at: &Evaluation<T>) -> T {
-        match self.plant.network.nodes[node].kind {
-            NodeKind::Chamber { actuator } => at.units[actuator].pressure_rate,
-            _ => self.plant.network.node_rate(node, &mode.network, &at.network),
-        }
     }
 }
 

@@ -23,6 +23,7 @@ mod equipment;
 mod evaluation;
 mod exergy;
 mod feed;
+mod formulas;
 mod friction_start;
 mod guard;
 mod holding;

@@ -372,9 +372,7 @@ fn usual_arm<R: Real>(plant: &Plant<R>, mounted: &Mounted<R>) -> f64 {
     };
     let position = vec![R::zero(); mechanism.coordinates()];
     let mut gradient = position.clone();
-    let mut pieces = vec![0; mounted.coupling.arm_count()];
-    mounted.coupling.pieces(&position, &mut pieces);
-    mounted.coupling.distance(chain, &position, &pieces, &mut gradient);
+    mounted.coupling.distance_at(chain, &position, &mut gradient);
     let arm = gradient.iter().fold(0.0, |most: f64, entry| most.max(entry.value().abs()));
     if arm.is_finite() && arm > 0.0 { arm } else { 1.0 }
 }

@@ -153,14 +153,12 @@ impl<R: Real> Plant<R> {
             let absolute = gauge.absolute(air.atmosphere());
             let here = self.places.mechanisms[*mechanism];
             let (position, _) = here.of(&state);
-            let mut pieces = vec![0; coupling.arm_count()];
-            coupling.pieces(position, &mut pieces);
             let chain = match &self.mechanisms[*mechanism] {
                 Mechanism::Chain(chain) => Some(chain),
                 _ => None,
             };
             let mut gradient = vec![R::zero(); here.coordinates];
-            let distance = coupling.distance(chain, position, &pieces, &mut gradient);
+            let distance = coupling.distance_at(chain, position, &mut gradient);
             let length = match (tendon, start.lengths[i]) {
                 (Some(_), Some(length)) => length,
                 (Some(tendon), None) => tendon.balance(actuator, distance, absolute.0),

@@ -2,7 +2,7 @@
 
 use super::{ActuatorPlaces, MechanismPlaces, Plant};
 use crate::mechanism::{Coupling, Mechanism};
-use crate::scalar::Real;
+use crate::scalar::Scalar;
 use crate::simulation::member::Member;
 use alloc::vec::Vec;
 
@@ -29,7 +29,7 @@ pub(crate) enum Span {
 
 /// An actuator, its states and what it spans.
 #[derive(Clone, Debug)]
-pub(crate) struct Wire<R: Real> {
+pub(crate) struct Wire<R: Scalar> {
     /// Which of the plant.
     pub(crate) index: usize,
     pub(crate) member: Member<R>,
@@ -44,7 +44,7 @@ pub(crate) struct Wire<R: Real> {
 
 /// A mechanism, its states and the actuators at it.
 #[derive(Clone, Debug)]
-pub(crate) struct Assembly<R: Real> {
+pub(crate) struct Assembly<R: Scalar> {
     /// Which of the plant.
     pub(crate) index: usize,
     pub(crate) mechanism: Mechanism<R>,
@@ -52,7 +52,7 @@ pub(crate) struct Assembly<R: Real> {
     pub(crate) members: Vec<usize>,
 }
 
-impl<R: Real> Assembly<R> {
+impl<R: Scalar> Assembly<R> {
     /// That of a mechanism of a plant.
     pub(crate) fn new(plant: &Plant<R>, index: usize) -> Self {
         let places = &plant.places;
@@ -65,7 +65,7 @@ impl<R: Real> Assembly<R> {
     }
 }
 
-impl<R: Real> Wire<R> {
+impl<R: Scalar> Wire<R> {
     /// Pressure in Pa and mass in kg of its air.
     #[inline(always)]
     pub(crate) fn air<T: Copy>(&self, state: &[T]) -> [T; 2] {

@@ -17,7 +17,7 @@ use crate::air::Process;
 use crate::engine::event::band;
 use crate::force::Statics;
 use crate::friction::{Branch, Hysteresis, LuGre, Memory, Rubbing};
-use crate::scalar::{Over, Real};
+use crate::scalar::{Over, Real, Scalar};
 
 /// Temperature in K at which the scale of the air mass is taken.
 const ROOM_TEMPERATURE: f64 = 293.15;
@@ -26,7 +26,7 @@ const TAUT: f64 = 0.5;
 
 /// An actuator with the tolerance to which its events are told from rounding.
 #[derive(Clone, Debug)]
-pub(crate) struct Member<R: Real> {
+pub(crate) struct Member<R: Scalar> {
     pub(crate) actuator: Actuator<R>,
     /// Usual sizes: the longest length, the atmosphere's pressure, the air at that.
     pub(crate) longest: f64,

@@ -1,0 +1,148 @@
+//! Which formulas hold, as an [evaluation](super::evaluation) asks for them.
+//!
+//! An evaluation puts a plant together; it does not know how the discrete state is kept. In a [`PlantMode`] each law says which
+//! of its pieces holds, smoothly continued beyond its ends, as an integrator of high order wants it. Answers are masks, so that
+//! numbers side by side may differ in them.
+
+use super::evaluation::{Evaluation, System, Unit};
+use super::mode::PlantMode;
+use super::wire::Wire;
+use crate::air::Chamber;
+use crate::load::{MomentArm, Motion};
+use crate::mechanism::Mechanism;
+use crate::mechanism::chain::Contacts;
+use crate::network::formulas::FlowFormulas;
+use crate::network::mode::NetworkMode;
+use crate::scalar::{Differentiable, Over, Real, Scalar};
+use crate::simulation::{Extent, Sliding};
+
+/// The discrete state of a plant as an evaluation asks for it.
+pub(crate) trait Formulas<S: Scalar> {
+    /// The network's.
+    type Flows: FlowFormulas<S>;
+
+    /// Which formulas hold in the network.
+    fn flows(&self) -> &Self::Flows;
+
+    /// Whether an actuator is shorter than its shortest, so that it hangs slack.
+    fn is_slack(&self, actuator: usize) -> S::Mask;
+
+    /// Whether friction holds the ends of an actuator at their distance.
+    fn is_stuck(&self, actuator: usize) -> S::Mask;
+
+    /// Whether friction holds all of a mechanism.
+    fn is_frozen(&self, mechanism: usize) -> S::Mask;
+
+    /// Arm in m and excursion in m of a moment arm, the one of a number among all of the plant's, at an angle in rad.
+    fn arm<T: Over<S>>(&self, number: usize, arm: &MomentArm<S>, angle: T) -> [T; 2];
+
+    /// Length (m), velocity (m/s) and acceleration (m/s²) of a mechanism whose motion is given.
+    fn motion<T: Over<S>>(&self, mechanism: usize, motion: &Motion<S>, time: T) -> [T; 3];
+
+    /// Torques in N·m on a chain besides those of the actuators, less what its motion itself needs.
+    fn torques<T: Over<S>>(&self, system: &System<S>, mechanism: usize, motion: (&[T], &[T]), torque: &mut [T]);
+
+    /// The rate in Pa/s of a pressure that is given.
+    fn given_rate<T: Over<S>>(&self, system: &System<S>, actuator: usize, time: T) -> T;
+
+    /// Tension in N of an actuator without a tendon, at its length, velocity and pressure; zero where it sticks.
+    fn tension<T: Over<S>>(&self, wire: &Wire<S>, ends: [T; 3], bristles: Option<T>) -> T;
+
+    /// Rate of the bristles of an actuator in m/s.
+    fn bristle_rate<T: Over<S>>(&self, wire: &Wire<S>, deflection: T, velocity: T) -> T;
+
+    /// Enters the velocity and the tension of an actuator on a tendon.
+    fn enter_end<T: Differentiable<S>>(
+        &self,
+        system: &System<S>,
+        actuator: usize,
+        bristles: Option<T>,
+        at: (&mut Unit<T>, &mut Chamber<T>),
+    );
+
+    /// Takes from the accelerations of a chain what sticking actuators hold.
+    fn hold<T: Differentiable<S>>(&self, system: &System<S>, mechanism: usize, state: &[T], at: &mut Evaluation<T>);
+}
+
+impl<R: Real> Formulas<R> for PlantMode<R> {
+    type Flows = NetworkMode<R>;
+
+    #[inline(always)]
+    fn flows(&self) -> &Self::Flows {
+        &self.network
+    }
+
+    #[inline(always)]
+    fn is_slack(&self, actuator: usize) -> bool {
+        self.actuators[actuator].mode.extent == Extent::Slack
+    }
+
+    #[inline(always)]
+    fn is_stuck(&self, actuator: usize) -> bool {
+        self.actuators[actuator].mode.sliding == Sliding::Stuck
+    }
+
+    #[inline(always)]
+    fn is_frozen(&self, mechanism: usize) -> bool {
+        self.mechanisms[mechanism].frozen
+    }
+
+    #[inline(always)]
+    fn arm<T: Over<R>>(&self, number: usize, arm: &MomentArm<R>, angle: T) -> [T; 2] {
+        arm.in_piece(self.arms[number], angle)
+    }
+
+    #[inline(never)]
+    fn motion<T: Over<R>>(&self, mechanism: usize, motion: &Motion<R>, time: T) -> [T; 3] {
+        motion.at(time, self.mechanisms[mechanism].corners_passed)
+    }
+
+    fn torques<T: Over<R>>(&self, system: &System<R>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
+        let its = &self.mechanisms[m];
+        if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
+            chain.torques(angle, rate, Contacts { stops: &its.stops, foot: its.foot }, torque);
+        }
+    }
+
+    #[inline(never)]
+    fn given_rate<T: Over<R>>(&self, system: &System<R>, i: usize, time: T) -> T {
+        let course = system.plant.actuators[i].pressure.as_ref();
+        course.map_or(T::zero(), |course| course.at(time, self.actuators[i].rows_passed)[1])
+    }
+
+    #[inline(always)]
+    fn tension<T: Over<R>>(&self, wire: &Wire<R>, ends: [T; 3], bristles: Option<T>) -> T {
+        let its = &self.actuators[wire.index];
+        match its.mode.sliding {
+            Sliding::Stuck => T::zero(),
+            _ => wire.member.tension(ends, &its.mode, (&its.trace, bristles)),
+        }
+    }
+
+    #[inline(always)]
+    fn bristle_rate<T: Over<R>>(&self, wire: &Wire<R>, deflection: T, velocity: T) -> T {
+        wire.bristle_rate(deflection, velocity, &self.actuators[wire.index])
+    }
+
+    #[inline(never)]
+    fn enter_end<T: Differentiable<R>>(
+        &self,
+        system: &System<R>,
+        i: usize,
+        bristles: Option<T>,
+        (unit, chamber): (&mut Unit<T>, &mut Chamber<T>),
+    ) {
+        let (mounted, its) = (&system.plant.actuators[i], &self.actuators[i]);
+        let Some(tendon) = &mounted.tendon else { return };
+        unit.velocity = system.end_velocity(i, tendon, its, (unit, chamber), bristles);
+        unit.tension = super::tendon::tension(tendon, its, unit.distance, unit.length);
+        *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
+    }
+
+    #[inline(always)]
+    fn hold<T: Differentiable<R>>(&self, system: &System<R>, m: usize, state: &[T], at: &mut Evaluation<T>) {
+        if !self.mechanisms[m].basis.is_empty() {
+            system.hold(m, state, self, at);
+        }
+    }
+}
