@@ -45,6 +45,18 @@ pub(crate) struct NodeState<T> {
 }
 
 impl<T: Scalar> NodeState<T> {
+    /// The node at a pressure, over a scalar with derivatives.
+    pub(super) fn along<D: Over<T>>(&self, pressure: D) -> NodeState<D> {
+        NodeState {
+            pressure,
+            per_pressure: D::one() / pressure,
+            per_root_temperature: D::of(self.per_root_temperature),
+            inward: D::of(self.inward),
+            outward: D::of(self.outward),
+            warmth: D::of(self.warmth),
+        }
+    }
+
     /// Net flow into the node in kg/s.
     #[inline(always)]
     pub(crate) fn net(&self) -> T {
@@ -106,7 +118,10 @@ impl<R: Scalar> Network<R> {
         piping.enter_nodes(around, nodes);
         for orifice in &piping.orifices {
             let Orifice { from, to, .. } = orifice;
-            let ends = OrificeEnds { near: &nodes[from.node], far: &nodes[to.node], around, air };
+            let squared_drive = |actuator: usize, pressure: T| {
+                T::of(air.gas_constant()) * pressure * around.chambers[actuator].density()
+            };
+            let ends = OrificeEnds { near: &nodes[from.node], far: &nodes[to.node], squared_drive };
             let Some((is_inward, flow)) = mode.orifice(orifice, ends, time) else {
                 flows[orifice.branch] = T::zero();
                 continue;
@@ -276,19 +291,17 @@ fn take<T: Scalar>(end: &End, amount: T, nodes: &mut [NodeState<T>]) {
     }
 }
 
-/// What lies at the two ends of an orifice.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct OrificeEnds<'a, S: Scalar, T> {
-    near: &'a NodeState<T>,
-    far: &'a NodeState<T>,
-    around: Surroundings<'a, T>,
-    air: &'a Air<S>,
+/// What lies at the two ends of an orifice; `squared_drive` is `P²/T` in Pa²/K of the air of an actuator at a pressure in Pa.
+pub(crate) struct OrificeEnds<'a, T, D> {
+    pub(super) near: &'a NodeState<T>,
+    pub(super) far: &'a NodeState<T>,
+    pub(super) squared_drive: D,
 }
 
-impl<S: Scalar, T: Over<S>> OrificeEnds<'_, S, T> {
+impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
     /// `P/√T` in Pa/√K of the air that flows inwards or outwards.
     #[inline(always)]
-    pub(super) fn drive(&self, orifice: &Orifice<S>, is_inward: bool) -> T {
+    pub(super) fn drive<S>(&self, orifice: &Orifice<S>, is_inward: bool) -> T {
         match (is_inward, orifice.ambient) {
             (true, _) => self.drive_of(&orifice.from, self.near),
             (false, true) => self.far.pressure * self.far.per_root_temperature,
@@ -309,10 +322,7 @@ impl<S: Scalar, T: Over<S>> OrificeEnds<'_, S, T> {
     #[inline(always)]
     fn drive_of(&self, end: &End, at: &NodeState<T>) -> T {
         match end.chamber {
-            Some(actuator) => {
-                let chamber = &self.around.chambers[actuator];
-                (T::of(self.air.gas_constant()) * chamber.pressure * chamber.density()).sqrt()
-            }
+            Some(actuator) => (self.squared_drive)(actuator, at.pressure).sqrt(),
             None => at.pressure * at.per_root_temperature,
         }
     }

@@ -1,17 +1,27 @@
 //! Which formulas of a network hold, as its [flows](super::flow) ask for them.
 
 use super::flow::{NetworkState, OrificeEnds};
+use super::implicit::RegulatedResponse;
 use super::mode::NetworkMode;
 use super::piping::Orifice;
 use super::{BranchKind, Network, NodeKind};
-use crate::line::Hose;
+use crate::line::{Hose, Poppet};
 use crate::scalar::{Over, Real, Scalar};
+use crate::valve::Approach;
 
 /// The discrete state of a network as its flows ask for it.
 pub(crate) trait FlowFormulas<S: Scalar> {
     /// Flow in kg/s through an orifice at a time in s, zero or more, and whether it goes from its first node to its second;
     /// none where it is shut.
-    fn orifice<T: Over<S>>(&self, orifice: &Orifice<S>, ends: OrificeEnds<'_, S, T>, time: T) -> Option<(S::Mask, T)>;
+    fn orifice<T: Over<S>>(
+        &self,
+        orifice: &Orifice<S>,
+        ends: OrificeEnds<'_, T, impl Fn(usize, T) -> T>,
+        time: T,
+    ) -> Option<(S::Mask, T)>;
+
+    /// Whether a seat, or a pressure beyond a valve, is on its way at a time in s.
+    fn is_under_way(&self, time: S) -> bool;
 
     /// Flow in kg/s through a lumped hose between two pressures in Pa.
     fn loss<T: Over<S>>(&self, branch: usize, hose: &Hose<S>, pressure: [T; 2]) -> T;
@@ -22,13 +32,21 @@ pub(crate) trait FlowFormulas<S: Scalar> {
     /// The rate in Pa/s of the pressure of a regulator's outlet or of a regulated port.
     fn regulated_rate<T: Over<S>>(&self, network: &Network<S>, node: usize, at: &NetworkState<T>) -> T;
 
+    /// How the pressure of a regulator's outlet or of a regulated port answers within a stage for γh in s.
+    fn regulated_response(&self, network: &Network<S>, node: usize, gamma_h: S) -> RegulatedResponse<S>;
+
     /// The node behind a flow that goes at the speed of sound, and that flow in kg/s over its pressure in Pa.
     fn sonic<T: Over<S>>(&self, network: &Network<S>, branch: usize) -> Option<(usize, T)>;
 }
 
 impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
     #[inline(always)]
-    fn orifice<T: Over<R>>(&self, orifice: &Orifice<R>, ends: OrificeEnds<'_, R, T>, time: T) -> Option<(bool, T)> {
+    fn orifice<T: Over<R>>(
+        &self,
+        orifice: &Orifice<R>,
+        ends: OrificeEnds<'_, T, impl Fn(usize, T) -> T>,
+        time: T,
+    ) -> Option<(bool, T)> {
         let zone = self.branches[orifice.branch].zone?;
         // A piece of an orifice's law says which way its air goes, also a little beyond its ends.
         let is_inward = zone.is_inward();
@@ -41,6 +59,10 @@ impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
             flow = flow * shares[port as usize];
         }
         Some((is_inward, flow))
+    }
+
+    fn is_under_way(&self, time: R) -> bool {
+        self.valves.iter().any(|valve| valve.openings.at(time).is_some())
     }
 
     #[inline(always)]
@@ -64,6 +86,22 @@ impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
                 _ => T::zero(),
             },
             _ => T::zero(),
+        }
+    }
+
+    fn regulated_response(&self, network: &Network<R>, node: usize, gamma_h: R) -> RegulatedResponse<R> {
+        let (zero, one, its) = (R::zero(), R::one(), &self.nodes[node]);
+        match &network.nodes[node].kind {
+            NodeKind::Outlet { regulator, .. } if its.poppet != Poppet::Rests => {
+                let rate = gamma_h / regulator.lag();
+                let (answer, by_inlet) = if its.limited { (zero, rate) } else { (rate * regulator.droop(), zero) };
+                RegulatedResponse { answer, own: one + rate, by_inlet }
+            }
+            NodeKind::Port { regulator, .. } if its.approach == Some(Approach::Settles) => {
+                let own = one - gamma_h * regulator.rate_in(Approach::Settles, one, zero);
+                RegulatedResponse { answer: zero, own, by_inlet: zero }
+            }
+            _ => RegulatedResponse { answer: zero, own: one, by_inlet: zero },
         }
     }
 

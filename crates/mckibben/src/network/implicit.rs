@@ -22,15 +22,15 @@
 //! and a flow moves no pressure beyond another. A branch that closes a ring counts for its two nodes, not between them; the
 //! method that asks is of its order whatever matrix it has.
 
+use super::flow::OrificeEnds;
 use super::flow::{NetworkState, Surroundings};
-use super::mode::NetworkMode;
+use super::formulas::FlowFormulas;
+use super::piping::Piping;
 use super::{Branch, BranchKind, Network, NodeKind};
 use crate::air::Air;
 use crate::dual::Dual;
-use crate::line::Poppet;
 use crate::plant::Plant;
-use crate::scalar::{Over, Real, Scalar};
-use crate::valve::Approach;
+use crate::scalar::{Over, Scalar};
 use alloc::vec::Vec;
 
 /// How a node hangs on the one nearer to the root.
@@ -92,6 +92,13 @@ pub(crate) struct Elimination<R> {
     edges: Vec<Edge<R>>,
 }
 
+/// How the pressure of a node that a regulator keeps answers: r χ, 1 + r/τ and l.
+pub(crate) struct RegulatedResponse<R> {
+    pub(crate) answer: R,
+    pub(crate) own: R,
+    pub(crate) by_inlet: R,
+}
+
 /// What the system asks of a plant at an instant.
 pub(crate) struct NodeResponse<R> {
     /// Pa per kg of what comes in.
@@ -100,7 +107,7 @@ pub(crate) struct NodeResponse<R> {
     pub(crate) falls: R,
 }
 
-impl<R: Real> Elimination<R> {
+impl<R: Scalar> Elimination<R> {
     /// That of a plant, without numbers.
     pub(crate) fn new(plant: &Plant<R>) -> Self {
         let (network, places) = (plant.network(), plant.places());
@@ -188,7 +195,7 @@ impl<R: Real> Elimination<R> {
     pub(crate) fn factor(
         &mut self,
         network: &Network<R>,
-        mode: &NetworkMode<R>,
+        mode: &impl FlowFormulas<R>,
         gamma_h: R,
         response: impl Fn(usize) -> NodeResponse<R>,
         mut slopes: impl FnMut(usize) -> ([R; 2], R),
@@ -197,18 +204,9 @@ impl<R: Real> Elimination<R> {
         for row in &mut self.rows {
             let NodeResponse { per_mass, falls } = response(row.node);
             (row.answer, row.own, row.by_inlet) = (gamma_h * per_mass, one + gamma_h * falls, zero);
-            let of_node = &mode.nodes[row.node];
-            match &network.nodes[row.node].kind {
-                NodeKind::Outlet { regulator, .. } if of_node.poppet != Poppet::Rests => {
-                    let rate = gamma_h / regulator.lag();
-                    row.own = one + rate;
-                    (row.answer, row.by_inlet) =
-                        if of_node.limited { (zero, rate) } else { (rate * regulator.droop(), zero) };
-                }
-                NodeKind::Port { regulator, .. } if of_node.approach == Some(Approach::Settles) => {
-                    row.own = one - gamma_h * regulator.rate_in(Approach::Settles, one, zero);
-                }
-                _ => {}
+            if let NodeKind::Outlet { .. } | NodeKind::Port { .. } = network.nodes[row.node].kind {
+                let RegulatedResponse { answer, own, by_inlet } = mode.regulated_response(network, row.node, gamma_h);
+                (row.answer, row.own, row.by_inlet) = (answer, own, by_inlet);
             }
             (row.out, row.out_by_parent, row.parent_by_this) = (zero, zero, zero);
         }
@@ -299,46 +297,39 @@ impl<R: Real> Elimination<R> {
     }
 }
 
-impl<R: Real> Network<R> {
+impl<R: Scalar> Network<R> {
     /// How the flow through a branch answers to the pressures at its ends in kg/(s·Pa), the tangent or the secant where that
     /// is steeper; and the share of its own slope that a cell keeps.
     pub(crate) fn slopes(
         &self,
+        piping: &Piping<R>,
         branch: usize,
         (time, gamma_h): (R, R),
         around: Surroundings<'_, R>,
         air: &Air<R>,
-        (mode, at): (&NetworkMode<R>, &NetworkState<R>),
+        (mode, at): (&impl FlowFormulas<R>, &NetworkState<R>),
     ) -> ([R; 2], R) {
-        let (zero, one, of_mode) = (R::zero(), R::one(), &mode.branches[branch]);
+        let (zero, one) = (R::zero(), R::one());
         let Branch { from, to, kind } = &self.branches[branch];
         let [near, far] = [*from, *to].map(|node| at.nodes[node].pressure);
         let [p, q] = [Dual::<R, 2>::variable(near, 0), Dual::variable(far, 1)];
         let flow = match kind {
-            BranchKind::Path { law, .. } | BranchKind::Check { law } => {
-                let Some(zone) = of_mode.zone else { return ([zero; 2], zero) };
-                let (node, upstream, downstream) = if zone.is_inward() { (*from, p, q) } else { (*to, q, p) };
-                let drive = match self.nodes[node].kind {
-                    NodeKind::Chamber { actuator } => {
-                        (upstream * Dual::of(air.gas_constant() * around.chambers[actuator].density())).sqrt()
-                    }
-                    _ => upstream * Dual::of(one / self.nodes[node].temperature.sqrt()),
+            BranchKind::Path { .. } | BranchKind::Check { .. } => {
+                let Some(orifice) = piping.orifice(branch) else { return ([zero; 2], zero) };
+                let ends = [(*from, p), (*to, q)].map(|(node, pressure)| at.nodes[node].along(pressure));
+                let squared_drive = |actuator: usize, pressure: Dual<R, 2>| {
+                    pressure * Dual::of(air.gas_constant() * around.chambers[actuator].density())
                 };
-                let mut flow = drive * Dual::of(law.conductance());
-                flow = flow * law.in_zone(zone, || (upstream - downstream) / upstream);
-                if let BranchKind::Path { valve, port, .. } = kind
-                    && let Some(shares) = mode.valves[*valve].openings.at(time)
-                {
-                    flow = flow * Dual::of(shares[*port as usize]);
-                }
-                if zone.is_inward() { flow } else { -flow }
+                let ends = OrificeEnds { near: &ends[0], far: &ends[1], squared_drive };
+                let Some((is_inward, flow)) = mode.orifice(orifice, ends, Dual::of(time)) else {
+                    return ([zero; 2], zero);
+                };
+                Dual::select(is_inward, flow, -flow)
             }
-            BranchKind::Loss(hose) => hose.tube().flow_in(of_mode.regime, p, q),
+            BranchKind::Loss(hose) => mode.loss(branch, hose, [p, q]),
             BranchKind::Inertia(hose) => {
-                if let Some(forwards) = of_mode.sonic
-                    && let Some((_, per_pressure)) = self.sonic::<R>(branch, forwards)
-                {
-                    return (if forwards { [per_pressure, zero] } else { [zero, -per_pressure] }, zero);
+                if let Some((behind, per_pressure)) = mode.sonic::<R>(self, branch) {
+                    return (if behind == *from { [per_pressure, zero] } else { [zero, -per_pressure] }, zero);
                 }
                 let place = at.flows[branch];
                 let drive = gamma_h * hose.per_inertance();
@@ -346,23 +337,20 @@ impl<R: Real> Network<R> {
                 return ([drive * share; 2], share);
             }
             BranchKind::Leak(leakage) => {
-                let upstream = if near.lt(far) {
-                    self.temperature(*to, around.chambers, air)
-                } else {
-                    self.nodes[*from].temperature
-                };
+                let beyond = self.temperature(*to, around.chambers, air);
+                let upstream = R::select(near.lt(far), beyond, self.nodes[*from].temperature);
                 leakage.between(p, q, Dual::of(air.gas_constant() * upstream))
             }
             BranchKind::Compressor => match &self.nodes[*to].kind {
-                NodeKind::Reservoir(reservoir) if of_mode.runs => {
+                NodeKind::Reservoir(reservoir) => {
                     let falls = -reservoir.delivery(q).slope[1];
-                    return ([zero, falls.larger(zero)], zero);
+                    return ([zero, R::select(mode.runs(branch), falls.larger(zero), zero)], zero);
                 }
                 _ => return ([zero; 2], zero),
             },
         };
         let gap = near - far;
-        let secant = if zero.lt(gap.magnitude()) { (flow.value / gap).larger(zero) } else { zero };
+        let secant = R::select(zero.lt(gap.magnitude()), (flow.value / gap).larger(zero), zero);
         let [by_near, by_far] = flow.slope;
         ([by_near.larger(secant), (-by_far).larger(secant)], zero)
     }

@@ -61,6 +61,8 @@ pub(super) struct Pipe<R> {
 #[derive(Clone, Debug)]
 pub(crate) struct Piping<R> {
     pub(super) orifices: Vec<Orifice<R>>,
+    /// Which of them each branch is, if it is one.
+    orifice_of: Vec<Option<usize>>,
     pub(super) pipes: Vec<Pipe<R>>,
     pub(super) varying: Vec<Varying>,
     /// The outlets of regulators that a node of the network feeds, each with that node, the last outlet first.
@@ -85,6 +87,7 @@ impl<R: Scalar> Piping<R> {
             }
         };
         let (mut orifices, mut pipes) = (Vec::new(), Vec::new());
+        let mut orifice_of = alloc::vec![None; network.branches.len()];
         for (branch, it) in network.branches.iter().enumerate() {
             let (from, to) = (end(it.from), end(it.to));
             let (law, opened, ambient, copies) = match it.kind {
@@ -95,6 +98,7 @@ impl<R: Scalar> Piping<R> {
                     continue;
                 }
             };
+            orifice_of[branch] = Some(orifices.len());
             orifices.push(Orifice { branch, law, opened, ambient, copies, from, to });
         }
         let varying = network.nodes.iter().enumerate().filter_map(|(node, it)| match it.kind {
@@ -108,7 +112,7 @@ impl<R: Scalar> Piping<R> {
             NodeKind::Outlet { inlet, .. } => inlet.map(|inlet| [index, inlet]),
             _ => None,
         });
-        Self { orifices, pipes, varying: varying.collect(), drawn: drawn.collect() }
+        Self { orifices, orifice_of, pipes, varying: varying.collect(), drawn: drawn.collect() }
     }
 }
 
@@ -118,6 +122,11 @@ impl<R: Scalar> Piping<R> {
         for varying in &self.varying {
             at.nodes[varying.node].pressure = state[varying.place];
         }
+    }
+
+    /// The orifice that a branch is, if it is one.
+    pub(super) fn orifice(&self, branch: usize) -> Option<&Orifice<R>> {
+        self.orifices.get(self.orifice_of[branch]?)
     }
 
     /// The pressure of a node in Pa in a state; none for one that does not change.

@@ -6,6 +6,7 @@
 
 use super::evaluation::{Evaluation, System, Unit};
 use super::mode::PlantMode;
+use super::steps::TensionResponse;
 use super::wire::Wire;
 use crate::air::Chamber;
 use crate::load::{MomentArm, Motion};
@@ -23,6 +24,9 @@ pub(crate) trait Formulas<S: Scalar> {
 
     /// Which formulas hold in the network.
     fn flows(&self) -> &Self::Flows;
+
+    /// Takes the pieces of all laws that hold in a state, where it is the discrete state that knows them.
+    fn enter_pieces(&mut self, system: &System<S>, time: S, state: &[S], at: &mut Evaluation<S>);
 
     /// Whether an actuator is shorter than its shortest, so that it hangs slack.
     fn is_slack(&self, actuator: usize) -> S::Mask;
@@ -60,6 +64,16 @@ pub(crate) trait Formulas<S: Scalar> {
         at: (&mut Unit<T>, &mut Chamber<T>),
     );
 
+    /// How the tension of an actuator on a tendon answers within a stage for γh in s.
+    fn end_response(
+        &self,
+        system: &System<S>,
+        actuator: usize,
+        gamma_h: S,
+        state: &[S],
+        at: &Evaluation<S>,
+    ) -> TensionResponse<S>;
+
     /// Takes from the accelerations of a chain what sticking actuators hold.
     fn hold<T: Differentiable<S>>(&self, system: &System<S>, mechanism: usize, state: &[T], at: &mut Evaluation<T>);
 }
@@ -70,6 +84,10 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
     #[inline(always)]
     fn flows(&self) -> &Self::Flows {
         &self.network
+    }
+
+    fn enter_pieces(&mut self, system: &System<R>, time: R, state: &[R], at: &mut Evaluation<R>) {
+        system.enter_pieces(time, state, self, at);
     }
 
     #[inline(always)]
@@ -137,6 +155,17 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
         unit.velocity = system.end_velocity(i, tendon, its, (unit, chamber), bristles);
         unit.tension = super::tendon::tension(tendon, its, unit.distance, unit.length);
         *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
+    }
+
+    fn end_response(
+        &self,
+        system: &System<R>,
+        i: usize,
+        gamma_h: R,
+        state: &[R],
+        at: &Evaluation<R>,
+    ) -> TensionResponse<R> {
+        system.end_response(i, gamma_h, state, self, at)
     }
 
     #[inline(always)]

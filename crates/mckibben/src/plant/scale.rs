@@ -5,7 +5,6 @@ use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::wire::{Assembly, Wire};
 use super::{Mounted, Plant, tendon};
-use crate::air::Process;
 use crate::dual::Dual;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::piping::Piping;
@@ -217,7 +216,7 @@ impl<R: Real> System<R> {
     /// How fast the bristles and the length of an actuator settle.
     fn actuator_settling(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
         let (mounted, here, its) = (&self.plant.actuators[i], &self.plant.places.actuators[i], &mode.actuators[i]);
-        let mut fastest = self.heat_settling(i, at);
+        let mut fastest = self.heat_settling(i, at).value();
         let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
         if let (Some(place), Some(law)) = (here.bristles, self.wires[i].member.lugre())
             && its.mode.extent != Extent::Slack
@@ -261,18 +260,6 @@ impl<R: Real> System<R> {
         (law.conductance() * law.in_zone(zone, R::one)).value() / Scalar::sqrt(temperature)
     }
 
-    /// How fast the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
-    pub(super) fn heat_settling(&self, i: usize, at: &Evaluation<R>) -> f64 {
-        let air = self.plant.actuators[i].actuator.air();
-        match air.process() {
-            Process::EnergyBalance { heat_transfer, .. } => {
-                let excess = (air.heat_capacity_ratio() - R::one()) * heat_transfer;
-                (excess / (at.chambers[i].mass * air.gas_constant())).value()
-            }
-            _ => 0.0,
-        }
-    }
-
     /// How fast the pressures of nodes settle against each other: each with the sum of its branches' conductances.
     fn network_settling(&self, mode: &PlantMode<R>, at: &mut Evaluation<R>) -> f64 {
         let network = &self.plant.network;
@@ -311,7 +298,7 @@ impl<R: Real> System<R> {
                         fastest = fastest.max(-regulator.rate_in(approach, pressure, set).slope[0].value());
                     }
                 }
-                NodeKind::Chamber { actuator } => sums[node] = self.heat_settling(*actuator, at),
+                NodeKind::Chamber { actuator } => sums[node] = self.heat_settling(*actuator, at).value(),
                 _ => {}
             }
         }

@@ -321,15 +321,6 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// The mass matrix of a mechanism, row by row.
-    pub(crate) fn mass_matrix<T: Over<R>>(&self, m: usize, state: &[T], matrix: &mut [T]) {
-        match &self.plant.mechanisms[m] {
-            Mechanism::Mass(mass) => matrix[0] = T::of(mass.mass()),
-            Mechanism::Chain(chain) => chain.mass_matrix(self.plant.places.mechanisms[m].of(state).0, matrix),
-            Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => matrix.fill(T::one()),
-        }
-    }
-
     /// The coordinates that an actuator spans.
     fn spans(&self, i: usize, m: usize) -> Vec<usize> {
         self.plant.actuators[i].coupling.spans(self.plant.places.mechanisms[m].coordinates)

@@ -22,23 +22,23 @@
 
 use super::super::dense;
 use super::super::evaluation::{Evaluation, System, Unit};
+use super::super::formulas::Formulas;
 use super::super::mode::PlantMode;
 use super::super::{MechanismPlaces, Plant};
-use crate::air::Flow;
+use crate::air::{Flow, Process};
 use crate::dual::Dual;
 use crate::mechanism::Mechanism;
-use crate::mechanism::chain::Contacts;
 use crate::network::NodeKind;
 use crate::network::flow::Surroundings;
 use crate::network::implicit::{Elimination, NodeResponse};
-use crate::scalar::{Over, Real};
+use crate::scalar::{Mask, Over, Real, Scalar};
 use crate::simulation::Sliding;
 use alloc::vec;
 use alloc::vec::Vec;
 
 /// How the tension of an actuator answers.
 #[derive(Clone, Copy, Debug)]
-struct TensionResponse<R> {
+pub(crate) struct TensionResponse<R> {
     stiffness: R,
     damping: R,
     /// How the tension answers to what its end or its bristles would do by themselves.
@@ -67,7 +67,7 @@ pub(super) struct Implicit<R> {
     seeded: Vec<Dual<R, 1>>,
 }
 
-impl<R: Real> Implicit<R> {
+impl<R: Scalar> Implicit<R> {
     pub(super) fn new(plant: &Plant<R>) -> Self {
         let zero = R::zero();
         let counts = plant.places().mechanisms.iter().map(|here| here.coordinates);
@@ -78,19 +78,10 @@ impl<R: Real> Implicit<R> {
             size += count * count;
         }
         let most = counts.max().unwrap_or(0);
-        let none = TensionResponse {
-            stiffness: zero,
-            damping: zero,
-            by_own: zero,
-            share: R::one(),
-            by_distance: zero,
-            by_rate: zero,
-            beside: R::one(),
-        };
         Self {
             gamma_h: zero,
             network: Elimination::new(plant),
-            tensions: vec![none; plant.actuators().len()],
+            tensions: vec![TensionResponse::none(); plant.actuators().len()],
             mass: vec![zero; size],
             turning: vec![zero; size],
             factors: vec![zero; size],
@@ -106,7 +97,7 @@ impl<R: Real> Implicit<R> {
         system: &System<R>,
         (time, gamma_h): (R, R),
         state: &[R],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &Evaluation<R>,
     ) {
         self.gamma_h = gamma_h;
@@ -120,14 +111,22 @@ impl<R: Real> Implicit<R> {
         let response = |node: usize| system.response(node, at);
         let Some(first) = system.wires.first() else { return };
         let (around, air) = (Surroundings { chambers: &at.chambers, state }, first.member.actuator.air());
-        let slopes = |branch: usize| network.slopes(branch, (time, gamma_h), around, air, (&mode.network, &at.network));
-        self.network.factor(network, &mode.network, gamma_h, response, slopes);
+        let of_network = (mode.flows(), &at.network);
+        let slopes = |branch: usize| network.slopes(&system.piping, branch, (time, gamma_h), around, air, of_network);
+        self.network.factor(network, mode.flows(), gamma_h, response, slopes);
     }
 
-    fn factor_mechanism(&mut self, system: &System<R>, m: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) {
+    fn factor_mechanism(
+        &mut self,
+        system: &System<R>,
+        m: usize,
+        state: &[R],
+        mode: &impl Formulas<R>,
+        at: &Evaluation<R>,
+    ) {
         let here = system.plant.places.mechanisms[m];
         let (count, from) = (here.coordinates, self.begins[m]);
-        if mode.mechanisms[m].frozen || !system.plant.mechanisms[m].is_dynamic() {
+        if !(!mode.is_frozen(m)).any() || !system.plant.mechanisms[m].is_dynamic() {
             return;
         }
         let (r, half) = (self.gamma_h, R::constant(0.5));
@@ -145,12 +144,7 @@ impl<R: Real> Implicit<R> {
             }
             match &system.plant.mechanisms[m] {
                 Mechanism::Mass(mass) => force[0] = mass.force(seeded[0]),
-                Mechanism::Chain(chain) => {
-                    let its = &mode.mechanisms[m];
-                    let contacts = Contacts { stops: &its.stops, foot: its.foot };
-                    let (position, rates) = seeded.split_at(count);
-                    chain.torques(position, rates, contacts, &mut force[..count]);
-                }
+                Mechanism::Chain(_) => mode.torques(system, m, seeded.split_at(count), &mut force[..count]),
                 _ => return,
             }
             let column = k % count;
@@ -183,7 +177,7 @@ impl<R: Real> Implicit<R> {
     pub(super) fn solve(
         &mut self,
         system: &System<R>,
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &Evaluation<R>,
         right: &[R],
         slopes: &mut [R],
@@ -191,9 +185,9 @@ impl<R: Real> Implicit<R> {
         slopes.copy_from_slice(right);
         for m in 0..system.assemblies.len() {
             let here = system.plant.places.mechanisms[m];
-            let moves = !mode.mechanisms[m].frozen && system.plant.mechanisms[m].is_dynamic();
-            if moves {
-                self.solve_mechanism(system, (m, here), at, right, slopes);
+            let moves = !mode.is_frozen(m);
+            if moves.any() && system.plant.mechanisms[m].is_dynamic() {
+                self.solve_mechanism(system, (m, here), moves, at, right, slopes);
             }
             for &i in &system.plant.places.members[m] {
                 self.solve_own(system, (i, here), at, right, slopes);
@@ -206,6 +200,7 @@ impl<R: Real> Implicit<R> {
         &mut self,
         system: &System<R>,
         (m, here): (usize, MechanismPlaces),
+        moves: R::Mask,
         at: &Evaluation<R>,
         right: &[R],
         slopes: &mut [R],
@@ -229,8 +224,9 @@ impl<R: Real> Implicit<R> {
         }
         dense::solve(&self.factors[from..from + count * count], count, &mut self.work[..count]);
         for k in 0..count {
-            slopes[here.rate(k)] = self.work[k];
-            slopes[here.position(k)] = r.multiply_add(self.work[k], right[here.position(k)]);
+            let (position, rate) = (here.position(k), here.rate(k));
+            slopes[rate] = R::select(moves, self.work[k], right[rate]);
+            slopes[position] = R::select(moves, r.multiply_add(self.work[k], right[position]), right[position]);
         }
     }
 
@@ -256,11 +252,28 @@ impl<R: Real> Implicit<R> {
     }
 }
 
-impl<R: Real> System<R> {
+impl<R: Scalar> TensionResponse<R> {
+    /// A tension that does not answer.
+    pub(in super::super) fn none() -> Self {
+        let (zero, one) = (R::zero(), R::one());
+        Self { stiffness: zero, damping: zero, by_own: zero, share: one, by_distance: zero, by_rate: zero, beside: one }
+    }
+}
+
+impl<R: Scalar> System<R> {
     /// The state of an actuator that answers within a stage beside its mechanism: the length of an end on a tendon, or bristles.
     fn own_place(&self, i: usize) -> Option<usize> {
         let here = &self.plant.places.actuators[i];
         here.length.or(here.bristles)
+    }
+
+    /// The inertia of a mechanism in a state, row by row; that of a motion that is given counts as one.
+    pub(crate) fn mass_matrix<T: Over<R>>(&self, m: usize, state: &[T], matrix: &mut [T]) {
+        match &self.plant.mechanisms[m] {
+            Mechanism::Mass(mass) => matrix[0] = T::of(mass.mass()),
+            Mechanism::Chain(chain) => chain.mass_matrix(self.plant.places.mechanisms[m].of(state).0, matrix),
+            Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => matrix.fill(T::one()),
+        }
     }
 
     /// How the tension of an actuator answers within a stage for γh in s.
@@ -269,74 +282,39 @@ impl<R: Real> System<R> {
         i: usize,
         gamma_h: R,
         state: &[R],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &Evaluation<R>,
     ) -> TensionResponse<R> {
+        let (wire, unit) = (&self.wires[i], &at.units[i]);
+        if wire.places.length.is_some() {
+            return mode.end_response(self, i, gamma_h, state, at);
+        }
         let (zero, one) = (R::zero(), R::one());
-        let mut response = TensionResponse {
-            stiffness: zero,
-            damping: zero,
-            by_own: zero,
-            share: one,
-            by_distance: zero,
-            by_rate: zero,
-            beside: one,
-        };
-        let (wire, of_actuator, unit) = (&self.wires[i], &mode.actuators[i], &at.units[i]);
-        let constant = |number: R| Dual::<R, 3>::of(number);
         let seeded = |number: R, direction: usize| Dual::<R, 3>::variable(number, direction);
-        let bristles = self.bristles(i, state);
-        if let (Some(tendon), Some(_)) = (&self.plant.actuators[i].tendon, wire.places.length) {
-            let tight = if of_actuator.loose { zero } else { tendon.stiffness() };
-            if of_actuator.mode.sliding == Sliding::Stuck {
-                return TensionResponse { stiffness: tight, ..response };
-            }
-            let moving = Unit {
-                distance: seeded(unit.distance, 0),
-                rate: seeded(unit.rate, 1),
-                length: seeded(unit.length, 2),
-                velocity: constant(zero),
-                tension: constant(unit.tension),
-                flow: Flow { inward: constant(unit.flow.inward), outward: constant(unit.flow.outward) },
-                warmth: constant(unit.warmth),
-                pressure_rate: constant(unit.pressure_rate),
-                mass_rate: constant(unit.mass_rate),
-            };
-            let [pressure, mass] = wire.air(state).map(constant);
-            let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, false);
-            let bent = bristles.map(constant);
-            let [by_distance, by_rate, by_length] =
-                self.end_velocity(i, tendon, of_actuator, (&moving, &chamber), bent).slope;
-            let share = one / (one - gamma_h * by_length).larger(one);
-            response =
-                TensionResponse { share, by_distance: gamma_h * by_distance, by_rate: gamma_h * by_rate, ..response };
-            // φ = k (k_x − k_L), with k_L put in.
-            response.stiffness = tight * (one - share * response.by_distance).larger(zero);
-            response.damping = -tight * share * response.by_rate;
-            response.by_own = -tight * share;
-            if let Some(bent) = bristles {
-                let rate = wire.bristle_rate(seeded(bent, 2), constant(unit.velocity), of_actuator);
-                response.beside = one / (one - gamma_h * rate.slope[2]).larger(one);
-            }
-            return response;
-        }
-        if of_actuator.mode.sliding == Sliding::Stuck {
-            return response;
-        }
-        let ends = [seeded(unit.length, 0), seeded(unit.velocity, 1), constant(at.chambers[i].pressure)];
-        let bent = bristles.map(|bent| seeded(bent, 2));
-        let tension = wire.member.tension(ends, &of_actuator.mode, (&of_actuator.trace, bent));
-        let [stiffness, damping, by_bristles] = tension.slope;
-        (response.stiffness, response.damping) = (stiffness, damping.larger(zero));
-        if let Some(bent) = bristles {
-            let rate = wire.bristle_rate(seeded(bent, 2), seeded(unit.velocity, 1), of_actuator);
-            let [_, by_velocity, by_itself] = rate.slope;
+        let ends = [seeded(unit.length, 0), seeded(unit.velocity, 1), Dual::of(at.chambers[i].pressure)];
+        let bent = self.bristles(i, state).map(|bent| seeded(bent, 2));
+        let [stiffness, damping, by_bristles] = mode.tension(wire, ends, bent).slope;
+        let mut response = TensionResponse { stiffness, damping: damping.larger(zero), ..TensionResponse::none() };
+        if let Some(bent) = bent {
+            let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, seeded(unit.velocity, 1)).slope;
             response.share = one / (one - gamma_h * by_itself).larger(one);
             response.by_rate = gamma_h * by_velocity;
             response.by_own = by_bristles * response.share;
             response.damping = response.damping + by_bristles * response.share * response.by_rate;
         }
         response
+    }
+
+    /// How fast in 1/s the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
+    pub(in super::super) fn heat_settling(&self, i: usize, at: &Evaluation<R>) -> R {
+        let air = self.plant.actuators[i].actuator.air();
+        match air.process() {
+            Process::EnergyBalance { heat_transfer, .. } => {
+                let excess = (air.heat_capacity_ratio() - R::one()) * heat_transfer;
+                excess / (at.chambers[i].mass * air.gas_constant())
+            }
+            _ => R::zero(),
+        }
     }
 
     /// How the pressure of a node answers to what comes in, and how fast it falls besides.
@@ -346,7 +324,7 @@ impl<R: Real> System<R> {
             NodeKind::Chamber { actuator } => {
                 let (chamber, air) = (&at.chambers[*actuator], self.plant.actuators[*actuator].actuator.air());
                 let grows = air.index() * chamber.volume_rate / chamber.volume;
-                let falls = grows.larger(zero) + R::constant(self.heat_settling(*actuator, at));
+                let falls = grows.larger(zero) + self.heat_settling(*actuator, at);
                 return NodeResponse { per_mass: air.index() * chamber.pressure / chamber.mass, falls };
             }
             NodeKind::Hose(hose) => hose.stiffness(),
@@ -354,5 +332,57 @@ impl<R: Real> System<R> {
             _ => zero,
         };
         NodeResponse { per_mass, falls: zero }
+    }
+}
+
+impl<R: Real> System<R> {
+    /// How the tension of an actuator on a tendon answers within a stage for γh in s.
+    pub(in super::super) fn end_response(
+        &self,
+        i: usize,
+        gamma_h: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &Evaluation<R>,
+    ) -> TensionResponse<R> {
+        let (zero, one) = (R::zero(), R::one());
+        let (wire, of_actuator, unit) = (&self.wires[i], &mode.actuators[i], &at.units[i]);
+        let Some(tendon) = &self.plant.actuators[i].tendon else { return TensionResponse::none() };
+        let constant = |number: R| Dual::<R, 3>::of(number);
+        let seeded = |number: R, direction: usize| Dual::<R, 3>::variable(number, direction);
+        let bristles = self.bristles(i, state);
+        let tight = if of_actuator.loose { zero } else { tendon.stiffness() };
+        if of_actuator.mode.sliding == Sliding::Stuck {
+            return TensionResponse { stiffness: tight, ..TensionResponse::none() };
+        }
+        let moving = Unit {
+            distance: seeded(unit.distance, 0),
+            rate: seeded(unit.rate, 1),
+            length: seeded(unit.length, 2),
+            velocity: constant(zero),
+            tension: constant(unit.tension),
+            flow: Flow { inward: constant(unit.flow.inward), outward: constant(unit.flow.outward) },
+            warmth: constant(unit.warmth),
+            pressure_rate: constant(unit.pressure_rate),
+            mass_rate: constant(unit.mass_rate),
+        };
+        let [pressure, mass] = wire.air(state).map(constant);
+        let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, false);
+        let bent = bristles.map(constant);
+        let [by_distance, by_rate, by_length] =
+            self.end_velocity(i, tendon, of_actuator, (&moving, &chamber), bent).slope;
+        let share = one / (one - gamma_h * by_length).larger(one);
+        let none = TensionResponse::none();
+        let mut response =
+            TensionResponse { share, by_distance: gamma_h * by_distance, by_rate: gamma_h * by_rate, ..none };
+        // φ = k (k_x − k_L), with k_L put in.
+        response.stiffness = tight * (one - share * response.by_distance).larger(zero);
+        response.damping = -tight * share * response.by_rate;
+        response.by_own = -tight * share;
+        if let Some(bent) = bristles {
+            let rate = wire.bristle_rate(seeded(bent, 2), constant(unit.velocity), of_actuator);
+            response.beside = one / (one - gamma_h * rate.slope[2]).larger(one);
+        }
+        response
     }
 }

@@ -23,11 +23,13 @@
 
 use super::super::Plant;
 use super::super::evaluation::{Evaluation, System};
+use super::super::formulas::Formulas;
 use super::super::mode::PlantMode;
 use super::implicit::Implicit;
 use crate::engine::Arc;
 use crate::error::Error;
-use crate::scalar::Real;
+use crate::network::formulas::FlowFormulas;
+use crate::scalar::{Mask, Real, Scalar};
 use crate::simulation::Method;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -40,7 +42,7 @@ const MOST_PARTS: u32 = 256;
 
 /// The stages of a step.
 #[derive(Clone, Debug)]
-pub(super) struct Stages<R: Real> {
+pub(super) struct Stages<R: Scalar> {
     /// The slopes of up to four stages.
     slopes: [Vec<R>; 4],
     /// The state that a stage is evaluated at.
@@ -53,13 +55,92 @@ pub(super) struct Stages<R: Real> {
 /// A step's start in s and length in s.
 type Span<R> = (R, R);
 
-impl<R: Real> Stages<R> {
+impl<R: Scalar> Stages<R> {
     pub(super) fn new(plant: &Plant<R>) -> Self {
         let zeros = vec![R::zero(); plant.places().states];
         let slopes = core::array::from_fn(|_| zeros.clone());
         Self { slopes, state: zeros, implicit: Implicit::new(plant), second: Evaluation::new(plant) }
     }
 
+    /// The slopes at the beginning of the last step of RK4 and at its end.
+    pub(super) fn slopes_at_ends(
+        &mut self,
+        system: &System<R>,
+        time: R,
+        end: &[R],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<R>,
+    ) -> [&[R]; 2] {
+        let [first, .., last] = &mut self.slopes;
+        system.rates(time, end, mode, at, last);
+        [first, last]
+    }
+
+    /// The classical Runge–Kutta method.
+    fn take_rk4(
+        &mut self,
+        system: &System<R>,
+        (time, step): Span<R>,
+        state: &[R],
+        mode: &mut impl Formulas<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> u64 {
+        let half = R::constant(0.5) * step;
+        for (stage, ahead) in [R::zero(), half, half, step].into_iter().enumerate() {
+            axpy(&mut self.state, state, ahead, &self.slopes[stage.saturating_sub(1)]);
+            mode.enter_pieces(system, time + ahead, &self.state, at);
+            system.rates(time + ahead, &self.state, mode, at, &mut self.slopes[stage]);
+        }
+        let (sixth, two) = (step * R::constant(1.0 / 6.0), R::constant(2.0));
+        let [k1, k2, k3, k4] = &self.slopes;
+        for n in 0..end.len() {
+            let (outer, inner) = (k1[n] + k4[n], k2[n] + k3[n]);
+            end[n] = inner.multiply_add(two, outer).multiply_add(sixth, state[n]);
+        }
+        4
+    }
+
+    /// Verwer's Rosenbrock method of order 2.
+    fn take_ros2(
+        &mut self,
+        system: &System<R>,
+        (time, step): Span<R>,
+        state: &[R],
+        mode: &mut impl Formulas<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> u64 {
+        let gamma_h = step * R::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
+        let [first, k1, second, k2] = &mut self.slopes;
+        mode.enter_pieces(system, time, state, at);
+        system.rates(time, state, mode, at, first);
+        self.implicit.factor(system, (time, gamma_h), state, mode, at);
+        self.implicit.solve(system, mode, at, first, k1);
+        axpy(&mut self.state, state, step, k1);
+        mode.enter_pieces(system, time + step, &self.state, &mut self.second);
+        system.rates(time + step, &self.state, mode, &mut self.second, second);
+        for (second, k1) in second.iter_mut().zip(&*k1) {
+            *second = k1.multiply_add(R::constant(-2.0), *second);
+        }
+        // Where poppets move, the second stage has the matrix of how far they have come: the order stays.
+        let mut evaluations = 2;
+        if mode.flows().is_under_way(time) {
+            mode.enter_pieces(system, time + step, state, at);
+            system.evaluate(time + step, state, mode, at);
+            self.implicit.factor(system, (time + step, gamma_h), state, mode, at);
+            evaluations += 1;
+        }
+        self.implicit.solve(system, mode, at, second, k2);
+        let half = step * R::constant(0.5);
+        for n in 0..end.len() {
+            end[n] = k1[n].multiply_add(R::constant(3.0), k2[n]).multiply_add(half, state[n]);
+        }
+        evaluations
+    }
+}
+
+impl<R: Real> Stages<R> {
     /// Takes a step in a state to `end`; how many evaluations it took.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn take(
@@ -80,83 +161,6 @@ impl<R: Real> Stages<R> {
             return evaluations;
         }
         evaluations + self.take_backward_euler(system, span, state, mode, at, end)
-    }
-
-    /// The slopes at the beginning of the last step of RK4 and at its end.
-    pub(super) fn slopes_at_ends(
-        &mut self,
-        system: &System<R>,
-        time: R,
-        end: &[R],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<R>,
-    ) -> [&[R]; 2] {
-        let [first, .., last] = &mut self.slopes;
-        system.rates(time, end, mode, at, last);
-        [first, last]
-    }
-
-    /// The classical Runge–Kutta method.
-    fn take_rk4(
-        &mut self,
-        system: &System<R>,
-        (time, step): Span<R>,
-        state: &[R],
-        mode: &mut PlantMode<R>,
-        at: &mut Evaluation<R>,
-        end: &mut [R],
-    ) -> u64 {
-        let half = R::constant(0.5) * step;
-        for (stage, ahead) in [R::zero(), half, half, step].into_iter().enumerate() {
-            axpy(&mut self.state, state, ahead, &self.slopes[stage.saturating_sub(1)]);
-            system.enter_pieces(time + ahead, &self.state, mode, at);
-            system.rates(time + ahead, &self.state, mode, at, &mut self.slopes[stage]);
-        }
-        let (sixth, two) = (step * R::constant(1.0 / 6.0), R::constant(2.0));
-        let [k1, k2, k3, k4] = &self.slopes;
-        for n in 0..end.len() {
-            let (outer, inner) = (k1[n] + k4[n], k2[n] + k3[n]);
-            end[n] = inner.multiply_add(two, outer).multiply_add(sixth, state[n]);
-        }
-        4
-    }
-
-    /// Verwer's Rosenbrock method of order 2.
-    fn take_ros2(
-        &mut self,
-        system: &System<R>,
-        (time, step): Span<R>,
-        state: &[R],
-        mode: &mut PlantMode<R>,
-        at: &mut Evaluation<R>,
-        end: &mut [R],
-    ) -> u64 {
-        let gamma_h = step * R::constant(1.0 + core::f64::consts::FRAC_1_SQRT_2);
-        let [first, k1, second, k2] = &mut self.slopes;
-        system.enter_pieces(time, state, mode, at);
-        system.rates(time, state, mode, at, first);
-        self.implicit.factor(system, (time, gamma_h), state, mode, at);
-        self.implicit.solve(system, mode, at, first, k1);
-        axpy(&mut self.state, state, step, k1);
-        system.enter_pieces(time + step, &self.state, mode, &mut self.second);
-        system.rates(time + step, &self.state, mode, &mut self.second, second);
-        for (second, k1) in second.iter_mut().zip(&*k1) {
-            *second = k1.multiply_add(R::constant(-2.0), *second);
-        }
-        // Where poppets move, the second stage has the matrix of how far they have come: the order stays.
-        let mut evaluations = 2;
-        if mode.network.valves.iter().any(|valve| valve.openings.at(time).is_some()) {
-            system.enter_pieces(time + step, state, mode, at);
-            system.evaluate(time + step, state, mode, at);
-            self.implicit.factor(system, (time + step, gamma_h), state, mode, at);
-            evaluations += 1;
-        }
-        self.implicit.solve(system, mode, at, second, k2);
-        let half = step * R::constant(0.5);
-        for n in 0..end.len() {
-            end[n] = k1[n].multiply_add(R::constant(3.0), k2[n]).multiply_add(half, state[n]);
-        }
-        evaluations
     }
 
     /// Backward Euler, linearly implicit, of order 1: a flow comes nearer to the pressure beyond and never passes it. One part
@@ -195,21 +199,24 @@ impl<R: Real> Stages<R> {
 }
 
 /// `y + h k`.
-fn axpy<R: Real>(end: &mut [R], state: &[R], step: R, slope: &[R]) {
+fn axpy<R: Scalar>(end: &mut [R], state: &[R], step: R, slope: &[R]) {
     for (end, (from, slope)) in end.iter_mut().zip(state.iter().zip(slope)) {
         *end = slope.multiply_add(step, *from);
     }
 }
 
-impl<R: Real> System<R> {
+impl<R: Scalar> System<R> {
     /// Whether a step from one state to another leaves enough of every pressure and of all air to be believed.
-    fn is_positive(&self, from: &[R], to: &[R]) -> bool {
+    fn is_positive(&self, from: &[R], to: &[R]) -> R::Mask {
         let places = &self.plant.places;
         let leaves = |place: usize| (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);
-        let air = places.actuators.iter().all(|here| leaves(here.pressure) && leaves(here.mass()));
-        air && places.nodes.iter().flatten().all(|place| leaves(*place))
+        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
+        let all = air.chain(places.nodes.iter().flatten().copied());
+        all.fold(R::Mask::splat(true), |enough, place| enough & leaves(place))
     }
+}
 
+impl<R: Real> System<R> {
     /// Whether the polynomial of a step has air in every chamber and node: it lies within the hull of its control points.
     pub(super) fn holds_air(&self, arc: &Arc<R>) -> bool {
         let places = &self.plant.places;

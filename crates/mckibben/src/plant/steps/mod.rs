@@ -26,6 +26,7 @@ mod part;
 mod pieces;
 
 pub use accuracy::{PlantStepError, plant_step_for_accuracy};
+pub(crate) use implicit::TensionResponse;
 
 use super::evaluation::System;
 use super::run::{Keep, PlantRun, PlantSnapshot};
