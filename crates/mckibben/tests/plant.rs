@@ -17,6 +17,8 @@ mod linearize_line;
 mod linearize_pwm;
 mod linearize_tendon;
 mod moment_arm;
+#[cfg(feature = "batch")]
+mod plant_batch;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;

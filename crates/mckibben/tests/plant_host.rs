@@ -162,7 +162,7 @@ fn a_tendon_that_is_let_go_hangs_loose() {
 }
 
 /// Two unlike actuators with their valves on one bottle, beside a mass that a third one carries.
-fn on_a_bottle() -> (Plant, PlantStart, usize) {
+pub(crate) fn on_a_bottle() -> (Plant, PlantStart, usize) {
     let papers =
         [Paper::sealed().gauge(1e5), Paper::sealed().gauge(2e5).friction(20.0, 1e-4), Paper::sealed().gauge(3e5)];
     let air = papers[0].air();
@@ -202,7 +202,7 @@ fn on_a_bottle() -> (Plant, PlantStart, usize) {
 }
 
 /// What a host asks of the three valves in a step of 1 ms, if anything, and where it moves the ends.
-fn asked(count: i32) -> (Option<[Demand; 3]>, [f64; 2]) {
+pub(crate) fn asked(count: i32) -> (Option<[Demand; 3]>, [f64; 2]) {
     let phase = f64::from(count) * 0.05;
     let pulses = Demand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };
     let second = if count % 80 == 0 { Request::Fill } else { Request::Exhaust };

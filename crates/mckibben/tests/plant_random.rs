@@ -460,3 +460,24 @@ fn random_plants_converge_at_fixed_steps() {
     let shares = [share(reach), share(second), share(fourth)];
     assert!(shares[0] > 0.94 && shares[1] > 0.9 && shares[2] > 0.85, "{shares:?} of {all}");
 }
+
+/// Whatever plants are made of, those of a batch are those alone, to the bit. Nearly all of these have parts that lanes leave
+/// out, so that rows go by themselves beside each other.
+#[cfg(feature = "batch")]
+#[test]
+fn random_plants_in_a_batch_are_those_alone() {
+    let count = std::cell::Cell::new(0);
+    let result = runner(STEPPED).run(&drawn(), |drawn| {
+        let (plant, start, _) = plant(&drawn);
+        let Ok(plant) = plant else { return Ok(()) };
+        for (method, step) in [(Method::Stable, 1e-3), (Method::Rk4, 2e-5)] {
+            if let Ok(rows) = crate::plant_batch::rows(&plant, &start, method, 18) {
+                crate::plant_batch::agree(&rows, step, 60);
+                count.set(count.get() + 1);
+            }
+        }
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    assert!(count.get() > STEPPED, "{} batches of {STEPPED} plants ran", count.get());
+}

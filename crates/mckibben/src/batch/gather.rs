@@ -31,8 +31,7 @@ fn numbers<R: Number>(rig: &Rig<R>) -> Vec<f64> {
 /// One rig over lanes from rows of the same form; the last row also fills the lanes that are left.
 pub(super) fn gather<R: Number, W: Wide>(rows: &[&Rig<R>]) -> Rig<W> {
     let lists: Vec<Vec<f64>> = rows.iter().map(|rig| numbers(rig)).collect();
-    let last = lists.len() - 1;
-    rows[0].undriven(&mut Deal { lists: &lists, last, next: 0 })
+    rows[0].undriven(&mut Deal::new(&lists))
 }
 
 /// A rig in the numbers of a lane.
@@ -51,7 +50,8 @@ impl<R: Number> Convert<f64, R> for Narrow {
     }
 }
 
-struct Blank;
+/// All numbers zero.
+pub(crate) struct Blank;
 
 impl<R: Number> Convert<R, R> for Blank {
     fn parameter(&mut self, _: &'static Parameter, _: R) -> R {
@@ -62,7 +62,8 @@ impl<R: Number> Convert<R, R> for Blank {
     }
 }
 
-struct List(Vec<f64>);
+/// The numbers one after the other.
+pub(crate) struct List(pub(crate) Vec<f64>);
 
 impl<R: Number> Convert<R, f64> for List {
     fn parameter(&mut self, _: &'static Parameter, value: R) -> f64 {
@@ -77,13 +78,19 @@ impl<R: Number> Convert<R, f64> for List {
     }
 }
 
-struct Deal<'a> {
+/// The numbers of several, lane by lane.
+pub(crate) struct Deal<'a> {
     lists: &'a [Vec<f64>],
     last: usize,
     next: usize,
 }
 
-impl Deal<'_> {
+impl<'a> Deal<'a> {
+    /// From lists of equal length, the last of which also fills the lanes that are left.
+    pub(crate) fn new(lists: &'a [Vec<f64>]) -> Self {
+        Self { lists, last: lists.len() - 1, next: 0 }
+    }
+
     fn deal<W: Wide>(&mut self) -> W {
         let number = self.next;
         self.next += 1;

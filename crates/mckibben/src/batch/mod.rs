@@ -58,7 +58,7 @@ mod baseline;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod block;
 mod engine;
-mod gather;
+pub(crate) mod gather;
 mod lane;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod member;
@@ -67,7 +67,7 @@ mod row_by_row;
 mod rows;
 mod span;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod twice;
+pub(crate) mod twice;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) mod wide;
 mod width;
@@ -87,7 +87,7 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use engine::{Engine, Show};
 use lane::OTHER_FORM;
-use row_by_row::NO_ROW;
+pub(crate) use row_by_row::NO_ROW;
 use span::Span;
 
 /// A rig and its start.

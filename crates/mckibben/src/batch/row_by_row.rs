@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const STEPS_TOGETHER: usize = 64;
 
 /// A row is meant that the batch has not got.
-pub(super) const NO_ROW: Error = Error::Misuse {
+pub(crate) const NO_ROW: Error = Error::Misuse {
     what: "a row is meant that the batch has not got",
     remedy: "count the rows from zero and stay below their number",
 };

@@ -101,6 +101,7 @@ impl<V: Wide> Wide for Twice<V> {
     type Instructions = V::Instructions;
     const LANES: usize = 2 * V::LANES;
 
+    #[inline(always)]
     fn from_lanes(mut lane: impl FnMut(usize) -> V::Lane) -> Self {
         let both = V::constant(0.0);
         let mut wide = Self(both, both);
@@ -117,6 +118,7 @@ impl<V: Wide> Wide for Twice<V> {
     fn put(&mut self, lane: usize, value: V::Lane) {
         if lane < V::LANES { self.0.put(lane, value) } else { self.1.put(lane - V::LANES, value) }
     }
+    #[inline(always)]
     fn mask(mut holds: impl FnMut(usize) -> bool) -> Self::Mask {
         let low = V::mask(&mut holds);
         Twice(low, V::mask(|lane| holds(V::LANES + lane)))

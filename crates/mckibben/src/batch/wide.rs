@@ -83,7 +83,7 @@ impl<W: Work> WithSimd for Apart<W> {
 /// Does work with the instructions that it is compiled for; vectors may be made of nothing in it.
 ///
 /// Blocks are made only of vectors whose instructions the machine has.
-pub(super) fn compiled<K: Compiled>(work: K) -> K::Output {
+pub(crate) fn compiled<K: Compiled>(work: K) -> K::Output {
     match <<K::Wide as Wide>::Instructions as Instructions>::detect() {
         Some(instructions) => {
             Instructions::keep(instructions);

@@ -48,7 +48,7 @@ impl Width {
     }
 
     /// This width, or the widest where the machine has not got it.
-    pub(super) fn or_widest(self) -> Self {
+    pub(crate) fn or_widest(self) -> Self {
         if Self::available().contains(&self) { self } else { Self::widest() }
     }
 }

@@ -358,6 +358,7 @@ impl<S: Scalar> Chain<S> {
     }
 
     /// The mass matrix over the joints' angles, row by row, in kg·m².
+    #[inline(always)]
     pub fn mass_matrix<T: Over<S>>(&self, angle: &[T], matrix: &mut [T]) {
         let count = self.segments.len();
         if let [only] = matrix {
@@ -387,6 +388,7 @@ impl<S: Scalar> Chain<S> {
     }
 
     /// Torques in N·m about the joints besides those of the actuators, less what the motion itself needs: `τ − h`.
+    #[inline(always)]
     pub fn torques<T: Over<S>>(&self, angle: &[T], rate: &[T], contacts: Contacts<'_>, torque: &mut [T]) {
         let count = self.segments.len();
         let foot = self.belt_force(angle, rate, contacts.foot);

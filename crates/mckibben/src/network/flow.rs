@@ -148,7 +148,7 @@ impl<R: Scalar> Network<R> {
     }
 
     /// Computes the flow through a branch that is no orifice.
-    #[inline(never)]
+    #[inline(always)]
     fn flow_of_pipe<T: Over<R>>(
         &self,
         Pipe { branch, kind, from, to, place }: &Pipe<R>,
@@ -299,9 +299,42 @@ pub(crate) struct OrificeEnds<'a, T, D> {
 }
 
 impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
+    /// Flow in kg/s inwards, each lane by the zone of its own pressures, whose ratios are given.
+    #[cfg(feature = "batch")]
+    #[inline(always)]
+    pub(crate) fn inwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
+    where
+        T: Over<S>,
+    {
+        let [near, far] = self.pressures();
+        let (choked, straight) = (far.le(critical * near), !far.le(laminar * near));
+        let driven = T::of(orifice.law.conductance()) * self.drive(orifice, true);
+        driven * orifice.law.in_zones(choked, straight, self.gap(true))
+    }
+
+    /// Flow in kg/s outwards, as [`OrificeEnds::inwards`].
+    #[cfg(feature = "batch")]
+    #[inline(always)]
+    pub(crate) fn outwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
+    where
+        T: Over<S>,
+    {
+        let [near, far] = self.pressures();
+        let (choked, straight) = (!(critical * far).le(near), (laminar * far).le(near));
+        let driven = T::of(orifice.law.conductance()) * self.drive(orifice, false);
+        driven * orifice.law.in_zones(choked, straight, self.gap(false))
+    }
+
+    /// The pressures at its first and its second node in Pa.
+    #[cfg(feature = "batch")]
+    #[inline(always)]
+    pub(crate) fn pressures(&self) -> [T; 2] {
+        [self.near.pressure, self.far.pressure]
+    }
+
     /// `P/√T` in Pa/√K of the air that flows inwards or outwards.
     #[inline(always)]
-    pub(super) fn drive<S>(&self, orifice: &Orifice<S>, is_inward: bool) -> T {
+    pub(crate) fn drive<S>(&self, orifice: &Orifice<S>, is_inward: bool) -> T {
         match (is_inward, orifice.ambient) {
             (true, _) => self.drive_of(&orifice.from, self.near),
             (false, true) => self.far.pressure * self.far.per_root_temperature,
@@ -311,7 +344,7 @@ impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
 
     /// `1 − P_down/P_up` for a flow inwards or outwards.
     #[inline(always)]
-    pub(super) fn gap(&self, is_inward: bool) -> T {
+    pub(crate) fn gap(&self, is_inward: bool) -> T {
         match is_inward {
             true => (self.near.pressure - self.far.pressure) * self.near.per_pressure,
             false => (self.far.pressure - self.near.pressure) * self.far.per_pressure,

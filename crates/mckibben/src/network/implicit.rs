@@ -99,7 +99,17 @@ pub(crate) struct RegulatedResponse<R> {
     pub(crate) by_inlet: R,
 }
 
-/// What the system asks of a plant at an instant.
+/// A plant at an instant, as the system asks for it. A trait, not functions: those would be compiled by themselves, without the
+/// instructions of a batch.
+pub(crate) trait Answers<R> {
+    /// How a node answers.
+    fn node(&self, node: usize) -> NodeResponse<R>;
+
+    /// How a branch answers to the pressures at its ends, and the share σ of a cell.
+    fn branch(&self, branch: usize) -> ([R; 2], R);
+}
+
+/// How a node answers.
 pub(crate) struct NodeResponse<R> {
     /// Pa per kg of what comes in.
     pub(crate) per_mass: R,
@@ -190,19 +200,18 @@ impl<R: Scalar> Elimination<R> {
         Self { rows, edges }
     }
 
-    /// Sets the numbers of a stage for γh in s: `response` says those of a node, `slopes` how a branch answers to the pressures
-    /// at its ends, and the share σ of a cell.
+    /// Sets the numbers of a stage for γh in s.
+    #[inline(always)]
     pub(crate) fn factor(
         &mut self,
         network: &Network<R>,
         mode: &impl FlowFormulas<R>,
         gamma_h: R,
-        response: impl Fn(usize) -> NodeResponse<R>,
-        mut slopes: impl FnMut(usize) -> ([R; 2], R),
+        answers: &impl Answers<R>,
     ) {
         let (zero, one) = (R::zero(), R::one());
         for row in &mut self.rows {
-            let NodeResponse { per_mass, falls } = response(row.node);
+            let NodeResponse { per_mass, falls } = answers.node(row.node);
             (row.answer, row.own, row.by_inlet) = (gamma_h * per_mass, one + gamma_h * falls, zero);
             if let NodeKind::Outlet { .. } | NodeKind::Port { .. } = network.nodes[row.node].kind {
                 let RegulatedResponse { answer, own, by_inlet } = mode.regulated_response(network, row.node, gamma_h);
@@ -211,7 +220,7 @@ impl<R: Scalar> Elimination<R> {
             (row.out, row.out_by_parent, row.parent_by_this) = (zero, zero, zero);
         }
         for (branch, edge) in self.edges.iter_mut().enumerate() {
-            (edge.slopes, edge.share) = slopes(branch);
+            (edge.slopes, edge.share) = answers.branch(branch);
             let [a, b] = edge.slopes;
             if let Some(from) = edge.from {
                 self.rows[from].out = self.rows[from].out + edge.copies * a;
@@ -240,6 +249,7 @@ impl<R: Scalar> Elimination<R> {
     }
 
     /// Writes the slopes of the network's states that have `right` for their right side.
+    #[inline(always)]
     pub(crate) fn solve(&mut self, gamma_h: R, right: &[R], slopes: &mut [R]) {
         let zero = R::zero();
         self.rows.iter_mut().for_each(|row| row.outflow = zero);
@@ -300,6 +310,7 @@ impl<R: Scalar> Elimination<R> {
 impl<R: Scalar> Network<R> {
     /// How the flow through a branch answers to the pressures at its ends in kg/(s·Pa), the tangent or the secant where that
     /// is steeper; and the share of its own slope that a cell keeps.
+    #[inline(always)]
     pub(crate) fn slopes(
         &self,
         piping: &Piping<R>,

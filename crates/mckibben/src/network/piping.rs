@@ -19,7 +19,7 @@ pub(super) struct Varying {
 
 /// The node at one end of a branch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct End {
+pub(crate) struct End {
     pub(super) node: usize,
     /// The actuator whose chamber it is.
     pub(super) chamber: Option<usize>,
@@ -33,16 +33,16 @@ pub(super) struct End {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Orifice<R> {
     /// Which branch.
-    pub(super) branch: usize,
-    pub(super) law: FlowLaw<R>,
+    pub(crate) branch: usize,
+    pub(crate) law: FlowLaw<R>,
     /// The valve that opens it, and by which of its ports.
-    pub(super) opened: Option<(usize, Port)>,
+    pub(crate) opened: Option<(usize, Port)>,
     /// Whether air that comes back counts with the ambient temperature.
-    pub(super) ambient: bool,
+    pub(crate) ambient: bool,
     /// How many alike draw from `from`.
-    pub(super) copies: R,
-    pub(super) from: End,
-    pub(super) to: End,
+    pub(crate) copies: R,
+    pub(crate) from: End,
+    pub(crate) to: End,
 }
 
 /// Any other branch between its ends.

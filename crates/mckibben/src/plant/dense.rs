@@ -9,6 +9,7 @@ pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
 }
 
 /// `L D Lᵀ` of a positive definite matrix of `count` rows in place: D on the diagonal, L below.
+#[inline(always)]
 pub(crate) fn factor<T: Scalar>(matrix: &mut [T], count: usize) {
     for j in 0..count {
         for k in 0..j {
@@ -25,6 +26,7 @@ pub(crate) fn factor<T: Scalar>(matrix: &mut [T], count: usize) {
 }
 
 /// Solves a factored system in place.
+#[inline(always)]
 pub(crate) fn solve<T: Scalar>(factors: &[T], count: usize, right: &mut [T]) {
     for i in 0..count {
         for j in 0..i {

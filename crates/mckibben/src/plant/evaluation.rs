@@ -224,7 +224,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Distance and its rate of an actuator that spans joints; its gradient is written.
-    #[inline(never)]
+    #[inline(always)]
     fn span<T: Over<R>>(&self, i: usize, state: &[T], mode: &impl Formulas<R>, gradients: &mut [T]) -> [T; 2] {
         let Plant { actuators, mechanisms, places, .. } = &*self.plant;
         let (mounted, here) = (&actuators[i], &places.actuators[i]);
@@ -342,7 +342,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Computes the accelerations of a mechanism that is no mass.
-    #[inline(never)]
+    #[inline(always)]
     fn accelerate_other<T: Differentiable<R>>(
         &self,
         &Assembly { index, ref mechanism, places, .. }: &Assembly<R>,
@@ -370,6 +370,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Computes the accelerations of a chain.
+    #[inline(always)]
     fn accelerate_chain<T: Differentiable<R>>(
         &self,
         m: usize,
@@ -396,6 +397,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Generalised forces on a mechanism, of all but sticking actuators without a tendon: `τ − h − Σ Jᵀ F`.
+    #[inline(always)]
     pub(crate) fn enter_force<T: Over<R>>(
         &self,
         m: usize,
@@ -420,6 +422,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// The rates of all states at a time in s.
+    #[inline(always)]
     pub(crate) fn rates<T: Differentiable<R>>(
         &self,
         time: T,

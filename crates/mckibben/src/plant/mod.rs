@@ -29,6 +29,8 @@ mod guard;
 mod holding;
 mod hybrid;
 mod joint;
+#[cfg(feature = "batch")]
+mod lanes;
 mod ledger;
 mod linear;
 mod measure;
@@ -59,6 +61,8 @@ pub use joint::{
     JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
     JointTrajectory, Turning,
 };
+#[cfg(feature = "batch")]
+pub use lanes::PlantBatch;
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
 };
@@ -289,7 +293,7 @@ impl<S: Scalar> Plant<S> {
         self.convert(&mut AnewOfEach { function, part: None })
     }
 
-    fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
         let actuators = self.actuators.iter().enumerate().map(|(index, mounted)| {
             convert.turn_to(Some(Part::Actuator(index)));
             Mounted {

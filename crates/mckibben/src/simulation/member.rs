@@ -71,6 +71,15 @@ impl<R: Real> Trace<R> {
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
+#[cfg(feature = "batch")]
+impl<S: Scalar> Member<S> {
+    /// An actuator in lanes, where no event is told from rounding.
+    pub(crate) fn in_lanes(actuator: &Actuator<S>) -> Self {
+        let actuator = actuator.clone();
+        Self { actuator, longest: 0.0, atmosphere: 0.0, air_mass: 0.0, band: 0.0, force_band: 0.0, taut_scale: 0.0 }
+    }
+}
+
 impl<R: Real> Member<R> {
     /// An actuator against a usual force of `pull` N whose steps are controlled to `relative_tolerance`.
     pub(crate) fn new(actuator: &Actuator<R>, relative_tolerance: f64, pull: f64) -> Self {

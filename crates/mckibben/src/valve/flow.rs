@@ -286,6 +286,14 @@ impl<S: Scalar> FlowLaw<S> {
         (squared_drive * kept).sqrt() * shape.analytic_factor(kept) * line
     }
 
+    /// ψ where the flow is choked, on the straight line near equal pressure, and between: the formulas of [`FlowLaw::in_zone`].
+    #[cfg(feature = "batch")]
+    #[inline(always)]
+    pub(crate) fn in_zones<T: Over<S>>(&self, choked: S::Mask, straight: S::Mask, gap: T) -> T {
+        let between = T::select(straight, T::of(self.shape.laminar_slope) * gap, self.shape.subsonic(gap));
+        T::select(choked, T::one(), between)
+    }
+
     /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow asks for no gap.
     #[inline(always)]
     pub fn in_zone<T: Over<S>>(&self, zone: FlowZone, gap: impl FnOnce() -> T) -> T {

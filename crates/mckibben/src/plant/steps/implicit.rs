@@ -30,7 +30,7 @@ use crate::dual::Dual;
 use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
 use crate::network::flow::Surroundings;
-use crate::network::implicit::{Elimination, NodeResponse};
+use crate::network::implicit::{Answers, Elimination, NodeResponse};
 use crate::scalar::{Mask, Over, Real, Scalar};
 use crate::simulation::Sliding;
 use alloc::vec;
@@ -92,6 +92,7 @@ impl<R: Scalar> Implicit<R> {
     }
 
     /// Sets the numbers of a stage for γh in s, at a state where the plant has been evaluated.
+    #[inline(always)]
     pub(super) fn factor(
         &mut self,
         system: &System<R>,
@@ -107,15 +108,13 @@ impl<R: Scalar> Implicit<R> {
         for m in 0..system.assemblies.len() {
             self.factor_mechanism(system, m, state, mode, at);
         }
-        let network = &system.plant.network;
-        let response = |node: usize| system.response(node, at);
-        let Some(first) = system.wires.first() else { return };
-        let (around, air) = (Surroundings { chambers: &at.chambers, state }, first.member.actuator.air());
-        let of_network = (mode.flows(), &at.network);
-        let slopes = |branch: usize| network.slopes(&system.piping, branch, (time, gamma_h), around, air, of_network);
-        self.network.factor(network, mode.flows(), gamma_h, response, slopes);
+        if !system.wires.is_empty() {
+            let answers = AtInstant { system, span: (time, gamma_h), state, mode, at };
+            self.network.factor(&system.plant.network, mode.flows(), gamma_h, &answers);
+        }
     }
 
+    #[inline(always)]
     fn factor_mechanism(
         &mut self,
         system: &System<R>,
@@ -174,6 +173,7 @@ impl<R: Scalar> Implicit<R> {
     }
 
     /// Writes the slopes that have `right` for their right side.
+    #[inline(always)]
     pub(super) fn solve(
         &mut self,
         system: &System<R>,
@@ -196,6 +196,7 @@ impl<R: Scalar> Implicit<R> {
         self.network.solve(self.gamma_h, right, slopes);
     }
 
+    #[inline(always)]
     fn solve_mechanism(
         &mut self,
         system: &System<R>,
@@ -231,6 +232,7 @@ impl<R: Scalar> Implicit<R> {
     }
 
     /// The end of an actuator on a tendon, or its bristles.
+    #[inline(always)]
     fn solve_own(
         &mut self,
         system: &System<R>,
@@ -249,6 +251,30 @@ impl<R: Scalar> Implicit<R> {
         if let (Some(_), Some(bristles)) = (its.length, its.bristles) {
             slopes[bristles] = right[bristles] * self.tensions[i].beside;
         }
+    }
+}
+
+/// A plant that has been evaluated, to be asked how its pressures answer.
+struct AtInstant<'a, R: Scalar, F> {
+    system: &'a System<R>,
+    span: (R, R),
+    state: &'a [R],
+    mode: &'a F,
+    at: &'a Evaluation<R>,
+}
+
+impl<R: Scalar, F: Formulas<R>> Answers<R> for AtInstant<'_, R, F> {
+    #[inline(always)]
+    fn node(&self, node: usize) -> NodeResponse<R> {
+        self.system.response(node, self.at)
+    }
+
+    #[inline(always)]
+    fn branch(&self, branch: usize) -> ([R; 2], R) {
+        let Self { system, span, state, mode, at } = self;
+        let around = Surroundings { chambers: &at.chambers, state };
+        let air = system.wires[0].member.actuator.air();
+        system.plant.network.slopes(&system.piping, branch, *span, around, air, (mode.flows(), &at.network))
     }
 }
 
@@ -277,6 +303,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// How the tension of an actuator answers within a stage for γh in s.
+    #[inline(always)]
     fn tension_response(
         &self,
         i: usize,
@@ -318,6 +345,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// How the pressure of a node answers to what comes in, and how fast it falls besides.
+    #[inline(always)]
     fn response(&self, node: usize, at: &Evaluation<R>) -> NodeResponse<R> {
         let zero = R::zero();
         let per_mass = match &self.plant.network.nodes[node].kind {

@@ -42,7 +42,7 @@ const MOST_PARTS: u32 = 256;
 
 /// The stages of a step.
 #[derive(Clone, Debug)]
-pub(super) struct Stages<R: Scalar> {
+pub(in super::super) struct Stages<R: Scalar> {
     /// The slopes of up to four stages.
     slopes: [Vec<R>; 4],
     /// The state that a stage is evaluated at.
@@ -56,10 +56,36 @@ pub(super) struct Stages<R: Scalar> {
 type Span<R> = (R, R);
 
 impl<R: Scalar> Stages<R> {
-    pub(super) fn new(plant: &Plant<R>) -> Self {
+    pub(in super::super) fn new(plant: &Plant<R>) -> Self {
         let zeros = vec![R::zero(); plant.places().states];
         let slopes = core::array::from_fn(|_| zeros.clone());
         Self { slopes, state: zeros, implicit: Implicit::new(plant), second: Evaluation::new(plant) }
+    }
+
+    /// Takes a step to `end` without looking what comes of it; where the end is to be believed.
+    #[cfg(feature = "batch")]
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    pub(in super::super) fn take_unchecked(
+        &mut self,
+        system: &System<R>,
+        method: Method,
+        span: Span<R>,
+        state: &[R],
+        mode: &mut impl Formulas<R>,
+        at: &mut Evaluation<R>,
+        end: &mut [R],
+    ) -> R::Mask {
+        match method {
+            Method::Rk4 => {
+                self.take_rk4(system, span, state, mode, at, end);
+                R::Mask::splat(true)
+            }
+            Method::Stable => {
+                self.take_ros2(system, span, state, mode, at, end);
+                system.is_positive(state, end)
+            }
+        }
     }
 
     /// The slopes at the beginning of the last step of RK4 and at its end.
@@ -77,6 +103,7 @@ impl<R: Scalar> Stages<R> {
     }
 
     /// The classical Runge–Kutta method.
+    #[inline(always)]
     fn take_rk4(
         &mut self,
         system: &System<R>,
@@ -102,6 +129,7 @@ impl<R: Scalar> Stages<R> {
     }
 
     /// Verwer's Rosenbrock method of order 2.
+    #[inline(always)]
     fn take_ros2(
         &mut self,
         system: &System<R>,
@@ -199,6 +227,7 @@ impl<R: Real> Stages<R> {
 }
 
 /// `y + h k`.
+#[inline(always)]
 fn axpy<R: Scalar>(end: &mut [R], state: &[R], step: R, slope: &[R]) {
     for (end, (from, slope)) in end.iter_mut().zip(state.iter().zip(slope)) {
         *end = slope.multiply_add(step, *from);
@@ -207,6 +236,7 @@ fn axpy<R: Scalar>(end: &mut [R], state: &[R], step: R, slope: &[R]) {
 
 impl<R: Scalar> System<R> {
     /// Whether a step from one state to another leaves enough of every pressure and of all air to be believed.
+    #[inline(always)]
     fn is_positive(&self, from: &[R], to: &[R]) -> R::Mask {
         let places = &self.plant.places;
         let leaves = |place: usize| (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);

@@ -27,6 +27,8 @@ mod pieces;
 
 pub use accuracy::{PlantStepError, plant_step_for_accuracy};
 pub(crate) use implicit::TensionResponse;
+#[cfg(feature = "batch")]
+pub(super) use method::Stages;
 
 use super::evaluation::System;
 use super::run::{Keep, PlantRun, PlantSnapshot};
@@ -228,6 +230,31 @@ impl<R: Real> PlantSteps<R> {
             work.return_to_begin(reached);
         }
         done
+    }
+}
+
+#[cfg(feature = "batch")]
+impl PlantSteps {
+    /// Lays pulses out to `until` in s; whether nothing is due up to then.
+    pub(super) fn is_undisturbed(&mut self, until: f64) -> Result<bool, Error> {
+        let Self { system, reached, .. } = self;
+        reached.pulse(&system.plant, until)?;
+        Ok(system.next_instant(reached.mode(), until).is_none())
+    }
+
+    /// Goes on to `until` in s, before which nothing is due, where the stages of the step have come to `end`.
+    pub(super) fn advance_to_end(&mut self, until: f64, end: &[f64]) -> Result<(), Error> {
+        let Self { system, method, reached, work, .. } = self;
+        let done = part::advance_to_end(system, *method, reached, (until, end), work);
+        if done.is_err() {
+            work.return_to_begin(reached);
+        }
+        done
+    }
+
+    /// How a step is taken.
+    pub fn method(&self) -> Method {
+        self.method
     }
 }
 

@@ -72,6 +72,13 @@ impl<R: Real> Workspace<R> {
         }
     }
 
+    /// Notes where a step begins.
+    fn begin(&mut self, time: R, state: &[R]) {
+        self.begun.0 = time;
+        self.begun.1.copy_from_slice(state);
+        (self.has_mode_begun, self.has_guards) = (false, false);
+    }
+
     /// Notes that a mode is about to change.
     fn mode_changes(&mut self, mode: &PlantMode<R>) {
         self.has_guards = false;
@@ -104,20 +111,33 @@ pub(super) fn advance<R: Real>(
     mut keep: Option<&mut Keep<'_, R>>,
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
-    work.begun.0 = *time;
-    work.begun.1.copy_from_slice(state);
-    (work.has_mode_begun, work.has_guards) = (false, false);
+    work.begin(*time, state);
     loop {
         let instant = system.next_instant(mode, until);
         let target = instant.map_or(until, |instant| if instant.lt(until) { instant } else { until });
         let keep = keep.as_deref_mut();
         let mut part = Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, keep };
-        part.advance(target)?;
+        part.advance(target, None)?;
         if instant.is_none() {
             return Ok(());
         }
         part.pass_instant()?;
     }
+}
+
+/// Advances a plant to a time in s before which nothing is due, where the stages of a step have come to an end.
+#[cfg(feature = "batch")]
+pub(super) fn advance_to_end<R: Real>(
+    system: &System<R>,
+    method: Method,
+    reached: &mut PlantSnapshot<R>,
+    (until, end): (R, &[R]),
+    work: &mut Workspace<R>,
+) -> Result<(), Error> {
+    let (time, state, mode) = reached.parts();
+    work.begin(*time, state);
+    let mut part = Part { system, method, time, state, mode, work, keep: None };
+    part.advance(until, Some(end))
 }
 
 /// A plant on its way from one instant to the next.
@@ -132,15 +152,18 @@ struct Part<'p, 'k, R: Real> {
 }
 
 impl<R: Real> Part<'_, '_, R> {
-    /// Goes on to `until`.
-    fn advance(&mut self, until: R) -> Result<(), Error> {
+    /// Goes on to `until`; `end` is where the stages of that step come to, if it is known.
+    fn advance(&mut self, until: R, mut end: Option<&[R]>) -> Result<(), Error> {
         let parts = self.system.wires.len() + self.system.assemblies.len();
         for _ in 0..MOST_EVENTS * parts {
             let step = until - *self.time;
             if step.le(R::zero()) {
                 return Ok(());
             }
-            self.take(step);
+            match end.take() {
+                Some(end) => self.come_to(step, end),
+                None => self.take(step),
+            }
             self.find_violated(step);
             if self.work.violated.is_empty() {
                 self.arrive(step, until)?;
@@ -187,6 +210,19 @@ impl<R: Real> Part<'_, '_, R> {
         let (system, Workspace { at, stages, end, statistics, .. }) = (self.system, &mut *self.work);
         let time = *self.time;
         statistics.evaluations += stages.take(system, self.method, (time, step), self.state, self.mode, at, end);
+        self.land(step);
+    }
+
+    /// Takes a trial end that has been computed elsewhere.
+    fn come_to(&mut self, step: R, end: &[R]) {
+        self.work.end.copy_from_slice(end);
+        self.work.statistics.evaluations += if self.method == Method::Rk4 { 4 } else { 2 };
+        self.land(step);
+    }
+
+    /// Enters what holds at the trial end.
+    fn land(&mut self, step: R) {
+        let (system, time, Workspace { at, end, statistics, .. }) = (self.system, *self.time, &mut *self.work);
         // As if it were in vain, until it arrives.
         statistics.rejected_steps += 1;
         system.project(time + step, end, self.mode, at);

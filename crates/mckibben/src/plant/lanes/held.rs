@@ -1,0 +1,254 @@
+//! The discrete state of several plants side by side, as masks.
+//!
+//! Where a border lies between pieces of a law that agree there, each lane takes the piece of its own state by a select. The
+//! formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
+
+use super::super::PlantMode;
+use super::super::evaluation::{Evaluation, System, Unit};
+use super::super::formulas::Formulas;
+use super::super::steps::TensionResponse;
+use super::super::wire::Wire;
+use crate::air::Chamber;
+use crate::batch::wide::{Number, Wide};
+use crate::friction::{Rubbing, Touch};
+use crate::line::Hose;
+use crate::load::{MomentArm, Motion};
+use crate::mechanism::chain::{Contacts, MAX_JOINTS};
+use crate::mechanism::{Contact, Mechanism};
+use crate::network::flow::{NetworkState, OrificeEnds};
+use crate::network::formulas::FlowFormulas;
+use crate::network::implicit::RegulatedResponse;
+use crate::network::piping::Orifice;
+use crate::network::{BranchKind, Network, NodeKind};
+use crate::scalar::{Differentiable, Mask, Over, Scalar};
+use crate::simulation::{Extent, Sliding};
+use crate::valve::Port;
+use alloc::vec::Vec;
+
+/// Of an actuator in every lane.
+#[derive(Clone, Copy, Debug)]
+struct HeldActuator<W: Scalar> {
+    slack: W::Mask,
+    taut: W::Mask,
+    stuck: W::Mask,
+    /// Whether the sum of its forces is kept from pushing, or it is slack: it has no tension.
+    idle: W::Mask,
+    /// −1, 0 or +1.
+    direction: W,
+}
+
+/// The discrete states of the plants in all lanes.
+#[derive(Clone, Debug)]
+pub(super) struct Held<W: Scalar> {
+    actuators: Vec<HeldActuator<W>>,
+    frozen: Vec<W::Mask>,
+    flows: HeldFlows<W>,
+}
+
+/// Which branches are open.
+#[derive(Clone, Debug)]
+pub(super) struct HeldFlows<W: Scalar>(Vec<W::Mask>);
+
+/// Whether lanes can take the stages of a plant with a structure.
+pub(super) fn covers_structure(plant: &super::super::Plant) -> bool {
+    let actuators = plant.actuators.iter().all(|mounted| {
+        let (law, friction) = (mounted.actuator.law(), mounted.actuator.friction());
+        let smooth = law.effectiveness.piece_bounds(0).1.is_none()
+            && law.law.length_bounds(0).1.is_none()
+            && law.law.pressure_bounds(0).1.is_none();
+        mounted.tendon.is_none() && mounted.pressure.is_none() && smooth && friction.hysteresis().is_none()
+    });
+    let mechanisms = plant.mechanisms.iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
+    let nodes =
+        plant.network.nodes.iter().all(|node| !matches!(node.kind, NodeKind::Outlet { .. } | NodeKind::Port { .. }));
+    let branches = plant
+        .network
+        .branches
+        .iter()
+        .all(|branch| matches!(branch.kind, BranchKind::Path { .. } | BranchKind::Leak(_)));
+    actuators && mechanisms && nodes && branches
+}
+
+/// Whether a lane can take a step in a mode from a time in s on.
+pub(super) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
+    let touches = |contact: &Contact| *contact != Contact::None;
+    let mechanism = mode.mechanisms.iter().all(|its| {
+        (its.basis.is_empty() || its.frozen) && !its.stops.iter().flatten().any(touches) && !touches(&its.foot)
+    });
+    mechanism && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
+}
+
+impl<W: Wide> Held<W> {
+    /// Those of plants, of which the last also fills the lanes that are left.
+    #[inline(always)]
+    pub(super) fn of<'m>(network: &Network<W>, mode: impl Fn(usize) -> &'m PlantMode<W::Lane>) -> Self
+    where
+        W::Lane: 'm,
+    {
+        let first = mode(0);
+        let actuator = |i: usize| {
+            let of_lane = |lane: usize| &mode(lane).actuators[i].mode;
+            HeldActuator {
+                slack: W::mask(|lane| of_lane(lane).extent == Extent::Slack),
+                taut: W::mask(|lane| of_lane(lane).extent == Extent::Taut),
+                stuck: W::mask(|lane| of_lane(lane).sliding == Sliding::Stuck),
+                idle: W::mask(|lane| of_lane(lane).extent == Extent::Slack || of_lane(lane).clamped),
+                direction: W::from_lanes(|lane| W::Lane::constant(of_lane(lane).sliding.direction())),
+            }
+        };
+        let open = |branch: usize| {
+            W::mask(|lane| match network.branches[branch].kind {
+                BranchKind::Path { valve, port, .. } => {
+                    let ports = mode(lane).network.valves[valve].ports;
+                    if port == Port::Supply { ports.supply } else { ports.exhaust }
+                }
+                _ => true,
+            })
+        };
+        Self {
+            actuators: (0..first.actuators.len()).map(actuator).collect(),
+            frozen: (0..first.mechanisms.len()).map(|m| W::mask(|lane| mode(lane).mechanisms[m].frozen)).collect(),
+            flows: HeldFlows((0..network.branches.len()).map(open).collect()),
+        }
+    }
+}
+
+impl<W: Wide> Formulas<W> for Held<W> {
+    type Flows = HeldFlows<W>;
+
+    #[inline(always)]
+    fn flows(&self) -> &HeldFlows<W> {
+        &self.flows
+    }
+
+    #[inline(always)]
+    fn enter_pieces(&mut self, _: &System<W>, _: W, _: &[W], _: &mut Evaluation<W>) {}
+
+    #[inline(always)]
+    fn is_slack(&self, actuator: usize) -> W::Mask {
+        self.actuators[actuator].slack
+    }
+
+    #[inline(always)]
+    fn is_stuck(&self, actuator: usize) -> W::Mask {
+        self.actuators[actuator].stuck
+    }
+
+    #[inline(always)]
+    fn is_frozen(&self, mechanism: usize) -> W::Mask {
+        self.frozen[mechanism]
+    }
+
+    #[inline(always)]
+    fn arm<T: Over<W>>(&self, _: usize, arm: &MomentArm<W>, angle: T) -> [T; 2] {
+        arm.at(angle)
+    }
+
+    #[inline(always)]
+    fn torques<T: Over<W>>(&self, system: &System<W>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
+        if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
+            let none = [[Contact::None; 2]; MAX_JOINTS];
+            chain.torques(angle, rate, Contacts { stops: &none, foot: Contact::None }, torque);
+        }
+    }
+
+    #[inline(always)]
+    fn tension<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], _: Option<T>) -> T {
+        let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
+        let factors = actuator.factors(ends[0], ends[2]);
+        let rubbing = Rubbing { direction: T::of(held.direction), width: None, touch: Touch::Pressed };
+        let mut force = actuator.signed_force(ends, rubbing, held.taut, factors);
+        if actuator.friction().has_direction() {
+            let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
+            if apart.any() {
+                let rubbing = Rubbing { touch: Touch::Apart, ..rubbing };
+                force = T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
+            }
+        }
+        T::select(held.idle | held.stuck, T::zero(), force)
+    }
+
+    // What lanes do not cover.
+
+    fn motion<T: Over<W>>(&self, _: usize, _: &Motion<W>, _: T) -> [T; 3] {
+        [T::zero(); 3]
+    }
+
+    fn given_rate<T: Over<W>>(&self, _: &System<W>, _: usize, _: T) -> T {
+        T::zero()
+    }
+
+    fn bristle_rate<T: Over<W>>(&self, _: &Wire<W>, _: T, _: T) -> T {
+        T::zero()
+    }
+
+    fn enter_end<T: Differentiable<W>>(
+        &self,
+        _: &System<W>,
+        _: usize,
+        _: Option<T>,
+        _: (&mut Unit<T>, &mut Chamber<T>),
+    ) {
+    }
+
+    fn end_response(&self, _: &System<W>, _: usize, _: W, _: &[W], _: &Evaluation<W>) -> TensionResponse<W> {
+        TensionResponse::none()
+    }
+
+    fn hold<T: Differentiable<W>>(&self, _: &System<W>, _: usize, _: &[T], _: &mut Evaluation<T>) {}
+}
+
+impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
+    #[inline(always)]
+    fn orifice<T: Over<W>>(
+        &self,
+        orifice: &Orifice<W>,
+        ends: OrificeEnds<'_, T, impl Fn(usize, T) -> T>,
+        _: T,
+    ) -> Option<(W::Mask, T)> {
+        let open = self.0[orifice.branch];
+        if !open.any() {
+            return None;
+        }
+        let [near, far] = ends.pressures();
+        let (critical, laminar) = (T::of(orifice.law.critical_ratio()), T::of(orifice.law.laminar_ratio()));
+        let is_inward = far.le(near);
+        // No closures: they would be compiled by themselves, without the instructions of a batch.
+        let flow = if !(!is_inward).any() {
+            ends.inwards(orifice, [critical, laminar])
+        } else if is_inward.any() {
+            let flows = [ends.inwards(orifice, [critical, laminar]), ends.outwards(orifice, [critical, laminar])];
+            T::select(is_inward, flows[0], flows[1])
+        } else {
+            ends.outwards(orifice, [critical, laminar])
+        };
+        Some((is_inward, T::select(open, flow, T::zero())))
+    }
+
+    #[inline(always)]
+    fn is_under_way(&self, _: W) -> bool {
+        false
+    }
+
+    // What lanes do not cover.
+
+    fn loss<T: Over<W>>(&self, _: usize, _: &Hose<W>, _: [T; 2]) -> T {
+        T::zero()
+    }
+
+    fn runs(&self, _: usize) -> W::Mask {
+        W::Mask::splat(false)
+    }
+
+    fn regulated_rate<T: Over<W>>(&self, _: &Network<W>, _: usize, _: &NetworkState<T>) -> T {
+        T::zero()
+    }
+
+    fn regulated_response(&self, _: &Network<W>, _: usize, _: W) -> RegulatedResponse<W> {
+        RegulatedResponse { answer: W::zero(), own: W::one(), by_inlet: W::zero() }
+    }
+
+    fn sonic<T: Over<W>>(&self, _: &Network<W>, _: usize) -> Option<(usize, T)> {
+        None
+    }
+}

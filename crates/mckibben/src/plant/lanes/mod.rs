@@ -1,0 +1,326 @@
+//! Batches of plants: many of equal structure, each with its own numbers, commands and start, stepped together.
+//!
+//! The stages of a step are taken side by side, as many plants as two registers of this machine have lanes, with masks where
+//! their discrete states differ. Each plant then looks by itself whether the step has met an event, and goes back to the
+//! event if so. Some go by themselves from the start: a step in which something is due or a seat is on its way, a joint at a
+//! stop, and plants with parts that [`PlantBatch::covers`] leaves out.
+//!
+//! Checked by `tests/plant_batch.rs`: every row is the run of [`PlantSteps`] alone, bit for bit.
+
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod block;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod held;
+
+use super::steps::PlantSteps;
+use super::{Plant, PlantSample};
+#[cfg(target_arch = "x86_64")]
+use crate::batch::twice::Twice;
+#[cfg(target_arch = "x86_64")]
+use crate::batch::wide::Doubles;
+use crate::batch::{NO_ROW, Width};
+use crate::error::Error;
+use crate::parameter;
+use crate::valve::Demand;
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+#[cfg(target_arch = "x86_64")]
+use block::Block;
+use block::Lanes;
+use rayon::prelude::*;
+
+/// Lanes of the widest instructions.
+const MOST_LANES: usize = 16;
+/// Rows that a thread takes together where they go by themselves.
+const BY_THEMSELVES: usize = 8;
+
+/// Plants that are stepped together, in numbers of `f64`.
+///
+/// ```
+/// use mckibben::plant::{PlantBatch, PlantRun, PlantSteps, Plant, PlantStart};
+/// use mckibben::simulation::Method;
+/// use mckibben::valve::Request;
+///
+/// # fn learns(plants: &[Plant], start: &PlantStart) -> Result<(), mckibben::Error> {
+/// let begin = |plant| Ok(PlantRun::new(plant, start, 1e-6)?.steps(Method::Stable));
+/// let mut batch = PlantBatch::new(plants.iter().map(begin).collect::<Result<_, mckibben::Error>>()?)?;
+/// for count in 1..=1000 {
+///     for row in 0..batch.len() {
+///         let fill = batch.row(row)?.state()[0] > 0.09;
+///         batch.set(row, 0, if fill { Request::Fill } else { Request::Exhaust })?;
+///     }
+///     batch.advance_to(f64::from(count) * 1e-3)?;
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct PlantBatch {
+    width: Width,
+    time: f64,
+    groups: Vec<Group>,
+    /// The group of each row, and its lane there.
+    places: Vec<[usize; 2]>,
+}
+
+/// A plant that goes on, or why it has stopped.
+#[derive(Debug)]
+struct Row {
+    steps: PlantSteps,
+    fault: Option<Error>,
+    /// Where the stages of a step came to, and whether they were taken.
+    end: Vec<f64>,
+    ended: bool,
+}
+
+/// Rows that are taken together.
+#[derive(Debug)]
+struct Group {
+    rows: Vec<Row>,
+    /// None where every row goes by itself.
+    lanes: Option<Box<dyn Lanes>>,
+}
+
+/// A row is begun anew with a plant that does not fit the others.
+const OTHER_STRUCTURE: Error = Error::Misuse {
+    what: "a row of a batch is begun anew with a plant of another structure: with other parts or laws",
+    remedy: "give it a plant that differs in numbers alone, or make another batch for plants of that structure",
+};
+
+impl PlantBatch {
+    /// A batch of plants that have reached the same time and are stepped by the same method, with the widest instructions of
+    /// this machine.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] where times or methods differ.
+    pub fn new(rows: Vec<PlantSteps>) -> Result<Self, Error> {
+        Self::with_width(rows, Width::widest())
+    }
+
+    /// A batch with given instructions; where the machine has not got them, others with the same results.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::new`].
+    pub fn with_width(rows: Vec<PlantSteps>, width: Width) -> Result<Self, Error> {
+        let width = width.or_widest();
+        let time = rows.first().map_or(0.0, PlantSteps::time);
+        let differs = |row: &PlantSteps| row.time() != time || row.method() != rows[0].method();
+        if rows.iter().any(differs) {
+            return Err(Error::Misuse {
+                what: "the plants of a batch are at different times, or are stepped by different methods",
+                remedy: "begin all of them at the same time with the same method, or make a batch of those that agree",
+            });
+        }
+        let (groups, places) = arrange(rows, width);
+        Ok(Self { width, time, groups, places })
+    }
+
+    /// Whether plants of a structure go side by side. Left out are tendons, hysteresis, tables of effectiveness, force maps, given
+    /// pressures and motions, regulators, compressors, check valves and the friction of hoses: such plants go by themselves, with
+    /// the same results.
+    pub fn covers(plant: &Plant) -> bool {
+        held::covers_structure(plant)
+    }
+
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// The time in s that every living row has reached.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The instructions that are used.
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// A row, as it is now.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] when there is no such row; what stopped it.
+    pub fn row(&self, row: usize) -> Result<&PlantSteps, Error> {
+        let [group, lane] = self.place(row)?;
+        let row = &self.groups[group].rows[lane];
+        row.fault.clone().map_or(Ok(&row.steps), Err)
+    }
+
+    /// Sets what a valve of a row does from now on, in place of all that was to come.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::set`] and [`PlantBatch::row`].
+    pub fn set(&mut self, row: usize, valve: usize, demand: impl Into<Demand>) -> Result<(), Error> {
+        self.living(row)?.set(valve, demand)
+    }
+
+    /// Sets the rates (m/s or rad/s) of a mechanism of a row whose motion a host gives.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::set_rates`] and [`PlantBatch::row`].
+    pub fn set_rates(&mut self, row: usize, mechanism: usize, rates: &[f64]) -> Result<(), Error> {
+        self.living(row)?.set_rates(mechanism, rates)
+    }
+
+    /// Another plant in the place of a row, which lives again if it had stopped.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] when there is no such row, for a plant of another structure, method or time. Then nothing has changed.
+    pub fn restart(&mut self, row: usize, steps: PlantSteps) -> Result<(), Error> {
+        let [group, lane] = self.place(row)?;
+        let Group { rows, lanes } = &mut self.groups[group];
+        let old = &rows[lane].steps;
+        if steps.time() != self.time || steps.method() != old.method() {
+            return Err(Error::Misuse {
+                what: "a row is begun anew at another time than the batch has reached, or with another method",
+                remedy: "give it the time of the batch, and its method",
+            });
+        }
+        let is_same = steps.plant() == old.plant();
+        if lanes.is_some() && !is_same && block::structure(steps.plant()) != block::structure(old.plant()) {
+            return Err(OTHER_STRUCTURE);
+        }
+        rows[lane] = Row::new(steps);
+        if let (Some(lanes), false) = (lanes, is_same) {
+            lanes.gather(&all(rows));
+        }
+        Ok(())
+    }
+
+    /// Takes every living row to `until` in s in one step, divided where something switches in the row, on all cores. A row that
+    /// cannot go on stops, and touches no other.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a time that is not finite. Nothing happens where `until` has been reached.
+    pub fn advance_to(&mut self, until: f64) -> Result<(), Error> {
+        if until <= self.time {
+            return Ok(());
+        }
+        parameter::DURATION.check(until - self.time)?;
+        let span = [self.time, until];
+        match self.groups.as_mut_slice() {
+            [group] => group.advance(span),
+            groups => groups.par_iter_mut().for_each(|group| group.advance(span)),
+        }
+        self.time = until;
+        Ok(())
+    }
+
+    /// Everything that is known of every row, or why it has stopped.
+    pub fn samples(&self) -> Vec<Result<PlantSample, Error>> {
+        (0..self.len()).map(|row| self.row(row).map(PlantSteps::sample)).collect()
+    }
+
+    fn place(&self, row: usize) -> Result<[usize; 2], Error> {
+        self.places.get(row).copied().ok_or(NO_ROW)
+    }
+
+    fn living(&mut self, row: usize) -> Result<&mut PlantSteps, Error> {
+        let [group, lane] = self.place(row)?;
+        let row = &mut self.groups[group].rows[lane];
+        row.fault.clone().map_or(Ok(&mut row.steps), Err)
+    }
+}
+
+impl Row {
+    fn new(steps: PlantSteps) -> Self {
+        let end = steps.state().to_vec();
+        Self { steps, fault: None, end, ended: false }
+    }
+
+    /// Goes on to a time in s, from where the stages of the step came to if they were taken.
+    fn advance(&mut self, until: f64) {
+        if self.fault.is_some() {
+            return;
+        }
+        let Self { steps, fault, end, ended } = self;
+        let done = if *ended { steps.advance_to_end(until, end) } else { steps.advance_to(until) };
+        *fault = done.err();
+    }
+}
+
+impl Group {
+    /// Goes on from one time in s to another.
+    fn advance(&mut self, [from, until]: [f64; 2]) {
+        let Self { rows, lanes } = self;
+        let mut together = [false; MOST_LANES];
+        for (row, together) in rows.iter_mut().zip(&mut together) {
+            row.ended = false;
+            if lanes.is_none() || row.fault.is_some() {
+                continue;
+            }
+            match row.steps.is_undisturbed(until) {
+                Ok(undisturbed) => *together = undisturbed && held::covers_mode(row.steps.mode(), from),
+                Err(fault) => row.fault = Some(fault),
+            }
+        }
+        if let (Some(lanes), true) = (lanes, together.contains(&true)) {
+            let method = rows[0].steps.method();
+            let (steps, mut ends): (Vec<_>, Vec<_>) =
+                rows.iter_mut().map(|row| (&row.steps, (&mut row.end, &mut row.ended))).unzip();
+            lanes.take(&steps, method, [from, until - from], &mut |lane, end| {
+                let (kept, ended) = &mut ends[lane];
+                if let (Some(end), true) = (end, together[lane]) {
+                    kept.copy_from_slice(end);
+                    **ended = true;
+                }
+            });
+        }
+        rows.iter_mut().for_each(|row| row.advance(until));
+    }
+}
+
+/// All rows of a group.
+fn all(rows: &[Row]) -> Vec<&PlantSteps> {
+    rows.iter().map(|row| &row.steps).collect()
+}
+
+/// Deals rows to groups: those of equal structure side by side, all others by themselves.
+fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>) {
+    let most = if width.rows() > 1 { width.rows() } else { BY_THEMSELVES };
+    let mut groups: Vec<(Group, Option<Plant>)> = Vec::new();
+    // Of each structure the group that has room.
+    let mut open: Vec<usize> = Vec::new();
+    let mut places = Vec::with_capacity(rows.len());
+    for steps in rows {
+        let side_by_side = width.rows() > 1 && PlantBatch::covers(steps.plant());
+        let form = side_by_side.then(|| block::structure(steps.plant()));
+        let found = open.iter().position(|group| groups[*group].1 == form && groups[*group].0.rows.len() < most);
+        let group = match found {
+            Some(found) => open[found],
+            None => {
+                open.retain(|group| groups[*group].1 != form);
+                open.push(groups.len());
+                groups.push((Group { rows: Vec::new(), lanes: None }, form));
+                groups.len() - 1
+            }
+        };
+        places.push([group, groups[group].0.rows.len()]);
+        groups[group].0.rows.push(Row::new(steps));
+    }
+    let finished = groups.into_iter().map(|(mut group, form)| {
+        if form.is_some() {
+            group.lanes = in_lanes(&all(&group.rows), width);
+        }
+        group
+    });
+    (finished.collect(), places)
+}
+
+/// Rows of equal structure in lanes.
+#[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
+fn in_lanes(rows: &[&PlantSteps], width: Width) -> Option<Box<dyn Lanes>> {
+    match width {
+        Width::Baseline => None,
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx2 => Some(Box::new(Block::<Twice<Doubles<pulp::x86::V3>>>::new(rows))),
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx512 => Some(Box::new(Block::<Twice<Doubles<pulp::x86::V4>>>::new(rows))),
+    }
+}

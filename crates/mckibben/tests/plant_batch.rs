@@ -1,0 +1,171 @@
+//! Plants side by side: each is the run of its own steps, bit for bit, on any width of instructions.
+
+use crate::common::joint::Pair;
+use crate::common::{PSI, Paper};
+use crate::plant_host::{asked, on_a_bottle};
+use mckibben::batch::Width;
+use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps};
+use mckibben::simulation::Method;
+use mckibben::valve::{Demand, Request};
+use mckibben::{Error, parameter};
+
+/// The numbers of a state, to the bit.
+pub(crate) fn bits(state: &[f64]) -> Vec<u64> {
+    state.iter().map(|number| number.to_bits()).collect()
+}
+
+/// A row's own numbers: each has another mass and another valve.
+pub(crate) fn varied(plant: &Plant, row: usize) -> Plant {
+    let share = 1.0 - 0.01 * row as f64;
+    plant.map(|_, row, value| {
+        let varies = [parameter::MASS.key, parameter::EFFICIENCY.key].contains(&row.key);
+        if varies { value * share } else { value }
+    })
+}
+
+/// Rows of a plant with numbers of their own, at their start.
+pub(crate) fn rows(plant: &Plant, start: &PlantStart, method: Method, count: usize) -> Result<Vec<PlantSteps>, Error> {
+    (0..count).map(|row| Ok(PlantRun::new(&varied(plant, row), start, 1e-9)?.steps(method))).collect()
+}
+
+/// Steps a batch of every width and each row by itself, which have to agree; how far each row has come by itself.
+pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
+    let mut alone = rows.to_vec();
+    let mut faults: Vec<Option<Error>> = vec![None; rows.len()];
+    let mut batches: Vec<PlantBatch> = Vec::new();
+    for width in Width::available() {
+        batches.push(PlantBatch::with_width(rows.to_vec(), width).expect("rows at one time"));
+    }
+    for count in 1..=steps {
+        let until = step * f64::from(count);
+        for (row, fault) in alone.iter_mut().zip(&mut faults) {
+            if fault.is_none() {
+                *fault = row.advance_to(until).err();
+            }
+        }
+        for batch in &mut batches {
+            batch.advance_to(until).expect("a time");
+            for (index, (row, fault)) in alone.iter().zip(&faults).enumerate() {
+                match (batch.row(index), fault) {
+                    (Ok(found), None) => {
+                        let same = bits(found.state()) == bits(row.state());
+                        let [ours, theirs] = [found.state(), row.state()];
+                        assert!(same, "row {index} at {until} s, {:?}: {ours:?}, {theirs:?}", batch.width());
+                    }
+                    (Err(found), Some(fault)) => assert_eq!(&found, fault),
+                    (found, fault) => panic!("row {index} at {until} s: {:?}, {fault:?}", found.err()),
+                }
+            }
+        }
+    }
+}
+
+fn as_plant(paper: &Paper) -> (Plant, PlantStart) {
+    let rig = paper.rig();
+    (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &paper.start()))
+}
+
+#[test]
+fn pulsed_actuators_with_dry_friction_are_those_alone() {
+    for coulomb in [0.0, 1e-4] {
+        let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, coulomb);
+        let (plant, start) = as_plant(&paper);
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        for (method, step) in [(Method::Rk4, 5e-5), (Method::Stable, 1e-3)] {
+            agree(&rows(&plant, &start, method, 37).expect("rows"), step, 300);
+        }
+    }
+}
+
+/// Joints with muscles that stick, and the stops of the joint, beside each other.
+#[test]
+fn joints_of_two_muscles_are_those_alone() {
+    for coulomb in [0.0, 1e-4] {
+        let paper = Paper::pwm(25.0, 0.4).gauge(25.0 * PSI).friction(3.5, coulomb);
+        let pair = Pair::of(paper);
+        let rig = pair.rig().expect("a joint");
+        let state = rig.start(&pair.initial()).expect("a start");
+        let plant = Plant::of_joint(&rig).expect("a plant");
+        let start = Plant::start_of_joint(&rig, &state);
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        for (method, step) in [(Method::Rk4, 5e-5), (Method::Stable, 1e-3)] {
+            agree(&rows(&plant, &start, method, 21).expect("rows"), step, 300);
+        }
+    }
+}
+
+/// Ends that a host moves, a shared bottle and a mass beside them: each row goes its own way.
+#[test]
+fn rows_on_bottles_whose_ends_hosts_move_are_those_alone() {
+    let (plant, start, _) = on_a_bottle();
+    assert!(PlantBatch::covers(&plant), "it goes in lanes");
+    let mut alone = rows(&plant, &start, Method::Stable, 19).expect("rows");
+    let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
+    let mut before = [0.085, 0.088];
+    for count in 0..200 {
+        let (demands, distances) = asked(count);
+        let rates = [0, 1].map(|k| (distances[k] - before[k]) / 1e-3);
+        before = distances;
+        for (index, row) in alone.iter_mut().enumerate() {
+            for (valve, demand) in demands.into_iter().flatten().enumerate() {
+                if (valve + index) % 3 != 0 {
+                    row.set(valve, demand).expect("a demand");
+                    batch.set(index, valve, demand).expect("a demand");
+                }
+            }
+            let rates = rates.map(|rate| rate * (1.0 - 0.02 * index as f64));
+            row.set_rates(0, &rates).expect("rates");
+            batch.set_rates(index, 0, &rates).expect("rates");
+            row.advance_to(f64::from(count + 1) * 1e-3).expect("on");
+        }
+        batch.advance_to(f64::from(count + 1) * 1e-3).expect("on");
+        for (index, row) in alone.iter().enumerate() {
+            assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} after {count}");
+        }
+    }
+}
+
+/// A row that is set, and one that begins anew with other numbers, go on as they would alone.
+#[test]
+fn rows_are_set_and_begun_anew() {
+    let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4));
+    let mut alone = rows(&plant, &start, Method::Stable, 20).expect("rows");
+    let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
+    let pulses = |duty| Demand::Pulses { frequency: 40.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
+    for count in 1..=120 {
+        let until = 1e-3 * f64::from(count);
+        let row = count as usize % 20;
+        let duty = f64::from(count % 7) / 7.0;
+        alone[row].set(0, pulses(duty)).expect("a demand");
+        batch.set(row, 0, pulses(duty)).expect("a demand");
+        alone.iter_mut().for_each(|row| row.advance_to(until).expect("on"));
+        batch.advance_to(until).expect("on");
+        if count == 60 {
+            let mut anew = PlantRun::new(&varied(&plant, 30), &start, 1e-9).expect("a run");
+            anew.advance_to(until).expect("on");
+            let anew = anew.steps(Method::Stable);
+            alone[3] = anew.clone();
+            batch.restart(3, anew).expect("equal structure");
+        }
+        for (index, row) in alone.iter().enumerate() {
+            assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} at {until} s");
+        }
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5));
+    let begun = || PlantRun::new(&plant, &start, 1e-9).expect("a run").steps(Method::Stable);
+    let mut late = begun();
+    late.advance_to(0.01).expect("on");
+    assert!(matches!(PlantBatch::new(vec![begun(), late.clone()]), Err(Error::Misuse { .. })));
+    let mut batch = PlantBatch::new(vec![begun()]).expect("a batch");
+    assert!(matches!(batch.restart(0, late), Err(Error::Misuse { .. })));
+    assert!(matches!(batch.row(1), Err(Error::Misuse { .. })));
+    let (other, its_start) = as_plant(&Paper::sealed());
+    let other = PlantRun::new(&other, &its_start, 1e-9).expect("a run").steps(Method::Stable);
+    assert!(matches!(batch.restart(0, other), Err(Error::Misuse { .. })));
+    assert!(matches!(batch.advance_to(f64::NAN), Err(Error::OutOfRange { .. })));
+    assert_eq!(batch.time(), 0.0);
+}
