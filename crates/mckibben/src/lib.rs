@@ -84,11 +84,14 @@ mod dual;
 mod equilibrium;
 mod error;
 mod instantiate;
+#[cfg(feature = "lanes")]
+mod lanes;
 mod nested;
 #[cfg(feature = "alloc")]
 mod numbered;
 mod pressure;
 mod root;
+mod trigonometry;
 
 pub use actuator::{Actuator, ActuatorState, Response};
 pub use braid::Braid;

@@ -208,10 +208,11 @@ macro_rules! mathematics {
 compile_error!("without the feature `std`, the feature `libm` is needed for the square root and the exponential");
 
 macro_rules! float {
-    ($type:ident, $($method:ident => $libm:path),*) => {
+    ($type:ident, { $($own:ident => $function:ident),* }, $($method:ident => $libm:path),*) => {
         impl Scalar for $type {
             type Mask = bool;
             const IS_ONE: bool = true;
+            $(#[inline(always)] fn $own(self) -> Self { crate::trigonometry::$function(self) })*
             #[inline(always)]
             fn constant(value: f64) -> Self {
                 value as $type
@@ -249,5 +250,5 @@ macro_rules! float {
     };
 }
 
-float!(f64, sqrt => libm::sqrt, ln => libm::log, exp => libm::exp, exp_m1 => libm::expm1, sin => libm::sin, cos => libm::cos);
-float!(f32, sqrt => libm::sqrtf, ln => libm::logf, exp => libm::expf, exp_m1 => libm::expm1f, sin => libm::sinf, cos => libm::cosf);
+float!(f64, { sin => sine, cos => cosine }, sqrt => libm::sqrt, ln => libm::log, exp => libm::exp, exp_m1 => libm::expm1);
+float!(f32, {}, sqrt => libm::sqrtf, ln => libm::logf, exp => libm::expf, exp_m1 => libm::expm1f, sin => libm::sinf, cos => libm::cosf);

@@ -45,12 +45,13 @@ pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
         }
         for batch in &mut batches {
             batch.advance_to(until).expect("a time");
+            let width = batch.width();
             for (index, (row, fault)) in alone.iter().zip(&faults).enumerate() {
                 match (batch.row(index), fault) {
                     (Ok(found), None) => {
                         let same = bits(found.state()) == bits(row.state());
-                        let [ours, theirs] = [found.state(), row.state()];
-                        assert!(same, "row {index} at {until} s, {:?}: {ours:?}, {theirs:?}", batch.width());
+                        let [ours, theirs] = [found.state().to_vec(), row.state().to_vec()];
+                        assert!(same, "row {index} at {until} s, {width:?}: {ours:?}, {theirs:?}");
                     }
                     (Err(found), Some(fault)) => assert_eq!(&found, fault),
                     (found, fault) => panic!("row {index} at {until} s: {:?}, {fault:?}", found.err()),

@@ -3,9 +3,9 @@
 use super::engine::{Dealing, Demands, Engine, Show};
 use super::lane::Lane;
 use super::span::Span;
-use super::wide::Number;
 use super::{Row, RowByRow};
 use crate::error::Error;
+use crate::lanes::wide::Number;
 use crate::simulation::closed_loop::Control;
 use crate::simulation::course::Course;
 use crate::simulation::fixed_step::Walk;

@@ -4,12 +4,12 @@ use super::baseline::Baseline;
 use super::block::{Advance, Attach, Block, Create, Restart, Samples, Stop};
 use super::gather::are_same;
 use super::span::Span;
-use super::twice::Twice;
-#[cfg(feature = "batch-single")]
-use super::wide::Singles;
-use super::wide::{Doubles, Number, Wide, compiled};
 use super::{Row, Width};
 use crate::error::Error;
+use crate::lanes::twice::Twice;
+#[cfg(feature = "batch-single")]
+use crate::lanes::wide::Singles;
+use crate::lanes::wide::{Doubles, Number, Wide, compiled};
 use crate::simulation::closed_loop::Control;
 use crate::simulation::{Decision, Method, Sample, State};
 use crate::valve::Demand;

@@ -3,10 +3,10 @@
 //! Rigs whose laws are of the same kind hand out their numbers in the same order, so the numbers of each row are listed
 //! once and then dealt to the lanes. What drives the valve stays with each row: its instants differ.
 
-use super::wide::{Number, Wide};
 use crate::convert::Convert;
+use crate::lanes::deal::{Blank, Deal, List};
+use crate::lanes::wide::{Number, Wide};
 use crate::parameter::Parameter;
-use crate::scalar::Scalar;
 use crate::simulation::Rig;
 use alloc::vec::Vec;
 
@@ -47,62 +47,5 @@ impl<R: Number> Convert<f64, R> for Narrow {
     }
     fn carry(&mut self) -> Option<impl FnMut(f64) -> R> {
         Some(R::constant)
-    }
-}
-
-/// All numbers zero.
-pub(crate) struct Blank;
-
-impl<R: Number> Convert<R, R> for Blank {
-    fn parameter(&mut self, _: &'static Parameter, _: R) -> R {
-        R::zero()
-    }
-    fn carry(&mut self) -> Option<impl FnMut(R) -> R> {
-        Some(|_| R::zero())
-    }
-}
-
-/// The numbers one after the other.
-pub(crate) struct List(pub(crate) Vec<f64>);
-
-impl<R: Number> Convert<R, f64> for List {
-    fn parameter(&mut self, _: &'static Parameter, value: R) -> f64 {
-        self.0.push(value.value());
-        value.value()
-    }
-    fn carry(&mut self) -> Option<impl FnMut(R) -> f64> {
-        Some(|value: R| {
-            self.0.push(value.value());
-            value.value()
-        })
-    }
-}
-
-/// The numbers of several, lane by lane.
-pub(crate) struct Deal<'a> {
-    lists: &'a [Vec<f64>],
-    last: usize,
-    next: usize,
-}
-
-impl<'a> Deal<'a> {
-    /// From lists of equal length, the last of which also fills the lanes that are left.
-    pub(crate) fn new(lists: &'a [Vec<f64>]) -> Self {
-        Self { lists, last: lists.len() - 1, next: 0 }
-    }
-
-    fn deal<W: Wide>(&mut self) -> W {
-        let number = self.next;
-        self.next += 1;
-        W::from_lanes(|lane| W::Lane::constant(self.lists[lane.min(self.last)][number]))
-    }
-}
-
-impl<R: Number, W: Wide> Convert<R, W> for Deal<'_> {
-    fn parameter(&mut self, _: &'static Parameter, _: R) -> W {
-        self.deal()
-    }
-    fn carry(&mut self) -> Option<impl FnMut(R) -> W> {
-        Some(|_| self.deal())
     }
 }

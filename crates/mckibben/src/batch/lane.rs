@@ -4,9 +4,9 @@
 use super::Row;
 use super::alone::CONTROLLED;
 use super::gather::{are_same, form, narrow};
-use super::wide::Number;
 use crate::error::Error;
 use crate::friction::Memory;
+use crate::lanes::wide::Number;
 use crate::load::Load;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;

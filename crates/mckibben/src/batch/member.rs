@@ -2,8 +2,8 @@
 
 use super::Row;
 use super::lane::Lane;
-use super::wide::Number;
 use crate::error::Error;
+use crate::lanes::wide::Number;
 use crate::simulation::fixed_step::Walk;
 use crate::simulation::timetable::Progress;
 use crate::simulation::told::Told;

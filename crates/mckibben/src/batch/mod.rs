@@ -58,7 +58,7 @@ mod baseline;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod block;
 mod engine;
-pub(crate) mod gather;
+mod gather;
 mod lane;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod member;
@@ -66,17 +66,13 @@ mod row_by_row;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod rows;
 mod span;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-pub(crate) mod twice;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-pub(crate) mod wide;
-mod width;
 
+pub use crate::lanes::Width;
 pub use row_by_row::RowByRow;
-pub use width::Width;
 
 use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
+use crate::plant::NO_ROW;
 use crate::simulation::closed_loop::own_loop;
 use crate::simulation::{ControlledStepper, Decision, Method, Rig, Sample, State, ToldStepper};
 use crate::valve::Demand;
@@ -87,7 +83,6 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use engine::{Engine, Show};
 use lane::OTHER_FORM;
-pub(crate) use row_by_row::NO_ROW;
 use span::Span;
 
 /// A rig and its start.

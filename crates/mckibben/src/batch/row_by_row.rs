@@ -5,6 +5,7 @@
 use super::span::Span;
 use crate::control::{Controller, JointController};
 use crate::error::Error;
+use crate::plant::NO_ROW;
 use crate::scalar::Real;
 use crate::simulation::{ControlledJointStepper, ControlledStepper, Decision, JointDecision, Stepper};
 use alloc::vec::Vec;
@@ -12,12 +13,6 @@ use rayon::prelude::*;
 
 /// Steps that a thread takes at least before it looks for others.
 const STEPS_TOGETHER: usize = 64;
-
-/// A row is meant that the batch has not got.
-pub(crate) const NO_ROW: Error = Error::Misuse {
-    what: "a row is meant that the batch has not got",
-    remedy: "count the rows from zero and stay below their number",
-};
 
 /// Many rows, each of which is a [`Stepper`] that goes through time by itself.
 ///

@@ -133,7 +133,7 @@ impl<S: Scalar> MomentArm<S> {
                 for row in 0..table.rows {
                     let passed = T::of(table.angle[row]).lt(angle);
                     let next = table.in_piece(row + 1, angle);
-                    found = core::array::from_fn(|n| T::select(passed, next[n], found[n]));
+                    found = [T::select(passed, next[0], found[0]), T::select(passed, next[1], found[1])];
                 }
                 found
             }
@@ -218,8 +218,8 @@ impl<S: Scalar> ArmTable<S> {
         let (u, two) = (gone / width, T::constant(2.0));
         let (square, cube) = (T::constant(3.0) * rise - two * m0 - m1, m0 + m1 - two * rise);
         let arm = start + u * (m0 + u * (square + u * cube));
-        let parts = [0.5, 1.0 / 3.0, 0.25].map(T::constant);
-        let mean = start + u * (parts[0] * m0 + u * (parts[1] * square + u * (parts[2] * cube)));
+        let (half, third, quarter) = (T::constant(0.5), T::constant(1.0 / 3.0), T::constant(0.25));
+        let mean = start + u * (half * m0 + u * (third * square + u * (quarter * cube)));
         [arm, before + gone * mean]
     }
 }

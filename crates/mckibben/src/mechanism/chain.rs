@@ -354,7 +354,11 @@ impl<S: Scalar> Chain<S> {
     /// Inclination of segment `index` from where gravity pulls, in rad.
     #[inline(always)]
     fn inclination<T: Over<S>>(&self, index: usize, angle: &[T]) -> T {
-        angle[..=index].iter().fold(-T::of(self.hanging_angle), |sum, angle| sum + *angle)
+        let mut inclination = -T::of(self.hanging_angle);
+        for angle in &angle[..=index] {
+            inclination = inclination + *angle;
+        }
+        inclination
     }
 
     /// The mass matrix over the joints' angles, row by row, in kg·m².
@@ -369,7 +373,7 @@ impl<S: Scalar> Chain<S> {
             for j in 0..count {
                 // Between two inclinations lie the angles of the joints from one to the other.
                 let (low, high) = (i.min(j), i.max(j));
-                let between = angle[low + 1..=high].iter().fold(T::zero(), |sum, angle| sum + *angle);
+                let between = sum(&angle[low + 1..=high]);
                 let coupling = T::of(self.couplings[i * count + j]);
                 matrix[i * count + j] = if i == j { coupling } else { coupling * between.cos() };
             }
@@ -406,7 +410,7 @@ impl<S: Scalar> Chain<S> {
                 other = other + rate[j];
                 if i != j {
                     let (low, high) = (i.min(j), i.max(j));
-                    let between = angle[low + 1..=high].iter().fold(T::zero(), |sum, angle| sum + *angle);
+                    let between = sum(&angle[low + 1..=high]);
                     let turned = if i > j { between } else { -between };
                     on_segment = on_segment - T::of(self.couplings[i * count + j]) * turned.sin() * other * other;
                 }
@@ -501,6 +505,7 @@ impl<S: Scalar> Chain<S> {
     }
 
     /// Force in N of the belt on the foot, across and up.
+    #[inline(always)]
     fn belt_force<T: Over<S>>(&self, angle: &[T], rate: &[T], contact: Contact) -> Option<[T; 2]> {
         let belt = self.belt.as_ref().filter(|_| contact == Contact::Pressed)?;
         let (_, [across, _]) = self.foot(angle, rate)?;
@@ -565,4 +570,15 @@ impl<S: Scalar> Chain<S> {
         }
         [kinetic, potential]
     }
+}
+
+/// The sum of some numbers.
+#[inline(always)]
+fn sum<T: Scalar>(numbers: &[T]) -> T {
+    // No closure: it would be compiled by itself, without the instructions of a batch.
+    let mut sum = T::zero();
+    for number in numbers {
+        sum = sum + *number;
+    }
+    sum
 }

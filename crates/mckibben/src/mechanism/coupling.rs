@@ -202,13 +202,16 @@ impl<S: Real> Coupling<S> {
 }
 
 /// The distance between two points and its gradient.
+#[inline(always)]
 fn between<S: Scalar, T: Over<S>>(
     chain: &Chain<S>,
     ends: &[Attachment<S>; 2],
     position: &[T],
     gradient: &mut [T],
 ) -> T {
-    let [first, second] = ends.each_ref().map(|end| chain.point(end.segment, end.place.map(T::of), position));
+    let place = |end: &Attachment<S>| [T::of(end.place[0]), T::of(end.place[1])];
+    let first = chain.point(ends[0].segment, place(&ends[0]), position);
+    let second = chain.point(ends[1].segment, place(&ends[1]), position);
     let apart = [first[0] - second[0], first[1] - second[1]];
     let distance = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
     gradient.fill(T::zero());

@@ -46,6 +46,7 @@ pub(crate) struct NodeState<T> {
 
 impl<T: Scalar> NodeState<T> {
     /// The node at a pressure, over a scalar with derivatives.
+    #[inline(always)]
     pub(super) fn along<D: Over<T>>(&self, pressure: D) -> NodeState<D> {
         NodeState {
             pressure,
@@ -118,10 +119,8 @@ impl<R: Scalar> Network<R> {
         piping.enter_nodes(around, nodes);
         for orifice in &piping.orifices {
             let Orifice { from, to, .. } = orifice;
-            let squared_drive = |actuator: usize, pressure: T| {
-                T::of(air.gas_constant()) * pressure * around.chambers[actuator].density()
-            };
-            let ends = OrificeEnds { near: &nodes[from.node], far: &nodes[to.node], squared_drive };
+            let densities = Densities { chambers: around.chambers, gas_constant: air.gas_constant() };
+            let ends = OrificeEnds { near: &nodes[from.node], far: &nodes[to.node], densities };
             let Some((is_inward, flow)) = mode.orifice(orifice, ends, time) else {
                 flows[orifice.branch] = T::zero();
                 continue;
@@ -291,16 +290,36 @@ fn take<T: Scalar>(end: &End, amount: T, nodes: &mut [NodeState<T>]) {
     }
 }
 
-/// What lies at the two ends of an orifice; `squared_drive` is `P²/T` in Pa²/K of the air of an actuator at a pressure in Pa.
+/// Chambers whose density says how the air of an actuator drives a flow, in the scalar of a state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Densities<'a, S, C> {
+    pub(super) chambers: &'a [Chamber<C>],
+    pub(super) gas_constant: S,
+}
+
+/// `P²/T` of the air of actuators.
+pub(crate) trait SquaredDrive<T> {
+    /// `P²/T` in Pa²/K of the air of an actuator at a pressure in Pa.
+    fn squared_drive(&self, actuator: usize, pressure: T) -> T;
+}
+
+impl<S: Scalar, C: Over<S>, T: Over<S> + Over<C>> SquaredDrive<T> for Densities<'_, S, C> {
+    #[inline(always)]
+    fn squared_drive(&self, actuator: usize, pressure: T) -> T {
+        <T as Over<S>>::of(self.gas_constant) * pressure * <T as Over<C>>::of(self.chambers[actuator].density())
+    }
+}
+
+/// What lies at the two ends of an orifice.
 pub(crate) struct OrificeEnds<'a, T, D> {
     pub(super) near: &'a NodeState<T>,
     pub(super) far: &'a NodeState<T>,
-    pub(super) squared_drive: D,
+    pub(super) densities: D,
 }
 
-impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
+impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     /// Flow in kg/s inwards, each lane by the zone of its own pressures, whose ratios are given.
-    #[cfg(feature = "batch")]
+    #[cfg(feature = "lanes")]
     #[inline(always)]
     pub(crate) fn inwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where
@@ -313,7 +332,7 @@ impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
     }
 
     /// Flow in kg/s outwards, as [`OrificeEnds::inwards`].
-    #[cfg(feature = "batch")]
+    #[cfg(feature = "lanes")]
     #[inline(always)]
     pub(crate) fn outwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where
@@ -326,7 +345,7 @@ impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
     }
 
     /// The pressures at its first and its second node in Pa.
-    #[cfg(feature = "batch")]
+    #[cfg(feature = "lanes")]
     #[inline(always)]
     pub(crate) fn pressures(&self) -> [T; 2] {
         [self.near.pressure, self.far.pressure]
@@ -355,7 +374,7 @@ impl<T: Scalar, D: Fn(usize, T) -> T> OrificeEnds<'_, T, D> {
     #[inline(always)]
     fn drive_of(&self, end: &End, at: &NodeState<T>) -> T {
         match end.chamber {
-            Some(actuator) => (self.squared_drive)(actuator, at.pressure).sqrt(),
+            Some(actuator) => self.densities.squared_drive(actuator, at.pressure).sqrt(),
             None => at.pressure * at.per_root_temperature,
         }
     }

@@ -1,6 +1,6 @@
 //! Which formulas of a network hold, as its [flows](super::flow) ask for them.
 
-use super::flow::{NetworkState, OrificeEnds};
+use super::flow::{NetworkState, OrificeEnds, SquaredDrive};
 use super::implicit::RegulatedResponse;
 use super::mode::NetworkMode;
 use super::piping::Orifice;
@@ -16,7 +16,7 @@ pub(crate) trait FlowFormulas<S: Scalar> {
     fn orifice<T: Over<S>>(
         &self,
         orifice: &Orifice<S>,
-        ends: OrificeEnds<'_, T, impl Fn(usize, T) -> T>,
+        ends: OrificeEnds<'_, T, impl SquaredDrive<T>>,
         time: T,
     ) -> Option<(S::Mask, T)>;
 
@@ -44,7 +44,7 @@ impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
     fn orifice<T: Over<R>>(
         &self,
         orifice: &Orifice<R>,
-        ends: OrificeEnds<'_, T, impl Fn(usize, T) -> T>,
+        ends: OrificeEnds<'_, T, impl SquaredDrive<T>>,
         time: T,
     ) -> Option<(bool, T)> {
         let zone = self.branches[orifice.branch].zone?;

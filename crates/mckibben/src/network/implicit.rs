@@ -22,8 +22,7 @@
 //! and a flow moves no pressure beyond another. A branch that closes a ring counts for its two nodes, not between them; the
 //! method that asks is of its order whatever matrix it has.
 
-use super::flow::OrificeEnds;
-use super::flow::{NetworkState, Surroundings};
+use super::flow::{Densities, NetworkState, OrificeEnds, Surroundings};
 use super::formulas::FlowFormulas;
 use super::piping::Piping;
 use super::{Branch, BranchKind, Network, NodeKind};
@@ -322,16 +321,14 @@ impl<R: Scalar> Network<R> {
     ) -> ([R; 2], R) {
         let (zero, one) = (R::zero(), R::one());
         let Branch { from, to, kind } = &self.branches[branch];
-        let [near, far] = [*from, *to].map(|node| at.nodes[node].pressure);
+        let (near, far) = (at.nodes[*from].pressure, at.nodes[*to].pressure);
         let [p, q] = [Dual::<R, 2>::variable(near, 0), Dual::variable(far, 1)];
         let flow = match kind {
             BranchKind::Path { .. } | BranchKind::Check { .. } => {
                 let Some(orifice) = piping.orifice(branch) else { return ([zero; 2], zero) };
-                let ends = [(*from, p), (*to, q)].map(|(node, pressure)| at.nodes[node].along(pressure));
-                let squared_drive = |actuator: usize, pressure: Dual<R, 2>| {
-                    pressure * Dual::of(air.gas_constant() * around.chambers[actuator].density())
-                };
-                let ends = OrificeEnds { near: &ends[0], far: &ends[1], squared_drive };
+                let (near, far) = (at.nodes[*from].along(p), at.nodes[*to].along(q));
+                let densities = Densities { chambers: around.chambers, gas_constant: air.gas_constant() };
+                let ends = OrificeEnds { near: &near, far: &far, densities };
                 let Some((is_inward, flow)) = mode.orifice(orifice, ends, Dual::of(time)) else {
                     return ([zero; 2], zero);
                 };

@@ -74,6 +74,15 @@ impl<R: Clone> Clone for NetworkMode<R> {
     }
 }
 
+#[cfg(feature = "lanes")]
+impl<R: Real> NetworkMode<R> {
+    /// When in s the pulses of valves that have been set must be laid out next; infinite when never.
+    pub(crate) fn pulse_edge(&self) -> f64 {
+        let settings = self.valves.iter().filter_map(|valve| valve.setting.as_ref());
+        settings.map(|setting| setting.edge().value()).fold(f64::INFINITY, f64::min)
+    }
+}
+
 impl<R: Real> Network<R> {
     /// The mode at t = 0, before zones and regimes are entered.
     pub(crate) fn begin(&self) -> NetworkMode<R> {

@@ -32,6 +32,12 @@ impl<R: Real> Setting<R> {
     pub(crate) fn actuation(&self) -> &Actuation<R> {
         &self.actuation
     }
+
+    /// When in s its pulses must be laid out next; infinite when never.
+    #[cfg(feature = "lanes")]
+    pub(crate) fn edge(&self) -> R {
+        self.told.next_edge()
+    }
 }
 
 impl<R: Real> Network<R> {

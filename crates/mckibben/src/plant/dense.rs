@@ -5,7 +5,12 @@ use crate::scalar::Scalar;
 /// `Σ aᵢ bᵢ`.
 #[inline(always)]
 pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::zero(), |sum, (a, b)| sum + *a * *b)
+    // No closure: it would be compiled by itself, without the instructions of a batch.
+    let mut sum = T::zero();
+    for (a, b) in a.iter().zip(b) {
+        sum = sum + *a * *b;
+    }
+    sum
 }
 
 /// `L D Lᵀ` of a positive definite matrix of `count` rows in place: D on the diagonal, L below.

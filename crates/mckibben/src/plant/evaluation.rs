@@ -155,7 +155,7 @@ impl<R: Scalar> System<R> {
     ) {
         self.enter_distances(time, state, mode, at);
         self.enter_flows(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at, |_, _| {});
+        self.enter_actuators(time, state, mode, at);
         for assembly in &self.assemblies {
             self.accelerate(assembly, time, state, mode, at);
         }
@@ -179,6 +179,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Computes distance, length and their rates of an actuator.
+    #[inline(always)]
     pub(crate) fn enter_ends_of<T: Over<R>>(
         &self,
         i: usize,
@@ -280,7 +281,7 @@ impl<R: Scalar> System<R> {
         self.plant.network.flows(time, &self.piping, around, air, mode.flows(), &mut at.network);
     }
 
-    /// Computes tensions and air of all actuators, whose flows are known, and hands each on.
+    /// Computes tensions and air of all actuators, whose flows are known.
     #[inline(always)]
     fn enter_actuators<T: Differentiable<R>>(
         &self,
@@ -288,7 +289,6 @@ impl<R: Scalar> System<R> {
         state: &[T],
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
-        mut then: impl FnMut(&Wire<R>, &Unit<T>),
     ) {
         let Evaluation { units, chambers, network, .. } = at;
         for (i, wire) in self.wires.iter().enumerate() {
@@ -307,7 +307,6 @@ impl<R: Scalar> System<R> {
                 unit.pressure_rate = wire.member.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
             }
             unit.mass_rate = unit.flow.net();
-            then(wire, unit);
         }
     }
 
@@ -433,7 +432,8 @@ impl<R: Scalar> System<R> {
     ) {
         self.enter_distances(time, state, mode, at);
         self.enter_flows(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at, |wire, unit| {
+        self.enter_actuators(time, state, mode, at);
+        for (wire, unit) in self.wires.iter().zip(&at.units) {
             let places = &wire.places;
             (rates[places.pressure], rates[places.pressure + 1]) = (unit.pressure_rate, unit.mass_rate);
             if let Some(place) = places.length {
@@ -442,7 +442,7 @@ impl<R: Scalar> System<R> {
             if let Some(place) = places.bristles {
                 rates[place] = mode.bristle_rate(wire, state[place], unit.velocity);
             }
-        });
+        }
         for assembly in &self.assemblies {
             self.accelerate(assembly, time, state, mode, at);
             self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);

@@ -29,7 +29,7 @@ mod guard;
 mod holding;
 mod hybrid;
 mod joint;
-#[cfg(feature = "batch")]
+#[cfg(feature = "lanes")]
 mod lanes;
 mod ledger;
 mod linear;
@@ -51,6 +51,8 @@ mod trajectory;
 mod view;
 mod wire;
 
+#[cfg(feature = "lanes")]
+pub use crate::lanes::Width;
 pub use crossing::{Part, PlantEventKind};
 pub use equipment::SupplyNodes;
 pub use feed::Feed;
@@ -62,6 +64,8 @@ pub use joint::{
     JointTrajectory, Turning,
 };
 #[cfg(feature = "batch")]
+pub(crate) use lanes::NO_ROW;
+#[cfg(feature = "lanes")]
 pub use lanes::PlantBatch;
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,

@@ -71,7 +71,7 @@ impl<R: Real> Trace<R> {
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
-#[cfg(feature = "batch")]
+#[cfg(feature = "lanes")]
 impl<S: Scalar> Member<S> {
     /// An actuator in lanes, where no event is told from rounding.
     pub(crate) fn in_lanes(actuator: &Actuator<S>) -> Self {

@@ -5,7 +5,7 @@ use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 #[cfg(feature = "batch")]
-use crate::{batch::wide::Wide, scalar::Real};
+use crate::{lanes::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]

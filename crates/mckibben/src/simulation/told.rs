@@ -122,6 +122,12 @@ impl<R: Real> Told<R> {
         self.edge = self.modulator.next(self.pulse_frequency).unwrap_or(R::constant(f64::INFINITY));
     }
 
+    /// When in s it asks for something by itself next; infinite when never, and any time where something has not been heard.
+    #[cfg(feature = "lanes")]
+    pub(crate) fn next_edge(&self) -> R {
+        if self.unheard { R::constant(f64::NEG_INFINITY) } else { self.edge }
+    }
+
     /// The next edge of the pulses in s, if it comes before `until`: what is told at `until` comes before a pulse that begins
     /// or ends there.
     #[inline]

@@ -1,16 +1,25 @@
-//! Plants of equal structure side by side: their numbers dealt to lanes, and the stages of a step for all of them.
+//! Plants of equal structure side by side: their states in lanes, and how they go through time together.
+//!
+//! A step of all rows is one step of the method in lanes, after which [`Watch`] says which rows have kept their mode. A row that
+//! has not, or for which something is due within the step, takes the step again alone, from where it was: so each row goes the
+//! way of [`PlantSteps`], bit for bit. What a row alone is asked for is its mode, and only where that changes.
 
 use super::super::Plant;
 use super::super::evaluation::{Evaluation, System};
-use super::super::steps::{PlantSteps, Stages};
+use super::super::steps::Stages;
 use super::super::wire::{Assembly, Wire};
-use super::held::Held;
-use crate::batch::gather::{Blank, Deal, List};
-use crate::batch::wide::{Compiled, Wide, compiled};
+use super::held::{self, Held};
+use super::row::{Change, Row};
+use super::span::Span;
+use super::watch::Watch;
+use crate::air::Process;
+use crate::lanes::deal::{Blank, Deal, List};
+use crate::lanes::wide::{Compiled, Wide, compiled};
 use crate::network::piping::Piping;
+use crate::scalar::Mask;
 use crate::simulation::Method;
 use crate::simulation::member::Member;
-use crate::valve::{Command, Request};
+use crate::valve::{Command, Request, is_due};
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -18,20 +27,22 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use pulp::Simd;
 
-/// The stages of a step for several plants, whatever the width.
-pub(super) trait Lanes: Debug + Send + Sync {
-    /// Takes a step of rows that nothing interrupts, from a time in s over a length in s, and hands on the end of each row
-    /// where it is to be believed.
-    fn take(
-        &mut self,
-        rows: &[&PlantSteps],
-        method: Method,
-        span: [f64; 2],
-        end: &mut dyn FnMut(usize, Option<&[f64]>),
-    );
+/// How far beyond the end of a span instants are looked up, in spans of the same length.
+const SPANS_AHEAD: f64 = 64.0;
 
-    /// Takes the numbers of rows anew.
-    fn gather(&mut self, rows: &[&PlantSteps]);
+/// Rows in lanes, whatever the width.
+pub(super) trait Lanes: Debug + Send + Sync {
+    /// Takes the rows, whose lanes these are, through a span.
+    fn advance(&mut self, rows: &mut [Row], span: Span);
+
+    /// Brings a row to where its lane is.
+    fn bring(&self, lane: usize, row: &mut Row);
+
+    /// The states of a lane.
+    fn read(&self, lane: usize, state: &mut [f64]);
+
+    /// Takes the numbers of the rows again.
+    fn gather(&mut self, rows: &mut [Row]);
 }
 
 /// A plant with all its numbers zero: two plants of equal structure are equal.
@@ -39,7 +50,7 @@ pub(super) fn structure(plant: &Plant) -> Plant {
     without_commands(plant).convert(&mut Blank)
 }
 
-/// Commands differ from row to row, and are not looked at by any stage.
+/// Commands differ from row to row, and no stage asks for them.
 fn without_commands(plant: &Plant) -> Plant {
     let mut plant = plant.clone();
     for actuation in &mut plant.network.valves {
@@ -51,45 +62,67 @@ fn without_commands(plant: &Plant) -> Plant {
 /// Rows in lanes.
 #[derive(Debug)]
 pub(super) struct Block<W: Wide<Lane = f64>> {
+    method: Method,
+    /// The time in s that all rows have reached.
+    time: f64,
     system: System<W>,
     stages: Stages<W>,
     at: Evaluation<W>,
     state: Vec<W>,
     end: Vec<W>,
+    held: Held<W>,
+    watch: Watch<W>,
+    /// 1 in lanes whose row has not stopped, and where it takes its steps with the others; 0 elsewhere.
+    lives: W,
+    goes: W,
+    /// Rows that look themselves whether a step has met an event.
+    looks: Vec<bool>,
+    any_looks: bool,
+    /// `P V/m` of isothermal air, 0 where there is none.
+    contents: Vec<W>,
+    is_isothermal: bool,
+    /// Whether a mode has changed since the last step.
+    is_changed: bool,
+    /// Instants up to this time in s are known, and the first of them; infinite when there is none.
+    known_until: f64,
+    soonest: f64,
     row: Vec<f64>,
 }
 
 /// What a new block is made of.
-struct Create<'a, W>(&'a [&'a PlantSteps], PhantomData<W>);
+struct Create<'a, W>(&'a mut [Row], PhantomData<W>);
 
-/// A step of a block.
-struct Take<'a, W: Wide<Lane = f64>> {
-    block: &'a mut Block<W>,
-    rows: &'a [&'a PlantSteps],
-    method: Method,
-    span: [f64; 2],
-    end: &'a mut dyn FnMut(usize, Option<&[f64]>),
-}
+/// A block's way through a span.
+struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span);
 
 impl<W: Wide<Lane = f64>> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most.
-    pub(super) fn new(rows: &[&PlantSteps]) -> Self {
+    pub(super) fn new(rows: &mut [Row]) -> Self {
         compiled(Create::<W>(rows, PhantomData))
     }
 }
 
 impl<W: Wide<Lane = f64>> Lanes for Block<W> {
-    fn take(
-        &mut self,
-        rows: &[&PlantSteps],
-        method: Method,
-        span: [f64; 2],
-        end: &mut dyn FnMut(usize, Option<&[f64]>),
-    ) {
-        compiled(Take { block: self, rows, method, span, end });
+    fn advance(&mut self, rows: &mut [Row], span: Span) {
+        compiled(Advance(self, rows, span));
     }
 
-    fn gather(&mut self, rows: &[&PlantSteps]) {
+    fn bring(&self, lane: usize, row: &mut Row) {
+        if row.is_alive() && row.steps.time() != self.time {
+            row.steps.put(self.time, |place| self.state[place].lane(lane));
+        }
+    }
+
+    fn read(&self, lane: usize, state: &mut [f64]) {
+        for (number, of_lanes) in state.iter_mut().zip(&self.state) {
+            *number = of_lanes.lane(lane);
+        }
+    }
+
+    fn gather(&mut self, rows: &mut [Row]) {
+        for (lane, row) in rows.iter_mut().enumerate() {
+            self.bring(lane, row);
+        }
         *self = Self::new(rows);
     }
 }
@@ -105,11 +138,11 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             .iter()
             .map(|row| {
                 let mut list = List(Vec::new());
-                without_commands(row.plant()).convert(&mut list);
+                without_commands(row.steps.plant()).convert(&mut list);
                 list.0
             })
             .collect();
-        let plant: Plant<W> = without_commands(rows[0].plant()).convert(&mut Deal::new(&lists));
+        let plant: Plant<W> = without_commands(rows[0].steps.plant()).convert(&mut Deal::new(&lists));
         let plant = Arc::new(plant);
         let wires = plant.actuators.iter().enumerate();
         let wires = wires.map(|(index, mounted)| Wire::new(&plant, index, Member::in_lanes(&mounted.actuator)));
@@ -122,33 +155,199 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             usual_torque: Vec::new(),
             plant,
         };
-        let states = system.plant.places().states;
-        let (stages, at) = (Stages::new(&system.plant), Evaluation::new(&system.plant));
-        let zeros = vec![W::zero(); states];
-        Block { stages, at, state: zeros.clone(), end: zeros, row: vec![0.0; states], system }
+        let plant = &system.plant;
+        let (states, zero) = (plant.places.states, W::zero());
+        let is_isothermal =
+            plant.actuators.iter().any(|mounted| matches!(mounted.actuator.air().process(), Process::Isothermal));
+        for row in rows.iter_mut() {
+            row.change = Change::All;
+        }
+        Block {
+            method: rows[0].steps.method(),
+            time: rows[0].steps.time(),
+            stages: Stages::new(plant),
+            at: Evaluation::new(plant),
+            state: vec![zero; states],
+            end: vec![zero; states],
+            held: Held::new(&system),
+            watch: Watch::new(&system),
+            lives: zero,
+            goes: zero,
+            looks: vec![false; W::LANES],
+            any_looks: false,
+            contents: vec![zero; plant.actuators.len()],
+            is_isothermal,
+            is_changed: true,
+            known_until: f64::NEG_INFINITY,
+            soonest: f64::INFINITY,
+            row: vec![0.0; states],
+            system,
+        }
     }
 }
 
-impl<W: Wide<Lane = f64>> Compiled for Take<'_, W> {
+impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
     type Wide = W;
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { block, rows, method, span, end: hand_on } = self;
-        let Block { system, stages, at, state, end, row } = block;
-        let last = rows.len() - 1;
-        for (place, number) in state.iter_mut().enumerate() {
-            *number = W::from_lanes(|lane| rows[lane.min(last)].state()[place]);
+        let Self(block, rows, span) = self;
+        block.set_out(rows, &span);
+        for step in 1..=span.steps {
+            block.step(rows, span.end_of(step));
         }
-        let mut held = Held::of(&system.plant.network, |lane| rows[lane.min(last)].mode());
-        let span = (W::constant(span[0]), W::constant(span[1]));
-        let believed = stages.take_unchecked(system, method, span, state, &mut held, at, end);
-        for lane in 0..rows.len() {
-            for (number, of_lanes) in row.iter_mut().zip(&*end) {
-                *number = of_lanes.lane(lane);
+    }
+}
+
+impl<W: Wide<Lane = f64>> Block<W> {
+    /// One step of all rows to a time in s.
+    #[inline(always)]
+    fn step(&mut self, rows: &mut [Row], until: f64) {
+        if self.is_changed {
+            self.held.update();
+            self.is_changed = false;
+        }
+        let Self { system, stages, at, state, end, held, watch, .. } = self;
+        let (from, step) = (W::constant(self.time), W::constant(until - self.time));
+        let (zero, one) = (W::zero(), W::one());
+        let mut together = zero.lt(self.goes);
+        if together.any() {
+            let believed = stages.take_unchecked(system, self.method, (from, step), state, held, at, end);
+            if self.is_isothermal {
+                keep_contents(system, from + step, &self.contents, held, at, end);
             }
-            hand_on(lane, W::holds(believed, lane).then_some(&row[..]));
+            together = together & believed & watch.holds(system, (from + step, end), held, at);
         }
+        let apart = zero.lt(self.lives) & !together;
+        if apart.any() || self.any_looks || is_due(self.soonest, until) {
+            self.part(rows, W::select(together, one, zero), until);
+        }
+        core::mem::swap(&mut self.state, &mut self.end);
+        self.time = until;
+    }
+
+    /// Takes the step of those rows that are not 1 in `together`, or for which something is due, each alone.
+    #[inline(never)]
+    fn part(&mut self, rows: &mut [Row], together: W, until: f64) {
+        let is_due_here = is_due(self.soonest, until);
+        let mut changed = false;
+        for (lane, row) in rows.iter_mut().enumerate() {
+            if !row.is_alive() {
+                continue;
+            }
+            let is_with = together.lane(lane) > 0.0 && !(is_due_here && is_due(row.next, until));
+            if is_with && !self.looks[lane] {
+                continue;
+            }
+            self.bring(lane, row);
+            let events = row.steps.events();
+            let done = if is_with {
+                for (number, of_lanes) in self.row.iter_mut().zip(&self.end) {
+                    *number = of_lanes.lane(lane);
+                }
+                row.steps.advance_to_end(until, &self.row)
+            } else {
+                row.steps.advance_to(until)
+            };
+            if let Err(fault) = done {
+                row.stop(fault);
+                (self.lives, self.goes) = (without(self.lives, lane), without(self.goes, lane));
+                self.looks[lane] = false;
+                changed = true;
+                continue;
+            }
+            for (number, of_lanes) in row.steps.state().iter().zip(&mut self.end) {
+                of_lanes.put(lane, *number);
+            }
+            if row.steps.events() != events {
+                self.enter(lane, row, until);
+                changed = true;
+            }
+        }
+        if changed {
+            self.sum_up(rows);
+        }
+    }
+
+    /// Enters rows that have changed, lays out pulses and looks up instants.
+    #[inline(never)]
+    fn set_out(&mut self, rows: &mut [Row], span: &Span) {
+        let all = self.known_until < span.until;
+        if all {
+            self.known_until = span.until + SPANS_AHEAD * (span.until - span.from);
+        }
+        let mut changed = false;
+        for (lane, row) in rows.iter_mut().enumerate() {
+            let pulses = !is_due(span.until, row.edge);
+            if !row.is_alive() || !(all || pulses || row.change != Change::None) {
+                continue;
+            }
+            changed = true;
+            if pulses || row.change != Change::None {
+                self.bring(lane, row);
+                if let Err(fault) = row.steps.lay_out(span.until) {
+                    row.stop(fault);
+                    (self.lives, self.goes) = (without(self.lives, lane), without(self.goes, lane));
+                    continue;
+                }
+            }
+            if row.change == Change::All {
+                for (number, of_lanes) in row.steps.state().iter().zip(&mut self.state) {
+                    of_lanes.put(lane, *number);
+                }
+                self.lives.put(lane, 1.0);
+                self.enter(lane, row, span.from);
+            } else {
+                row.look_ahead(self.known_until);
+            }
+            row.change = Change::None;
+        }
+        if changed {
+            self.sum_up(rows);
+        }
+    }
+
+    /// Enters the mode of a row at a time in s.
+    fn enter(&mut self, lane: usize, row: &mut Row, time: f64) {
+        let Row { steps, .. } = row;
+        let (system, mode, guards) = steps.watched();
+        self.looks[lane] = !self.watch.enter(lane, system, mode, guards);
+        self.held.enter(lane, &system.plant.network, mode);
+        self.goes.put(lane, if held::covers_mode(mode, time) { 1.0 } else { 0.0 });
+        for (content, its) in self.contents.iter_mut().zip(&mode.actuators) {
+            content.put(lane, its.isothermal.unwrap_or(0.0));
+        }
+        row.look_ahead(self.known_until);
+        self.is_changed = true;
+    }
+
+    fn sum_up(&mut self, rows: &[Row]) {
+        self.any_looks = self.looks.contains(&true);
+        self.soonest = rows.iter().filter(|row| row.is_alive()).map(|row| row.next).fold(f64::INFINITY, f64::min);
+    }
+}
+
+/// A number with zero in a lane.
+fn without<W: Wide<Lane = f64>>(mut number: W, lane: usize) -> W {
+    number.put(lane, 0.0);
+    number
+}
+
+/// Sets the pressures of isothermal air, whose `P V/m` nothing changes.
+#[inline(always)]
+fn keep_contents<W: Wide>(
+    system: &System<W>,
+    time: W,
+    contents: &[W],
+    held: &Held<W>,
+    at: &mut Evaluation<W>,
+    end: &mut [W],
+) {
+    system.enter_distances(time, end, held, at);
+    for (wire, content) in system.wires.iter().zip(contents) {
+        let place = wire.places.pressure;
+        let kept = *content * end[place + 1] / at.chambers[wire.index].volume;
+        end[place] = W::select(W::zero().lt(*content), kept, end[place]);
     }
 }

@@ -9,13 +9,13 @@ use super::super::formulas::Formulas;
 use super::super::steps::TensionResponse;
 use super::super::wire::Wire;
 use crate::air::Chamber;
-use crate::batch::wide::{Number, Wide};
 use crate::friction::{Rubbing, Touch};
+use crate::lanes::wide::{Number, Wide};
 use crate::line::Hose;
 use crate::load::{MomentArm, Motion};
 use crate::mechanism::chain::{Contacts, MAX_JOINTS};
 use crate::mechanism::{Contact, Mechanism};
-use crate::network::flow::{NetworkState, OrificeEnds};
+use crate::network::flow::{NetworkState, OrificeEnds, SquaredDrive};
 use crate::network::formulas::FlowFormulas;
 use crate::network::implicit::RegulatedResponse;
 use crate::network::piping::Orifice;
@@ -23,6 +23,7 @@ use crate::network::{BranchKind, Network, NodeKind};
 use crate::scalar::{Differentiable, Mask, Over, Scalar};
 use crate::simulation::{Extent, Sliding};
 use crate::valve::Port;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// Of an actuator in every lane.
@@ -31,9 +32,21 @@ struct HeldActuator<W: Scalar> {
     slack: W::Mask,
     taut: W::Mask,
     stuck: W::Mask,
-    /// Whether the sum of its forces is kept from pushing, or it is slack: it has no tension.
+    on_stop: W::Mask,
+    /// Whether it has no tension: the sum of its forces is kept from pushing, or it is slack, or it sticks.
     idle: W::Mask,
     /// −1, 0 or +1.
+    direction: W,
+}
+
+/// The same as numbers, 1 where something holds and 0 elsewhere, so that one lane is entered without the others.
+#[derive(Clone, Copy, Debug)]
+struct Flags<W> {
+    slack: W,
+    taut: W,
+    stuck: W,
+    on_stop: W,
+    idle: W,
     direction: W,
 }
 
@@ -43,6 +56,9 @@ pub(super) struct Held<W: Scalar> {
     actuators: Vec<HeldActuator<W>>,
     frozen: Vec<W::Mask>,
     flows: HeldFlows<W>,
+    flags: Vec<Flags<W>>,
+    frozen_flags: Vec<W>,
+    open_flags: Vec<W>,
 }
 
 /// Which branches are open.
@@ -79,37 +95,90 @@ pub(super) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
 }
 
 impl<W: Wide> Held<W> {
-    /// Those of plants, of which the last also fills the lanes that are left.
+    /// Of a plant, before any lane is entered.
     #[inline(always)]
-    pub(super) fn of<'m>(network: &Network<W>, mode: impl Fn(usize) -> &'m PlantMode<W::Lane>) -> Self
-    where
-        W::Lane: 'm,
-    {
-        let first = mode(0);
-        let actuator = |i: usize| {
-            let of_lane = |lane: usize| &mode(lane).actuators[i].mode;
-            HeldActuator {
-                slack: W::mask(|lane| of_lane(lane).extent == Extent::Slack),
-                taut: W::mask(|lane| of_lane(lane).extent == Extent::Taut),
-                stuck: W::mask(|lane| of_lane(lane).sliding == Sliding::Stuck),
-                idle: W::mask(|lane| of_lane(lane).extent == Extent::Slack || of_lane(lane).clamped),
-                direction: W::from_lanes(|lane| W::Lane::constant(of_lane(lane).sliding.direction())),
-            }
-        };
-        let open = |branch: usize| {
-            W::mask(|lane| match network.branches[branch].kind {
+    pub(super) fn new(system: &System<W>) -> Self {
+        let (no, zero, plant) = (W::Mask::splat(false), W::zero(), &system.plant);
+        let nothing = HeldActuator { slack: no, taut: no, stuck: no, on_stop: no, idle: no, direction: zero };
+        let flags = Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, idle: zero, direction: zero };
+        Self {
+            actuators: vec![nothing; plant.actuators.len()],
+            frozen: vec![no; plant.mechanisms.len()],
+            flows: HeldFlows(vec![no; plant.network.branches.len()]),
+            flags: vec![flags; plant.actuators.len()],
+            frozen_flags: vec![zero; plant.mechanisms.len()],
+            open_flags: vec![zero; plant.network.branches.len()],
+        }
+    }
+
+    /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
+    pub(super) fn enter<S: Scalar>(&mut self, lane: usize, network: &Network<S>, mode: &PlantMode<W::Lane>) {
+        let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
+        for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
+            let (slack, stuck) = (its.mode.extent == Extent::Slack, its.mode.sliding == Sliding::Stuck);
+            put(&mut flags.slack, slack);
+            put(&mut flags.taut, its.mode.extent == Extent::Taut);
+            put(&mut flags.stuck, stuck);
+            put(&mut flags.on_stop, its.on_stop);
+            put(&mut flags.idle, slack || stuck || its.mode.clamped);
+            flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
+        }
+        for (flag, its) in self.frozen_flags.iter_mut().zip(&mode.mechanisms) {
+            put(flag, its.frozen);
+        }
+        for (flag, branch) in self.open_flags.iter_mut().zip(&network.branches) {
+            let open = match branch.kind {
                 BranchKind::Path { valve, port, .. } => {
-                    let ports = mode(lane).network.valves[valve].ports;
+                    let ports = mode.network.valves[valve].ports;
                     if port == Port::Supply { ports.supply } else { ports.exhaust }
                 }
                 _ => true,
-            })
-        };
-        Self {
-            actuators: (0..first.actuators.len()).map(actuator).collect(),
-            frozen: (0..first.mechanisms.len()).map(|m| W::mask(|lane| mode(lane).mechanisms[m].frozen)).collect(),
-            flows: HeldFlows((0..network.branches.len()).map(open).collect()),
+            };
+            put(flag, open);
         }
+    }
+
+    /// Makes masks of what has been entered.
+    #[inline(always)]
+    pub(super) fn update(&mut self) {
+        let zero = W::zero();
+        for (masks, flags) in self.actuators.iter_mut().zip(&self.flags) {
+            masks.slack = zero.lt(flags.slack);
+            masks.taut = zero.lt(flags.taut);
+            masks.stuck = zero.lt(flags.stuck);
+            masks.on_stop = zero.lt(flags.on_stop);
+            masks.idle = zero.lt(flags.idle);
+            masks.direction = flags.direction;
+        }
+        for (mask, flag) in self.frozen.iter_mut().zip(&self.frozen_flags) {
+            *mask = zero.lt(*flag);
+        }
+        for (mask, flag) in self.flows.0.iter_mut().zip(&self.open_flags) {
+            *mask = zero.lt(*flag);
+        }
+    }
+
+    /// Where an actuator rests on its shortest length.
+    #[inline(always)]
+    pub(super) fn is_on_stop(&self, actuator: usize) -> W::Mask {
+        self.actuators[actuator].on_stop
+    }
+
+    /// The sum of the forces of an actuator at its length, velocity and pressure.
+    #[inline(always)]
+    pub(super) fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3]) -> T {
+        let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
+        let factors = actuator.factors(ends[0], ends[2]);
+        let rubbing = Rubbing { direction: T::of(held.direction), width: None, touch: Touch::Pressed };
+        let force = actuator.signed_force(ends, rubbing, held.taut, factors);
+        if actuator.friction().has_direction() {
+            let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
+            if apart.any() {
+                let rubbing = Rubbing { touch: Touch::Apart, ..rubbing };
+                return T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
+            }
+        }
+        force
     }
 }
 
@@ -154,18 +223,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
 
     #[inline(always)]
     fn tension<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], _: Option<T>) -> T {
-        let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
-        let factors = actuator.factors(ends[0], ends[2]);
-        let rubbing = Rubbing { direction: T::of(held.direction), width: None, touch: Touch::Pressed };
-        let mut force = actuator.signed_force(ends, rubbing, held.taut, factors);
-        if actuator.friction().has_direction() {
-            let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
-            if apart.any() {
-                let rubbing = Rubbing { touch: Touch::Apart, ..rubbing };
-                force = T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
-            }
-        }
-        T::select(held.idle | held.stuck, T::zero(), force)
+        T::select(self.actuators[wire.index].idle, T::zero(), self.signed_force(wire, ends))
     }
 
     // What lanes do not cover.
@@ -203,7 +261,7 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
     fn orifice<T: Over<W>>(
         &self,
         orifice: &Orifice<W>,
-        ends: OrificeEnds<'_, T, impl Fn(usize, T) -> T>,
+        ends: OrificeEnds<'_, T, impl SquaredDrive<T>>,
         _: T,
     ) -> Option<(W::Mask, T)> {
         let open = self.0[orifice.branch];

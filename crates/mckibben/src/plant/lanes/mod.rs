@@ -11,15 +11,19 @@
 mod block;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod held;
+mod row;
+mod span;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod watch;
 
 use super::steps::PlantSteps;
 use super::{Plant, PlantSample};
-#[cfg(target_arch = "x86_64")]
-use crate::batch::twice::Twice;
-#[cfg(target_arch = "x86_64")]
-use crate::batch::wide::Doubles;
-use crate::batch::{NO_ROW, Width};
 use crate::error::Error;
+use crate::lanes::Width;
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::twice::Twice;
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::wide::Doubles;
 use crate::parameter;
 use crate::valve::Demand;
 use alloc::boxed::Box;
@@ -28,9 +32,9 @@ use alloc::vec::Vec;
 use block::Block;
 use block::Lanes;
 use rayon::prelude::*;
+use row::{Change, Row};
+use span::Span;
 
-/// Lanes of the widest instructions.
-const MOST_LANES: usize = 16;
 /// Rows that a thread takes together where they go by themselves.
 const BY_THEMSELVES: usize = 8;
 
@@ -63,16 +67,6 @@ pub struct PlantBatch {
     places: Vec<[usize; 2]>,
 }
 
-/// A plant that goes on, or why it has stopped.
-#[derive(Debug)]
-struct Row {
-    steps: PlantSteps,
-    fault: Option<Error>,
-    /// Where the stages of a step came to, and whether they were taken.
-    end: Vec<f64>,
-    ended: bool,
-}
-
 /// Rows that are taken together.
 #[derive(Debug)]
 struct Group {
@@ -80,6 +74,12 @@ struct Group {
     /// None where every row goes by itself.
     lanes: Option<Box<dyn Lanes>>,
 }
+
+/// A row is named that the batch has not got.
+pub(crate) const NO_ROW: Error = Error::Misuse {
+    what: "a row is meant that the batch has not got",
+    remedy: "count the rows from zero and stay below their number",
+};
 
 /// A row is begun anew with a plant that does not fit the others.
 const OTHER_STRUCTURE: Error = Error::Misuse {
@@ -146,10 +146,32 @@ impl PlantBatch {
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no such row; what stopped it.
-    pub fn row(&self, row: usize) -> Result<&PlantSteps, Error> {
+    pub fn row(&mut self, row: usize) -> Result<&PlantSteps, Error> {
+        self.living(row).map(|row| &row.steps)
+    }
+
+    /// Writes the states of a row, in the places that [`Plant::places`] says, without bringing more of it up to date.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.
+    pub fn read(&self, row: usize, state: &mut [f64]) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
-        let row = &self.groups[group].rows[lane];
-        row.fault.clone().map_or(Ok(&row.steps), Err)
+        let Group { rows, lanes } = &self.groups[group];
+        let row = &rows[lane];
+        if let Some(fault) = &row.fault {
+            return Err(fault.clone());
+        }
+        if state.len() != row.steps.state().len() {
+            return Err(Error::Misuse {
+                what: "the states of a row are asked for in a place that has not one number for each",
+                remedy: "give as many numbers as the plant has states",
+            });
+        }
+        match lanes {
+            Some(lanes) if row.change == Change::None => lanes.read(lane, state),
+            _ => state.copy_from_slice(row.steps.state()),
+        }
+        Ok(())
     }
 
     /// Sets what a valve of a row does from now on, in place of all that was to come.
@@ -157,7 +179,9 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantSteps::set`] and [`PlantBatch::row`].
     pub fn set(&mut self, row: usize, valve: usize, demand: impl Into<Demand>) -> Result<(), Error> {
-        self.living(row)?.set(valve, demand)
+        let row = self.living(row)?;
+        row.changes(Change::Commands);
+        row.steps.set(valve, demand)
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism of a row whose motion a host gives.
@@ -165,7 +189,9 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantSteps::set_rates`] and [`PlantBatch::row`].
     pub fn set_rates(&mut self, row: usize, mechanism: usize, rates: &[f64]) -> Result<(), Error> {
-        self.living(row)?.set_rates(mechanism, rates)
+        let row = self.living(row)?;
+        row.changes(Change::All);
+        row.steps.set_rates(mechanism, rates)
     }
 
     /// Another plant in the place of a row, which lives again if it had stopped.
@@ -188,7 +214,7 @@ impl PlantBatch {
         }
         rows[lane] = Row::new(steps);
         if let (Some(lanes), false) = (lanes, is_same) {
-            lanes.gather(&all(rows));
+            lanes.gather(rows);
         }
         Ok(())
     }
@@ -199,11 +225,19 @@ impl PlantBatch {
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is not finite. Nothing happens where `until` has been reached.
     pub fn advance_to(&mut self, until: f64) -> Result<(), Error> {
-        if until <= self.time {
+        self.advance(until, 1)
+    }
+
+    /// Takes every living row to `until` in s as [`PlantBatch::advance_to`] does, in so many equal steps.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::advance_to`]; nothing happens where there are no steps.
+    pub fn advance(&mut self, until: f64, steps: u64) -> Result<(), Error> {
+        if until <= self.time || steps == 0 {
             return Ok(());
         }
         parameter::DURATION.check(until - self.time)?;
-        let span = [self.time, until];
+        let span = Span { from: self.time, until, steps };
         match self.groups.as_mut_slice() {
             [group] => group.advance(span),
             groups => groups.par_iter_mut().for_each(|group| group.advance(span)),
@@ -213,7 +247,7 @@ impl PlantBatch {
     }
 
     /// Everything that is known of every row, or why it has stopped.
-    pub fn samples(&self) -> Vec<Result<PlantSample, Error>> {
+    pub fn samples(&mut self) -> Vec<Result<PlantSample, Error>> {
         (0..self.len()).map(|row| self.row(row).map(PlantSteps::sample)).collect()
     }
 
@@ -221,64 +255,32 @@ impl PlantBatch {
         self.places.get(row).copied().ok_or(NO_ROW)
     }
 
-    fn living(&mut self, row: usize) -> Result<&mut PlantSteps, Error> {
+    fn living(&mut self, row: usize) -> Result<&mut Row, Error> {
         let [group, lane] = self.place(row)?;
-        let row = &mut self.groups[group].rows[lane];
-        row.fault.clone().map_or(Ok(&mut row.steps), Err)
-    }
-}
-
-impl Row {
-    fn new(steps: PlantSteps) -> Self {
-        let end = steps.state().to_vec();
-        Self { steps, fault: None, end, ended: false }
-    }
-
-    /// Goes on to a time in s, from where the stages of the step came to if they were taken.
-    fn advance(&mut self, until: f64) {
-        if self.fault.is_some() {
-            return;
+        let row = self.groups[group].bring(lane);
+        match &row.fault {
+            Some(fault) => Err(fault.clone()),
+            None => Ok(row),
         }
-        let Self { steps, fault, end, ended } = self;
-        let done = if *ended { steps.advance_to_end(until, end) } else { steps.advance_to(until) };
-        *fault = done.err();
     }
 }
 
 impl Group {
-    /// Goes on from one time in s to another.
-    fn advance(&mut self, [from, until]: [f64; 2]) {
-        let Self { rows, lanes } = self;
-        let mut together = [false; MOST_LANES];
-        for (row, together) in rows.iter_mut().zip(&mut together) {
-            row.ended = false;
-            if lanes.is_none() || row.fault.is_some() {
-                continue;
-            }
-            match row.steps.is_undisturbed(until) {
-                Ok(undisturbed) => *together = undisturbed && held::covers_mode(row.steps.mode(), from),
-                Err(fault) => row.fault = Some(fault),
-            }
+    fn advance(&mut self, span: Span) {
+        match &mut self.lanes {
+            Some(lanes) => lanes.advance(&mut self.rows, span),
+            None => self.rows.iter_mut().for_each(|row| row.advance(&span)),
         }
-        if let (Some(lanes), true) = (lanes, together.contains(&true)) {
-            let method = rows[0].steps.method();
-            let (steps, mut ends): (Vec<_>, Vec<_>) =
-                rows.iter_mut().map(|row| (&row.steps, (&mut row.end, &mut row.ended))).unzip();
-            lanes.take(&steps, method, [from, until - from], &mut |lane, end| {
-                let (kept, ended) = &mut ends[lane];
-                if let (Some(end), true) = (end, together[lane]) {
-                    kept.copy_from_slice(end);
-                    **ended = true;
-                }
-            });
-        }
-        rows.iter_mut().for_each(|row| row.advance(until));
     }
-}
 
-/// All rows of a group.
-fn all(rows: &[Row]) -> Vec<&PlantSteps> {
-    rows.iter().map(|row| &row.steps).collect()
+    /// Brings a row to where its lane is.
+    fn bring(&mut self, lane: usize) -> &mut Row {
+        let row = &mut self.rows[lane];
+        if let Some(lanes) = &self.lanes {
+            lanes.bring(lane, row);
+        }
+        row
+    }
 }
 
 /// Deals rows to groups: those of equal structure side by side, all others by themselves.
@@ -306,7 +308,7 @@ fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>)
     }
     let finished = groups.into_iter().map(|(mut group, form)| {
         if form.is_some() {
-            group.lanes = in_lanes(&all(&group.rows), width);
+            group.lanes = in_lanes(&mut group.rows, width);
         }
         group
     });
@@ -315,7 +317,7 @@ fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>)
 
 /// Rows of equal structure in lanes.
 #[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
-fn in_lanes(rows: &[&PlantSteps], width: Width) -> Option<Box<dyn Lanes>> {
+fn in_lanes(rows: &mut [Row], width: Width) -> Option<Box<dyn Lanes>> {
     match width {
         Width::Baseline => None,
         #[cfg(target_arch = "x86_64")]

@@ -150,6 +150,7 @@ impl<R: Real> PlantSteps<R> {
         let moved = self.go_along(from, span, parts as u64 + 1, distances);
         if moved.is_err() {
             self.reached.clone_from(&self.before);
+            self.work.forget_guards();
         }
         moved
     }
@@ -196,6 +197,7 @@ impl<R: Real> PlantSteps<R> {
             }
             first += here.coordinates;
             system.enter_given_motion(m, *time, state, mode, &mut work.at);
+            work.forget_guards();
         }
         for part in 1..=parts {
             let end = if part == parts { from + span } else { from + span * R::constant(part as f64 / parts as f64) };

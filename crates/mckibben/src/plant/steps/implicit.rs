@@ -207,17 +207,19 @@ impl<R: Scalar> Implicit<R> {
         slopes: &mut [R],
     ) {
         let (r, count, from) = (self.gamma_h, here.coordinates, self.begins[m]);
-        let of_matrix = |matrix: &[R], row: usize, vector: &[R]| {
-            dense::dot(&matrix[from + row * count..from + (row + 1) * count], vector)
-        };
         let (positions, rates) = here.of(right);
         for row in 0..count {
-            self.work[row] = of_matrix(&self.mass, row, rates) + r * of_matrix(&self.turning, row, positions);
+            let its = from + row * count..from + (row + 1) * count;
+            let by_positions = dense::dot(&self.turning[its.clone()], positions);
+            self.work[row] = dense::dot(&self.mass[its], rates) + r * by_positions;
         }
         for &i in &system.plant.places.members[m] {
             let gradient = system.gradient(i, &at.gradient);
             let response = &self.tensions[i];
-            let own = system.own_place(i).map_or(R::zero(), |place| response.by_own * right[place]);
+            let own = match system.own_place(i) {
+                Some(place) => response.by_own * right[place],
+                None => R::zero(),
+            };
             let force = response.stiffness.multiply_add(dense::dot(gradient, positions), own);
             for (sum, entry) in self.work.iter_mut().zip(gradient) {
                 *sum = *sum - r * *entry * force;
@@ -317,13 +319,16 @@ impl<R: Scalar> System<R> {
             return mode.end_response(self, i, gamma_h, state, at);
         }
         let (zero, one) = (R::zero(), R::one());
-        let seeded = |number: R, direction: usize| Dual::<R, 3>::variable(number, direction);
-        let ends = [seeded(unit.length, 0), seeded(unit.velocity, 1), Dual::of(at.chambers[i].pressure)];
-        let bent = self.bristles(i, state).map(|bent| seeded(bent, 2));
+        let velocity = Dual::<R, 3>::variable(unit.velocity, 1);
+        let ends = [Dual::variable(unit.length, 0), velocity, Dual::of(at.chambers[i].pressure)];
+        let bent = match self.bristles(i, state) {
+            Some(bent) => Some(Dual::variable(bent, 2)),
+            None => None,
+        };
         let [stiffness, damping, by_bristles] = mode.tension(wire, ends, bent).slope;
         let mut response = TensionResponse { stiffness, damping: damping.larger(zero), ..TensionResponse::none() };
         if let Some(bent) = bent {
-            let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, seeded(unit.velocity, 1)).slope;
+            let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, velocity).slope;
             response.share = one / (one - gamma_h * by_itself).larger(one);
             response.by_rate = gamma_h * by_velocity;
             response.by_own = by_bristles * response.share;

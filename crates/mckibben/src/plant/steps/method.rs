@@ -63,7 +63,7 @@ impl<R: Scalar> Stages<R> {
     }
 
     /// Takes a step to `end` without looking what comes of it; where the end is to be believed.
-    #[cfg(feature = "batch")]
+    #[cfg(feature = "lanes")]
     #[allow(clippy::too_many_arguments)]
     #[inline(always)]
     pub(in super::super) fn take_unchecked(
@@ -113,11 +113,12 @@ impl<R: Scalar> Stages<R> {
         at: &mut Evaluation<R>,
         end: &mut [R],
     ) -> u64 {
-        let half = R::constant(0.5) * step;
-        for (stage, ahead) in [R::zero(), half, half, step].into_iter().enumerate() {
+        let (half, mut ahead) = (R::constant(0.5) * step, R::zero());
+        for stage in 0..4_usize {
             axpy(&mut self.state, state, ahead, &self.slopes[stage.saturating_sub(1)]);
             mode.enter_pieces(system, time + ahead, &self.state, at);
             system.rates(time + ahead, &self.state, mode, at, &mut self.slopes[stage]);
+            ahead = if stage < 2 { half } else { step };
         }
         let (sixth, two) = (step * R::constant(1.0 / 6.0), R::constant(2.0));
         let [k1, k2, k3, k4] = &self.slopes;
@@ -239,10 +240,16 @@ impl<R: Scalar> System<R> {
     #[inline(always)]
     fn is_positive(&self, from: &[R], to: &[R]) -> R::Mask {
         let places = &self.plant.places;
-        let leaves = |place: usize| (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);
-        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
-        let all = air.chain(places.nodes.iter().flatten().copied());
-        all.fold(R::Mask::splat(true), |enough, place| enough & leaves(place))
+        let mut enough = R::Mask::splat(true);
+        // No closures: they would be compiled by themselves, without the instructions of a batch.
+        for here in &places.actuators {
+            enough = enough & (R::constant(LEAST_SHARE) * from[here.pressure]).lt(to[here.pressure]);
+            enough = enough & (R::constant(LEAST_SHARE) * from[here.mass()]).lt(to[here.mass()]);
+        }
+        for &[_, place] in &places.state_nodes {
+            enough = enough & (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);
+        }
+        enough
     }
 }
 

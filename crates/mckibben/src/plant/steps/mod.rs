@@ -27,13 +27,17 @@ mod pieces;
 
 pub use accuracy::{PlantStepError, plant_step_for_accuracy};
 pub(crate) use implicit::TensionResponse;
-#[cfg(feature = "batch")]
+#[cfg(feature = "lanes")]
 pub(super) use method::Stages;
 
 use super::evaluation::System;
+#[cfg(feature = "lanes")]
+use super::guard::PlantGuard;
 use super::run::{Keep, PlantRun, PlantSnapshot};
 use super::sample::{Observer, PlantSample};
 use super::{Plant, PlantMode};
+#[cfg(feature = "lanes")]
+use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
@@ -188,6 +192,7 @@ impl<R: Real> PlantSteps<R> {
     /// # Errors
     /// [`Error::Misuse`] for a snapshot of another plant.
     pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
+        self.work.forget_guards();
         self.reached.restore(snapshot)
     }
 
@@ -205,6 +210,7 @@ impl<R: Real> PlantSteps<R> {
     /// As [`PlantRun::set_rates`].
     pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
         let Self { system, reached, work, .. } = self;
+        work.forget_guards();
         reached.set_rates(system, mechanism, rates, &mut work.at)
     }
 
@@ -233,13 +239,44 @@ impl<R: Real> PlantSteps<R> {
     }
 }
 
-#[cfg(feature = "batch")]
+#[cfg(feature = "lanes")]
 impl PlantSteps {
-    /// Lays pulses out to `until` in s; whether nothing is due up to then.
-    pub(super) fn is_undisturbed(&mut self, until: f64) -> Result<bool, Error> {
-        let Self { system, reached, .. } = self;
-        reached.pulse(&system.plant, until)?;
-        Ok(system.next_instant(reached.mode(), until).is_none())
+    /// Lays pulses out to `until` in s.
+    pub(super) fn lay_out(&mut self, until: f64) -> Result<(), Error> {
+        self.reached.pulse(&self.system.plant, until)
+    }
+
+    /// The next instant in s up to `until`; infinite when there is none.
+    pub(super) fn next_instant(&self, until: f64) -> f64 {
+        self.system.next_instant(self.reached.mode(), until).unwrap_or(f64::INFINITY)
+    }
+
+    /// When in s pulses have to be laid out next; infinite when never.
+    pub(super) fn pulse_edge(&self) -> f64 {
+        self.reached.mode().network.pulse_edge()
+    }
+
+    /// Events since the steps began.
+    pub(super) fn events(&self) -> u64 {
+        self.work.statistics.events
+    }
+
+    /// Takes on a time in s and a state that have been reached in the mode that holds.
+    pub(super) fn put(&mut self, time: f64, state: impl Fn(usize) -> f64) {
+        let (own_time, own_state, mode) = self.reached.parts();
+        *own_time = time;
+        for (place, number) in own_state.iter_mut().enumerate() {
+            *number = state(place);
+        }
+        self.system.enter_pieces(time, own_state, mode, &mut self.work.at);
+    }
+
+    /// What watches the mode that holds: the plant, the mode, and the guards that end it with an event.
+    pub(super) fn watched(&mut self) -> (&System<f64>, &PlantMode, &[(PlantGuard, GuardForm)]) {
+        let Self { system, reached, work, .. } = self;
+        let mode = reached.mode();
+        work.list_guards(system, mode);
+        (system, mode, work.guards())
     }
 
     /// Goes on to `until` in s, before which nothing is due, where the stages of the step have come to `end`.

@@ -76,7 +76,27 @@ impl<R: Real> Workspace<R> {
     fn begin(&mut self, time: R, state: &[R]) {
         self.begun.0 = time;
         self.begun.1.copy_from_slice(state);
-        (self.has_mode_begun, self.has_guards) = (false, false);
+        self.has_mode_begun = false;
+    }
+
+    /// Notes that a mode has been changed by others.
+    pub(super) fn forget_guards(&mut self) {
+        self.has_guards = false;
+    }
+
+    /// Lists the guards that end a mode with an event, unless they are known.
+    pub(super) fn list_guards(&mut self, system: &System<R>, mode: &PlantMode<R>) {
+        if !self.has_guards {
+            system.guards(mode, &mut self.guards);
+            self.guards.retain(|(guard, _)| !is_between_pieces(*guard));
+            self.has_guards = true;
+        }
+    }
+
+    /// The guards that have been listed.
+    #[cfg(feature = "lanes")]
+    pub(super) fn guards(&self) -> &[(PlantGuard, GuardForm)] {
+        &self.guards
     }
 
     /// Notes that a mode is about to change.
@@ -97,6 +117,7 @@ impl<R: Real> Workspace<R> {
         state.copy_from_slice(&self.begun.1);
         if let Some(begun) = self.mode_begun.as_ref().filter(|_| self.has_mode_begun) {
             mode.clone_from(begun);
+            self.has_guards = false;
         }
     }
 }
@@ -126,7 +147,7 @@ pub(super) fn advance<R: Real>(
 }
 
 /// Advances a plant to a time in s before which nothing is due, where the stages of a step have come to an end.
-#[cfg(feature = "batch")]
+#[cfg(feature = "lanes")]
 pub(super) fn advance_to_end<R: Real>(
     system: &System<R>,
     method: Method,
@@ -285,11 +306,7 @@ impl<R: Real> Part<'_, '_, R> {
 
     /// Finds the guards that are below zero at the trial end.
     fn find_violated(&mut self, step: R) {
-        if !self.work.has_guards {
-            self.system.guards(self.mode, &mut self.work.guards);
-            self.work.guards.retain(|(guard, _)| !is_between_pieces(*guard));
-            self.work.has_guards = true;
-        }
+        self.work.list_guards(self.system, self.mode);
         self.work.violated.clear();
         for place in 0..self.work.guards.len() {
             if self.guard_at_end(place, step).lt(R::zero()) {

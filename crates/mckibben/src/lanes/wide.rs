@@ -152,6 +152,23 @@ macro_rules! one_by_one {
     )*};
 }
 
+/// Sine and cosine, as those of one number are.
+macro_rules! trigonometry {
+    (f64) => {
+        #[inline(always)]
+        fn sin(self) -> Self {
+            crate::trigonometry::sine(self)
+        }
+        #[inline(always)]
+        fn cos(self) -> Self {
+            crate::trigonometry::cosine(self)
+        }
+    };
+    (f32) => {
+        one_by_one!(sin, cos);
+    };
+}
+
 macro_rules! wide {
     ($number:ident, $wide:ident($lanes:ident), $mask:ident($mask_lanes:ident);
      $add:ident $sub:ident $mul:ident $div:ident $xor:ident $sqrt:ident $splat:ident $lt:ident $le:ident $select:ident
@@ -220,7 +237,8 @@ macro_rules! wide {
             fn sqrt(self) -> Self {
                 Self { lanes: self.simd.$sqrt(self.lanes), ..self }
             }
-            one_by_one!(ln, exp, exp_m1, sin, cos);
+            one_by_one!(ln, exp, exp_m1);
+            trigonometry!($number);
             #[inline(always)]
             fn lt(self, other: Self) -> $mask<S> {
                 $mask { simd: self.simd, lanes: self.simd.$lt(self.lanes, other.lanes) }

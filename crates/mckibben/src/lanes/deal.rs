@@ -1,0 +1,67 @@
+//! Numbers of several systems of equal structure, dealt to lanes.
+//!
+//! Systems whose parts are of the same kind hand out their numbers in the same order, so that the numbers of each are listed once
+//! and then dealt to the lanes.
+
+use super::wide::{Number, Wide};
+use crate::convert::Convert;
+use crate::parameter::Parameter;
+use crate::scalar::Scalar;
+use alloc::vec::Vec;
+
+/// All numbers zero.
+pub(crate) struct Blank;
+
+impl<R: Number> Convert<R, R> for Blank {
+    fn parameter(&mut self, _: &'static Parameter, _: R) -> R {
+        R::zero()
+    }
+    fn carry(&mut self) -> Option<impl FnMut(R) -> R> {
+        Some(|_| R::zero())
+    }
+}
+
+/// The numbers one after the other.
+pub(crate) struct List(pub(crate) Vec<f64>);
+
+impl<R: Number> Convert<R, f64> for List {
+    fn parameter(&mut self, _: &'static Parameter, value: R) -> f64 {
+        self.0.push(value.value());
+        value.value()
+    }
+    fn carry(&mut self) -> Option<impl FnMut(R) -> f64> {
+        Some(|value: R| {
+            self.0.push(value.value());
+            value.value()
+        })
+    }
+}
+
+/// The numbers of several, lane by lane.
+pub(crate) struct Deal<'a> {
+    lists: &'a [Vec<f64>],
+    last: usize,
+    next: usize,
+}
+
+impl<'a> Deal<'a> {
+    /// From lists of equal length, the last of which also fills the lanes that are left.
+    pub(crate) fn new(lists: &'a [Vec<f64>]) -> Self {
+        Self { lists, last: lists.len() - 1, next: 0 }
+    }
+
+    fn deal<W: Wide>(&mut self) -> W {
+        let number = self.next;
+        self.next += 1;
+        W::from_lanes(|lane| W::Lane::constant(self.lists[lane.min(self.last)][number]))
+    }
+}
+
+impl<R: Number, W: Wide> Convert<R, W> for Deal<'_> {
+    fn parameter(&mut self, _: &'static Parameter, _: R) -> W {
+        self.deal()
+    }
+    fn carry(&mut self) -> Option<impl FnMut(R) -> W> {
+        Some(|_| self.deal())
+    }
+}

@@ -1,0 +1,63 @@
+//! A row of a batch: a plant that goes on, or why it has stopped.
+
+use super::super::steps::PlantSteps;
+use super::span::Span;
+use crate::error::Error;
+
+/// What of a row its lane does not know yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    None,
+    /// Its valves have been set.
+    Commands,
+    /// Its state and its mode as well.
+    All,
+}
+
+/// A plant that goes on, or why it has stopped.
+#[derive(Debug)]
+pub(super) struct Row {
+    /// Where it is; its lane may be ahead of it.
+    pub(super) steps: PlantSteps,
+    pub(super) fault: Option<Error>,
+    pub(super) change: Change,
+    /// The next instant in s that is known; infinite when none is.
+    pub(super) next: f64,
+    /// When in s pulses have to be laid out next.
+    pub(super) edge: f64,
+}
+
+impl Row {
+    pub(super) fn new(steps: PlantSteps) -> Self {
+        Self { steps, fault: None, change: Change::All, next: f64::INFINITY, edge: f64::NEG_INFINITY }
+    }
+
+    pub(super) fn is_alive(&self) -> bool {
+        self.fault.is_none()
+    }
+
+    pub(super) fn stop(&mut self, fault: Error) {
+        self.fault = Some(fault);
+        self.next = f64::INFINITY;
+    }
+
+    /// Notes that something of it has changed.
+    pub(super) fn changes(&mut self, change: Change) {
+        if self.change != Change::All {
+            self.change = change;
+        }
+    }
+
+    /// Finds the next instant up to `until` in s, and when pulses have to be laid out.
+    pub(super) fn look_ahead(&mut self, until: f64) {
+        self.next = self.steps.next_instant(until);
+        self.edge = self.steps.pulse_edge();
+    }
+
+    /// Goes through a span alone.
+    pub(super) fn advance(&mut self, span: &Span) {
+        if self.is_alive() {
+            self.fault = (1..=span.steps).try_for_each(|step| self.steps.advance_to(span.end_of(step))).err();
+        }
+    }
+}

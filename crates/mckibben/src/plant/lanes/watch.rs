@@ -1,0 +1,287 @@
+//! What is watched of plants in lanes: the range that each quantity keeps as long as a mode lasts.
+//!
+//! | guard | quantity |
+//! |---|---|
+//! | of one state | the state |
+//! | slack, taut, rest of an actuator that spans joints | its length, its rate |
+//! | tension comes to zero, or back | the sum of its forces |
+//! | the taut braid lets go, or pulls again | the force of the taut braid |
+//! | what sticks on one coordinate lets go | the force that is held, conservatively |
+//!
+//! A step that leaves a range is taken again by the row alone, which finds the event. That a range is left although no guard is
+//! violated is harmless; so states that are no numbers and chambers without air are found by ranges, too.
+
+use super::super::evaluation::System;
+use super::super::guard::PlantGuard;
+use super::super::mode::PlantMode;
+use super::held::Held;
+use crate::engine::GuardForm;
+use crate::friction::{Rubbing, Touch};
+use crate::lanes::wide::Wide;
+use crate::mechanism::Mechanism;
+use crate::mechanism::chain::{Contacts, MAX_JOINTS};
+use crate::plant::evaluation::Evaluation;
+use crate::plant::formulas::Formulas;
+use crate::scalar::{Mask, Scalar};
+use crate::simulation::Guard;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Part of the forces on a coordinate by which those that hold it must have more room, or the row looks itself.
+const HOLD_MARGIN: f64 = 1e-9;
+
+/// A range in every lane.
+#[derive(Clone, Copy, Debug)]
+struct Range<W> {
+    low: W,
+    high: W,
+}
+
+/// The ranges of an actuator's quantities.
+#[derive(Clone, Copy, Debug)]
+struct ActuatorRanges<W> {
+    length: Range<W>,
+    rate: Range<W>,
+    force: Range<W>,
+    taut_force: Range<W>,
+}
+
+/// Which quantities of a row are watched besides its states.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Watched {
+    ends: bool,
+    forces: bool,
+}
+
+/// The ranges of all quantities in every lane.
+#[derive(Clone, Debug)]
+pub(super) struct Watch<W: Wide> {
+    states: Vec<Range<W>>,
+    actuators: Vec<ActuatorRanges<W>>,
+    /// 1 where a mechanism is held at rest, 0 elsewhere.
+    holds: Vec<W>,
+    /// What is watched of each actuator in any lane, and which mechanisms are held in any.
+    watched: Vec<Watched>,
+    held: Vec<bool>,
+    /// The same lane by lane.
+    of_lanes: Vec<Vec<Watched>>,
+}
+
+impl<W: Wide> Range<W> {
+    fn all() -> Self {
+        Self { low: W::constant(f64::NEG_INFINITY), high: W::constant(f64::INFINITY) }
+    }
+
+    fn put(&mut self, lane: usize, [low, high]: [f64; 2]) {
+        self.low.put(lane, W::Lane::constant(low));
+        self.high.put(lane, W::Lane::constant(high));
+    }
+
+    fn above(&mut self, lane: usize, bound: f64) {
+        let bound = W::Lane::constant(bound);
+        self.low.put(lane, self.low.lane(lane).larger(bound));
+    }
+
+    fn below(&mut self, lane: usize, bound: f64) {
+        let bound = W::Lane::constant(bound);
+        self.high.put(lane, self.high.lane(lane).smaller(bound));
+    }
+
+    fn bound(&mut self, lane: usize, (bound, lasts_above): (f64, bool)) {
+        if lasts_above { self.above(lane, bound) } else { self.below(lane, bound) }
+    }
+
+    /// Where a number lies within; nowhere for what is not a number.
+    #[inline(always)]
+    fn holds(&self, number: W) -> W::Mask {
+        self.low.le(number) & number.le(self.high)
+    }
+}
+
+impl<W: Wide> Watch<W> {
+    /// Of a plant, before anything is watched.
+    #[inline(always)]
+    pub(super) fn new(system: &System<W>) -> Self {
+        let (all, actuators) = (Range::all(), system.wires.len());
+        let of_actuator = ActuatorRanges { length: all, rate: all, force: all, taut_force: all };
+        Self {
+            states: vec![all; system.plant.places.states],
+            actuators: vec![of_actuator; actuators],
+            holds: vec![W::zero(); system.assemblies.len()],
+            watched: vec![Watched::default(); actuators],
+            held: vec![false; system.assemblies.len()],
+            of_lanes: vec![vec![Watched::default(); actuators]; W::LANES],
+        }
+    }
+
+    /// Enters what is watched of a row in its mode, whose guards are given; whether that is all that there is to watch.
+    pub(super) fn enter(
+        &mut self,
+        lane: usize,
+        system: &System<f64>,
+        mode: &PlantMode,
+        guards: &[(PlantGuard, GuardForm)],
+    ) -> bool {
+        let places = &system.plant.places;
+        for range in &mut self.states {
+            range.put(lane, [-f64::MAX, f64::MAX]);
+        }
+        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
+        for place in air.chain(places.nodes.iter().flatten().copied()) {
+            self.states[place].above(lane, f64::MIN_POSITIVE);
+        }
+        for wire in &system.wires {
+            if let Some(place) = wire.length_place() {
+                self.states[place].below(lane, wire.member.thread_length().next_down());
+            }
+        }
+        let nowhere = [f64::NEG_INFINITY, f64::INFINITY];
+        for its in &mut self.actuators {
+            for range in [&mut its.length, &mut its.rate, &mut its.force, &mut its.taut_force] {
+                range.put(lane, nowhere);
+            }
+        }
+        self.of_lanes[lane].fill(Watched::default());
+        for hold in &mut self.holds {
+            hold.put(lane, W::Lane::constant(0.0));
+        }
+        let mut is_all = true;
+        for (guard, form) in guards {
+            is_all &= self.enter_guard(lane, system, mode, (*guard, *form));
+        }
+        for i in 0..self.watched.len() {
+            let any = |which: fn(&Watched) -> bool| self.of_lanes.iter().any(|of_lane| which(&of_lane[i]));
+            self.watched[i] = Watched { ends: any(|its| its.ends), forces: any(|its| its.forces) };
+        }
+        for (held, hold) in self.held.iter_mut().zip(&self.holds) {
+            *held = (0..W::LANES).any(|lane| W::Lane::constant(0.0).lt(hold.lane(lane)));
+        }
+        is_all
+    }
+
+    fn enter_guard(
+        &mut self,
+        lane: usize,
+        system: &System<f64>,
+        mode: &PlantMode,
+        (guard, form): (PlantGuard, GuardForm),
+    ) -> bool {
+        match (form, guard) {
+            (GuardForm::Above { index, bound }, _) => self.states[index].above(lane, bound),
+            (GuardForm::Below { index, bound }, _) => self.states[index].below(lane, bound),
+            (GuardForm::Function, PlantGuard::Of(i, guard)) => {
+                let (wire, its, ranges) = (&system.wires[i], &mode.actuators[i].mode, &mut self.actuators[i]);
+                let band = wire.member.force_band;
+                let watched = &mut self.of_lanes[lane][i];
+                let (by_length, _) = wire.member.extent_guards(its.extent);
+                if let Some((_, bound, lasts_above)) = by_length.into_iter().flatten().find(|(own, ..)| *own == guard) {
+                    ranges.length.bound(lane, (bound, lasts_above));
+                    watched.ends = true;
+                    return true;
+                }
+                match guard {
+                    Guard::Rest => {
+                        let direction = its.sliding.direction();
+                        ranges.rate.bound(lane, (-direction * system.rest_band(i), direction > 0.0));
+                        watched.ends = true;
+                    }
+                    Guard::TensionZero | Guard::TensionBack => {
+                        let is_zero = guard == Guard::TensionZero;
+                        ranges.force.bound(lane, (if is_zero { -band } else { band }, is_zero));
+                        watched.forces = true;
+                    }
+                    Guard::Rebound | Guard::Retaut => {
+                        let rebounds = guard == Guard::Rebound;
+                        ranges.taut_force.bound(lane, (if rebounds { -band } else { band }, rebounds));
+                        watched.forces = true;
+                    }
+                    _ => return false,
+                }
+            }
+            (GuardForm::Function, PlantGuard::Release { mechanism, .. }) => {
+                let (its, places) = (&mode.mechanisms[mechanism], &system.plant.places);
+                let is_one = its.frozen && places.mechanisms[mechanism].coordinates == 1;
+                if !is_one {
+                    return false;
+                }
+                self.holds[mechanism].put(lane, W::Lane::constant(1.0));
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Where every quantity is within its range at the end of a step.
+    #[inline(always)]
+    pub(super) fn holds(
+        &self,
+        system: &System<W>,
+        (time, end): (W, &[W]),
+        held: &Held<W>,
+        at: &mut Evaluation<W>,
+    ) -> W::Mask {
+        let mut within = W::Mask::splat(true);
+        for (range, number) in self.states.iter().zip(end) {
+            within = within & range.holds(*number);
+        }
+        let holds = self.held.iter().any(|held| *held);
+        for (i, (ranges, watched)) in self.actuators.iter().zip(&self.watched).enumerate() {
+            if !(holds || watched.ends || watched.forces) {
+                continue;
+            }
+            system.enter_ends_of(i, time, end, held, at);
+            let (wire, unit) = (&system.wires[i], at.units[i]);
+            if watched.ends {
+                within = within & ranges.length.holds(unit.length) & ranges.rate.holds(unit.rate);
+            }
+            if watched.forces {
+                let ends = [unit.length, unit.velocity, end[wire.places.pressure]];
+                let taut_force = wire.member.actuator.limits().taut_force(unit.length, unit.velocity);
+                let force = held.signed_force(wire, ends);
+                within = within & ranges.force.holds(force) & ranges.taut_force.holds(taut_force);
+            }
+        }
+        for (m, holds) in self.holds.iter().enumerate() {
+            if self.held[m] {
+                within = within & (holds.le(W::zero()) | hold_margin(system, m, end, held, at));
+            }
+        }
+        within
+    }
+}
+
+/// Where sticking actuators on the one coordinate of a mechanism hold it by more than a margin.
+#[inline(always)]
+fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>, at: &mut Evaluation<W>) -> W::Mask {
+    let zero = W::zero();
+    let position = end[system.plant.places.mechanisms[m].first];
+    let mut load = match &system.plant.mechanisms[m] {
+        Mechanism::Mass(mass) => mass.force(position),
+        Mechanism::Chain(chain) => {
+            let none = [[crate::mechanism::Contact::None; 2]; MAX_JOINTS];
+            let mut torque = [zero];
+            let contacts = Contacts { stops: &none, foot: crate::mechanism::Contact::None };
+            chain.torques(&[position], &[zero], contacts, &mut torque);
+            torque[0]
+        }
+        _ => return W::Mask::splat(false),
+    };
+    let rubbing = Rubbing { direction: zero, width: None, touch: Touch::ByPressure };
+    let (mut least, mut most) = (zero, zero);
+    let mut size = load.magnitude();
+    for &i in &system.plant.places.members[m] {
+        let (wire, unit) = (&system.wires[i], at.units[i]);
+        let arm = system.gradient(i, &at.gradient)[0];
+        let pressure = end[wire.places.pressure];
+        let sticks = held.is_stuck(i) & !held.is_slack(i);
+        let (low, high) = wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing);
+        let pulls = held.tension(wire, [unit.length, zero, pressure], None).larger(zero);
+        load = load - arm * pulls;
+        let (by_low, by_high) = (arm * low, arm * high);
+        least = least + W::select(sticks, by_low.smaller(by_high), zero);
+        most = most + W::select(sticks, by_low.larger(by_high), zero);
+        size = size + by_high.magnitude().larger(by_low.magnitude());
+    }
+    let margin = W::constant(HOLD_MARGIN) * size;
+    (least + margin).le(load) & load.le(most - margin)
+}
