@@ -17,7 +17,7 @@ mod linearize_line;
 mod linearize_pwm;
 mod linearize_tendon;
 mod moment_arm;
-#[cfg(feature = "batch")]
+#[cfg(feature = "lanes")]
 mod plant_batch;
 mod plant_control;
 mod plant_dead_time;
@@ -34,6 +34,8 @@ mod plant_progress;
 mod plant_random;
 mod plant_reference;
 mod plant_refused;
+#[cfg(feature = "lanes")]
+mod plant_rows;
 mod plant_sample;
 mod plant_sensitivities;
 mod plant_span;

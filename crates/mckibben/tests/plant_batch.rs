@@ -3,8 +3,8 @@
 use crate::common::joint::Pair;
 use crate::common::{PSI, Paper};
 use crate::plant_host::{asked, on_a_bottle};
-use mckibben::batch::Width;
-use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps};
+
+use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps, Width};
 use mckibben::simulation::Method;
 use mckibben::valve::{Demand, Request};
 use mckibben::{Error, parameter};

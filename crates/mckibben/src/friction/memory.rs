@@ -10,6 +10,8 @@ use super::lugre::LuGre;
 use super::maxwell_slip::MaxwellSlip;
 use crate::convert::Convert;
 use crate::force::relative_exponential;
+#[cfg(feature = "lanes")]
+use crate::scalar::Mask;
 use crate::scalar::{Over, Real, Scalar, Work};
 
 /// The largest number of elements of a hysteresis law.
@@ -61,6 +63,27 @@ pub struct Branch<S = f64> {
     pub wear: S,
     /// The actuator length in m at which it ends, if it does.
     pub end: Option<S>,
+}
+
+#[cfg(feature = "lanes")]
+impl<S: Scalar> Branch<S> {
+    /// A force of zero.
+    pub(crate) fn nothing() -> Self {
+        let zero = S::zero();
+        Self { from: zero, width: zero, slope: zero, decay: zero, slipping: zero, wear: zero, end: None }
+    }
+
+    /// The width in m at an actuator length in m, each lane by its own branch.
+    #[inline(always)]
+    pub(crate) fn width_in_lanes<T: Over<S>>(&self, length: T) -> T {
+        let way = length - T::of(self.from);
+        let mut straight = T::of(self.slope) * way;
+        let bent = S::zero().lt(self.decay.magnitude());
+        if bent.any() {
+            straight = T::select(bent, straight * T::apart(Slackened(-T::of(self.decay) * way)), straight);
+        }
+        T::of(self.width) + straight
+    }
 }
 
 impl<R: Real> Branch<R> {

@@ -242,6 +242,32 @@ impl<S: Scalar> Tube<S> {
         }
     }
 
+    /// The same, each lane by the formula of the piece that its own drive lies in.
+    #[cfg(feature = "lanes")]
+    #[inline(always)]
+    pub(crate) fn flow_in_lanes<T: Over<S>>(&self, from: T, to: T) -> T {
+        let (drive, number) = (self.drive(from, to), T::constant);
+        let mut flow = self.flow_in(FlowRegime::Laminar, from, to);
+        // What no lane needs is not computed.
+        let back = drive.le(number(-LAMINAR_DRIVE));
+        if back.any() {
+            flow = T::select(back, self.flow_in(FlowRegime::TransitionBack, from, to), flow);
+            let turbulent = drive.le(number(-TURBULENT_DRIVE));
+            if turbulent.any() {
+                flow = T::select(turbulent, self.flow_in(FlowRegime::TurbulentBack, from, to), flow);
+            }
+        }
+        let ahead = !drive.le(number(LAMINAR_DRIVE));
+        if ahead.any() {
+            flow = T::select(ahead, self.flow_in(FlowRegime::Transition, from, to), flow);
+            let turbulent = !drive.le(number(TURBULENT_DRIVE));
+            if turbulent.any() {
+                flow = T::select(turbulent, self.flow_in(FlowRegime::Turbulent, from, to), flow);
+            }
+        }
+        flow
+    }
+
     /// The drive σ with its sign, from an absolute pressure (Pa) to another.
     #[inline(always)]
     pub fn drive<T: Over<S>>(&self, from: T, to: T) -> T {

@@ -50,6 +50,31 @@ pub struct Attachment<S = f64> {
     pub place: [S; 2],
 }
 
+/// The pieces of moment arms that hold. A trait, not a function: that would be compiled by itself, without the instructions of a
+/// batch.
+pub(crate) trait ArmPieces<S: Scalar> {
+    /// Arm in m and excursion in m of a moment arm, by its number, at an angle in rad.
+    fn arm<T: Over<S>>(&self, number: usize, arm: &MomentArm<S>, angle: T) -> [T; 2];
+}
+
+/// The pieces that the angles themselves lie in.
+struct Anywhere;
+
+impl<S: Scalar> ArmPieces<S> for Anywhere {
+    #[inline(always)]
+    fn arm<T: Over<S>>(&self, _: usize, arm: &MomentArm<S>, angle: T) -> [T; 2] {
+        arm.at(angle)
+    }
+}
+
+/// Pieces by their numbers.
+impl<S: Scalar> ArmPieces<S> for &[usize] {
+    #[inline(always)]
+    fn arm<T: Over<S>>(&self, number: usize, arm: &MomentArm<S>, angle: T) -> [T; 2] {
+        arm.in_piece(self[number], angle)
+    }
+}
+
 /// How an actuator spans its mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coupling<S = f64> {
@@ -126,17 +151,16 @@ impl<S: Scalar> Coupling<S> {
 
     /// The distance in m at the mechanism's coordinates, and its gradient, by the pieces of the moment arms that hold there.
     pub(crate) fn distance_at<T: Over<S>>(&self, chain: Option<&Chain<S>>, position: &[T], gradient: &mut [T]) -> T {
-        self.distance(chain, position, |_, arm, angle| arm.at(angle), gradient)
+        self.distance(chain, position, Anywhere, gradient)
     }
 
     /// The distance in m; its gradient over the mechanism's coordinates (m per unit of each) is written to `gradient`.
-    /// `of_arm` tells arm and excursion (m) of a moment arm, by its number, at an angle (rad).
     #[inline(always)]
     pub(crate) fn distance<T: Over<S>>(
         &self,
         chain: Option<&Chain<S>>,
         position: &[T],
-        of_arm: impl Fn(usize, &MomentArm<S>, T) -> [T; 2],
+        pieces: impl ArmPieces<S>,
         gradient: &mut [T],
     ) -> T {
         match self {
@@ -149,7 +173,7 @@ impl<S: Scalar> Coupling<S> {
                 gradient.fill(T::zero());
                 let mut distance = T::of(*rest_length);
                 for (number, Arm { joint, sign, arm }) in arms.iter().enumerate() {
-                    let [arm, excursion] = of_arm(number, arm, position[*joint]);
+                    let [arm, excursion] = pieces.arm(number, arm, position[*joint]);
                     let sign = T::constant(*sign);
                     distance = distance - sign * excursion;
                     gradient[*joint] = gradient[*joint] - sign * arm;

@@ -21,7 +21,7 @@
 //! `tests/simulation.rs`, `tests/joint.rs` and `tests/plant_linear_closed_forms.rs`.
 
 pub mod chain;
-mod coupling;
+pub(crate) mod coupling;
 pub mod parameter;
 
 pub use crate::load::Motion;

@@ -24,6 +24,7 @@ use super::mode::NetworkMode;
 use super::piping::{End, Orifice, Pipe, Piping};
 use super::{Branch, BranchKind, Network, Node, NodeKind};
 use crate::air::{Air, Chamber};
+use crate::dual::Dual;
 use crate::scalar::{Mask, Over, Real, Scalar};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -45,16 +46,20 @@ pub(crate) struct NodeState<T> {
 }
 
 impl<T: Scalar> NodeState<T> {
-    /// The node at a pressure, over a scalar with derivatives.
+    /// The node at its pressure, whose derivatives are given.
     #[inline(always)]
-    pub(super) fn along<D: Over<T>>(&self, pressure: D) -> NodeState<D> {
+    pub(super) fn along<const K: usize>(&self, pressure: Dual<T, K>) -> NodeState<Dual<T, K>> {
+        let mut per_pressure = Dual { value: self.per_pressure, ..pressure };
+        for slope in &mut per_pressure.slope {
+            *slope = -(*slope * self.per_pressure * self.per_pressure);
+        }
         NodeState {
             pressure,
-            per_pressure: D::one() / pressure,
-            per_root_temperature: D::of(self.per_root_temperature),
-            inward: D::of(self.inward),
-            outward: D::of(self.outward),
-            warmth: D::of(self.warmth),
+            per_pressure,
+            per_root_temperature: Dual::of(self.per_root_temperature),
+            inward: Dual::of(self.inward),
+            outward: Dual::of(self.outward),
+            warmth: Dual::of(self.warmth),
         }
     }
 

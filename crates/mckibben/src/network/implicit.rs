@@ -239,10 +239,9 @@ impl<R: Scalar> Elimination<R> {
             let row = &mut self.rows[index];
             row.per_pivot = one / row.answer.multiply_add(row.out, row.own);
             row.by_parent = row.answer.multiply_add(row.out_by_parent, row.by_inlet) * row.per_pivot;
-            let row = *row;
             if let Some(Link { parent, is_inlet }) = row.link {
-                let by_this = if is_inlet { row.out } else { -row.parent_by_this };
-                self.rows[parent].out = by_this.multiply_add(row.by_parent, self.rows[parent].out);
+                let (by_this, by_parent) = (if is_inlet { row.out } else { -row.parent_by_this }, row.by_parent);
+                self.rows[parent].out = by_this.multiply_add(by_parent, self.rows[parent].out);
             }
         }
     }
@@ -251,7 +250,9 @@ impl<R: Scalar> Elimination<R> {
     #[inline(always)]
     pub(crate) fn solve(&mut self, gamma_h: R, right: &[R], slopes: &mut [R]) {
         let zero = R::zero();
-        self.rows.iter_mut().for_each(|row| row.outflow = zero);
+        for row in &mut self.rows {
+            row.outflow = zero;
+        }
         for edge in &mut self.edges {
             let Some(place) = edge.place else { continue };
             edge.start = edge.share * right[place];
@@ -265,13 +266,13 @@ impl<R: Scalar> Elimination<R> {
         for index in 0..self.rows.len() {
             let row = &mut self.rows[index];
             row.pressure = (right[row.place] - row.answer * row.outflow) * row.per_pivot;
-            let row = *row;
             if let Some(Link { parent, is_inlet }) = row.link {
-                let up = &mut self.rows[parent].outflow;
-                *up = match is_inlet {
-                    true => *up + row.outflow + row.out * row.pressure,
-                    false => *up - row.parent_by_this * row.pressure,
+                let (outflow, by_pressure) = match is_inlet {
+                    true => (row.outflow, row.out * row.pressure),
+                    false => (zero, -row.parent_by_this * row.pressure),
                 };
+                let up = &mut self.rows[parent].outflow;
+                *up = *up + outflow + by_pressure;
             }
         }
         for index in (0..self.rows.len()).rev() {
@@ -285,9 +286,14 @@ impl<R: Scalar> Elimination<R> {
             row.outflow = zero;
         }
         for edge in &self.edges {
-            let pressure = |row: Option<usize>| row.map_or(zero, |row| self.rows[row].pressure);
             let [a, b] = edge.slopes;
-            let change = edge.start + a * pressure(edge.from) - b * pressure(edge.to);
+            let mut change = edge.start;
+            if let Some(from) = edge.from {
+                change = change + a * self.rows[from].pressure;
+            }
+            if let Some(to) = edge.to {
+                change = change - b * self.rows[to].pressure;
+            }
             if let Some(place) = edge.place {
                 slopes[place] = change;
             }

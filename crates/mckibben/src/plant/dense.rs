@@ -13,18 +13,20 @@ pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
     sum
 }
 
-/// `L D Lᵀ` of a positive definite matrix of `count` rows in place: D on the diagonal, L below.
+/// `L D Lᵀ` of a positive definite matrix of `count` rows in place: D⁻¹ on the diagonal, L below it and L D above, transposed.
 #[inline(always)]
 pub(crate) fn factor<T: Scalar>(matrix: &mut [T], count: usize) {
     for j in 0..count {
         for k in 0..j {
-            let scaled = matrix[j * count + k] * matrix[k * count + k];
+            let scaled = matrix[k * count + j];
             for i in j..count {
                 matrix[i * count + j] = matrix[i * count + j] - matrix[i * count + k] * scaled;
             }
         }
         let per_pivot = T::one() / matrix[j * count + j];
+        matrix[j * count + j] = per_pivot;
         for i in j + 1..count {
+            matrix[j * count + i] = matrix[i * count + j];
             matrix[i * count + j] = matrix[i * count + j] * per_pivot;
         }
     }
@@ -39,7 +41,7 @@ pub(crate) fn solve<T: Scalar>(factors: &[T], count: usize, right: &mut [T]) {
         }
     }
     for i in (0..count).rev() {
-        right[i] = right[i] / factors[i * count + i];
+        right[i] = right[i] * factors[i * count + i];
         for j in i + 1..count {
             right[i] = right[i] - factors[j * count + i] * right[j];
         }

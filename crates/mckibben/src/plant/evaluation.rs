@@ -30,6 +30,7 @@ use crate::air::{Chamber, Flow};
 use crate::line::split;
 use crate::load::MomentArm;
 use crate::mechanism::chain::Chain;
+use crate::mechanism::coupling::ArmPieces;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
@@ -128,6 +129,20 @@ pub(crate) struct System<R: Scalar> {
     /// Usual arms of the actuators, and usual torques on each mechanism.
     pub(crate) arms: Vec<f64>,
     pub(crate) usual_torque: Vec<f64>,
+}
+
+/// The moment arms of an actuator as a discrete state knows them.
+struct ArmsOf<'m, F> {
+    mode: &'m F,
+    /// The first of them among those of all actuators.
+    first: usize,
+}
+
+impl<S: Scalar, F: Formulas<S>> ArmPieces<S> for ArmsOf<'_, F> {
+    #[inline(always)]
+    fn arm<T: Over<S>>(&self, number: usize, arm: &MomentArm<S>, angle: T) -> [T; 2] {
+        self.mode.arm(self.first + number, arm, angle)
+    }
 }
 
 impl<R: Scalar> System<R> {
@@ -235,8 +250,8 @@ impl<R: Scalar> System<R> {
             _ => None,
         };
         let gradient = &mut gradients[here.gradient..here.gradient + position.len()];
-        let arm = |number: usize, arm: &_, angle: T| mode.arm(here.arms + number, arm, angle);
-        let distance = mounted.coupling.distance(chain, position, arm, gradient);
+        let pieces = ArmsOf { mode, first: here.arms };
+        let distance = mounted.coupling.distance(chain, position, pieces, gradient);
         let rate = super::dense::dot(gradient, rates);
         [distance, T::select(mode.is_frozen(mounted.mechanism), T::zero(), rate)]
     }
@@ -555,8 +570,7 @@ impl<R: Real> System<R> {
         let mut gradient: Vec<T::Dual> = along.clone();
         let from = self.plant.places.actuators[i].arms;
         let pieces = &mode.arms[from..from + coupling.arm_count()];
-        let arm = |number: usize, arm: &MomentArm<R>, angle: T::Dual| arm.in_piece(pieces[number], angle);
-        let _ = coupling.distance(Some(chain), &along, arm, &mut gradient);
+        let _ = coupling.distance(Some(chain), &along, pieces, &mut gradient);
         let mut sum = T::zero();
         for (entry, rate) in gradient.into_iter().zip(rates) {
             sum = sum + T::split(entry)[1] * *rate;

@@ -56,6 +56,12 @@ impl<R: Real> Trace<R> {
         self.branch.width(length)
     }
 
+    /// The branch that holds.
+    #[cfg(feature = "lanes")]
+    pub(crate) fn branch(&self) -> &Branch<R> {
+        &self.branch
+    }
+
     /// That and the part of it in m that dissipates, in magnitude; zero where there is no trace.
     pub(crate) fn widths(trace: &Option<Self>, length: R) -> [R; 2] {
         let Some(Self { branch, .. }) = trace else { return [R::zero(); 2] };

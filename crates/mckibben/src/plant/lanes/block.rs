@@ -13,6 +13,7 @@ use super::row::{Change, Row};
 use super::span::Span;
 use super::watch::Watch;
 use crate::air::Process;
+use crate::error::Error;
 use crate::lanes::deal::{Blank, Deal, List};
 use crate::lanes::wide::{Compiled, Wide, compiled};
 use crate::network::piping::Piping;
@@ -27,6 +28,10 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use pulp::Simd;
 
+/// Rows that are left within a step go on side by side; where they are fewer than this, each alone, which is less work.
+const FEW: usize = 4;
+/// Of a row whose step in lanes is believed and has kept its mode; 1 is believed, 0 is not.
+const KEEPS: f64 = 2.0;
 /// How far beyond the end of a span instants are looked up, in spans of the same length.
 const SPANS_AHEAD: f64 = 64.0;
 
@@ -86,6 +91,10 @@ pub(super) struct Block<W: Wide<Lane = f64>> {
     /// Instants up to this time in s are known, and the first of them; infinite when there is none.
     known_until: f64,
     soonest: f64,
+    /// Within a step in which something is due: where each row is and where it goes next, in s, and whether it has arrived.
+    from: W,
+    goal: W,
+    arrived: Vec<bool>,
     row: Vec<f64>,
 }
 
@@ -114,9 +123,7 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
     }
 
     fn read(&self, lane: usize, state: &mut [f64]) {
-        for (number, of_lanes) in state.iter_mut().zip(&self.state) {
-            *number = of_lanes.lane(lane);
-        }
+        read(&self.state, lane, state);
     }
 
     fn gather(&mut self, rows: &mut [Row]) {
@@ -180,6 +187,9 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             is_changed: true,
             known_until: f64::NEG_INFINITY,
             soonest: f64::INFINITY,
+            from: zero,
+            goal: zero,
+            arrived: vec![false; W::LANES],
             row: vec![0.0; states],
             system,
         }
@@ -201,73 +211,154 @@ impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
 }
 
 impl<W: Wide<Lane = f64>> Block<W> {
-    /// One step of all rows to a time in s.
+    /// One step of all rows to a time in s. Where something is due within it each row goes to its own next instant.
     #[inline(always)]
     fn step(&mut self, rows: &mut [Row], until: f64) {
-        if self.is_changed {
-            self.held.update();
-            self.is_changed = false;
-        }
-        let Self { system, stages, at, state, end, held, watch, .. } = self;
-        let (from, step) = (W::constant(self.time), W::constant(until - self.time));
         let (zero, one) = (W::zero(), W::one());
-        let mut together = zero.lt(self.goes);
-        if together.any() {
-            let believed = stages.take_unchecked(system, self.method, (from, step), state, held, at, end);
-            if self.is_isothermal {
-                keep_contents(system, from + step, &self.contents, held, at, end);
+        let is_divided = is_due(self.soonest, until);
+        if is_divided {
+            self.set_goals(rows, until);
+        } else {
+            self.from = W::constant(self.time);
+            self.goal = W::constant(until);
+        }
+        loop {
+            if self.is_changed {
+                self.held.update();
+                self.is_changed = false;
             }
-            together = together & believed & watch.holds(system, (from + step, end), held, at);
+            let Self { system, stages, at, state, end, held, watch, .. } = self;
+            let mut together = zero.lt(self.goes);
+            let mut believed = together;
+            if together.any() {
+                let span = (self.from, self.goal - self.from);
+                believed = believed & stages.take_unchecked(system, self.method, span, state, held, at, end);
+                if self.is_isothermal {
+                    keep_contents(system, self.goal, &self.contents, held, at, end);
+                }
+                together = believed & watch.holds(system, (self.goal, end), held, at);
+            }
+            // How far the lanes of a row are good for.
+            let come = || W::select(together, W::constant(KEEPS), W::select(believed, one, zero));
+            if is_divided {
+                match self.pass_goals(rows, come(), until) {
+                    true => continue,
+                    false => break,
+                }
+            }
+            let apart = zero.lt(self.lives) & !together;
+            if apart.any() || self.any_looks {
+                self.part(rows, come(), until);
+            }
+            core::mem::swap(&mut self.state, &mut self.end);
+            break;
         }
-        let apart = zero.lt(self.lives) & !together;
-        if apart.any() || self.any_looks || is_due(self.soonest, until) {
-            self.part(rows, W::select(together, one, zero), until);
-        }
-        core::mem::swap(&mut self.state, &mut self.end);
         self.time = until;
     }
 
-    /// Takes the step of those rows that are not 1 in `together`, or for which something is due, each alone.
+    /// Takes the step of those rows that have not kept their mode, each alone.
     #[inline(never)]
-    fn part(&mut self, rows: &mut [Row], together: W, until: f64) {
-        let is_due_here = is_due(self.soonest, until);
+    fn part(&mut self, rows: &mut [Row], come: W, until: f64) {
         let mut changed = false;
         for (lane, row) in rows.iter_mut().enumerate() {
-            if !row.is_alive() {
-                continue;
-            }
-            let is_with = together.lane(lane) > 0.0 && !(is_due_here && is_due(row.next, until));
-            if is_with && !self.looks[lane] {
+            if !row.is_alive() || (come.lane(lane) == KEEPS && !self.looks[lane]) {
                 continue;
             }
             self.bring(lane, row);
             let events = row.steps.events();
-            let done = if is_with {
-                for (number, of_lanes) in self.row.iter_mut().zip(&self.end) {
-                    *number = of_lanes.lane(lane);
-                }
+            let done = if come.lane(lane) > 0.0 {
+                read(&self.end, lane, &mut self.row);
                 row.steps.advance_to_end(until, &self.row)
             } else {
                 row.steps.advance_to(until)
             };
-            if let Err(fault) = done {
-                row.stop(fault);
-                (self.lives, self.goes) = (without(self.lives, lane), without(self.goes, lane));
-                self.looks[lane] = false;
-                changed = true;
-                continue;
-            }
-            for (number, of_lanes) in row.steps.state().iter().zip(&mut self.end) {
-                of_lanes.put(lane, *number);
-            }
-            if row.steps.events() != events {
-                self.enter(lane, row, until);
-                changed = true;
-            }
+            changed |= self.take_back(lane, row, (events, done));
+            write(row.steps.state(), lane, &mut self.end);
         }
         if changed {
             self.sum_up(rows);
         }
+    }
+
+    /// Takes back a row that has gone alone, and has had so many events before; whether its mode has changed.
+    fn take_back(&mut self, lane: usize, row: &mut Row, (events, done): (u64, Result<(), Error>)) -> bool {
+        match done {
+            Err(fault) => {
+                self.stop(lane, row, fault);
+                true
+            }
+            Ok(()) if row.steps.events() != events => {
+                let time = row.steps.time();
+                self.enter(lane, row, time);
+                true
+            }
+            Ok(()) => false,
+        }
+    }
+
+    fn stop(&mut self, lane: usize, row: &mut Row, fault: Error) {
+        row.stop(fault);
+        self.lives.put(lane, 0.0);
+        self.goes.put(lane, 0.0);
+        self.looks[lane] = false;
+    }
+
+    /// Sets where the rows go that are on the way to `until` in s.
+    fn set_goals(&mut self, rows: &[Row], until: f64) {
+        for lane in 0..W::LANES {
+            let next = rows.get(lane).map_or(f64::INFINITY, |row| row.next);
+            self.from.put(lane, self.time);
+            self.goal.put(lane, until.min(next).max(self.time));
+        }
+        self.arrived.fill(false);
+    }
+
+    /// Passes what is due where the rows have come to; those that have not kept their mode go alone. Whether enough of them have
+    /// not come to `until` in s to go on side by side.
+    #[inline(never)]
+    fn pass_goals(&mut self, rows: &mut [Row], come: W, until: f64) -> bool {
+        let mut left = 0;
+        for (lane, row) in rows.iter_mut().enumerate() {
+            if self.arrived[lane] || !row.is_alive() {
+                continue;
+            }
+            let events = row.steps.events();
+            let done = if come.lane(lane) == KEEPS && !self.looks[lane] {
+                read(&self.end, lane, &mut self.row);
+                write(&self.row, lane, &mut self.state);
+                self.from.put(lane, self.goal.lane(lane));
+                if !is_due(row.next, until) {
+                    self.arrived[lane] = true;
+                    continue;
+                }
+                row.steps.put(self.goal.lane(lane), |place| self.row[place]);
+                row.steps.pass_due(until)
+            } else {
+                read(&self.state, lane, &mut self.row);
+                row.steps.put(self.from.lane(lane), |place| self.row[place]);
+                row.steps.advance_to(until)
+            };
+            self.take_back(lane, row, (events, done));
+            write(row.steps.state(), lane, &mut self.state);
+            self.arrived[lane] = row.steps.time() >= until && !is_due(row.next, until);
+            left += usize::from(!self.arrived[lane] && row.is_alive());
+        }
+        let is_together = left >= FEW;
+        for (lane, row) in rows.iter_mut().enumerate() {
+            if self.arrived[lane] || !row.is_alive() {
+                continue;
+            }
+            if is_together {
+                self.goal.put(lane, until.min(row.next).max(self.from.lane(lane)));
+                continue;
+            }
+            let events = row.steps.events();
+            let done = row.steps.advance_to(until);
+            self.take_back(lane, row, (events, done));
+            write(row.steps.state(), lane, &mut self.state);
+        }
+        self.sum_up(rows);
+        is_together
     }
 
     /// Enters rows that have changed, lays out pulses and looks up instants.
@@ -287,15 +378,12 @@ impl<W: Wide<Lane = f64>> Block<W> {
             if pulses || row.change != Change::None {
                 self.bring(lane, row);
                 if let Err(fault) = row.steps.lay_out(span.until) {
-                    row.stop(fault);
-                    (self.lives, self.goes) = (without(self.lives, lane), without(self.goes, lane));
+                    self.stop(lane, row, fault);
                     continue;
                 }
             }
             if row.change == Change::All {
-                for (number, of_lanes) in row.steps.state().iter().zip(&mut self.state) {
-                    of_lanes.put(lane, *number);
-                }
+                write(row.steps.state(), lane, &mut self.state);
                 self.lives.put(lane, 1.0);
                 self.enter(lane, row, span.from);
             } else {
@@ -328,10 +416,18 @@ impl<W: Wide<Lane = f64>> Block<W> {
     }
 }
 
-/// A number with zero in a lane.
-fn without<W: Wide<Lane = f64>>(mut number: W, lane: usize) -> W {
-    number.put(lane, 0.0);
-    number
+/// Reads the numbers of a lane.
+fn read<W: Wide<Lane = f64>>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
+    for (number, of_lanes) in numbers.iter_mut().zip(lanes) {
+        *number = of_lanes.lane(lane);
+    }
+}
+
+/// Writes the numbers of a lane.
+fn write<W: Wide<Lane = f64>>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
+    for (number, of_lanes) in numbers.iter().zip(lanes) {
+        of_lanes.put(lane, *number);
+    }
 }
 
 /// Sets the pressures of isothermal air, whose `P V/m` nothing changes.

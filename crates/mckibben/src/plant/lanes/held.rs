@@ -9,7 +9,7 @@ use super::super::formulas::Formulas;
 use super::super::steps::TensionResponse;
 use super::super::wire::Wire;
 use crate::air::Chamber;
-use crate::friction::{Rubbing, Touch};
+use crate::friction::{Branch, Rubbing, Touch};
 use crate::lanes::wide::{Number, Wide};
 use crate::line::Hose;
 use crate::load::{MomentArm, Motion};
@@ -37,6 +37,8 @@ struct HeldActuator<W: Scalar> {
     idle: W::Mask,
     /// −1, 0 or +1.
     direction: W,
+    /// Of a hysteresis that follows the length alone.
+    branch: Branch<W>,
 }
 
 /// The same as numbers, 1 where something holds and 0 elsewhere, so that one lane is entered without the others.
@@ -59,30 +61,27 @@ pub(super) struct Held<W: Scalar> {
     flags: Vec<Flags<W>>,
     frozen_flags: Vec<W>,
     open_flags: Vec<W>,
+    /// Whether actuators have a hysteresis that follows the length alone.
+    has_branches: Vec<bool>,
 }
 
-/// Which branches are open.
+/// Which branches are open, and of compressors which run.
 #[derive(Clone, Debug)]
 pub(super) struct HeldFlows<W: Scalar>(Vec<W::Mask>);
 
 /// Whether lanes can take the stages of a plant with a structure.
 pub(super) fn covers_structure(plant: &super::super::Plant) -> bool {
     let actuators = plant.actuators.iter().all(|mounted| {
-        let (law, friction) = (mounted.actuator.law(), mounted.actuator.friction());
+        let law = mounted.actuator.law();
         let smooth = law.effectiveness.piece_bounds(0).1.is_none()
             && law.law.length_bounds(0).1.is_none()
             && law.law.pressure_bounds(0).1.is_none();
-        mounted.tendon.is_none() && mounted.pressure.is_none() && smooth && friction.hysteresis().is_none()
+        mounted.tendon.is_none() && mounted.pressure.is_none() && smooth
     });
     let mechanisms = plant.mechanisms.iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
     let nodes =
         plant.network.nodes.iter().all(|node| !matches!(node.kind, NodeKind::Outlet { .. } | NodeKind::Port { .. }));
-    let branches = plant
-        .network
-        .branches
-        .iter()
-        .all(|branch| matches!(branch.kind, BranchKind::Path { .. } | BranchKind::Leak(_)));
-    actuators && mechanisms && nodes && branches
+    actuators && mechanisms && nodes
 }
 
 /// Whether a lane can take a step in a mode from a time in s on.
@@ -91,7 +90,8 @@ pub(super) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
     let mechanism = mode.mechanisms.iter().all(|its| {
         (its.basis.is_empty() || its.frozen) && !its.stops.iter().flatten().any(touches) && !touches(&its.foot)
     });
-    mechanism && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
+    let subsonic = mode.network.branches.iter().all(|its| its.sonic.is_none());
+    mechanism && subsonic && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
 }
 
 impl<W: Wide> Held<W> {
@@ -99,7 +99,20 @@ impl<W: Wide> Held<W> {
     #[inline(always)]
     pub(super) fn new(system: &System<W>) -> Self {
         let (no, zero, plant) = (W::Mask::splat(false), W::zero(), &system.plant);
-        let nothing = HeldActuator { slack: no, taut: no, stuck: no, on_stop: no, idle: no, direction: zero };
+        let nothing = HeldActuator {
+            slack: no,
+            taut: no,
+            stuck: no,
+            on_stop: no,
+            idle: no,
+            direction: zero,
+            branch: Branch::nothing(),
+        };
+        let mut has_branches = Vec::new();
+        for wire in &system.wires {
+            let friction = wire.member.actuator.friction();
+            has_branches.push(friction.hysteresis().is_some() && friction.lugre().is_none());
+        }
         let flags = Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, idle: zero, direction: zero };
         Self {
             actuators: vec![nothing; plant.actuators.len()],
@@ -108,6 +121,7 @@ impl<W: Wide> Held<W> {
             flags: vec![flags; plant.actuators.len()],
             frozen_flags: vec![zero; plant.mechanisms.len()],
             open_flags: vec![zero; plant.network.branches.len()],
+            has_branches,
         }
     }
 
@@ -123,10 +137,19 @@ impl<W: Wide> Held<W> {
             put(&mut flags.idle, slack || stuck || its.mode.clamped);
             flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
         }
+        for (held, its) in self.actuators.iter_mut().zip(&mode.actuators) {
+            if let Some(trace) = &its.trace {
+                let (of_lanes, branch) = (&mut held.branch, trace.branch());
+                of_lanes.from.put(lane, branch.from);
+                of_lanes.width.put(lane, branch.width);
+                of_lanes.slope.put(lane, branch.slope);
+                of_lanes.decay.put(lane, branch.decay);
+            }
+        }
         for (flag, its) in self.frozen_flags.iter_mut().zip(&mode.mechanisms) {
             put(flag, its.frozen);
         }
-        for (flag, branch) in self.open_flags.iter_mut().zip(&network.branches) {
+        for ((flag, branch), its) in self.open_flags.iter_mut().zip(&network.branches).zip(&mode.network.branches) {
             let open = match branch.kind {
                 BranchKind::Path { valve, port, .. } => {
                     let ports = mode.network.valves[valve].ports;
@@ -134,7 +157,8 @@ impl<W: Wide> Held<W> {
                 }
                 _ => true,
             };
-            put(flag, open);
+            let runs = !matches!(branch.kind, BranchKind::Compressor) || its.runs;
+            put(flag, open && runs);
         }
     }
 
@@ -164,12 +188,24 @@ impl<W: Wide> Held<W> {
         self.actuators[actuator].on_stop
     }
 
+    /// Force of the hysteresis over the secant stiffness in m, at a length and a velocity, if there is such a law.
+    #[inline(always)]
+    pub(super) fn width<T: Over<W>>(&self, wire: &Wire<W>, [length, velocity]: [T; 2], bent: Option<T>) -> Option<T> {
+        let held = &self.actuators[wire.index];
+        match (bent, wire.member.actuator.friction().lugre()) {
+            (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, T::of(held.direction))),
+            _ if self.has_branches[wire.index] => Some(held.branch.width_in_lanes(length)),
+            _ => None,
+        }
+    }
+
     /// The sum of the forces of an actuator at its length, velocity and pressure.
     #[inline(always)]
-    pub(super) fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3]) -> T {
+    pub(super) fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
         let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
         let factors = actuator.factors(ends[0], ends[2]);
-        let rubbing = Rubbing { direction: T::of(held.direction), width: None, touch: Touch::Pressed };
+        let width = self.width(wire, [ends[0], ends[1]], bent);
+        let rubbing = Rubbing { direction: T::of(held.direction), width, touch: Touch::Pressed };
         let force = actuator.signed_force(ends, rubbing, held.taut, factors);
         if actuator.friction().has_direction() {
             let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
@@ -222,8 +258,20 @@ impl<W: Wide> Formulas<W> for Held<W> {
     }
 
     #[inline(always)]
-    fn tension<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], _: Option<T>) -> T {
-        T::select(self.actuators[wire.index].idle, T::zero(), self.signed_force(wire, ends))
+    fn tension<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
+        T::select(self.actuators[wire.index].idle, T::zero(), self.signed_force(wire, ends, bent))
+    }
+
+    #[inline(always)]
+    fn bristle_rate<T: Over<W>>(&self, wire: &Wire<W>, deflection: T, velocity: T) -> T {
+        let held = &self.actuators[wire.index];
+        match wire.member.actuator.friction().lugre() {
+            Some(law) => {
+                let rate = law.rate(deflection, velocity, T::of(held.direction));
+                T::select(held.slack, T::zero(), rate)
+            }
+            None => T::zero(),
+        }
     }
 
     // What lanes do not cover.
@@ -233,10 +281,6 @@ impl<W: Wide> Formulas<W> for Held<W> {
     }
 
     fn given_rate<T: Over<W>>(&self, _: &System<W>, _: usize, _: T) -> T {
-        T::zero()
-    }
-
-    fn bristle_rate<T: Over<W>>(&self, _: &Wire<W>, _: T, _: T) -> T {
         T::zero()
     }
 
@@ -264,11 +308,15 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
         ends: OrificeEnds<'_, T, impl SquaredDrive<T>>,
         _: T,
     ) -> Option<(W::Mask, T)> {
-        let open = self.0[orifice.branch];
+        let mut open = self.0[orifice.branch];
         if !open.any() {
             return None;
         }
         let [near, far] = ends.pressures();
+        if orifice.opened.is_none() {
+            // A check valve lets nothing back.
+            open = open & far.le(near);
+        }
         let (critical, laminar) = (T::of(orifice.law.critical_ratio()), T::of(orifice.law.laminar_ratio()));
         let is_inward = far.le(near);
         // No closures: they would be compiled by themselves, without the instructions of a batch.
@@ -288,15 +336,17 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
         false
     }
 
+    #[inline(always)]
+    fn loss<T: Over<W>>(&self, _: usize, hose: &Hose<W>, [near, far]: [T; 2]) -> T {
+        hose.tube().flow_in_lanes(near, far)
+    }
+
+    #[inline(always)]
+    fn runs(&self, branch: usize) -> W::Mask {
+        self.0[branch]
+    }
+
     // What lanes do not cover.
-
-    fn loss<T: Over<W>>(&self, _: usize, _: &Hose<W>, _: [T; 2]) -> T {
-        T::zero()
-    }
-
-    fn runs(&self, _: usize) -> W::Mask {
-        W::Mask::splat(false)
-    }
 
     fn regulated_rate<T: Over<W>>(&self, _: &Network<W>, _: usize, _: &NetworkState<T>) -> T {
         T::zero()

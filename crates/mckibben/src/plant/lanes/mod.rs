@@ -115,9 +115,8 @@ impl PlantBatch {
         Ok(Self { width, time, groups, places })
     }
 
-    /// Whether plants of a structure go side by side. Left out are tendons, hysteresis, tables of effectiveness, force maps, given
-    /// pressures and motions, regulators, compressors, check valves and the friction of hoses: such plants go by themselves, with
-    /// the same results.
+    /// Whether plants of a structure go side by side. Left out are tendons, tables of effectiveness, force maps, given pressures
+    /// and motions, and regulators: such plants go alone, with the same results.
     pub fn covers(plant: &Plant) -> bool {
         held::covers_structure(plant)
     }

@@ -24,6 +24,7 @@ use crate::plant::evaluation::Evaluation;
 use crate::plant::formulas::Formulas;
 use crate::scalar::{Mask, Scalar};
 use crate::simulation::Guard;
+use crate::simulation::member::Trace;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -185,6 +186,13 @@ impl<W: Wide> Watch<W> {
                         ranges.rate.bound(lane, (-direction * system.rest_band(i), direction > 0.0));
                         watched.ends = true;
                     }
+                    Guard::Slip => {
+                        let Some((end, lasts_above)) = mode.actuators[i].trace.as_ref().and_then(Trace::end) else {
+                            return false;
+                        };
+                        ranges.length.bound(lane, (end, lasts_above));
+                        watched.ends = true;
+                    }
                     Guard::TensionZero | Guard::TensionBack => {
                         let is_zero = guard == Guard::TensionZero;
                         ranges.force.bound(lane, (if is_zero { -band } else { band }, is_zero));
@@ -237,7 +245,7 @@ impl<W: Wide> Watch<W> {
             if watched.forces {
                 let ends = [unit.length, unit.velocity, end[wire.places.pressure]];
                 let taut_force = wire.member.actuator.limits().taut_force(unit.length, unit.velocity);
-                let force = held.signed_force(wire, ends);
+                let force = held.signed_force(wire, ends, system.bristles(i, end));
                 within = within & ranges.force.holds(force) & ranges.taut_force.holds(taut_force);
             }
         }
@@ -266,16 +274,18 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
         }
         _ => return W::Mask::splat(false),
     };
-    let rubbing = Rubbing { direction: zero, width: None, touch: Touch::ByPressure };
     let (mut least, mut most) = (zero, zero);
     let mut size = load.magnitude();
     for &i in &system.plant.places.members[m] {
         let (wire, unit) = (&system.wires[i], at.units[i]);
         let arm = system.gradient(i, &at.gradient)[0];
         let pressure = end[wire.places.pressure];
+        let bent = system.bristles(i, end);
+        let width = held.width(wire, [unit.length, zero], bent);
+        let rubbing = Rubbing { direction: zero, width, touch: Touch::ByPressure };
         let sticks = held.is_stuck(i) & !held.is_slack(i);
         let (low, high) = wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing);
-        let pulls = held.tension(wire, [unit.length, zero, pressure], None).larger(zero);
+        let pulls = held.tension(wire, [unit.length, zero, pressure], bent).larger(zero);
         load = load - arm * pulls;
         let (by_low, by_high) = (arm * low, arm * high);
         least = least + W::select(sticks, by_low.smaller(by_high), zero);

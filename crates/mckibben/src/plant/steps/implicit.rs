@@ -133,7 +133,9 @@ impl<R: Scalar> Implicit<R> {
         system.mass_matrix(m, state, &mut self.mass[all.clone()]);
         self.factors[all.clone()].copy_from_slice(&self.mass[all.clone()]);
         self.turning[all].fill(R::zero());
-        for k in 0..2 * count {
+        // The forces on a mass answer to nothing.
+        let answers = if let Mechanism::Mass(_) = &system.plant.mechanisms[m] { 0 } else { 2 * count };
+        for k in 0..answers {
             // How the forces answer to one coordinate, or to one rate.
             let by_rate = k >= count;
             let (seeded, force) = self.seeded.split_at_mut(2 * count);
@@ -142,7 +144,6 @@ impl<R: Scalar> Implicit<R> {
                 *seeded = Dual { value: state[here.first + place], slope: [slope] };
             }
             match &system.plant.mechanisms[m] {
-                Mechanism::Mass(mass) => force[0] = mass.force(seeded[0]),
                 Mechanism::Chain(_) => mode.torques(system, m, seeded.split_at(count), &mut force[..count]),
                 _ => return,
             }
@@ -319,22 +320,26 @@ impl<R: Scalar> System<R> {
             return mode.end_response(self, i, gamma_h, state, at);
         }
         let (zero, one) = (R::zero(), R::one());
-        let velocity = Dual::<R, 3>::variable(unit.velocity, 1);
-        let ends = [Dual::variable(unit.length, 0), velocity, Dual::of(at.chambers[i].pressure)];
-        let bent = match self.bristles(i, state) {
-            Some(bent) => Some(Dual::variable(bent, 2)),
-            None => None,
+        let Some(bent) = self.bristles(i, state) else {
+            let pressure = Dual::of(at.chambers[i].pressure);
+            let ends: [Dual<R, 2>; 3] = [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), pressure];
+            let [stiffness, damping] = mode.tension(wire, ends, None).slope;
+            return TensionResponse { stiffness, damping: damping.larger(zero), ..TensionResponse::none() };
         };
-        let [stiffness, damping, by_bristles] = mode.tension(wire, ends, bent).slope;
-        let mut response = TensionResponse { stiffness, damping: damping.larger(zero), ..TensionResponse::none() };
-        if let Some(bent) = bent {
-            let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, velocity).slope;
-            response.share = one / (one - gamma_h * by_itself).larger(one);
-            response.by_rate = gamma_h * by_velocity;
-            response.by_own = by_bristles * response.share;
-            response.damping = response.damping + by_bristles * response.share * response.by_rate;
+        let (velocity, bent) = (Dual::<R, 3>::variable(unit.velocity, 1), Dual::variable(bent, 2));
+        let ends = [Dual::variable(unit.length, 0), velocity, Dual::of(at.chambers[i].pressure)];
+        let [stiffness, damping, by_bristles] = mode.tension(wire, ends, Some(bent)).slope;
+        let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, velocity).slope;
+        let share = one / (one - gamma_h * by_itself).larger(one);
+        let by_rate = gamma_h * by_velocity;
+        TensionResponse {
+            stiffness,
+            damping: damping.larger(zero) + by_bristles * share * by_rate,
+            by_own: by_bristles * share,
+            share,
+            by_rate,
+            ..TensionResponse::none()
         }
-        response
     }
 
     /// How fast in 1/s the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
@@ -356,9 +361,10 @@ impl<R: Scalar> System<R> {
         let per_mass = match &self.plant.network.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
                 let (chamber, air) = (&at.chambers[*actuator], self.plant.actuators[*actuator].actuator.air());
-                let grows = air.index() * chamber.volume_rate / chamber.volume;
+                let grows = air.index() * chamber.volume_rate * chamber.mass * chamber.per_content;
                 let falls = grows.larger(zero) + self.heat_settling(*actuator, at);
-                return NodeResponse { per_mass: air.index() * chamber.pressure / chamber.mass, falls };
+                let per_mass = air.index() * chamber.pressure * chamber.volume * chamber.per_content;
+                return NodeResponse { per_mass, falls };
             }
             NodeKind::Hose(hose) => hose.stiffness(),
             NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(R::one()),

@@ -271,6 +271,12 @@ impl PlantSteps {
         self.system.enter_pieces(time, own_state, mode, &mut self.work.at);
     }
 
+    /// Passes what is due at the time that has been reached, on the way to `until` in s.
+    pub(super) fn pass_due(&mut self, until: f64) -> Result<(), Error> {
+        let Self { system, method, reached, work, .. } = self;
+        part::pass_due(system, *method, reached, until, work)
+    }
+
     /// What watches the mode that holds: the plant, the mode, and the guards that end it with an event.
     pub(super) fn watched(&mut self) -> (&System<f64>, &PlantMode, &[(PlantGuard, GuardForm)]) {
         let Self { system, reached, work, .. } = self;

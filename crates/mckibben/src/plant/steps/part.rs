@@ -161,6 +161,28 @@ pub(super) fn advance_to_end<R: Real>(
     part.advance(until, Some(end))
 }
 
+/// Passes what is due at the time that a plant has reached, on the way to `until` in s.
+#[cfg(feature = "lanes")]
+pub(super) fn pass_due<R: Real>(
+    system: &System<R>,
+    method: Method,
+    reached: &mut PlantSnapshot<R>,
+    until: R,
+    work: &mut Workspace<R>,
+) -> Result<(), Error> {
+    let (time, state, mode) = reached.parts();
+    work.begin(*time, state);
+    while let Some(instant) = system.next_instant(mode, until) {
+        if time.lt(until) && time.lt(instant) {
+            break;
+        }
+        let mut part =
+            Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, keep: None };
+        part.pass_instant()?;
+    }
+    Ok(())
+}
+
 /// A plant on its way from one instant to the next.
 struct Part<'p, 'k, R: Real> {
     system: &'p System<R>,
