@@ -250,23 +250,18 @@ fn figures<S: Subject>(of: &Kept<S::View>) -> Result<FiguresOf<S>, Failure> {
     Ok(ViewFigures { rig: of.trajectory.rig().clone(), observation, control: of.control.clone() })
 }
 
-/// Hands the samples of a run at an interval in s to what it is given.
-fn rows<V: PlantView>(
-    of: &ViewTrajectory<V>,
-    interval: f64,
-) -> impl FnMut(&mut dyn FnMut(&V::Sample) -> Result<(), Failure>) -> Result<(), Failure> {
-    move |each| of.samples(interval).try_for_each(|sample| each(&sample))
+/// Takes a sample; its error ends the run.
+type Each<'e, S> = &'e mut dyn FnMut(&S) -> Result<(), Failure>;
+
+/// Hands the samples of a run at an interval in s to `each`.
+fn rows<V: PlantView>(of: &ViewTrajectory<V>, interval: f64, each: Each<'_, V::Sample>) -> Result<(), Failure> {
+    of.samples(interval).try_for_each(|sample| each(&sample))
 }
 
-/// Hands the samples of a run at times in s to what it is given.
-fn rows_at<V: PlantView>(
-    of: &ViewTrajectory<V>,
-    times: &[f64],
-) -> impl FnMut(&mut dyn FnMut(&V::Sample) -> Result<(), Failure>) -> Result<(), Failure> {
-    move |each| {
-        let mut reader = ViewReader::new(of);
-        times.iter().try_for_each(|time| each(&reader.read(*time)))
-    }
+/// Hands the samples of a run at times in s to `each`.
+fn rows_at<V: PlantView>(of: &ViewTrajectory<V>, times: &[f64], each: Each<'_, V::Sample>) -> Result<(), Failure> {
+    let mut reader = ViewReader::new(of);
+    times.iter().try_for_each(|time| each(&reader.read(*time)))
 }
 
 impl Finished {
@@ -286,8 +281,8 @@ impl Finished {
     pub fn columns(&self) -> Result<Vec<Filled>, Failure> {
         let interval = self.plan().sample_interval;
         match self {
-            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut rows(&of.trajectory, interval)),
-            Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut rows(&of.trajectory, interval)),
+            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut |each| rows(&of.trajectory, interval, each)),
+            Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut |each| rows(&of.trajectory, interval, each)),
             Self::Plant(of) => filled(of.fields(), &mut |each| of.each_sample(each)),
         }
     }
@@ -305,8 +300,8 @@ impl Finished {
             ));
         }
         match self {
-            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut rows_at(&of.trajectory, times)),
-            Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut rows_at(&of.trajectory, times)),
+            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each)),
+            Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each)),
             Self::Plant(of) => {
                 let mut reader = PlantReader::new(&of.trajectory);
                 let rows: record::Rows<'_, PlantSample> =
@@ -346,8 +341,12 @@ impl Finished {
     ) -> Result<(), Failure> {
         let (interval, target) = (self.plan().sample_interval, Target { provenance, path, format, out });
         match self {
-            Self::Actuator(of) => record::write(&fields::<Alone<'_>>(of), &mut rows(&of.trajectory, interval), target),
-            Self::Joint(of) => record::write(&fields::<Pair<'_>>(of), &mut rows(&of.trajectory, interval), target),
+            Self::Actuator(of) => {
+                record::write(&fields::<Alone<'_>>(of), &mut |each| rows(&of.trajectory, interval, each), target)
+            }
+            Self::Joint(of) => {
+                record::write(&fields::<Pair<'_>>(of), &mut |each| rows(&of.trajectory, interval, each), target)
+            }
             Self::Plant(of) => record::write(&of.fields(), &mut |each| of.each_sample(each), target),
         }
     }
