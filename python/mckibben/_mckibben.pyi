@@ -723,7 +723,7 @@ class Trajectory:
         """
         How many rows there are.
         """
-    def __new__(cls, /, scenario: Scenario, columns: Sequence[tuple[str, str, Any]], events: Sequence[Event] | None) -> Trajectory:
+    def __new__(cls, /, scenario: Scenario, columns: Sequence[tuple[str, str, Any]], events: Sequence[Event]) -> Trajectory:
         """
         A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
         """
@@ -746,7 +746,7 @@ class Trajectory:
         """
     def at(self, /, time: SupportsFloat | SupportsIndex) -> dict[str, float | str]:
         """
-        Every column at `time` in s, by the polynomials of the event-located engine: exact between the samples too.
+        Every column at `time` in s, by the polynomials of the steps: by the event-located engine exact between the samples too.
 
         Raises `InputError` for a time outside the run, and for a run at fixed steps.
         """
@@ -762,7 +762,7 @@ class Trajectory:
     @property
     def events(self, /) -> list[Event]:
         """
-        What happened, in order of time; none at fixed steps, whose engine keeps no log.
+        What happened, in order of time.
         """
     def keys(self, /) -> list[str]:
         """

@@ -369,7 +369,7 @@ def refusals(scenario: mckibben.Scenario, examples: pathlib.Path) -> list[typing
         lambda: mckibben.curves(scenario, "3 mm"),
         lambda: mckibben.identify("nothing.toml"),
         lambda: mckibben.Sweep(scenario),
-        lambda: mckibben.simulate(scenario.with_values({"run.engine": "fixed-step", "run.duration": "1 ms"})).at(0.0),
+        lambda: mckibben.simulate(scenario.with_values({"run.engine": "fixed-step", "run.duration": "1 ms"})).at(2.0),
         lambda: mckibben.simulate(scenario.with_values({"run.duration": "1 ms"})).to_csv("nowhere/at/all.csv"),
         lambda: mckibben.simulate(scenario.with_values({"run.duration": "1 ms"})).to_svg("mass"),
         lambda: actuator.step(actuator.start(), 0.09, 0.0, 1.5, STEP),

@@ -41,8 +41,7 @@ def as_options(values):
 def test_a_run_is_that_of_the_command_line(kind, values, program, examples, tmp_path):
     path = examples / f"{kind}.toml"
     run = mckibben.simulate(mckibben.Scenario.load(path).with_values(values))
-    located = values is SHORT
-    events = ["--events-output", "events.csv"] if located else []
+    events = ["--events-output", "events.csv"]
     for ending in ["csv", "parquet"]:
         options = as_options(values)
         program(tmp_path, "simulate", str(path), *options, "--quiet", "--output", f"run.{ending}", *events)
@@ -62,15 +61,12 @@ def test_a_run_is_that_of_the_command_line(kind, values, program, examples, tmp_
     for ending in ["csv", "parquet"]:
         assert (tmp_path / f"own.{ending}").read_bytes() == (tmp_path / f"run.{ending}").read_bytes()
 
-    if located:
-        with open(tmp_path / "events.csv", newline="") as file:
-            logged = list(csv.DictReader(file))
-        truths = {True: "true", False: "false"}
-        after = [{name: truths.get(value, value) for name, value in event.after.items()} for event in run.events]
-        own = [{"time_s": event.time, "event": event.kind, **words} for event, words in zip(run.events, after)]
-        assert own == [{**event, "time_s": float(event["time_s"])} for event in logged]
-    else:
-        assert run.events == []
+    with open(tmp_path / "events.csv", newline="") as file:
+        logged = list(csv.DictReader(file))
+    truths = {True: "true", False: "false"}
+    after = [{name: truths.get(value, value) for name, value in event.after.items()} for event in run.events]
+    own = [{"time_s": event.time, "event": event.kind, **words} for event, words in zip(run.events, after)]
+    assert own == [{**event, "time_s": float(event["time_s"])} for event in logged]
 
 
 def test_between_the_samples_is_what_the_samples_of_a_finer_run_are(swing):
@@ -91,10 +87,10 @@ def test_outside_the_run_there_is_nothing(swing, time):
         mckibben.simulate(swing).at(time)
 
 
-def test_fixed_steps_have_nothing_between_the_samples(swing):
-    run = mckibben.simulate(swing.with_values({"run.engine": "fixed-step", "run.step": "1 ms"}))
-    with pytest.raises(mckibben.InputError, match="event-located"):
-        run.at(0.05)
+def test_fixed_steps_have_values_between_the_samples_too(swing):
+    located = mckibben.simulate(swing)
+    run = mckibben.simulate(swing.with_values({"run.engine": "fixed-step", "run.step": "50 us"}))
+    assert run.at(0.0505)["length_m"] == pytest.approx(located.at(0.0505)["length_m"], rel=1e-3)
 
 
 def test_columns_are_handed_out_without_a_copy_and_cannot_be_written_to(swing):

@@ -1,30 +1,24 @@
-//! A run with a controller: the closed loop is run first; what it asked of the valve is then a command like any other.
+//! A controller's part in a run: what was to be reached, and how far it was.
 
-use crate::engine::Way;
-use crate::engine::{self, Outcome};
-use mckibben::Error;
 use mckibben::control::{Quantity, SetPoint};
-use mckibben::plant::{RigConsumer, RigPlant, RigRunEnd, RigTrajectory};
-use mckibben::simulation::{Actuation, ControlledStepper, Decision, Rig, Sample, SampleTimes};
+use mckibben::simulation::{Actuation, Decision};
 use mckibben::valve::Command;
-use mckibben_scenario::{ControlledExperiment, Engine, Experiment};
+use mckibben_scenario::ControlledExperiment;
 use std::cell::RefCell;
 use std::rc::Rc;
 
 /// Goals that grow while a run is made.
 pub(crate) type Goals = Rc<RefCell<Vec<Goal>>>;
 
-/// A closed loop that has been run.
+/// What a controller did in a run.
 #[derive(Clone, Debug)]
 pub struct Closed {
-    /// What was simulated, with the command that the controller made.
-    pub experiment: Experiment,
     /// What was to be reached, and how far it was.
     pub goals: Vec<Goal>,
-    /// The sampling instants in s.
-    instants: Vec<f64>,
-    /// By the event-located engine.
-    trajectory: Option<RigTrajectory>,
+    /// How many samples the controller took.
+    pub samples: usize,
+    /// How often it requested something else of each valve.
+    pub requests: Vec<usize>,
 }
 
 /// A set point and what was measured of its quantity, at the sampling instants.
@@ -85,88 +79,8 @@ impl Goal {
     }
 }
 
-/// Runs the closed loop and shows how far it is. `reached` hears the time in s now and then, and may end the run.
-///
-/// # Errors
-/// What the core finds.
-pub fn close(of: &ControlledExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<Closed, Error> {
-    let run = &of.experiment.run;
-    let mut way = Way::begin(run);
-    if run.engine == Engine::EventLocated {
-        way = way.keeping(RigPlant::new(&of.experiment.rig).plant().bytes_per_step());
-    }
-    close_watched(of, |time| {
-        way.kept(time);
-        reached(time)
-    })
-}
-
-/// Runs the closed loop, with its plant, by the event-located engine and hands each accepted step to `consumer`; of the run nothing is kept but
-/// what the controller did, which is added to `goals` and not to the result. A goal has what was decided before a step when the step is handed on.
-///
-/// # Errors
-/// What the core finds, and what the consumer fails by.
-pub(crate) fn stream(
-    of: &ControlledExperiment,
-    plant: &RigPlant,
-    goals: &Goals,
-    consumer: &mut RigConsumer<'_>,
-) -> Result<(RigRunEnd, Closed), Error> {
-    let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
-    let (run, mut instants, mut way) = (experiment.run, Vec::new(), Way::begin(&experiment.run));
-    let driver = plant.driver(law.clone(), (*sampling, *sensors))?;
-    let end = plant.stream(&experiment.start, (run.duration, run.relative_tolerance), Some(driver), &mut |step| {
-        way.at(step.end());
-        consumer(step)?;
-        if let Some(decision) = step.decision() {
-            instants.push(decision.seen.time);
-            add(&mut goals.borrow_mut(), of, &decision);
-        }
-        Ok(())
-    })?;
-    let experiment = Experiment { rig: end.rig.clone(), ..experiment.clone() };
-    Ok((end, Closed { experiment, goals: Vec::new(), instants, trajectory: None }))
-}
-
-/// Runs the closed loop, calling `watch` with the time in s that has been reached, now and then.
-///
-/// # Errors
-/// What the core finds.
-pub fn close_watched(
-    of: &ControlledExperiment,
-    mut watch: impl FnMut(f64) -> Result<(), Error>,
-) -> Result<Closed, Error> {
-    let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
-    let (rig, start, run) = (&experiment.rig, experiment.start, experiment.run);
-    let closed = |rig: &Rig, decisions: &[Decision], trajectory| Closed {
-        experiment: Experiment { rig: rig.clone(), ..experiment.clone() },
-        goals: goals(of, decisions),
-        instants: decisions.iter().map(|decision| decision.seen.time).collect(),
-        trajectory,
-    };
-    match run.engine {
-        Engine::EventLocated => {
-            let plant = RigPlant::new(rig);
-            let driver = plant.driver(law.clone(), (*sampling, *sensors))?;
-            let trajectory = plant.record(&start, (run.duration, run.relative_tolerance), Some(driver), &mut watch)?;
-            Ok(closed(&trajectory.rig().clone(), &trajectory.decisions(), Some(trajectory)))
-        }
-        Engine::FixedStep => {
-            let (step, _) = experiment.step()?;
-            let mut stepper = ControlledStepper::new(rig, start, experiment.method(), law, (*sampling, *sensors))?;
-            for (time, recorded) in SampleTimes::new(run.duration, run.sample_interval).steps(step) {
-                stepper.advance_to(time)?;
-                if recorded {
-                    watch(time)?;
-                }
-            }
-            Ok(closed(stepper.rig(), stepper.decisions(), None))
-        }
-    }
-}
-
-/// How often something else was asked of a valve.
-pub(crate) fn asked(actuation: Option<&Actuation>) -> usize {
+/// How often something else was requested of a valve.
+pub(crate) fn requests(actuation: Option<&Actuation>) -> usize {
     match actuation.map(|actuation| &actuation.command) {
         Some(Command::Table { time, .. }) => time.len(),
         _ => 0,
@@ -184,7 +98,7 @@ fn others(of: &ControlledExperiment) -> impl Iterator<Item = &(Quantity, SetPoin
 }
 
 /// Adds what was to be reached and what was measured at a sampling instant.
-fn add(goals: &mut [Goal], of: &ControlledExperiment, decision: &Decision) {
+pub(crate) fn add(goals: &mut [Goal], of: &ControlledExperiment, decision: &Decision) {
     let (time, measured) = (decision.seen.time, |quantity: Quantity| quantity.of(&decision.seen));
     let [regulated, rest @ ..] = goals else { return };
     if let Some((quantity, target)) = decision.aim
@@ -195,47 +109,6 @@ fn add(goals: &mut [Goal], of: &ControlledExperiment, decision: &Decision) {
     for ((quantity, set_point), goal) in others(of).zip(rest) {
         if let Some(measured) = measured(*quantity) {
             goal.push((time, set_point.at(time), measured));
-        }
-    }
-}
-
-/// The goals with all that was decided.
-pub(crate) fn goals(of: &ControlledExperiment, decisions: &[Decision]) -> Vec<Goal> {
-    let mut goals = begin_goals(of);
-    decisions.iter().for_each(|decision| add(&mut goals, of, decision));
-    goals
-}
-
-impl Closed {
-    /// The run, where it is kept: by the event-located engine.
-    pub fn located(&self) -> Option<&RigTrajectory> {
-        self.trajectory.as_ref()
-    }
-
-    /// The sampling instants in s.
-    pub fn instants(&self) -> &[f64] {
-        &self.instants
-    }
-
-    /// How many samples the controller took.
-    pub fn samples(&self) -> usize {
-        self.instants.len()
-    }
-
-    /// How often it asked something else of the valve.
-    pub fn requests(&self) -> usize {
-        asked(self.experiment.rig.actuation())
-    }
-
-    /// The run, which is no longer held here; the fixed-step engine repeats it, divided at the sampling instants as before, and shows every step.
-    ///
-    /// # Errors
-    /// What the core finds.
-    pub fn outcome(&mut self, watch: &mut dyn FnMut(&Sample) -> Result<(), Error>) -> Result<Outcome, Error> {
-        let experiment = &self.experiment;
-        match self.trajectory.take() {
-            Some(trajectory) => Ok(Outcome::Located(Box::new(trajectory))),
-            None => engine::run_steps(experiment, experiment.step()?, self.instants.clone(), watch),
         }
     }
 }

@@ -1,89 +1,198 @@
-//! Runs an experiment by the engine that its scenario names, and hands out what it found.
+//! Runs an actuator on its load or a joint, with or without a controller, by the engine that its scenario names.
 //!
-//! | engine | kept | events | audit |
-//! |---|---|---|---|
-//! | event-located | the trajectory, as polynomials, where a figure or events are wanted; else nothing: each step goes to a consumer | all | energy and air |
-//! | fixed-step | nothing: the run is repeated when it is read, to the same bits | none | air, by the net change of each step |
+//! | a run is | for | memory |
+//! |---|---|---|
+//! | kept: every step as a polynomial | figures, events, values between samples | some hundred bytes for each step |
+//! | streamed: each step goes to a consumer | samples and the figures of the summary | does not grow with the run |
 //!
-//! The fixed-step engine divides each sample interval into the least number of equal steps that are not longer than
-//! `run.step`, or than the step that `run.accuracy` needs. Checked by `tests/simulate.rs`.
+//! Both engines give events and an audit of energy, exergy and air. At fixed steps each sample interval is divided into the least
+//! number of equal steps that are not longer than `run.step`, or than the step that `run.accuracy` needs. Checked by
+//! `tests/simulate.rs`.
 
+use crate::closed_loop::{Closed, Goal, Goals};
+use crate::observation::{Ended, Observes, Steps};
 use crate::progress::Progress;
 use crate::quantities::{self, given};
+use crate::record::Field;
 use mckibben::Error;
-use mckibben::plant::{RigConsumer, RigPlant, RigRunEnd, RigTrajectory, STEPS_WATCHED};
-use mckibben::simulation::accuracy::StepError;
-use mckibben::simulation::{FixedStepper, Rig, Sample, SampleTimes, steps_between};
-use mckibben_scenario::{Engine, Experiment, Run};
+use mckibben::command::Driver;
+use mckibben::engine::Statistics;
+use mckibben::plant::{
+    PlantStepError, PlantView, STEPS_WATCHED, TimeStepping, ViewRunEnd, ViewStep, ViewTrajectory, record_view,
+    stream_view,
+};
+use mckibben::simulation::SampleTimes;
+use mckibben_scenario::{Engine, Run};
 
-/// A finished run.
-#[derive(Clone, Debug)]
-pub enum Outcome {
-    /// By the event-located engine.
-    Located(Box<RigTrajectory>),
-    /// By the fixed-step engine.
-    Stepped {
-        /// What is repeated to read it.
-        experiment: Box<Experiment>,
-        /// The longest step in s.
-        step: f64,
-        /// The error of that step, when it was chosen for the accuracy.
-        chosen: Option<StepError>,
-        /// How many steps that takes.
-        steps: u64,
-        /// Times in s at which steps are divided besides: the sampling instants of a controller.
-        divisions: Vec<f64>,
-    },
+/// What a scenario describes that is a view of a plant, with its controller if it has one.
+pub(crate) trait Subject {
+    /// The plant, read as what it is.
+    type View: PlantView;
+    /// Observes its runs.
+    type Observer: Observes<Self::View>;
+
+    /// How long is simulated, by which engine, and what is recorded.
+    fn plan(&self) -> &Run;
+
+    /// The plant.
+    ///
+    /// # Errors
+    /// What the core finds contradictory.
+    fn view(&self) -> Result<Self::View, Error>;
+
+    /// Where it starts.
+    fn start(&self) -> &<Self::View as PlantView>::State;
+
+    /// How it goes through time, with the error of a step that is chosen for it.
+    ///
+    /// # Errors
+    /// What the core finds when a step is chosen.
+    fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error>;
+
+    /// Its controller as a driver.
+    ///
+    /// # Errors
+    /// What the core finds contradictory.
+    fn driver(&self, view: &Self::View) -> Result<Option<Driver>, Error>;
+
+    /// What the controller is to reach, before the first sample; none without a controller.
+    fn goals(&self) -> Option<Vec<Goal>>;
+
+    /// Adds to its goals what was to be reached and what was measured at a sampling instant.
+    fn add(&self, goals: &mut [Goal], decision: &<Self::View as PlantView>::Decision);
+
+    /// How often something else was requested of each valve.
+    fn requests(rig: &<Self::View as PlantView>::Rig) -> Vec<usize>;
+
+    /// The columns of its samples and goals.
+    fn fields(rig: &<Self::View as PlantView>::Rig, goals: &Goals) -> Vec<Field<<Self::View as PlantView>::Sample>>;
 }
 
-/// Runs an experiment. With the fixed-step engine `watch` sees the start and every step; the event-located engine
-/// keeps everything, to be looked at afterwards. `reached` hears the time in s now and then, and may end the run.
-///
-/// # Errors
-/// [`Error::Stopped`] when the simulation cannot go on, and what the core finds out of range.
-pub fn run(
-    experiment: &Experiment,
-    watch: &mut dyn FnMut(&Sample),
-    reached: &mut dyn FnMut(f64) -> Result<(), Error>,
-) -> Result<Outcome, Error> {
-    let run = &experiment.run;
-    match run.engine {
-        Engine::EventLocated => {
-            let of = RigPlant::new(&experiment.rig);
-            let mut way = Way::begin(run).keeping(of.plant().bytes_per_step());
-            let span = (run.duration, run.relative_tolerance);
-            let trajectory = of.record(&experiment.start, span, None, &mut |time| {
-                way.kept(time);
-                reached(time)
-            })?;
-            Ok(Outcome::Located(Box::new(trajectory)))
-        }
-        Engine::FixedStep => {
-            let (step, chosen) = {
-                let _progress = Progress::begin("choosing the step", None);
-                experiment.step()?
-            };
-            run_steps(experiment, (step, chosen), Vec::new(), &mut |sample| {
-                watch(sample);
-                reached(sample.time)
-            })
-        }
+/// Is called with the time in s that a run has reached, and may end it.
+pub(crate) type Reached<'a> = dyn FnMut(f64) -> Result<(), Error> + 'a;
+
+/// How a run goes through time, with the error of a step that was chosen for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stepping {
+    pub(crate) how: TimeStepping,
+    chosen: Option<PlantStepError>,
+}
+
+impl Stepping {
+    /// What `choose` says; it may take a while where the step follows from an accuracy.
+    ///
+    /// # Errors
+    /// Those of `choose`.
+    pub(crate) fn of(
+        run: &Run,
+        choose: impl FnOnce() -> Result<(TimeStepping, Option<PlantStepError>), Error>,
+    ) -> Result<Self, Error> {
+        let tries = run.engine == Engine::FixedStep && run.step.is_none();
+        let _progress = tries.then(|| Progress::begin("choosing the step", None));
+        let (how, chosen) = choose()?;
+        Ok(Self { how, chosen })
+    }
+
+    /// The fixed steps of a run, where it took such.
+    pub(crate) fn steps(&self, counts: Statistics) -> Option<Steps> {
+        let TimeStepping::Fixed { step, .. } = self.how else { return None };
+        let chosen = self.chosen.map(|error| [error.compared, error.greatest]);
+        Some(Steps { step, chosen, steps: counts.explicit_steps + counts.implicit_steps })
     }
 }
 
-/// Runs an experiment, with its plant, by the event-located engine and hands each accepted step to `consumer`; nothing is kept.
+/// A run that is kept.
+#[derive(Clone, Debug)]
+pub struct Kept<V: PlantView> {
+    /// How long was simulated and what was recorded.
+    pub plan: Run,
+    /// The run.
+    pub trajectory: ViewTrajectory<V>,
+    /// The controller's part in it, if there is one.
+    pub control: Option<Closed>,
+    stepping: Stepping,
+}
+
+/// Runs a subject and keeps every step. `reached` is called with the time in s now and then, and may end the run.
+///
+/// # Errors
+/// [`Error::Stopped`] when the simulation cannot go on, and what the core finds out of range.
+pub(crate) fn run<S: Subject>(of: &S, reached: &mut Reached<'_>) -> Result<Kept<S::View>, Error> {
+    let (plan, view) = (*of.plan(), of.view()?);
+    let stepping = Stepping::of(&plan, || of.stepping())?;
+    let mut way = Way::begin(&plan).keeping(view.plant().bytes_per_step());
+    let driver = of.driver(&view)?;
+    let trajectory = record_view(&view, of.start(), (plan.duration, stepping.how), driver, &mut |time| {
+        way.kept(time);
+        reached(time)
+    })?;
+    let control = of.goals().map(|mut goals| {
+        let decisions = trajectory.decisions();
+        decisions.iter().for_each(|decision| of.add(&mut goals, decision));
+        Closed { goals, samples: decisions.len(), requests: S::requests(trajectory.rig()) }
+    });
+    Ok(Kept { plan, trajectory, control, stepping })
+}
+
+/// Takes each accepted step of a run; its error ends the run.
+pub(crate) type Consumer<'c, V> = dyn FnMut(&ViewStep<'_, V>) -> Result<(), Error> + 'c;
+
+/// Runs a subject, with its plant, and hands each accepted step to `consumer`; nothing is kept but what a controller did. What that
+/// was to reach is added to `goals`, which have what was decided before a step when the step is handed on.
 ///
 /// # Errors
 /// As [`run`], and those of the consumer.
-pub fn stream(experiment: &Experiment, of: &RigPlant, consumer: &mut RigConsumer<'_>) -> Result<RigRunEnd, Error> {
-    let (run, mut way) = (&experiment.run, Way::begin(&experiment.run));
-    of.stream(&experiment.start, (run.duration, run.relative_tolerance), None, &mut |step| {
+pub(crate) fn stream<S: Subject>(
+    of: &S,
+    (view, how): (&S::View, TimeStepping),
+    goals: &Goals,
+    consumer: &mut Consumer<'_, S::View>,
+) -> Result<(ViewRunEnd<S::View>, Option<Closed>), Error> {
+    let (plan, driver) = (of.plan(), of.driver(view)?);
+    let (mut samples, mut way) = (0, Way::begin(plan));
+    let end = stream_view(view, of.start(), (plan.duration, how), driver, &mut |step| {
         way.at(step.end());
-        consumer(step)
-    })
+        consumer(step)?;
+        if let Some(decision) = step.decision() {
+            samples += 1;
+            of.add(&mut goals.borrow_mut(), &decision);
+        }
+        Ok(())
+    })?;
+    let closed = |_| Closed { goals: goals.borrow().clone(), samples, requests: S::requests(&end.rig) };
+    let control = of.goals().map(closed);
+    Ok((end, control))
 }
 
-/// How far an event-located run is, and what it keeps.
+impl<V: PlantView> Kept<V> {
+    /// What was to be reached, and how far it was.
+    pub(crate) fn goals(&self) -> &[Goal] {
+        self.control.as_ref().map_or(&[], |closed| &closed.goals)
+    }
+
+    /// What an observer sees of it.
+    ///
+    /// # Errors
+    /// None.
+    pub(crate) fn observed<O: Observes<V>>(&self) -> Result<O::Observation, Error> {
+        let Self { plan, trajectory, stepping, .. } = self;
+        let mut observer = O::new(trajectory.rig(), plan);
+        trajectory.replay(&mut |step| {
+            observer.step(step);
+            Ok(())
+        })?;
+        let counts = trajectory.statistics();
+        let ended = Ended {
+            counts,
+            ledger: trajectory.ledger(),
+            draws: !trajectory.plant().plant().network().valves.is_empty(),
+            steps: stepping.steps(counts),
+        };
+        Ok(observer.finish(trajectory.at(trajectory.duration()), ended))
+    }
+}
+
+/// How far a run is, and what it keeps.
 #[derive(Debug)]
 pub(crate) struct Way {
     progress: Progress,
@@ -113,7 +222,7 @@ impl Way {
         self.progress.at((PARTS * time / self.duration) as u64);
     }
 
-    /// The same, at a call of a watcher of a run that keeps every step.
+    /// It has come to a time in s, at a call of the watcher of a run that keeps every step.
     pub(crate) fn kept(&mut self, time: f64) {
         self.at(time);
         let before = self.kept;
@@ -137,108 +246,7 @@ fn gigabytes(bytes: f64) -> String {
     format!("{} GB", quantities::digits(bytes / 1e9))
 }
 
-/// Runs an experiment by the fixed-step engine with steps of at most `step` s that are divided at `divisions` (s, rising).
-///
-/// # Errors
-/// As [`run`].
-pub fn run_steps(
-    experiment: &Experiment,
-    (step, chosen): (f64, Option<StepError>),
-    divisions: Vec<f64>,
-    watch: &mut dyn FnMut(&Sample) -> Result<(), Error>,
-) -> Result<Outcome, Error> {
-    let progress = Progress::begin("simulating", Some(rows(&experiment.run)));
-    let (mut steps, mut row) = (0, 0);
-    step_through(experiment, regular(&experiment.run, step), &divisions, &mut |sample, recorded| {
-        watch(sample)?;
-        steps += 1;
-        row += u64::from(recorded);
-        if recorded {
-            progress.at(row);
-        }
-        Ok::<_, Error>(())
-    })?;
-    let experiment = Box::new(experiment.clone());
-    Ok(Outcome::Stepped { experiment, step, chosen, steps: steps - 1, divisions })
-}
-
-impl Outcome {
-    /// The rig that was run.
-    pub fn rig(&self) -> &Rig {
-        match self {
-            Self::Located(trajectory) => trajectory.rig(),
-            Self::Stepped { experiment, .. } => &experiment.rig,
-        }
-    }
-
-    /// Hands the sample at t = 0, at every sample interval and at the end to `each`.
-    ///
-    /// # Errors
-    /// What `each` returns; and for a fixed-step run what [`run`] would have returned.
-    pub fn each_sample<F: From<Error>>(
-        &self,
-        interval: f64,
-        each: &mut dyn FnMut(&Sample) -> Result<(), F>,
-    ) -> Result<(), F> {
-        match self {
-            Self::Located(trajectory) => trajectory.samples(interval).try_for_each(|sample| each(&sample)),
-            Self::Stepped { experiment, step, divisions, .. } => {
-                let ends = regular(&experiment.run, *step);
-                step_through(experiment, ends, divisions, &mut |sample, recorded| {
-                    if recorded { each(sample) } else { Ok(()) }
-                })
-            }
-        }
-    }
-}
-
 /// How many samples a run records.
 pub fn rows(run: &Run) -> u64 {
     SampleTimes::new(run.duration, run.sample_interval).last() + 1
-}
-
-/// The ends in s of the steps of a run that are not longer than `step` s, and whether each is recorded; also the start.
-pub(crate) fn regular(run: &Run, step: f64) -> impl Iterator<Item = (f64, bool)> + use<> {
-    std::iter::once((0.0, true)).chain(SampleTimes::new(run.duration, run.sample_interval).steps(step))
-}
-
-/// The same where only what holds at some times in s is recorded, and the run ends with the last.
-pub(crate) fn listed(times: &[f64], step: f64) -> impl Iterator<Item = (f64, bool)> {
-    let from = std::iter::once(0.0).chain(times.iter().copied());
-    from.zip(times).flat_map(move |(from, until)| {
-        let parts = steps_between(from, *until, step);
-        let end = move |part| from + (until - from) * (part as f64 / parts as f64);
-        (1..=parts).map(move |part| if part == parts { (*until, true) } else { (end(part), false) })
-    })
-}
-
-/// One or the other.
-pub(crate) fn ends<'t>(run: &Run, times: Option<&'t [f64]>, step: f64) -> Box<dyn Iterator<Item = (f64, bool)> + 't> {
-    match times {
-        Some(times) => Box::new(listed(times, step)),
-        None => Box::new(regular(run, step)),
-    }
-}
-
-/// Runs the fixed-step engine and shows every end of a step, and whether it is a recorded sample; steps are divided at
-/// `divisions` besides.
-pub(crate) fn step_through<F: From<Error>>(
-    experiment: &Experiment,
-    ends: impl Iterator<Item = (f64, bool)>,
-    divisions: &[f64],
-    each: &mut dyn FnMut(&Sample, bool) -> Result<(), F>,
-) -> Result<(), F> {
-    let mut stepper = FixedStepper::new(&experiment.rig, experiment.start, experiment.method());
-    let mut divisions = divisions.iter().peekable();
-    for (time, recorded) in ends {
-        // A division that differs from the end by rounding is the end, as it is where the loop is closed.
-        while let Some(division) = divisions.next_if(|division| **division <= time + 8.0 * f64::EPSILON * time) {
-            stepper.advance_to(division.min(time))?;
-        }
-        if time > stepper.time() {
-            stepper.advance_to(time)?;
-        }
-        each(&stepper.sample(), recorded)?;
-    }
-    Ok(())
 }

@@ -5,7 +5,6 @@
 //!
 //! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
 
-use crate::engine::Outcome;
 use crate::failure::Failure;
 use crate::terminal::{FAINT, styled};
 use mckibben::plant::RigEvent;
@@ -20,14 +19,6 @@ use std::path::Path;
 /// The columns of the CSV that say what holds of an actuator.
 pub(crate) const OF_ACTUATOR: [&str; 6] =
     ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
-
-/// The events of a run, or `None` where the engine keeps no log of them.
-pub fn of(outcome: &Outcome) -> Option<&[RigEvent]> {
-    match outcome {
-        Outcome::Located(trajectory) => Some(trajectory.events()),
-        Outcome::Stepped { .. } => None,
-    }
-}
 
 /// How many events of each kind there are.
 pub fn counts(events: &[RigEvent]) -> BTreeMap<EventKind, u64> {

@@ -2,29 +2,29 @@
 //!
 //! | kind of scenario | run by |
 //! |---|---|
-//! | an actuator on a load | [`engine`] |
-//! | the same under a controller | [`closed_loop`] |
-//! | a joint of two actuators | [`joint::outcome`] |
-//! | the same under a controller | [`joint::control`] |
+//! | an actuator on a load, with or without a controller | [`engine`], as `alone` says |
+//! | a joint of two actuators, with or without a controller | [`engine`], as `joint::pair` says |
 //! | a plant of several actuators | [`plant`] |
 //!
 //! Every command and every other host that runs whole scenarios does so here. Checked by `tests/simulate.rs`.
 
-use crate::closed_loop::{self, Closed, Goal, Goals};
-use crate::engine::{self, Outcome};
+use crate::alone::Alone;
+use crate::closed_loop::{Closed, Goals};
+use crate::engine::{self, Kept, Reached, Stepping, Subject};
 use crate::events::{self, Log};
 use crate::failure::Failure;
-use crate::joint;
-use crate::observation::{Observation, Observer};
+use crate::joint::{self, pair::Pair};
+use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::plot::Figure;
 use crate::portrait::{self, Over};
-use crate::record::{self, Field, Filled, Format, Provenance, Target, filled, of_controlled, of_joint};
-use mckibben::plant::{JointPlant, PlantReader, PlantSample, RigPlant};
-use mckibben::simulation::{JointRig, JointSample, Readable, Reading, Sample, SampleTimes};
+use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
+use mckibben::plant::{
+    JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewTrajectory,
+};
+use mckibben::simulation::{JointRig, Readable, Reading, Rig, SampleTimes};
 use mckibben_scenario::{
-    ControlledExperiment, ControlledJointExperiment, Document, Engine, Experiment, JointExperiment, PlantExperiment,
-    Run,
+    ControlledExperiment, ControlledJointExperiment, Document, Experiment, JointExperiment, PlantExperiment, Run,
 };
 use std::io::Write;
 use std::path::Path;
@@ -48,70 +48,34 @@ pub enum Ready {
 #[derive(Clone, Debug)]
 pub enum Finished {
     /// Of an actuator on a load.
-    Actuator(Box<ActuatorRun>),
+    Actuator(Box<Kept<RigPlant>>),
     /// Of a joint.
-    Joint(Box<JointRun>),
+    Joint(Box<Kept<JointPlant>>),
     /// Of a plant.
     Plant(Box<PlantOutcome>),
-}
-
-/// The run of an actuator on a load.
-#[derive(Clone, Debug)]
-pub struct ActuatorRun {
-    /// What was simulated; under a controller with the command that it made.
-    pub experiment: Experiment,
-    /// The run.
-    pub outcome: Outcome,
-    /// The controller's part in it, if there is one.
-    pub control: Option<Closed>,
-}
-
-/// The run of a joint.
-#[derive(Clone, Debug)]
-pub struct JointRun {
-    /// How long was simulated and what was recorded.
-    pub run: Run,
-    /// The run.
-    pub outcome: joint::outcome::Outcome,
-    /// The controller's part in it, if there is one.
-    pub control: Option<joint::control::Closed>,
 }
 
 /// The figures of a run of which nothing else need be left.
 #[derive(Clone, Debug)]
 pub enum Figures {
     /// Of an actuator on a load.
-    Actuator(Box<ActuatorFigures>),
+    Actuator(Box<ViewFigures<Rig, Observation>>),
     /// Of a joint.
-    Joint(Box<JointFigures>),
+    Joint(Box<ViewFigures<JointRig, joint::observation::Observation>>),
     /// Of a plant.
     Plant(Box<PlantFigures>),
 }
 
-/// The figures of the run of an actuator on a load.
+/// The figures of the run of an actuator on a load, or of a joint.
 #[derive(Clone, Debug)]
-pub struct ActuatorFigures {
-    /// What was simulated; under a controller with the command that it made.
-    pub experiment: Experiment,
+pub struct ViewFigures<R, O> {
+    /// What was simulated; under a controller with the commands that it made.
+    pub rig: R,
     /// What was observed.
-    pub observation: Observation,
+    pub observation: O,
     /// The controller's part in it, if there is one.
     pub control: Option<Closed>,
 }
-
-/// The figures of the run of a joint.
-#[derive(Clone, Debug)]
-pub struct JointFigures {
-    /// The joint; under a controller with the commands that it made.
-    pub rig: JointRig,
-    /// What was observed.
-    pub observation: joint::observation::Observation,
-    /// The controller's part in it, if there is one.
-    pub control: Option<joint::control::Closed>,
-}
-
-/// Hears the time in s that a run has reached, and may end it.
-type Reached<'a> = dyn FnMut(f64) -> Result<(), mckibben::Error> + 'a;
 
 impl Ready {
     /// Reads what a document describes.
@@ -150,145 +114,93 @@ impl Ready {
         matches!(self, Self::Joint(_) | Self::ControlledJoint(_) | Self::Plant(_))
     }
 
-    /// Whether the run will have a log of events.
-    pub fn logs_events(&self) -> bool {
-        matches!(self, Self::Plant(_)) || self.plan().engine == Engine::EventLocated
-    }
-
-    /// Runs it. `watch` sees the start and every step of an actuator at fixed steps, with what is run; `reached` hears the time
-    /// in s now and then, and may end the run by an error such as [`mckibben::Error::Interrupted`].
+    /// Runs it and keeps every step. `reached` is called with the time in s now and then, and may end the run by an error such as
+    /// [`mckibben::Error::Interrupted`].
     ///
     /// # Errors
     /// What the core finds, shown in the document.
-    pub fn run(
-        self,
-        document: &Document,
-        watch: &mut dyn FnMut(&Experiment, &Sample),
-        reached: &mut Reached<'_>,
-    ) -> Result<Finished, Failure> {
-        self.finish(watch, reached).map_err(|error| Failure::of_core(&error, document))
+    pub fn run(self, document: &Document, reached: &mut Reached<'_>) -> Result<Finished, Failure> {
+        let finished = match self {
+            Self::Actuator(of) => engine::run(&Alone::from(&*of), reached).map(|run| Finished::Actuator(Box::new(run))),
+            Self::Controlled(of) => {
+                engine::run(&Alone::from(&*of), reached).map(|run| Finished::Actuator(Box::new(run)))
+            }
+            Self::Joint(of) => engine::run(&Pair::from(&*of), reached).map(|run| Finished::Joint(Box::new(run))),
+            Self::ControlledJoint(of) => {
+                engine::run(&Pair::from(&*of), reached).map(|run| Finished::Joint(Box::new(run)))
+            }
+            Self::Plant(of) => plant::run(*of, reached).map(|run| Finished::Plant(Box::new(run))),
+        };
+        finished.map_err(|error| Failure::of_core(&error, document))
     }
 
-    /// Runs it by the event-located engine, writes its samples as they come if a target is given, and keeps nothing but what a
-    /// controller did: memory does not grow with the run, and the bytes are those of a run that is kept.
+    /// Runs it, writes its samples as they come if a target is given, and keeps nothing but what a controller did: memory does not
+    /// grow with the run, and the bytes are those of a run that is kept.
     ///
     /// # Errors
     /// What the core finds, shown in the document; [`Failure::output`] when writing fails.
     pub(crate) fn stream(self, document: &Document, target: Option<Target<'_>>) -> Result<Figures, Failure> {
-        let run = *self.plan();
-        let shown = |error: mckibben::Error| Failure::of_core(&error, document);
-        match self {
-            Self::Actuator(experiment) => {
-                let plant = RigPlant::new(&experiment.rig);
-                let mut observer = Observer::new(Some(&plant), &experiment);
-                let fields = of_controlled(&experiment.rig, &Goals::default());
-                let end = through(target, &fields, &run, shown, |take| {
-                    let end = engine::stream(&experiment, &plant, &mut |step| {
-                        observer.step(step);
-                        take(step)
-                    })?;
-                    Ok((end.sample, end))
-                })?;
-                let observation = observer.finish(end.sample, &end.run);
-                Ok(Figures::Actuator(Box::new(ActuatorFigures { experiment: *experiment, observation, control: None })))
-            }
-            Self::Controlled(of) => {
-                let plant = RigPlant::new(&of.experiment.rig);
-                let mut observer = Observer::new(Some(&plant), &of.experiment);
-                let goals = Goals::new(closed_loop::begin_goals(&of).into());
-                let fields = of_controlled(&of.experiment.rig, &goals);
-                let (end, mut closed) = through(target, &fields, &run, shown, |take| {
-                    let (end, closed) = closed_loop::stream(&of, &plant, &goals, &mut |step| {
-                        observer.step(step);
-                        take(step)
-                    })?;
-                    Ok((end.sample, (end, closed)))
-                })?;
-                closed.goals = goals.take();
-                let (experiment, observation) = (closed.experiment.clone(), observer.finish(end.sample, &end.run));
-                let figures = ActuatorFigures { experiment, observation, control: Some(closed) };
-                Ok(Figures::Actuator(Box::new(figures)))
-            }
-            Self::Joint(of) => {
-                let plant = JointPlant::new(&of.rig).map_err(shown)?;
-                let mut observer = joint::observation::Observer::new(Some(&plant), &run);
-                let end = through(target, &of_joint(Some(&of.rig), &Goals::default()), &run, shown, |take| {
-                    let end = joint::outcome::stream(&of, &plant, &mut |step| {
-                        observer.step(step);
-                        take(step)
-                    })?;
-                    Ok((end.sample, end))
-                })?;
-                let observation = observer.finish(end.sample, &end.run);
-                Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: None })))
-            }
-            Self::ControlledJoint(of) => {
-                let plant = JointPlant::new(&of.experiment.rig).map_err(shown)?;
-                let mut observer = joint::observation::Observer::new(Some(&plant), &run);
-                let goals = Goals::new(joint::control::begin_goals(&of).into());
-                let (end, mut closed) =
-                    through(target, &of_joint(Some(&of.experiment.rig), &goals), &run, shown, |take| {
-                        let (end, closed) = joint::control::stream(&of, &plant, &goals, &mut |step| {
-                            observer.step(step);
-                            take(step)
-                        })?;
-                        Ok((end.sample, (end, closed)))
-                    })?;
-                closed.goals = goals.take();
-                let observation = observer.finish(end.sample, &end.run);
-                Ok(Figures::Joint(Box::new(JointFigures { rig: end.rig, observation, control: Some(closed) })))
-            }
-            Self::Plant(of) => {
-                let mut observer = plant::observation::Observer::new(&of);
-                let mut follower = plant::control::Follower::new(&of);
-                let fields = plant::columns::fields(&of, follower.goals(), &follower.names());
-                let made = through(target, &fields, &run, shown, |take| {
-                    let run = plant::stream(&of, &mut follower, &mut |step| {
-                        observer.step(step);
-                        take(step)
-                    })?;
-                    Ok((run.run.sample(), run))
-                })?;
-                Ok(Figures::Plant(Box::new(plant::figures(&of, (observer, follower), &made))))
-            }
-        }
-    }
-
-    fn finish(
-        self,
-        watch: &mut dyn FnMut(&Experiment, &Sample),
-        reached: &mut Reached<'_>,
-    ) -> Result<Finished, mckibben::Error> {
+        let of = (document, target);
         Ok(match self {
-            Self::Actuator(experiment) => {
-                let outcome = engine::run(&experiment, &mut |sample| watch(&experiment, sample), reached)?;
-                Finished::Actuator(Box::new(ActuatorRun { experiment: *experiment, outcome, control: None }))
-            }
-            Self::Controlled(of) => {
-                let mut closed = closed_loop::close(&of, reached)?;
-                let experiment = closed.experiment.clone();
-                let outcome = closed.outcome(&mut |sample| {
-                    watch(&experiment, sample);
-                    reached(sample.time)
-                })?;
-                Finished::Actuator(Box::new(ActuatorRun { experiment, outcome, control: Some(closed) }))
-            }
-            Self::Joint(of) => {
-                let outcome = joint::outcome::run(&of, reached)?;
-                Finished::Joint(Box::new(JointRun { run: of.run, outcome, control: None }))
-            }
-            Self::ControlledJoint(of) => {
-                let (run, mut way) = (of.experiment.run, joint::outcome::way(&of.experiment));
-                let watch = |time: f64| {
-                    way.kept(time);
-                    reached(time)
-                };
-                let (outcome, closed) = joint::control::close(&of, None, watch)?;
-                Finished::Joint(Box::new(JointRun { run, outcome, control: Some(closed) }))
-            }
-            Self::Plant(of) => Finished::Plant(Box::new(plant::run(*of, reached)?)),
+            Self::Actuator(subject) => Figures::Actuator(Box::new(stream(&Alone::from(&*subject), of)?)),
+            Self::Controlled(subject) => Figures::Actuator(Box::new(stream(&Alone::from(&*subject), of)?)),
+            Self::Joint(subject) => Figures::Joint(Box::new(stream(&Pair::from(&*subject), of)?)),
+            Self::ControlledJoint(subject) => Figures::Joint(Box::new(stream(&Pair::from(&*subject), of)?)),
+            Self::Plant(plant) => Figures::Plant(Box::new(stream_plant(&plant, of)?)),
         })
     }
+}
+
+/// The figures of the runs of a subject.
+type FiguresOf<S> = ViewFigures<
+    <<S as Subject>::View as PlantView>::Rig,
+    <<S as Subject>::Observer as crate::observation::Observes<<S as Subject>::View>>::Observation,
+>;
+
+/// Runs a subject and writes its samples on the way.
+fn stream<S: Subject>(of: &S, (document, target): (&Document, Option<Target<'_>>)) -> Result<FiguresOf<S>, Failure> {
+    let shown = |error: mckibben::Error| Failure::of_core(&error, document);
+    let (plan, view) = (*of.plan(), of.view().map_err(shown)?);
+    let stepping = Stepping::of(&plan, || of.stepping()).map_err(shown)?;
+    let mut observer = S::Observer::new(view.rig(), &plan);
+    let mut keeper = PlantLedgerKeeper::new(view.plant(), stepping.how);
+    let goals = Goals::new(of.goals().unwrap_or_default().into());
+    let fields = S::fields(view.rig(), &goals);
+    let (end, control) = through(target, &fields, &plan, shown, |take| {
+        let (end, control) = engine::stream(of, (&view, stepping.how), &goals, &mut |step| {
+            keeper.step(step.plant());
+            observer.step(step);
+            take(step)
+        })?;
+        Ok((view.sample(&end.run.sample()), (end, control)))
+    })?;
+    let counts = end.run.statistics();
+    let ended = Ended {
+        counts,
+        ledger: keeper.finish(&end.run),
+        draws: !view.plant().network().valves.is_empty(),
+        steps: stepping.steps(counts),
+    };
+    Ok(ViewFigures { rig: end.rig, observation: observer.finish(end.sample, ended), control })
+}
+
+/// Runs a plant and writes its samples on the way.
+fn stream_plant(
+    of: &PlantExperiment,
+    (document, target): (&Document, Option<Target<'_>>),
+) -> Result<PlantFigures, Failure> {
+    let mut observer = plant::observation::Observer::new(of);
+    let mut follower = plant::control::Follower::new(of);
+    let fields = plant::columns::fields(of, follower.goals(), &follower.names());
+    let shown = |error: mckibben::Error| Failure::of_core(&error, document);
+    let made = through(target, &fields, &of.run, shown, |take| {
+        let run = plant::stream(of, &mut follower, &mut |step| {
+            observer.step(step);
+            take(step)
+        })?;
+        Ok((run.run.sample(), run))
+    })?;
+    Ok(plant::figures(of, (observer, follower), &made))
 }
 
 /// What of a step is written: its error ends the run.
@@ -327,32 +239,37 @@ fn through<S, E>(
     ended.ok_or_else(|| Failure::stopped("the run did not come to its end"))
 }
 
-impl ActuatorRun {
-    fn goals(&self) -> &[Goal] {
-        self.control.as_ref().map_or(&[], |closed| &closed.goals)
-    }
-
-    fn fields(&self) -> Vec<Field<Sample>> {
-        of_controlled(self.outcome.rig(), &Goals::new(self.goals().to_vec().into()))
-    }
+/// The columns of a run that is kept.
+fn fields<S: Subject>(of: &Kept<S::View>) -> Vec<Field<<S::View as PlantView>::Sample>> {
+    S::fields(of.trajectory.rig(), &Goals::new(of.goals().to_vec().into()))
 }
 
-impl JointRun {
-    fn goals(&self) -> &[Goal] {
-        self.control.as_ref().map_or(&[], |closed| &closed.goals)
-    }
+/// The figures of a run that is kept.
+fn figures<S: Subject>(of: &Kept<S::View>) -> Result<FiguresOf<S>, Failure> {
+    let observation = of.observed::<S::Observer>()?;
+    Ok(ViewFigures { rig: of.trajectory.rig().clone(), observation, control: of.control.clone() })
+}
 
-    fn fields(&self) -> Vec<Field<JointSample>> {
-        of_joint(Some(self.outcome.rig()), &Goals::new(self.goals().to_vec().into()))
-    }
+/// Takes a sample; its error ends the run.
+type Each<'e, S> = &'e mut dyn FnMut(&S) -> Result<(), Failure>;
+
+/// Hands the samples of a run at an interval in s to `each`.
+fn rows<V: PlantView>(of: &ViewTrajectory<V>, interval: f64, each: Each<'_, V::Sample>) -> Result<(), Failure> {
+    of.samples(interval).try_for_each(|sample| each(&sample))
+}
+
+/// Hands the samples of a run at times in s to `each`.
+fn rows_at<V: PlantView>(of: &ViewTrajectory<V>, times: &[f64], each: Each<'_, V::Sample>) -> Result<(), Failure> {
+    let mut reader = ViewReader::new(of);
+    times.iter().try_for_each(|time| each(&reader.read(*time)))
 }
 
 impl Finished {
     /// How long was simulated, by which engine, and what was recorded.
     pub fn plan(&self) -> &Run {
         match self {
-            Self::Actuator(of) => &of.experiment.run,
-            Self::Joint(of) => &of.run,
+            Self::Actuator(of) => &of.plan,
+            Self::Joint(of) => &of.plan,
             Self::Plant(of) => &of.experiment.run,
         }
     }
@@ -360,27 +277,20 @@ impl Finished {
     /// The columns of the run in their order, with a row at t = 0, every sample interval and the end.
     ///
     /// # Errors
-    /// What the core finds when a fixed-step run is repeated to be read.
+    /// [`Failure::stopped`] for a number that is not finite.
     pub fn columns(&self) -> Result<Vec<Filled>, Failure> {
         let interval = self.plan().sample_interval;
         match self {
-            Self::Actuator(of) => {
-                let rows: record::Rows<'_, Sample> = &mut |each| of.outcome.each_sample(interval, each);
-                filled(of.fields(), rows)
-            }
-            Self::Joint(of) => {
-                let rows: record::Rows<'_, JointSample> =
-                    &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
-                filled(of.fields(), rows)
-            }
+            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut |each| rows(&of.trajectory, interval, each)),
+            Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut |each| rows(&of.trajectory, interval, each)),
             Self::Plant(of) => filled(of.fields(), &mut |each| of.each_sample(each)),
         }
     }
 
-    /// The columns with a row at each of `times` in s, from the polynomials of the event-located engine.
+    /// The columns with a row at each of `times` in s, from the polynomials of the steps.
     ///
     /// # Errors
-    /// [`Failure::input`] for a time outside the run, and for a run at fixed steps, which has only its samples.
+    /// [`Failure::input`] for a time outside the run.
     pub fn columns_at(&self, times: &[f64]) -> Result<Vec<Filled>, Failure> {
         let end = self.plan().duration;
         if let Some(outside) = times.iter().find(|time| !(0.0..=end).contains(*time)) {
@@ -390,18 +300,8 @@ impl Finished {
             ));
         }
         match self {
-            Self::Actuator(of) => {
-                let Outcome::Located(trajectory) = &of.outcome else { return Err(between_samples()) };
-                let rows: record::Rows<'_, Sample> =
-                    &mut |each| times.iter().try_for_each(|time| each(&trajectory.at(*time)));
-                filled(of.fields(), rows)
-            }
-            Self::Joint(of) => {
-                let Some(trajectory) = of.outcome.located() else { return Err(between_samples()) };
-                let rows: record::Rows<'_, JointSample> =
-                    &mut |each| trajectory.at_each(times.iter().copied()).try_for_each(|sample| each(&sample));
-                filled(of.fields(), rows)
-            }
+            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each)),
+            Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each)),
             Self::Plant(of) => {
                 let mut reader = PlantReader::new(&of.trajectory);
                 let rows: record::Rows<'_, PlantSample> =
@@ -411,21 +311,21 @@ impl Finished {
         }
     }
 
-    /// The log of events, or `None` where the engine keeps none.
-    pub fn log(&self) -> Option<Log> {
+    /// The log of events.
+    pub fn log(&self) -> Log {
         match self {
-            Self::Actuator(of) => events::of(&of.outcome).map(Log::new),
-            Self::Joint(of) => of.outcome.located().map(|trajectory| joint::events::log(trajectory.events())),
-            Self::Plant(of) => Some(plant::events::log(of)),
+            Self::Actuator(of) => Log::new(of.trajectory.events()),
+            Self::Joint(of) => joint::events::log(of.trajectory.events()),
+            Self::Plant(of) => plant::events::log(of),
         }
     }
 
     /// The log of events as a table for people.
-    pub fn table(&self) -> Option<String> {
+    pub fn table(&self) -> String {
         match self {
-            Self::Actuator(of) => events::of(&of.outcome).map(events::table),
-            Self::Joint(of) => of.outcome.located().map(|trajectory| joint::events::table(trajectory.events())),
-            Self::Plant(of) => Some(plant::events::table(of)),
+            Self::Actuator(of) => events::table(of.trajectory.events()),
+            Self::Joint(of) => joint::events::table(of.trajectory.events()),
+            Self::Plant(of) => plant::events::table(of),
         }
     }
 
@@ -439,64 +339,36 @@ impl Finished {
         (path, format): (&Path, Format),
         out: &mut (dyn Write + Send),
     ) -> Result<(), Failure> {
-        let interval = self.plan().sample_interval;
+        let (interval, target) = (self.plan().sample_interval, Target { provenance, path, format, out });
         match self {
             Self::Actuator(of) => {
-                let rows: record::Rows<'_, Sample> = &mut |each| of.outcome.each_sample(interval, each);
-                record::write(&of.fields(), rows, Target { provenance, path, format, out })
+                record::write(&fields::<Alone<'_>>(of), &mut |each| rows(&of.trajectory, interval, each), target)
             }
             Self::Joint(of) => {
-                let rows: record::Rows<'_, JointSample> =
-                    &mut |each| of.outcome.samples(interval).try_for_each(|sample| each(&sample));
-                record::write(&of.fields(), rows, Target { provenance, path, format, out })
+                record::write(&fields::<Pair<'_>>(of), &mut |each| rows(&of.trajectory, interval, each), target)
             }
-            Self::Plant(of) => {
-                let target = Target { provenance, path, format, out };
-                record::write(&of.fields(), &mut |each| of.each_sample(each), target)
-            }
+            Self::Plant(of) => record::write(&of.fields(), &mut |each| of.each_sample(each), target),
         }
     }
 
-    /// The figures of the run; those of fixed steps of an actuator as an observer has seen them.
+    /// The figures of the run.
     ///
     /// # Errors
     /// None but those of the engine.
-    pub fn figures(&self, observer: Option<Observer>) -> Result<Figures, Failure> {
+    pub fn figures(&self) -> Result<Figures, Failure> {
         Ok(match self {
-            Self::Actuator(of) => {
-                let ActuatorRun { experiment, outcome, control } = of.as_ref();
-                let observation = observer.unwrap_or_else(|| Observer::new(None, experiment)).finish_of(outcome)?;
-                let (experiment, control) = (experiment.clone(), control.clone());
-                Figures::Actuator(Box::new(ActuatorFigures { experiment, observation, control }))
-            }
-            Self::Joint(of) => {
-                let JointRun { run, outcome, control } = of.as_ref();
-                let observer = joint::observation::Observer::new(None, run);
-                let observation = observer.finish_of(outcome)?;
-                let observation = observation.ok_or_else(|| Failure::stopped("the run has no sample"))?;
-                let (rig, control) = (outcome.rig().clone(), control.clone());
-                Figures::Joint(Box::new(JointFigures { rig, observation, control }))
-            }
+            Self::Actuator(of) => Figures::Actuator(Box::new(figures::<Alone<'_>>(of)?)),
+            Self::Joint(of) => Figures::Joint(Box::new(figures::<Pair<'_>>(of)?)),
             Self::Plant(of) => Figures::Plant(Box::new(of.figures())),
         })
     }
 
     /// The figure of the run; that of several actuators is always over time.
-    ///
-    /// # Errors
-    /// What the core finds when a fixed-step run is repeated to be read.
-    pub fn figure(&self, over: Over, title: &str) -> Result<Figure, Failure> {
+    pub fn figure(&self, over: Over, title: &str) -> Figure {
         match self {
-            Self::Actuator(of) => Ok(portrait::figure(&of.experiment, &of.outcome, of.goals(), over, title)?),
-            Self::Joint(of) => Ok(joint::portrait::figure(&of.outcome, of.goals(), of.run.sample_interval, title)),
-            Self::Plant(of) => Ok(plant::portrait::figure(of, title)),
+            Self::Actuator(of) => portrait::figure(of, over, title),
+            Self::Joint(of) => joint::portrait::figure(of, title),
+            Self::Plant(of) => plant::portrait::figure(of, title),
         }
     }
-}
-
-fn between_samples() -> Failure {
-    Failure::input(
-        "the fixed-step engine keeps nothing between its samples",
-        "set run.engine = \"event-located\", or take the samples of the run",
-    )
 }

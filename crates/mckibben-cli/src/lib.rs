@@ -6,7 +6,7 @@
 //! | [`commands`] | one module for each command |
 //! | [`settings`] | values of the scenario from the command line |
 //! | [`finished`] | whatever a scenario describes, run |
-//! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, without a controller and with one |
+//! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, and a controller's part in it |
 //! | [`observation`] | the figures of a run |
 //! | [`summary`], [`describe`], [`events`] | a run in words |
 //! | [`record`] | a run as columns, as CSV or Parquet |
@@ -20,6 +20,7 @@
 
 #![forbid(unsafe_code)]
 
+pub(crate) mod alone;
 pub mod arguments;
 pub mod closed_loop;
 pub mod commands;

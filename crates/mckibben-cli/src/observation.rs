@@ -1,16 +1,14 @@
 //! The figures of a run: extremes, the last periods under PWM, the air through each port.
 //!
-//! An event-located run is evaluated in five points of every step, at every event and at every sample; a fixed-step run at every
-//! step. Either is observed as it is made: nothing of it is kept.
+//! A run is evaluated in five points of every step, at every event and at every sample, as it is made: nothing of it is kept.
 
-use crate::engine::Outcome;
 use mckibben::Actuator;
 use mckibben::air::Flow;
 use mckibben::engine::Statistics;
-use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantRun, RigPlant, RigStep};
-use mckibben::simulation::{EventKind, Extent, FixedStepper, Mode, Readable, Reading, Sample, SampleTimes};
+use mckibben::plant::{PlantLedger, PlantView, RigPlant, ViewStep};
+use mckibben::simulation::{EventKind, Extent, Mode, Readable, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
-use mckibben_scenario::Experiment;
+use mckibben_scenario::Run;
 use std::collections::BTreeMap;
 
 /// The least and the greatest value of a quantity.
@@ -77,13 +75,13 @@ impl Extremes {
 /// Air in kg through the ports of the valve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AirUse {
-    /// In from the supply; with the fixed-step engine, from any side.
+    /// In from the supply.
     pub from_supply: f64,
-    /// Back into the supply, as with a vacuum; not told apart by the fixed-step engine.
+    /// Back into the supply, as with a vacuum.
     pub to_supply: f64,
-    /// In from the surroundings; not told apart by the fixed-step engine.
+    /// In from the atmosphere.
     pub from_surroundings: f64,
-    /// Out to the surroundings; with the fixed-step engine, to any side.
+    /// Out to the atmosphere.
     pub to_surroundings: f64,
 }
 
@@ -119,20 +117,20 @@ pub struct Ripple {
     pub drift: Option<f64>,
 }
 
-/// What only the event-located engine gives.
+/// What is known of a run once it has come to its end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Located {
+pub struct Ended {
     /// Steps, evaluations and events.
     pub counts: Statistics,
-    /// How many events of each kind there were.
-    pub events: BTreeMap<EventKind, u64>,
     /// Where the work of the gas and the exergy of the supply's air went.
     pub ledger: PlantLedger,
-    /// Whether the actuator has a valve, through which it draws air.
+    /// Whether there is a valve, through which air is drawn.
     pub draws: bool,
+    /// The fixed steps, where it took such.
+    pub steps: Option<Steps>,
 }
 
-/// What only the fixed-step engine gives.
+/// The fixed steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps {
     /// The longest step in s.
@@ -141,6 +139,21 @@ pub struct Steps {
     pub chosen: Option<[f64; 2]>,
     /// How many there were.
     pub steps: u64,
+}
+
+/// Observes a run of what a plant is on its way.
+pub(crate) trait Observes<V: PlantView> {
+    /// What it comes to.
+    type Observation: Clone;
+
+    /// Begins to observe.
+    fn new(rig: &V::Rig, plan: &Run) -> Self;
+
+    /// Observes an accepted step.
+    fn step(&mut self, step: &ViewStep<'_, V>);
+
+    /// The figures of a run that has come to its end, with the last sample.
+    fn finish(self, last: V::Sample, ended: Ended) -> Self::Observation;
 }
 
 /// Everything that is observed.
@@ -156,10 +169,10 @@ pub struct Observation {
     pub air: AirUse,
     /// Ripple, when the command is PWM and at least one period is over.
     pub ripple: Option<Ripple>,
-    /// By the event-located engine.
-    pub located: Option<Located>,
-    /// By the fixed-step engine.
-    pub steps: Option<Steps>,
+    /// How many events of each kind there were.
+    pub events: BTreeMap<EventKind, u64>,
+    /// Steps and ledger.
+    pub ended: Ended,
 }
 
 /// Periods of PWM that are looked at.
@@ -173,14 +186,11 @@ const LEAST_SAMPLES: f64 = 5000.0;
 type Times = Box<dyn Iterator<Item = f64> + Send>;
 
 /// Observes a run on its way.
-pub struct Observer<'p> {
+pub struct Observer {
     first: Option<Sample>,
-    last: Option<Sample>,
     extremes: Extremes,
     air: AirUse,
     window: Option<Window>,
-    /// Of a run by the event-located engine.
-    ledger: Option<PlantLedgerKeeper<'p>>,
     events: BTreeMap<EventKind, u64>,
     /// Time in s of the last event, until the step that holds it.
     event: Option<f64>,
@@ -199,18 +209,18 @@ struct Window {
 }
 
 impl Window {
-    fn of(experiment: &Experiment) -> Option<Self> {
-        let Command::Pwm { frequency, .. } = experiment.rig.actuation()?.command else { return None };
+    fn of(rig: &Rig, plan: &Run) -> Option<Self> {
+        let Command::Pwm { frequency, .. } = rig.actuation()?.command else { return None };
         let period = 1.0 / frequency;
         // A run of 50 periods may miss the fiftieth by a rounding.
-        let whole = (experiment.run.duration / period * (1.0 + 1e-12)) as u64;
+        let whole = (plan.duration / period * (1.0 + 1e-12)) as u64;
         let count = whole.min(PERIODS);
-        let start = experiment.run.duration - count as f64 * period;
-        let end = experiment.run.duration;
+        let start = plan.duration - count as f64 * period;
+        let end = plan.duration;
         (count > 0).then(|| Self { start, end, period, periods: vec![(0.0, 0.0, Range::NONE); count as usize] })
     }
 
-    /// The time in s between two of the points at which an event-located run is read.
+    /// The time in s between two of the points at which a run is read.
     fn step(&self) -> f64 {
         (self.end - self.start) / (self.periods.len() as u64 * POINTS) as f64
     }
@@ -257,24 +267,23 @@ impl Window {
     }
 }
 
-impl<'p> Observer<'p> {
-    /// Begins to observe a run: by the event-located engine, of its plant.
-    pub fn new(of: Option<&'p RigPlant>, experiment: &Experiment) -> Self {
-        let (window, end) = (Window::of(experiment), experiment.run.duration);
+impl Observes<RigPlant> for Observer {
+    type Observation = Observation;
+
+    fn new(rig: &Rig, plan: &Run) -> Self {
+        let (window, end) = (Window::of(rig, plan), plan.duration);
         // A long step, as of a mass in free flight, may hold an extreme between two of its points; and no figure may
         // contradict the file.
-        let interval = experiment.run.sample_interval.min(end / LEAST_SAMPLES);
+        let interval = plan.sample_interval.min(end / LEAST_SAMPLES);
         let points: Times = match &window {
             Some(window) => Box::new(window.points()),
             None => Box::new(std::iter::empty()),
         };
         Self {
             first: None,
-            last: None,
             extremes: Extremes::NONE,
             air: AirUse::default(),
             window,
-            ledger: of.map(|of| PlantLedgerKeeper::new(of.plant(), experiment.run.relative_tolerance)),
             events: BTreeMap::new(),
             event: None,
             samples: Reading::new(Box::new(SampleTimes::new(end, interval).times()), end),
@@ -282,28 +291,8 @@ impl<'p> Observer<'p> {
         }
     }
 
-    /// Observes the state after a step of the fixed-step engine, or the start.
-    pub fn see(&mut self, sample: &Sample) {
-        self.extremes.see(sample);
-        self.first.get_or_insert(*sample);
-        if let Some(before) = self.last.replace(*sample) {
-            let air = |sample: &Sample| sample.air_mass + sample.hose_air_mass;
-            let gain = air(sample) - air(&before);
-            self.air.from_supply += gain.max(0.0);
-            self.air.to_surroundings += (-gain).max(0.0);
-            if let Some(window) = &mut self.window {
-                let (weight, middle) = (sample.time - before.time, 0.5 * (sample.time + before.time));
-                window.see(middle, weight, 0.5 * (sample.length + before.length));
-            }
-        }
-    }
-
-    /// Observes an accepted step of the event-located engine.
-    pub fn step(&mut self, step: &RigStep<'_>) {
-        let Self { first, extremes, air, window, ledger, events, event, samples, points, .. } = self;
-        if let Some(ledger) = ledger {
-            ledger.step(step.plant());
-        }
+    fn step(&mut self, step: &ViewStep<'_, RigPlant>) {
+        let Self { first, extremes, air, window, events, event, samples, points } = self;
         step.quadrature(|weight, sample, flows| {
             extremes.see(sample);
             air.see(weight, flows);
@@ -330,57 +319,10 @@ impl<'p> Observer<'p> {
         }
     }
 
-    /// The figures of a run of the event-located engine that has come to its end.
-    pub fn finish(mut self, last: Sample, run: &PlantRun) -> Observation {
-        let ledger = self.ledger.take().map(|ledger| ledger.finish(run)).unwrap_or_default();
-        self.close(last, (run.statistics(), !run.plant().network().valves.is_empty()), ledger)
-    }
-
-    fn close(mut self, last: Sample, (counts, draws): (Statistics, bool), ledger: PlantLedger) -> Observation {
+    fn finish(mut self, last: Sample, ended: Ended) -> Observation {
         self.extremes.see(&last);
         let ripple = self.window.as_ref().and_then(Window::ripple);
-        Observation {
-            first: self.first.unwrap_or(last),
-            last,
-            extremes: self.extremes,
-            air: self.air,
-            ripple,
-            located: Some(Located { counts, events: self.events, ledger, draws }),
-            steps: None,
-        }
-    }
-
-    /// The figures of a run that was kept, or that was seen step by step by the fixed-step engine.
-    ///
-    /// # Errors
-    /// None but those of the engine.
-    pub fn finish_of(mut self, outcome: &Outcome) -> Result<Observation, mckibben::Error> {
-        match outcome {
-            Outcome::Located(trajectory) => {
-                self.ledger = None;
-                trajectory.replay(&mut |step| {
-                    self.step(step);
-                    Ok(())
-                })?;
-                let draws = trajectory.rig().actuation().is_some();
-                let last = trajectory.at(trajectory.duration());
-                Ok(self.close(last, (trajectory.statistics(), draws), trajectory.ledger()))
-            }
-            Outcome::Stepped { experiment, step, chosen, steps, .. } => {
-                // The engine shows at least its start; the stand-in keeps this free of a panic.
-                let start = || FixedStepper::new(&experiment.rig, experiment.start, experiment.method()).sample();
-                let first = self.first.unwrap_or_else(start);
-                let chosen = chosen.map(|error| [error.compared, error.greatest()]);
-                Ok(Observation {
-                    first,
-                    last: self.last.unwrap_or(first),
-                    extremes: self.extremes,
-                    air: self.air,
-                    ripple: self.window.as_ref().and_then(Window::ripple),
-                    located: None,
-                    steps: Some(Steps { step: *step, chosen, steps: *steps }),
-                })
-            }
-        }
+        let Self { first, extremes, air, events, .. } = self;
+        Observation { first: first.unwrap_or(last), last, extremes, air, ripple, events, ended }
     }
 }

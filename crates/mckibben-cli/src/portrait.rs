@@ -1,14 +1,13 @@
 //! The figure of a run: length, pressure and tension over time with the valve as bands behind them, or tension over length.
 
 use crate::closed_loop::Goal;
-use crate::engine::Outcome;
+use crate::engine::Kept;
 use crate::events;
 use crate::failure::Failure;
 use crate::plot::{Axis, Colour, Dash, Figure, Marks, PRINT_SCALE, Panel, Series, Span, Symbol, Theme};
-use mckibben::Error;
 use mckibben::control::Quantity;
-use mckibben::simulation::{EventKind, Sample};
-use mckibben_scenario::Experiment;
+use mckibben::plant::{RigPlant, RigTrajectory};
+use mckibben::simulation::EventKind;
 use std::path::Path;
 
 /// How a figure is written.
@@ -48,19 +47,10 @@ pub enum Over {
 }
 
 /// The figure of a run, with the set points of a controller as broken lines.
-///
-/// # Errors
-/// What the core finds when a fixed-step run is repeated.
-pub fn figure(
-    experiment: &Experiment,
-    outcome: &Outcome,
-    goals: &[Goal],
-    over: Over,
-    title: &str,
-) -> Result<Figure, Error> {
+pub(crate) fn figure(run: &Kept<RigPlant>, over: Over, title: &str) -> Figure {
     match over {
-        Over::Time => courses(experiment, outcome, goals, title),
-        Over::Length => loops(experiment, outcome, title),
+        Over::Time => courses(run, title),
+        Over::Length => loops(run, title),
     }
 }
 
@@ -125,10 +115,10 @@ impl Bands {
     }
 }
 
-fn courses(experiment: &Experiment, outcome: &Outcome, goals: &[Goal], title: &str) -> Result<Figure, Error> {
-    let duration = experiment.run.duration;
-    let curves = curves(experiment, outcome)?;
-    let limits = experiment.rig.actuator().limits();
+fn courses(run: &Kept<RigPlant>, title: &str) -> Figure {
+    let (goals, rig, duration) = (run.goals(), run.trajectory.rig(), run.plan.duration);
+    let curves = curves(run);
+    let limits = rig.actuator().limits();
     let peak = curves.pressure.iter().fold(0.0, |peak: f64, pressure| peak.max(pressure.abs()));
     let (per_pascal, unit) = if peak < 50e3 { (1e-3, "kPa") } else { (1e-5, "bar") };
 
@@ -141,7 +131,7 @@ fn courses(experiment: &Experiment, outcome: &Outcome, goals: &[Goal], title: &s
             length = length.horizontal(value * 1e3, name);
         }
     }
-    for marks in marks(outcome) {
+    for marks in marks(&run.trajectory) {
         length = length.marks(marks);
     }
     let mut panels = vec![
@@ -152,7 +142,7 @@ fn courses(experiment: &Experiment, outcome: &Outcome, goals: &[Goal], title: &s
     if goals.iter().any(|goal| goal.quantity == Quantity::AirMass) {
         panels.push((Panel::new(Axis::new("mass of air", "mg")), curves.air_mass, 1e6, Some(Quantity::AirMass)));
     }
-    if let Some(tendon) = experiment.rig.tendon() {
+    if let Some(tendon) = rig.tendon() {
         let (panel, rest) = (Panel::new(Axis::new("load, less tendon", "mm")), tendon.rest_length());
         panels.push((panel, curves.load.iter().map(|distance| distance - rest).collect(), 1e3, None));
     }
@@ -170,27 +160,25 @@ fn courses(experiment: &Experiment, outcome: &Outcome, goals: &[Goal], title: &s
         if beside {
             let regulated = curves.regulated.iter().map(|value| value * factor).collect();
             let regulated = Series::line("regulated", curves.time.clone(), regulated);
-            panel =
-                panel.series(regulated.colour(Colour::Category(1)).dash(Dash::Solid)).series(asked(experiment, factor));
+            panel = panel.series(regulated.colour(Colour::Category(1)).dash(Dash::Solid)).series(asked(run, factor));
         }
         if let Some(goal) = goals.iter().find(|goal| Some(goal.quantity) == shown) {
             panel = panel.series(wanted(goal, factor));
         }
         figure = figure.panel(panel);
     }
-    Ok(figure.size_mm(120.0, 32.0))
+    figure.size_mm(120.0, 32.0)
 }
 
 /// The set points of a pressure regulator, in a unit of which a pascal is so many.
-fn asked(experiment: &Experiment, factor: f64) -> Series {
-    let command = experiment.rig.actuation().map(|actuation| &actuation.command);
+fn asked(run: &Kept<RigPlant>, factor: f64) -> Series {
+    let duration = run.plan.duration;
+    let command = run.trajectory.rig().actuation().map(|actuation| &actuation.command);
     let given = (0..).map_while(|index| command?.set_point(index));
-    let (mut time, mut gauge): (Vec<f64>, Vec<f64>) = given
-        .take_while(|(time, _)| *time <= experiment.run.duration)
-        .map(|(time, gauge)| (time, gauge * factor))
-        .unzip();
+    let (mut time, mut gauge): (Vec<f64>, Vec<f64>) =
+        given.take_while(|(time, _)| *time <= duration).map(|(time, gauge)| (time, gauge * factor)).unzip();
     if let Some(last) = gauge.last().copied() {
-        time.push(experiment.run.duration);
+        time.push(duration);
         gauge.push(last);
     }
     Series::steps("set point", time, gauge).colour(Colour::Category(1)).dash(Dash::Dashed)
@@ -205,19 +193,21 @@ pub(crate) fn wanted(goal: &Goal, factor: f64) -> Series {
     draw("set point", goal.time.clone(), target).dash(Dash::Dashed)
 }
 
-fn loops(experiment: &Experiment, outcome: &Outcome, title: &str) -> Result<Figure, Error> {
-    let Curves { length, tension, .. } = curves(experiment, outcome)?;
+fn loops(run: &Kept<RigPlant>, title: &str) -> Figure {
+    let Curves { length, tension, .. } = curves(run);
     let length = length.into_iter().map(|length| length * 1e3).collect();
     let panel = Panel::new(Axis::new("tension", "N")).series(Series::line("", length, tension));
-    Ok(Figure::new(Axis::new("length", "mm")).title(title).panel(panel).size_mm(120.0, 80.0))
+    Figure::new(Axis::new("length", "mm")).title(title).panel(panel).size_mm(120.0, 80.0)
 }
 
-fn curves(experiment: &Experiment, outcome: &Outcome) -> Result<Curves, Error> {
-    let (duration, interval) = (experiment.run.duration, experiment.run.sample_interval);
+fn curves(run: &Kept<RigPlant>) -> Curves {
+    let Kept { plan, trajectory, .. } = run;
+    let (rig, duration) = (trajectory.rig(), plan.duration);
     let mut curves = Curves::default();
-    let atmosphere = experiment.rig.actuator().air().atmosphere().0;
-    let regulates = experiment.rig.regulator().is_some();
-    let draw = |curves: &mut Curves, sample: &Sample| {
+    let atmosphere = rig.actuator().air().atmosphere().0;
+    let regulates = rig.regulator().is_some();
+    let interval = plan.sample_interval.min(duration / POINTS.0).max(duration / POINTS.1);
+    for sample in trajectory.samples(interval) {
         curves.time.push(sample.time);
         curves.length.push(sample.length);
         curves.pressure.push(sample.pressure.0 - atmosphere);
@@ -227,39 +217,18 @@ fn curves(experiment: &Experiment, outcome: &Outcome) -> Result<Curves, Error> {
         if let Some(regulated) = sample.supply_pressure.filter(|_| regulates) {
             curves.regulated.push(regulated.0 - atmosphere);
         }
-    };
-
-    match outcome {
-        Outcome::Located(trajectory) => {
-            let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
-            trajectory.samples(interval).for_each(|sample| draw(&mut curves, &sample));
-            // The passage of a regulator is open all the time.
-            curves.supply.see(0.0, !regulates && trajectory.at(0.0).ports.supply);
-            for event in trajectory.events().iter().filter(|event| event.kind == EventKind::Valve) {
-                curves.supply.see(event.time, event.after.ports.supply);
-            }
-        }
-        Outcome::Stepped { .. } => {
-            let stride = (duration / interval / POINTS.1).ceil().max(1.0) as u64;
-            let mut row = 0;
-            outcome.each_sample::<Error>(interval, &mut |sample| {
-                if row % stride == 0 {
-                    draw(&mut curves, sample);
-                }
-                // Without a log the bands are as sharp as the samples.
-                curves.supply.see(sample.time, !regulates && sample.ports.supply);
-                row += 1;
-                Ok(())
-            })?;
-        }
+    }
+    // The passage of a regulator is open all the time.
+    curves.supply.see(0.0, !regulates && trajectory.at(0.0).ports.supply);
+    for event in trajectory.events().iter().filter(|event| event.kind == EventKind::Valve) {
+        curves.supply.see(event.time, event.after.ports.supply);
     }
     curves.supply.see(duration, false);
-    Ok(curves)
+    curves
 }
 
 /// Symbols at the events of the motion, each kind that is rare enough to be looked at one by one.
-fn marks(outcome: &Outcome) -> Vec<Marks> {
-    let Outcome::Located(trajectory) = outcome else { return Vec::new() };
+fn marks(trajectory: &RigTrajectory) -> Vec<Marks> {
     let symbols = [Symbol::Circle, Symbol::Triangle, Symbol::Square, Symbol::Diamond, Symbol::TriangleDown];
     let log = trajectory.events();
     let counts = events::counts(log);

@@ -3,14 +3,15 @@
 use crate::closed_loop::{Closed, Goal, Miss};
 use crate::describe;
 use crate::failure::Failure;
-use crate::observation::{Observation, Range, Ripple, Steps};
+use crate::observation::{Ended, Observation, Range, Ripple, Steps};
 use crate::quantities::{self, common_prefix, count, given};
 use crate::terminal::{FAINT, HEADING, NOTABLE, styled, width, wrap};
 use mckibben::air::Process;
 use mckibben::engine::Statistics;
 use mckibben::plant::{Balance, PlantLedger};
+use mckibben::simulation::Rig;
 use mckibben::valve::REFERENCE_DENSITY;
-use mckibben_scenario::{Assumed, Experiment, Load, Run, Scenario};
+use mckibben_scenario::{Assumed, Load, Run, Scenario};
 use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -32,7 +33,7 @@ pub struct Summary<'a> {
     /// The scenario as it was understood.
     pub scenario: &'a Scenario,
     /// What was simulated.
-    pub experiment: &'a Experiment,
+    pub rig: &'a Rig,
     /// The controller's part in it, if there is one.
     pub control: Option<&'a Closed>,
     /// Its figures.
@@ -55,22 +56,20 @@ impl Summary<'_> {
         self.states(page);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
-            let air = page.quantity(self.observation.air.from_supply, "kg");
-            effort(page, closed.samples(), &count(closed.requests() as u64), Some(&air));
+            effort(page, closed, self.observation.air.from_supply);
         }
         self.air(page);
-        if let Some(located) = &self.observation.located {
-            energy(page, &located.ledger);
-            if located.draws {
-                let process = self.experiment.rig.actuator().air().process();
-                circuit(page, &Exergy::of_plant(&located.ledger), process, sums(&located.ledger.exergy()));
-            }
+        let ended = &self.observation.ended;
+        energy(page, &ended.ledger);
+        if ended.draws {
+            let process = self.rig.actuator().air().process();
+            circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
         }
         page.finish(&assumptions(self.assumed))
     }
 
     fn what_ran(&self, page: &Page) {
-        let run = &self.experiment.run;
+        let run = &self.scenario.run;
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
         page.line("load", &describe::load(&self.scenario.load));
         if let Some(tendon) = &self.scenario.tendon {
@@ -79,24 +78,15 @@ impl Summary<'_> {
         page.line("drive", &describe::drive(self.scenario));
         page.line("air", &describe::air(&self.scenario.air.process));
         page.line("engine", &describe::engine(run));
-        if let Some(Steps { step, chosen, .. }) = &self.observation.steps {
-            page.line("step", &step_of(page, *step, *chosen, run));
-        }
-        page.line("cost", &format!("{}, {}", self.cost(), page.quantity(self.elapsed.as_secs_f64(), "s")));
-    }
-
-    fn cost(&self) -> String {
-        let located = self.observation.located.as_ref().map(|located| cost(located.counts));
-        let steps = self.observation.steps.as_ref().map(|steps| format!("{} steps", count(steps.steps)));
-        located.or(steps).unwrap_or_default()
+        cost(page, &self.observation.ended, run, self.elapsed);
     }
 
     fn states(&self, page: &Page) {
         let (last, extremes) = (&self.observation.last, &self.observation.extremes);
-        let limits = self.experiment.rig.actuator().limits();
+        let limits = self.rig.actuator().limits();
         let longest = limits.max_length();
         let contraction = |length: f64| (longest - length) / longest;
-        let atmosphere = self.experiment.rig.actuator().air().atmosphere().0;
+        let atmosphere = self.rig.actuator().air().atmosphere().0;
         let gauge = |range: Range| Range { least: range.least - atmosphere, greatest: range.greatest - atmosphere };
         let shortening =
             Range { least: contraction(extremes.length.greatest), greatest: contraction(extremes.length.least) };
@@ -108,7 +98,7 @@ impl Summary<'_> {
         page.columns("contraction", percents);
         page.range("velocity", last.velocity, extremes.velocity, "m/s");
         page.range("tension", last.tension, extremes.tension, "N");
-        if let Some(tendon) = self.experiment.rig.tendon() {
+        if let Some(tendon) = self.rig.tendon() {
             let stretch = page.quantity(last.tension / tendon.stiffness(), "m");
             let distance = page.quantity(last.load_distance, "m");
             page.line("tendon", &format!("stretched by {stretch} at the end, the load at {distance}"));
@@ -118,7 +108,7 @@ impl Summary<'_> {
         let temperature = &extremes.temperature;
         page.columns("temperature", [last.temperature, temperature.least, temperature.greatest].map(kelvin));
         page.line("air", &format!("{} in {} at the end", page.quantity(last.air_mass, "kg"), page.volume(last.volume)));
-        match last.supply_pressure.filter(|_| self.experiment.rig.regulator().is_some()) {
+        match last.supply_pressure.filter(|_| self.rig.regulator().is_some()) {
             Some(regulated) => {
                 page.line(
                     "regulator",
@@ -141,11 +131,6 @@ impl Summary<'_> {
         }
         let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
         page.heading("Air");
-        if self.observation.located.is_none() {
-            page.line("in", &format!("{} (by the net change of each step)", said(air.from_supply)));
-            page.line("out", &said(air.to_surroundings));
-            return;
-        }
         page.line("from supply", &said(air.from_supply));
         page.line("to exhaust", &said(air.to_surroundings));
         // Flow against the usual direction is worth a line only where there is any.
@@ -158,10 +143,7 @@ impl Summary<'_> {
 
     fn events(&self, page: &Page) {
         page.heading("Events");
-        match &self.observation.located {
-            None => page.line("", "the fixed-step engine keeps no log of events"),
-            Some(located) => events(page, located.events.iter().map(|(kind, number)| (kind.name(), *number))),
-        }
+        events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
     }
 }
 
@@ -203,17 +185,24 @@ pub(crate) fn goals_by_name<'g>(page: &Page, goals: impl IntoIterator<Item = (St
     }
 }
 
-/// What a controller did and what it took.
-pub(crate) fn effort(page: &Page, samples: usize, requests: &str, air: Option<&str>) {
-    page.line("samples", &format!("{}; errors are as measured then", count(samples as u64)));
-    page.line("requests", &format!("{requests} changes of what the valve is asked"));
-    if let Some(air) = air {
-        page.line("air used", &format!("{air} from the supply"));
-    }
+/// What a controller did and what it took of air in kg.
+pub(crate) fn effort(page: &Page, closed: &Closed, air: f64) {
+    page.line("samples", &format!("{}; errors are as measured then", count(closed.samples as u64)));
+    let requests: Vec<String> = closed.requests.iter().map(|requests| count(*requests as u64)).collect();
+    page.line("requests", &format!("{} changes of what the valve is asked", requests.join(" and ")));
+    page.line("air used", &format!("{} from the supply", page.quantity(air, "kg")));
 }
 
-/// What a run of the event-located engine cost.
-pub(crate) fn cost(counts: Statistics) -> String {
+/// What a run cost, at fixed steps with their length and what that was chosen for.
+pub(crate) fn cost(page: &Page, ended: &Ended, run: &Run, elapsed: Duration) {
+    if let Some(Steps { step, chosen, .. }) = ended.steps {
+        page.line("step", &step_of(page, step, chosen, run));
+    }
+    page.line("cost", &format!("{}, {}", work(ended.counts), page.quantity(elapsed.as_secs_f64(), "s")));
+}
+
+/// How many steps and evaluations a run took.
+fn work(counts: Statistics) -> String {
     let steps = count(counts.explicit_steps + counts.implicit_steps);
     let implicit = match counts.implicit_steps {
         0 => String::new(),
@@ -242,7 +231,7 @@ pub(crate) fn residual_in(page: &Page, [residual, turnover, rounding]: [f64; 3],
 }
 
 /// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
-pub(crate) fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
+fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
     let Some([compared, greatest]) = chosen else { return format!("at most {}, as given", given(step, "s")) };
     let over =
         if compared < run.duration { format!(" over the first {}", given(compared, "s")) } else { String::new() };

@@ -195,7 +195,6 @@ fn mistakes_on_the_command_line() {
         &["simulate", "muscle.toml", "--events-output", "events.parquet"],
         &["simulate", "muscle.toml", "--output", "same.csv", "--events-output", "same.csv"],
         &["simulate", "muscle.toml", "--set", "load.mass"],
-        &["simulate", "muscle.toml", "--set", "run.engine=fixed-step", "--events-output", "events.csv"],
         &["simulate"],
         &["presets", "nothing"],
         &["frobnicate"],

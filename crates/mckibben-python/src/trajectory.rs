@@ -34,14 +34,12 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResu
         Ok(Column { name: column.name, unit: column.unit.to_owned(), values: array(py, column.values)?.unbind() })
     };
     let columns = columns.into_iter().map(of_column).collect::<PyResult<_>>()?;
-    let events = log.map(|log| {
-        let columns: Arc<[String]> = log.columns.into();
-        let event = |(time, words): (f64, Vec<Cow<'static, str>>)| {
-            let words = words.into_iter().map(Cow::into_owned).collect();
-            Event { time, columns: columns.clone(), words }
-        };
-        log.times.into_iter().zip(log.rows).map(event).collect()
-    });
+    let names: Arc<[String]> = log.columns.into();
+    let event = |(time, words): (f64, Vec<Cow<'static, str>>)| {
+        let words = words.into_iter().map(Cow::into_owned).collect();
+        Event { time, columns: names.clone(), words }
+    };
+    let events = log.times.into_iter().zip(log.rows).map(event).collect();
     let kept = Mutex::new(Some(Arc::new(finished)));
     Ok(Trajectory { scenario: scenario.clone().unbind(), columns, events, kept })
 }
@@ -50,7 +48,7 @@ fn run(py: Python<'_>, scenario: &Scenario) -> PyResult<Finished> {
     let mut watch = Watch::new();
     let finished = py.detach(|| {
         let ready = Ready::of(&scenario.document)?;
-        ready.run(&scenario.document, &mut |_, _| (), &mut |time| watch.at(time))
+        ready.run(&scenario.document, &mut |time| watch.at(time))
     });
     watch.outcome(finished)
 }
@@ -75,8 +73,7 @@ struct Column {
 pub(crate) struct Trajectory {
     scenario: Py<Scenario>,
     columns: Vec<Column>,
-    /// `None` where the engine keeps no log.
-    events: Option<Vec<Event>>,
+    events: Vec<Event>,
     /// The run itself; made again when it is asked for and not there, as after unpickling.
     kept: Mutex<Option<Arc<Finished>>>,
 }
@@ -198,14 +195,14 @@ impl Trajectory {
     fn restored(
         scenario: Py<Scenario>,
         columns: Items<(String, String, Bound<'_, PyAny>)>,
-        events: Option<Items<Bound<'_, Event>>>,
+        events: Items<Bound<'_, Event>>,
     ) -> PyResult<Self> {
         let of_column = |(name, unit, values): (String, String, Bound<'_, PyAny>)| {
             values.call_method1("setflags", (false,))?;
             Ok(Column { name, unit, values: values.unbind() })
         };
         let columns = columns.0.into_iter().map(of_column).collect::<PyResult<_>>()?;
-        let events = events.map(|events| events.0.iter().map(|event| event.get().clone()).collect());
+        let events = events.0.iter().map(|event| event.get().clone()).collect();
         Ok(Self { scenario, columns, events, kept: Mutex::new(None) })
     }
 
@@ -333,13 +330,13 @@ impl Trajectory {
         self.attribute(py, "torque_n_m").map(Numbers)
     }
 
-    /// What happened, in order of time; none at fixed steps, whose engine keeps no log.
+    /// What happened, in order of time.
     #[getter]
     fn events(&self) -> Vec<Event> {
-        self.events.clone().unwrap_or_default()
+        self.events.clone()
     }
 
-    /// Every column at `time` in s, by the polynomials of the event-located engine: exact between the samples too.
+    /// Every column at `time` in s, by the polynomials of the steps: by the event-located engine exact between the samples too.
     ///
     /// Raises `InputError` for a time outside the run, and for a run at fixed steps.
     fn at<'py>(&self, py: Python<'py>, time: f64) -> PyResult<Row<'py>> {

@@ -1,14 +1,16 @@
 //! From a controller in a file to the core's: the same numbers, in the core's types.
 
-use crate::choice::{CommandState, Engine, ValveKind};
+use crate::choice::{CommandState, ValveKind};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::model::Experiment;
 use crate::scenario::{Aim, Command, Controller, Load, Regulator, Scenario};
+use mckibben::command::Driver;
 use mckibben::control::{
     self, AirMass, Between, Drive, FeedForward, Measurement, Output, Pid, Place, Quantity, RegulatorMemory, Relay,
     Sampling, Sensor, Sensors, SetPoint, StaticAim, Tracker,
 };
+use mckibben::plant::{PlantStepError, RigPlant, TimeStepping};
 use mckibben::{Actuator, Error, GaugePressure};
 
 /// A scenario with a controller ready to run.
@@ -26,6 +28,26 @@ pub struct ControlledExperiment {
     pub regulated: Quantity,
     /// The set points of the file.
     pub set_points: Vec<(Quantity, SetPoint)>,
+}
+
+impl ControlledExperiment {
+    /// The controller as the driver of the valve of its plant.
+    ///
+    /// # Errors
+    /// As [`RigPlant::driver`].
+    pub fn driver(&self, of: &RigPlant) -> Result<Driver, Error> {
+        of.driver(self.law.clone(), (self.sampling, self.sensors))
+    }
+
+    /// How it goes through time: see [`Experiment::stepping`].
+    ///
+    /// # Errors
+    /// As [`Experiment::stepping`].
+    pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
+        let of = RigPlant::new(&self.experiment.rig);
+        let driver = self.driver(&of)?;
+        self.experiment.run.stepping_of((of.plant(), &of.start(&self.experiment.start)), &|| vec![driver.clone()])
+    }
 }
 
 /// The controller of a scenario.
@@ -106,16 +128,7 @@ impl Document {
     }
 }
 
-/// Refuses fixed steps under a controller of which none is given.
-pub(crate) fn check_step(scenario: &Scenario) -> Result<(), Error> {
-    if scenario.run.engine == Engine::FixedStep && scenario.run.step.is_none() {
-        return Err(Error::NotImplemented(&mckibben::limit::CONTROLLER_STEP));
-    }
-    Ok(())
-}
-
 fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
-    check_step(scenario)?;
     let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
     let ActuatorLoop { law, sampling, sensors, regulated, set_points } =

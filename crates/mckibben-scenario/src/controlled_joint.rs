@@ -1,14 +1,16 @@
 //! From a controller of a joint in a file to the core's: the same numbers, in the core's types.
 
-use crate::controlled::{check_step, core_regulator, core_sampling, ways};
+use crate::controlled::{core_regulator, core_sampling, ways};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::model::JointExperiment;
 use crate::scenario::{Aim, Command, Controller, Load, Scenario};
+use mckibben::command::Driver;
 use mckibben::control::{
     AirMass, Between, Drive, FeedForward, JointAim, JointController, JointMeasurement, JointSensors, JointTracker,
     Output, Quantity, RegulatorMemory, Sampling, Sensor, SetPoint,
 };
+use mckibben::plant::{JointPlant, PlantStepError, TimeStepping};
 use mckibben::simulation::JointRig;
 use mckibben::{Error, GaugePressure};
 
@@ -27,6 +29,26 @@ pub struct ControlledJointExperiment {
     pub regulated: Quantity,
     /// The set points of the file.
     pub set_points: Vec<(Quantity, SetPoint)>,
+}
+
+impl ControlledJointExperiment {
+    /// The controller as the driver of both valves of its plant.
+    ///
+    /// # Errors
+    /// As [`JointPlant::driver`].
+    pub fn driver(&self, of: &JointPlant) -> Result<Driver, Error> {
+        of.driver(self.law.clone(), (self.sampling, self.sensors))
+    }
+
+    /// How it goes through time: see [`JointExperiment::stepping`].
+    ///
+    /// # Errors
+    /// As [`JointExperiment::stepping`].
+    pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
+        let of = JointPlant::new(&self.experiment.rig)?;
+        let driver = self.driver(&of)?;
+        self.experiment.run.stepping_of((of.plant(), &of.start(&self.experiment.start)), &|| vec![driver.clone()])
+    }
 }
 
 /// The controller of a scenario with a joint.
@@ -102,7 +124,6 @@ fn controlled(
     of: &Controller,
     experiment: JointExperiment,
 ) -> Result<ControlledJointExperiment, Error> {
-    check_step(scenario)?;
     let own = ways(scenario)?;
     if let Some(second) = scenario.of_antagonist()
         && ways(&second)? != own

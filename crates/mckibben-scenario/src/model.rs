@@ -7,15 +7,14 @@ use crate::scenario::{
     self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
     MomentArm, Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
 };
+use mckibben::command::Driver;
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
-use mckibben::limit;
 use mckibben::line::{self, Line};
 use mckibben::parameter as p;
-use mckibben::plant::TimeStepping;
-use mckibben::simulation::accuracy::{StepError, step_for_accuracy};
+use mckibben::plant::{JointPlant, Plant, PlantStart, PlantStepError, RigPlant, TimeStepping, plant_step_for_accuracy};
 use mckibben::simulation::{
-    self, Actuation, Driven, Fittings, Initial, JointInitial, JointRig, JointState, JointStepError, JointSupply,
-    PressureCourse, Rig, State, joint_step_for_accuracy,
+    self, Actuation, Driven, Fittings, Initial, JointInitial, JointRig, JointState, JointSupply, PressureCourse, Rig,
+    State,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
 
@@ -31,24 +30,28 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// The formula of the fixed-step engine, as the core names it.
+    /// The method of the fixed-step engine, as the core names it.
     pub fn method(&self) -> simulation::Method {
         self.run.core_method()
     }
 
-    /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
-    /// needs, with its error.
+    /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the longest that the accuracy
+    /// allows, with its error.
     ///
     /// # Errors
-    /// As [`step_for_accuracy`], when no step is given.
-    pub fn step(&self) -> Result<(f64, Option<StepError>), Error> {
-        let run = &self.run;
-        if let Some(step) = run.step {
-            return Ok((step, None));
-        }
-        let times = (run.duration, run.sample_interval);
-        let chosen = step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
-        Ok((chosen.step, Some(chosen)))
+    /// As [`plant_step_for_accuracy`], when no step is given.
+    pub fn step(&self) -> Result<(f64, Option<PlantStepError>), Error> {
+        let of = RigPlant::new(&self.rig);
+        self.run.step_of((of.plant(), &of.start(&self.start)), &Vec::new)
+    }
+
+    /// How it goes through time. A fixed step that no one gives is the longest that the accuracy allows, with its error.
+    ///
+    /// # Errors
+    /// As [`plant_step_for_accuracy`], when a step is chosen.
+    pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
+        let of = RigPlant::new(&self.rig);
+        self.run.stepping_of((of.plant(), &of.start(&self.start)), &Vec::new)
     }
 }
 
@@ -75,24 +78,28 @@ pub struct JointExperiment {
 }
 
 impl JointExperiment {
-    /// The formula of the fixed-step engine, as the core names it.
+    /// The method of the fixed-step engine, as the core names it.
     pub fn method(&self) -> simulation::Method {
         self.run.core_method()
     }
 
-    /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the one that the accuracy
-    /// needs, with its error.
+    /// The step of the fixed-step engine in s: the one that is given, whatever the accuracy; else the longest that the accuracy
+    /// allows, with its error.
     ///
     /// # Errors
-    /// As [`joint_step_for_accuracy`], when no step is given.
-    pub fn step(&self) -> Result<(f64, Option<JointStepError>), Error> {
-        let run = &self.run;
-        if let Some(step) = run.step {
-            return Ok((step, None));
-        }
-        let times = (run.duration, run.sample_interval);
-        let chosen = joint_step_for_accuracy(&self.rig, self.start, times, self.method(), run.accuracy)?;
-        Ok((chosen.step, Some(chosen)))
+    /// As [`plant_step_for_accuracy`], when no step is given.
+    pub fn step(&self) -> Result<(f64, Option<PlantStepError>), Error> {
+        let of = JointPlant::new(&self.rig)?;
+        self.run.step_of((of.plant(), &of.start(&self.start)), &Vec::new)
+    }
+
+    /// How it goes through time. A fixed step that no one gives is the longest that the accuracy allows, with its error.
+    ///
+    /// # Errors
+    /// As [`plant_step_for_accuracy`], when a step is chosen.
+    pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
+        let of = JointPlant::new(&self.rig)?;
+        self.run.stepping_of((of.plant(), &of.start(&self.start)), &Vec::new)
     }
 }
 
@@ -147,9 +154,6 @@ impl Scenario {
                 JointRig::fitted([agonist, antagonist], joint, fittings, supply)
             })
             .map_err(failed)?;
-        if self.run.engine == Engine::FixedStep && rig.fittings().iter().any(|of| !of.is_none()) {
-            return Err(failed(Error::NotImplemented(&limit::JOINT_FIXED_STEP)));
-        }
         self.run.check_counts().map_err(failed)?;
         for (part, driven) in [Part::Joint, Part::Antagonist].into_iter().zip(rig.driven()) {
             let counts = driven.actuation.as_ref().map_or(Ok(()), |of| of.check_counts(self.run.duration));
@@ -279,9 +283,37 @@ impl Run {
     }
 
     /// Fixed steps that divide the sample interval into the least number of equal parts not longer than `step` s.
-    pub(crate) fn fixed(&self, step: f64) -> TimeStepping {
+    pub fn fixed(&self, step: f64) -> TimeStepping {
         let parts = simulation::steps_between(0.0, self.sample_interval, step);
         TimeStepping::Fixed { method: self.core_method(), step: self.sample_interval / parts as f64 }
+    }
+
+    /// The step in s of a run of a plant: the one that is given, or the longest that the accuracy allows, with its error.
+    /// `drivers` makes the drivers again.
+    fn step_of(
+        &self,
+        of: (&Plant, &PlantStart),
+        drivers: &dyn Fn() -> Vec<Driver>,
+    ) -> Result<(f64, Option<PlantStepError>), Error> {
+        if let Some(step) = self.step {
+            return Ok((step, None));
+        }
+        let times = (self.duration, self.sample_interval);
+        let chosen = plant_step_for_accuracy(of, drivers, times, self.core_method(), self.accuracy)?;
+        Ok((chosen.step, Some(chosen)))
+    }
+
+    /// How a run of a plant goes through time; see [`Run::step_of`].
+    pub(crate) fn stepping_of(
+        &self,
+        of: (&Plant, &PlantStart),
+        drivers: &dyn Fn() -> Vec<Driver>,
+    ) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
+        if self.engine == Engine::EventLocated {
+            return Ok((self.stepping(), None));
+        }
+        let (step, chosen) = self.step_of(of, drivers)?;
+        Ok((self.fixed(step), chosen))
     }
 
     /// That the run has no more samples and steps than [`MAX_COUNT`](mckibben::parameter::MAX_COUNT).

@@ -3,7 +3,7 @@
 
 use mckibben::plant::{JointPlant, PlantSample, simulate_plant};
 use mckibben::simulation::JointSample;
-use mckibben_scenario::{Document, PlantExperiment, Scenario};
+use mckibben_scenario::{Document, JointExperiment, PlantExperiment, Scenario};
 
 const BODY: &str = "[actuator]\npreset = \"colbrunn-2001\"\n";
 const VALVE: &str =
@@ -206,17 +206,29 @@ fn both_draw_from_one_tank_unless_the_antagonist_has_its_own() {
     assert_eq!((tanks(&one), tanks(&two)), (1, 2));
 }
 
+/// Whatever an actuator of a joint has beside its valve goes through time at fixed steps too, near the other engine.
 #[test]
-fn fixed_steps_and_models_are_refused() {
-    let told = |text: &str| parse(text).joint_experiment().expect_err("a mistake").to_string();
-    let step = "[run]\nengine = \"fixed-step\"\nstep = \"0.1 ms\"\n";
+fn all_of_them_run_at_fixed_steps() {
     for case in cases().iter().skip(1) {
-        let message = told(&case.joint_file().replace("[run]\n", step));
-        assert!(
-            message.contains("run.engine = \"fixed-step\" is not implemented for a joint with a hose"),
-            "{message}"
-        );
+        let of = |run: &str| {
+            let text = case.joint_file().replace("[run]\n", &format!("[run]\n{run}"));
+            parse(&text).joint_experiment().expect("a joint").expect("an experiment")
+        };
+        let (located, stepped) = (of(""), of("engine = \"fixed-step\"\nstep = \"50 us\"\n"));
+        let end = |of: &JointExperiment| {
+            let (how, _) = of.stepping().expect("a way");
+            let run = JointPlant::new(&of.rig).expect("a plant").simulate(&of.start, 0.1, how).expect("a run");
+            run.at(0.1)
+        };
+        let (exact, found) = (end(&located), end(&stepped));
+        let off = [found.angle - exact.angle, found.actuators[0].tension / exact.actuators[0].tension - 1.0];
+        assert!(off.iter().all(|off| off.abs() < 2e-3), "{off:?}");
     }
+}
+
+#[test]
+fn models_are_refused() {
+    let told = |text: &str| parse(text).joint_experiment().expect_err("a mistake").to_string();
     // The laws by the model know no tendon; one that tracks the angle asks for none.
     let tendons = cases().into_iter().find(|case| case.name == "tendons").expect("a case");
     let controlled = |law: &str| {

@@ -247,7 +247,7 @@ fn the_step_is_given_or_follows_from_the_accuracy() {
     assert!(fine.0 < coarse.0, "{fine:?} and {coarse:?}");
     for ((step, error), accuracy) in [(coarse, 1e-2), (fine, 1e-4)] {
         let error = error.expect("it was chosen");
-        assert!(error.step == step && error.greatest() <= accuracy, "{error:?}");
+        assert!(error.step == step && error.greatest <= accuracy, "{error:?}");
     }
     for accuracy in ["0.0", "1.0", "1e-10"] {
         let text = format!("{EXAMPLE}\naccuracy = {accuracy}");

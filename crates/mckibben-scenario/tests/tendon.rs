@@ -66,5 +66,5 @@ fn both_engines_take_it() {
     let (step, error) =
         document(&[TENDON, &moving, without]).experiment().expect("an experiment").step().expect("a step");
     let error = error.expect("measured");
-    assert!(step <= 1e-3 && error.greatest() <= 1e-2, "{step} s: {error:?}");
+    assert!(step <= 1e-3 && error.greatest <= 1e-2, "{step} s: {error:?}");
 }

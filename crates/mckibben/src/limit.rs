@@ -68,9 +68,6 @@ limits! {
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
         "let it draw from a supply of constant pressure, or choose a valve with seats";
-    JOINT_FIXED_STEP: "run.engine = \"fixed-step\"",
-        "for a joint with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
-        "set run.engine = \"event-located\", or leave these out";
     JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
         "run it with `mckibben simulate`, or choose another load.kind";
     JOINT_POSITION: "a position or a set point", "for the valves of a joint or a leg that a host drives",
@@ -79,16 +76,8 @@ limits! {
         "run it by `mckibben simulate`, or choose another command.kind";
     CONTROLLER_VALVE: "a controller", "with a valve that is neither three-way nor fill-hold-exhaust",
         "set valve.kind to one of these";
-    CONTROLLER_STEP: "a fixed step that is chosen by an accuracy", "under a controller",
-        "give run.step, such as \"0.1 ms\"";
     CONTROLLER_PAIR: "a pair of pressures by torque and stiffness", "for another law of force than the ideal braid's",
         "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness";
-    TENDON_MOTION: "a prescribed motion with a tendon in series", "in the fixed-step engine",
-        "name the actuator, as in [actuators.muscle], set run.engine = \"event-located\", or leave out [tendon]";
-    TENDON_FALLING: "friction that depends on the velocity, without viscous friction", "in series with a tendon",
-        "give actuator.friction.viscous, set static_ratio = 1 or damping_time = 0, or set run.engine = \"fixed-step\"";
-    PRESSURE_FIXED_STEP: "a pressure that is given over time", "for one actuator in the fixed-step engine",
-        "name the actuator, as in [actuators.muscle], set run.engine = \"event-located\", or leave out [pressure]";
     PRESSURE_LINEAR: "a linear model by `linearize`",
         "of an actuator on a tendon whose pressure is given and that has no viscous friction",
         "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";

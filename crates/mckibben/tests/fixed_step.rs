@@ -1,11 +1,12 @@
 //! The fixed-step engine: its orders with edges, reversals, limits of the length and the port's pressure inside steps, its
 //! stability, true sticking, and its agreement with the event-located engine.
 
+use crate::common::steps::RigSteps;
 use crate::common::{PSI, Paper};
 use mckibben::air::Process;
 use mckibben::load::{Load, Motion};
-use mckibben::simulation::accuracy::Reference;
-use mckibben::simulation::{FixedStepper, InitialLength, Method, Rig, State, simulate};
+use mckibben::plant::{PlantReference, RigPlant};
+use mckibben::simulation::{InitialLength, Method, Rig, State, simulate};
 use mckibben::valve::{Command, Request};
 
 /// A rig whose flow is choked throughout, so that the rates are smooth between edges: a big volume between a strong
@@ -19,7 +20,7 @@ fn smooth(coulomb_width: f64) -> Paper {
 }
 
 fn end_of(rig: &Rig, start: State, method: Method, step: f64, duration: f64) -> State {
-    let mut stepper = FixedStepper::new(rig, start, method);
+    let mut stepper = RigSteps::new(rig, start, method);
     let steps = (duration / step).round() as u32;
     for index in 1..=steps {
         stepper.advance_to(duration * f64::from(index) / f64::from(steps)).expect("a step");
@@ -84,8 +85,11 @@ fn rk4_keeps_its_order_through_reversals_with_coulomb_friction() {
 
 /// The order of the largest error of the four states between a step and half of it.
 fn order_at(paper: &Paper, method: Method, step: f64, duration: f64) -> f64 {
-    let reference = Reference::new(&paper.rig(), paper.start(), duration, 1e-12).expect("a run");
-    let [coarse, fine] = [step, 0.5 * step].map(|step| reference.error(method, step).expect("steps").greatest());
+    let of = RigPlant::new(&paper.rig());
+    let start = of.start(&paper.start());
+    let reference = PlantReference::new((of.plant(), &start), &Vec::new, duration, 1e-12).expect("a run");
+    let error = |step| reference.errors(method, step).expect("steps").into_iter().fold(0.0, f64::max);
+    let [coarse, fine] = [step, 0.5 * step].map(error);
     (coarse / fine).log2()
 }
 
@@ -123,7 +127,7 @@ fn the_stable_method_bears_heat_at_the_ports_pressure() {
             let process = Process::EnergyBalance { heat_transfer, wall_temperature };
             let paper = Paper::pwm(25.0, 0.5).isometric(length).process(process);
             let (rig, start) = (paper.rig(), paper.start());
-            let mut stepper = FixedStepper::new(&rig, start, Method::Stable);
+            let mut stepper = RigSteps::new(&rig, start, Method::Stable);
             for index in 1..=100 {
                 stepper.advance_to(1e-3 * f64::from(index)).unwrap_or_else(|error| panic!("{length}: {error}"));
             }
@@ -143,7 +147,7 @@ fn the_stable_method_holds_a_small_chamber_near_equal_pressure_at_any_step() {
             let paper = Paper::pwm(5.0, 0.5).isometric(0.08).process(process).with(|rig| rig.external_volume = 0.5e-6);
             let (rig, start) = (paper.rig(), paper.start());
             let (low, high) = (start.pressure.0, start.pressure.0 + paper.supply_gauge);
-            let mut stepper = FixedStepper::new(&rig, start, Method::Stable);
+            let mut stepper = RigSteps::new(&rig, start, Method::Stable);
             let mut index = 0;
             while stepper.time() < 1.0 {
                 index += 1;
@@ -156,7 +160,7 @@ fn the_stable_method_holds_a_small_chamber_near_equal_pressure_at_any_step() {
                 );
             }
             // At 0.18 s the valve has been shut to the exhaust for long: the pressure is the supply's.
-            let mut stepper = FixedStepper::new(&rig, start, Method::Stable);
+            let mut stepper = RigSteps::new(&rig, start, Method::Stable);
             for index in 1..=(0.1 / step).round() as u32 {
                 stepper.advance_to(step * f64::from(index)).expect("a step");
             }
@@ -189,7 +193,7 @@ fn both_engines_agree_on_the_papers_pwm_run() {
     let (rig, start) = (paper.rig(), paper.start());
     let exact = simulate(&rig, start, 1.0, 1e-10).expect("a trajectory");
     for (method, step, allowed) in [(Method::Rk4, 2e-5, 2e-5), (Method::Stable, 2e-5, 2e-4)] {
-        let mut stepper = FixedStepper::new(&rig, start, method);
+        let mut stepper = RigSteps::new(&rig, start, method);
         for index in 1..=(1.0 / step) as u32 {
             stepper.advance_to(step * f64::from(index)).expect("a step");
             if index % 100 == 0 {

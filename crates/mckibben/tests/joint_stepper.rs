@@ -4,13 +4,14 @@
 
 use crate::common::joint::{Pair, on_a_line};
 use crate::common::random::runner;
+use crate::common::steps::JointSteps;
 use crate::common::{PSI, Paper, assert_close, assert_within};
 use mckibben::control::Drive;
 use mckibben::load::{Joint, MomentArm, Stops, Tendon};
-use mckibben::plant::JointPlant;
+use mckibben::plant::{JointPlant, plant_step_for_accuracy};
 use mckibben::simulation::{
     Actuation, Driven, EventKind, FixedStepper, InitialAngle, JointRig, JointState, JointStepper, Method, Rig,
-    SampleTimes, joint_step_for_accuracy,
+    SampleTimes,
 };
 use mckibben::valve::{Command, FlowStandard, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
 use proptest::prelude::*;
@@ -388,30 +389,33 @@ fn random_joints_near_the_event_located_engine() {
     result.unwrap_or_else(|error| panic!("{error}"));
 }
 
-/// The step that an accuracy needs has no larger error, measured anew, and a tighter accuracy no longer step.
+/// The step that an accuracy needs has no larger error, measured again, and a tighter accuracy no longer step.
 #[test]
 fn a_step_is_chosen_for_an_accuracy() {
     let pair = smooth(1.1e-4);
     let rig = pair.rig().expect("a rig");
     let start = rig.start(&pair.initial()).expect("a start");
+    let of = JointPlant::new(&rig).expect("a plant");
+    let chosen = |accuracy| {
+        let start = of.start(&start);
+        plant_step_for_accuracy((of.plant(), &start), &Vec::new, (0.2, 5e-3), Method::Stable, accuracy)
+    };
     let run = pair.run(0.2, 1e-11);
     let mut before = f64::INFINITY;
     for accuracy in [1e-2, 1e-3, 1e-4] {
-        let chosen = joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, accuracy).expect("a step");
+        let chosen = chosen(accuracy).expect("a step");
         assert!(chosen.step <= before && chosen.greatest <= accuracy, "{chosen:?}");
         before = chosen.step;
-        let stepper = JointStepper::new(rig.clone(), Method::Stable).expect("a stepper");
-        let mut course = stepper.begin(start);
+        let mut steps = JointSteps::new(&rig, start, Method::Stable);
         let angles: Vec<f64> = run.samples(5e-3).map(|sample| sample.angle).collect();
         let range = angles.iter().copied().fold(f64::MIN, f64::max) - angles.iter().copied().fold(f64::MAX, f64::min);
-        for (time, recorded) in SampleTimes::new(0.2, 5e-3).steps(chosen.step) {
-            stepper.advance_to(&mut course, time).expect("a step");
-            let off = (course.state().angle - run.at(time).angle).abs();
-            assert!(!recorded || off <= 1.01 * accuracy * range, "{time}: {off:e}");
+        for (time, _) in SampleTimes::new(0.2, 5e-3).steps(chosen.step) {
+            steps.advance_to(time).expect("a step");
+            let off = (steps.state().angle - run.at(time).angle).abs();
+            assert!(off <= 1.01 * accuracy * range, "{time}: {off:e}");
         }
     }
-    let error =
-        joint_step_for_accuracy(&rig, start, (0.2, 5e-3), Method::Stable, 1e-12).expect_err("refused").to_string();
+    let error = chosen(1e-12).expect_err("refused").to_string();
     assert!(error.contains("run.accuracy"), "{error}");
 }
 

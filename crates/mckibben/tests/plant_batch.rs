@@ -6,7 +6,7 @@ use crate::plant_host::{asked, on_a_bottle};
 
 use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps, Width};
 use mckibben::simulation::Method;
-use mckibben::valve::{Demand, Request};
+use mckibben::valve::{Demand, FlowStandard, Request};
 use mckibben::{Error, parameter};
 
 /// The numbers of a state, to the bit.
@@ -152,6 +152,24 @@ fn rows_are_set_and_begun_anew() {
             assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} at {until} s");
         }
     }
+}
+
+/// Steps of RK4 of which a stage has no air left end a row in lanes as they end it alone, and no other.
+#[test]
+fn rows_whose_steps_are_too_long_stop_alone() {
+    let paper = |area| Paper::pwm(25.0, 0.5).with(|rig| rig.standard = FlowStandard::Orifice { flow_area: area });
+    let begin = |area: f64| {
+        let (plant, start) = as_plant(&paper(area));
+        PlantRun::new(&plant, &start, 1e-9).expect("a start").steps(Method::Rk4)
+    };
+    let rows: Vec<PlantSteps> = (0..19).map(|row| begin(if row % 3 == 1 { 2e-3 } else { 2e-6 })).collect();
+    agree(&rows, 1e-4, 300);
+    let stops = |steps: &PlantSteps| {
+        let mut steps = steps.clone();
+        (1..=300).find_map(|count| steps.advance_to(1e-4 * f64::from(count)).err())
+    };
+    let error = stops(&rows[1]).expect("far too long").to_string();
+    assert!(error.contains("left the physics") && stops(&rows[0]).is_none(), "{error}");
 }
 
 #[test]

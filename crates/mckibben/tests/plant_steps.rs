@@ -2,7 +2,7 @@
 //! steps; true sticking; agreement with the event-located engine for whatever a plant is made of.
 
 use crate::common::{PSI, Paper};
-use mckibben::plant::{Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
+use mckibben::plant::{Plant, PlantRun, PlantSampler, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
 use mckibben::simulation::{EventKind, Method};
 use mckibben::valve::Request;
 
@@ -136,6 +136,26 @@ fn a_kept_run_is_read_like_one_of_the_other_engine() {
     }
     let [rk4, ros2] = [misses[0] / misses[1], misses[2] / misses[3]];
     assert!(rk4 > 12.0 && ros2 > 3.5, "{misses:?}");
+}
+
+/// A kept run that is read where a step ends, whatever its rounding, is what steps of a host show there, to the bit.
+#[test]
+fn samples_at_the_ends_of_steps_are_those_of_steps() {
+    let (plant, start) = as_plant(&smooth(1.1e-4));
+    for method in [Method::Rk4, Method::Stable] {
+        let stepping = TimeStepping::Fixed { method, step: 1e-3 / 3.0 };
+        let kept = simulate_plant(&plant, &start, 0.1, stepping).expect("a run");
+        let mut steps = PlantRun::new(&plant, &start, stepping).expect("a start").steps(method);
+        steps.pass_due().expect("nothing fails");
+        let mut sampler = PlantSampler::new(&steps);
+        for index in 0..=100 {
+            let time = 1e-3 * f64::from(index);
+            while time - steps.time() > 1e-9 {
+                steps.advance_to(stepping.step_end(steps.time(), 0.1)).expect("a step");
+            }
+            assert_eq!(*sampler.read(&steps, time), kept.sample(time), "{method:?} at {time} s");
+        }
+    }
 }
 
 /// Steps that are set by a host, saved and restored go on as if nothing had been: bit for bit, and by another engine from there.

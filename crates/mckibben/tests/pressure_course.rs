@@ -1,11 +1,13 @@
 //! A pressure that is given over time: the static force at it, the motion that a simulated valve made, the air by each process
 //! in closed form, derivatives against differences, and what does not take it.
 
+use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::Scalar;
 use mckibben::air::Process;
 use mckibben::parameter;
-use mckibben::simulation::{EventKind, FixedStepper, InitialLength, Method, PressureCourse, Rig, simulate};
+use mckibben::plant::RigPlant;
+use mckibben::simulation::{EventKind, InitialLength, Method, PressureCourse, Rig, simulate};
 use mckibben::valve::{Command, Request};
 
 const TIME: [f64; 4] = [0.02, 0.1, 0.15, 0.3];
@@ -136,9 +138,22 @@ fn what_does_not_go_together_is_refused() {
         let error = PressureCourse::new(times, gauges).expect_err("no course").to_string();
         assert!(error.contains(words), "{error}");
     }
+}
+
+/// Fixed steps come to the event-located engine by the order of the method, with the corners of the pressure inside them.
+#[test]
+fn it_goes_by_fixed_steps_too() {
     let paper = Paper::sealed().with(|paper| paper.length = InitialLength::At(0.09));
     let rig = given(&paper);
     let start = rig.start(&paper.initial()).expect("a start");
-    let error = FixedStepper::new(&rig, start, Method::Stable).advance_to(1e-3).expect_err("fixed steps");
-    assert!(error.to_string().contains("is not implemented for one actuator in the fixed-step engine"), "{error}");
+    let exact = RigPlant::new(&rig).simulate(&start, 0.5, 1e-11).expect("a run").at(0.5);
+    let off = |step: f64| {
+        let mut steps = RigSteps::new(&rig, start, Method::Stable);
+        (1..=(0.5 / step).round() as u32).for_each(|n| steps.advance_to(step * f64::from(n)).expect("a step"));
+        let end = steps.sample();
+        assert!((end.pressure.0 - exact.pressure.0).abs() < 1e-6 * exact.pressure.0);
+        (end.length - exact.length).abs()
+    };
+    let (coarse, fine) = (off(5e-4), off(1.25e-4));
+    assert!(coarse < 1e-3 && fine < coarse / 6.0, "{coarse:e} {fine:e}");
 }

@@ -1,5 +1,6 @@
 //! A load on an elastic tendon at fixed steps: two springs in series, an independent integration, energy, sticking, flight.
 
+use crate::common::steps::RigSteps;
 use crate::common::tendon::{MASS, Muscle, REST, STIFFNESS, independent, on_tendon, smooth};
 use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::load::{Load, Motion};
@@ -186,9 +187,22 @@ fn whoever_does_not_take_it_says_so() {
     let paper = smooth();
     let (rig, start) = (rig(&paper), paper.start());
     assert!(ModularActuator::new(&rig, start, 25.0).is_err());
-    let moved = Load::Prescribed(Motion::sinusoid(0.09, 1e-3, 1.0, 0.0, 0.1).expect("a motion"));
+}
+
+/// The tendon's far end on a given motion, at fixed steps: near the event-located engine, by the order of the method.
+#[test]
+fn its_far_end_is_moved_at_fixed_steps() {
+    let paper = smooth();
+    let moved = Load::Prescribed(Motion::sinusoid(0.09 + REST, 1e-3, 10.0, 0.0, f64::MAX).expect("a motion"));
     let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");
     let rig = paper.rig().with_load(moved).with_tendon(tendon);
-    let refused = FixedStepper::new(&rig, start, Method::Rk4).advance_to(1e-3).expect_err("refused").to_string();
-    assert!(refused.contains("event-located") && refused.contains("a prescribed motion"), "{refused}");
+    let start = rig.start(&paper.initial()).expect("a start");
+    let exact = simulate(&rig, start, 0.1, 1e-11).expect("a run").at(0.1);
+    let off = |step: f64| {
+        let mut steps = RigSteps::new(&rig, start, Method::Stable);
+        (1..=(0.1 / step).round() as u32).for_each(|n| steps.advance_to(step * f64::from(n)).expect("a step"));
+        (steps.sample().length - exact.length).abs()
+    };
+    let (coarse, fine) = (off(2e-4), off(5e-5));
+    assert!(coarse < 1e-4 && fine < coarse / 6.0, "{coarse:e} {fine:e}");
 }

@@ -7,7 +7,6 @@ use crate::engine;
 use crate::failure::Failure;
 use crate::finished::{Figures, Finished, Ready};
 use crate::joint;
-use crate::observation::Observer;
 use crate::output::{self, Pending};
 use crate::plant;
 use crate::portrait;
@@ -16,8 +15,7 @@ use crate::record::{self, Provenance, Target};
 use crate::settings::Setting;
 use crate::summary::Summary;
 use crate::terminal;
-use mckibben::simulation::Sample;
-use mckibben_scenario::{Assumed, Document, Experiment, Scenario};
+use mckibben_scenario::{Assumed, Document, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -30,8 +28,8 @@ Examples:
   mckibben simulate muscle.toml --set command.duty=0.3 --set 'load.mass=10 lb' -o run.parquet
   mckibben simulate muscle.toml --set run.engine=fixed-step --set 'run.step=0.5 ms'
 
-An event-located run whose samples alone are wanted is written as it is made, in memory that does not grow with it; under a
-controller what was decided is kept, some 50 bytes a sample. For a figure or events every step is kept, about a kilobyte each:
+A run whose samples alone are wanted is written as it is made, in memory that does not grow with it; under a controller
+what was decided is kept, some 50 bytes a sample. For a figure or events every step is kept, about a kilobyte each:
 past 256 MB a note says how much it will be. A run may have 1e9 samples, steps, pulses and samples of its controller.
 
 Exit codes:
@@ -84,12 +82,6 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             "leave --over out, and take the columns of --output for another figure",
         ));
     }
-    if arguments.events_output.is_some() && !ready.logs_events() {
-        return Err(Failure::input(
-            "--events-output: the fixed-step engine keeps no log of events",
-            "set run.engine = \"event-located\", or leave --events-output out",
-        ));
-    }
     files.probe()?;
 
     let (name, set) = (arguments.file.display().to_string(), arguments.set.iter().map(Setting::to_string));
@@ -98,7 +90,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let rows = engine::rows(ready.plan());
 
     let started = Instant::now();
-    let (figures, elapsed, pending, table) = if ready.logs_events() && !files.keep(arguments) {
+    let (figures, elapsed, pending, table) = if !files.keep(arguments) {
         let begun = |(path, format)| Ok::<_, Failure>((path, format, Pending::create(path)?));
         let mut output = files.output.map(begun).transpose()?;
         let target = output.as_mut().map(|(path, format, file)| Target {
@@ -111,14 +103,10 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         let pending = output.into_iter().map(|(.., file)| file).collect();
         (figures, started.elapsed(), pending, None)
     } else {
-        let mut observer = None;
-        let mut see = |experiment: &Experiment, sample: &Sample| {
-            observer.get_or_insert_with(|| Observer::new(None, experiment)).see(sample);
-        };
-        let finished = ready.run(&document, &mut see, &mut |_| Ok(()))?;
+        let finished = ready.run(&document, &mut |_| Ok(()))?;
         let elapsed = started.elapsed();
         let pending = files.write(arguments, &provenance, &finished)?;
-        (finished.figures(observer)?, elapsed, pending, finished.table())
+        (finished.figures()?, elapsed, pending, Some(finished.table()))
     };
 
     let mut text = String::new();
@@ -136,7 +124,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     if arguments.events {
         let gap = if text.is_empty() { "" } else { "\n" };
         text.push_str(gap);
-        text.push_str(&table.unwrap_or_else(|| "the fixed-step engine keeps no log of events\n".to_owned()));
+        text.push_str(&table.unwrap_or_default());
     }
     terminal::print(&text)
 }
@@ -153,8 +141,8 @@ fn summary(
         // Not reached: what is no plant has been read as a scenario. Said rather than assumed.
         (_, None) => Err(Failure::stopped("the run has no scenario")),
         (Figures::Actuator(of), Some(scenario)) => {
-            let (experiment, observation, control) = (&of.experiment, &of.observation, of.control.as_ref());
-            Summary { name, scenario, experiment, control, observation, elapsed, assumed }.render()
+            let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
+            Summary { name, scenario, rig, control, observation, elapsed, assumed }.render()
         }
         (Figures::Joint(of), Some(scenario)) => {
             let antagonist = scenario.of_antagonist();
@@ -221,14 +209,14 @@ impl<'a> Files<'a> {
         }
         if let Some(target) = self.plot {
             let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let bytes = portrait::bytes(&finished.figure(arguments.over, &title)?, target)?;
+            let bytes = portrait::bytes(&finished.figure(arguments.over, &title), target)?;
             let mut file = Pending::create(target.0)?;
             file.writer().write_all(&bytes).map_err(|error| Failure::output(target.0, error))?;
             pending.push(file);
         }
-        if let (Some(path), Some(log)) = (self.events, finished.log()) {
+        if let Some(path) = self.events {
             let mut file = Pending::create(path)?;
-            log.write(path, file.writer())?;
+            finished.log().write(path, file.writer())?;
             pending.push(file);
         }
         Ok(pending)

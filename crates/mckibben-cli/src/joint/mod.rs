@@ -1,9 +1,9 @@
 //! The run of a joint that two actuators turn: in words, as a log of events and as a figure.
 
-pub mod control;
+pub(crate) mod control;
 pub mod events;
 pub mod observation;
-pub mod outcome;
+pub(crate) mod pair;
 pub mod portrait;
 pub mod summary;
 

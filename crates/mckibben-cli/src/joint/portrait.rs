@@ -1,33 +1,26 @@
 //! The figure of a joint's run: angle, pressures and tensions over time, the agonist's valve as bands behind them.
 
 use super::NAMES;
-use super::outcome::Outcome;
-use crate::closed_loop::Goal;
+use crate::engine::Kept;
 use crate::plot::{Axis, Dash, Figure, Panel, Series, Span};
 use crate::portrait::{Bands, POINTS, wanted};
 use mckibben::control::Quantity;
-use mckibben::plant::JointEvent;
+use mckibben::plant::{JointEvent, JointPlant};
 use mckibben::simulation::EventKind;
 use std::f64::consts::PI;
 
 /// The figure of a run.
-pub(crate) fn figure(outcome: &Outcome, goals: &[Goal], interval: f64, title: &str) -> Figure {
-    let duration = outcome.samples(interval).last().map_or(0.0, |sample| sample.time);
-    let interval = interval.min(duration / POINTS.0).max(duration / POINTS.1);
-    let samples: Vec<_> = outcome.samples(interval).collect();
+pub(crate) fn figure(run: &Kept<JointPlant>, title: &str) -> Figure {
+    let Kept { plan, trajectory, .. } = run;
+    let (goals, rig, duration) = (run.goals(), trajectory.rig(), plan.duration);
+    let interval = plan.sample_interval.min(duration / POINTS.0).max(duration / POINTS.1);
+    let samples: Vec<_> = trajectory.samples(interval).collect();
     let time: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
     let mut supply = Bands::default();
-    match outcome {
-        Outcome::Located(trajectory) => {
-            supply.see(0.0, trajectory.at(0.0).actuators[0].ports.supply);
-            let of_valve = |event: &&JointEvent| event.kind.kind == EventKind::Valve && event.kind.actuator == Some(0);
-            for event in trajectory.events().iter().filter(of_valve) {
-                supply.see(event.time, event.after.actuators[0].ports.supply);
-            }
-        }
-        Outcome::Stepped(_) => {
-            samples.iter().for_each(|sample| supply.see(sample.time, sample.actuators[0].ports.supply));
-        }
+    supply.see(0.0, trajectory.at(0.0).actuators[0].ports.supply);
+    let of_valve = |event: &&JointEvent| event.kind.kind == EventKind::Valve && event.kind.actuator == Some(0);
+    for event in trajectory.events().iter().filter(of_valve) {
+        supply.see(event.time, event.after.actuators[0].ports.supply);
     }
     supply.see(duration, false);
 
@@ -36,7 +29,7 @@ pub(crate) fn figure(outcome: &Outcome, goals: &[Goal], interval: f64, title: &s
     let (least, greatest) = degrees.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     // A stop is shown where the curve comes near it; further away it would only flatten the curve.
     let near = 0.15 * (greatest - least).max(0.1);
-    for (stop, name) in outcome.rig().joint().stops().ends.into_iter().zip(["lower stop", "upper stop"]) {
+    for (stop, name) in rig.joint().stops().ends.into_iter().zip(["lower stop", "upper stop"]) {
         if let Some(stop) = stop.map(f64::to_degrees).filter(|stop| (least - near..=greatest + near).contains(stop)) {
             angle = angle.horizontal(stop, name);
         }
@@ -53,7 +46,7 @@ pub(crate) fn figure(outcome: &Outcome, goals: &[Goal], interval: f64, title: &s
         }
         panel
     };
-    let atmospheres = outcome.rig().driven().each_ref().map(|driven| driven.actuator.air().atmosphere().0);
+    let atmospheres = rig.driven().each_ref().map(|driven| driven.actuator.air().atmosphere().0);
     let regulated = |mut panel: Panel, quantity: Quantity, factor: f64| {
         for goal in goals.iter().filter(|goal| goal.quantity == quantity) {
             // Agonist and antagonist have their own lines; one entry in the legend names both set points.

@@ -1,15 +1,15 @@
 //! What the run of a joint came to, as text for people.
 
 use super::NAMES;
-use super::control::Closed;
 use super::observation::Observation;
+use crate::closed_loop::Closed;
 use crate::describe;
 use crate::failure::Failure;
 use crate::observation::{AirUse, Range};
-use crate::quantities::{count, given};
-use crate::summary::{Exergy, Page, assumptions, circuit, cost, effort, events, goals, residual, step_of, sums};
+use crate::quantities::given;
+use crate::summary::{Exergy, Page, assumptions, circuit, cost, effort, events, goals, residual, sums};
 use crate::terminal::{FAINT, styled};
-use mckibben::plant::{ActuatorLedger, JointTrajectory, MechanismLedger, PlantLedger};
+use mckibben::plant::{ActuatorLedger, MechanismLedger, PlantLedger};
 use mckibben::simulation::JointRig;
 use mckibben_scenario::{Assumed, Scenario};
 use std::time::Duration;
@@ -43,20 +43,16 @@ impl Summary<'_> {
         self.what_ran(page);
         self.events(page);
         self.states(page);
-        let located = self.observation.located.as_ref();
+        let Observation { air: used, ended, .. } = self.observation;
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
-            let requests = closed.requests.map(|requests| count(requests as u64)).join(" and ");
-            let used = located.map(|of| page.quantity(of.air.iter().map(|air| air.from_supply).sum(), "kg"));
-            effort(page, closed.samples, &requests, used.as_deref());
+            effort(page, closed, used.iter().map(|air| air.from_supply).sum());
         }
-        if let Some(located) = located {
-            air(page, located.air);
-            energy(page, &located.ledger);
-            if located.draws {
-                let process = self.rig.driven()[0].actuator.air().process();
-                circuit(page, &Exergy::of_plant(&located.ledger), process, sums(&located.ledger.exergy()));
-            }
+        air(page, *used);
+        energy(page, &ended.ledger);
+        if ended.draws {
+            let process = self.rig.driven()[0].actuator.air().process();
+            circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
         }
         page.finish(&assumptions(self.assumed))
     }
@@ -71,20 +67,12 @@ impl Summary<'_> {
         }
         page.line("air", &describe::air(&scenario.air.process));
         page.line("engine", &describe::engine(run));
-        let mut steps = self.observation.located.as_ref().map_or_else(String::new, |located| cost(located.counts));
-        if let Some(of) = &self.observation.steps {
-            page.line("step", &step_of(page, of.step, of.chosen, run));
-            steps = format!("{} steps", count(of.steps));
-        }
-        page.line("cost", &format!("{steps}, {}", page.quantity(self.elapsed.as_secs_f64(), "s")));
+        cost(page, &self.observation.ended, run, self.elapsed);
     }
 
     fn events(&self, page: &Page) {
         page.heading("Events");
-        match &self.observation.located {
-            None => page.line("", "the fixed-step engine keeps no log of events"),
-            Some(located) => events(page, located.events.iter().map(|(kind, number)| (kind.name(), *number))),
-        }
+        events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
     }
 
     fn states(&self, page: &Page) {
@@ -105,17 +93,6 @@ impl Summary<'_> {
             page.range("gauge pressure", last.pressure.0 - atmosphere, gauge, "Pa");
         }
     }
-}
-
-/// The air of agonist and antagonist in a run.
-pub(crate) fn used(trajectory: &JointTrajectory) -> [AirUse; 2] {
-    let mut used = [AirUse::default(); 2];
-    // Nothing fails that returns no error.
-    let _ = trajectory.replay(&mut |step| {
-        step.quadrature(|weight, _, flows| used.iter_mut().zip(flows).for_each(|(air, flows)| air.see(weight, flows)));
-        Ok(())
-    });
-    used
 }
 
 fn air(page: &Page, used: [AirUse; 2]) {

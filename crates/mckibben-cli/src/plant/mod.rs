@@ -20,15 +20,14 @@ pub(crate) mod portrait;
 pub(crate) mod summary;
 
 use crate::closed_loop::Goals;
-use crate::engine::Way;
+use crate::engine::{Stepping, Way};
 use crate::failure::Failure;
-use crate::observation::Steps;
 use crate::record::Field;
 use control::{Closed, Follower};
 use mckibben::Error;
 use mckibben::network::NodeKind;
 use mckibben::parameter;
-use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantStepError, PlantTrajectory, TimeStepping};
+use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantTrajectory};
 use mckibben_scenario::{PlantControl, PlantExperiment};
 use observation::{Observation, Observer};
 
@@ -75,32 +74,19 @@ impl PlantOutcome {
     }
 }
 
-/// A run that has come to its end, and what is known of the step that was chosen for it.
+/// A run with how it goes through time.
 pub(crate) struct Made {
     pub(crate) run: PlantRun,
-    chosen: Option<PlantStepError>,
-}
-
-impl Made {
-    /// The fixed steps, where it took such.
-    fn steps(&self) -> Option<Steps> {
-        let TimeStepping::Fixed { step, .. } = self.run.stepping() else { return None };
-        let counts = self.run.statistics();
-        let chosen = self.chosen.map(|error| [error.compared, error.greatest]);
-        Some(Steps { step, chosen, steps: counts.explicit_steps + counts.implicit_steps })
-    }
+    pub(crate) stepping: Stepping,
 }
 
 /// A run before its first step, with its controllers.
 fn begin(of: &PlantExperiment) -> Result<Made, Error> {
     parameter::DURATION.check(of.run.duration)?;
-    let (stepping, chosen) = of.stepping()?;
+    let stepping = Stepping::of(&of.run, || of.stepping())?;
     let drivers = of.controls.iter().map(PlantControl::driver).collect();
-    Ok(Made { run: PlantRun::with_drivers(&of.plant, &of.start, stepping, drivers)?, chosen })
+    Ok(Made { run: PlantRun::with_drivers(&of.plant, &of.start, stepping.how, drivers)?, stepping })
 }
-
-/// Numbers of a kept step for each state, of eight bytes.
-const NUMBERS_KEPT: usize = 8;
 
 /// Runs a plant and keeps every step. `reached` is called with the time in s now and then, and may end the run.
 ///
@@ -108,7 +94,7 @@ const NUMBERS_KEPT: usize = 8;
 /// What the core finds.
 pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<PlantOutcome, Error> {
     let mut made = begin(&of)?;
-    let mut way = Way::begin(&of.run).keeping(8 * NUMBERS_KEPT * of.plant.places().states);
+    let mut way = Way::begin(&of.run).keeping(of.plant.bytes_per_step());
     let trajectory = made.run.record_to(of.run.duration, &mut |time| {
         way.kept(time);
         reached(time)

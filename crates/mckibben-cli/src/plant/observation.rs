@@ -4,9 +4,7 @@
 //! it is kept.
 
 use super::Made;
-use crate::observation::Range;
-use crate::observation::Steps;
-use mckibben::engine::Statistics;
+use crate::observation::{Ended, Range};
 use mckibben::network::NodeKind;
 use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantSample, PlantStep};
 use mckibben::simulation::{EventKind, Reading, SampleTimes};
@@ -19,16 +17,12 @@ const LEAST_SAMPLES: f64 = 2000.0;
 /// Everything that is observed.
 #[derive(Clone, Debug)]
 pub struct Observation {
-    /// Steps, evaluations and events.
-    pub statistics: Statistics,
     /// How many events of each kind there were.
     pub events: BTreeMap<EventKind, u64>,
     /// What the table of states shows.
     pub rows: Vec<Row>,
-    /// Where energy, exergy and air went.
-    pub ledger: PlantLedger,
-    /// The fixed steps, where the run took such.
-    pub steps: Option<Steps>,
+    /// Steps and ledger.
+    pub ended: Ended,
 }
 
 /// A line of the table of states; without a unit a heading.
@@ -87,8 +81,10 @@ impl<'e> Observer<'e> {
     pub(crate) fn finish(mut self, made: &Made) -> Observation {
         let run = &made.run;
         see(&mut self.rows, self.experiment, &run.sample());
-        let ledger = self.keeper.finish(run);
-        Observation { statistics: run.statistics(), events: self.events, rows: self.rows, ledger, steps: made.steps() }
+        let counts = run.statistics();
+        let draws = !run.plant().network().valves.is_empty();
+        let ended = Ended { counts, ledger: self.keeper.finish(run), draws, steps: made.stepping.steps(counts) };
+        Observation { events: self.events, rows: self.rows, ended }
     }
 }
 

@@ -4,9 +4,8 @@ use super::PlantFigures;
 use super::control;
 use crate::describe;
 use crate::failure::Failure;
-use crate::observation::Steps;
 use crate::quantities::{common_prefix, count, given};
-use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual, step_of};
+use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual};
 use crate::terminal::{FAINT, styled};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
@@ -59,11 +58,7 @@ impl Summary<'_> {
             page.line("supplies", &supplies.join(", "));
         }
         page.line("engine", &describe::engine(&of.run));
-        if let Some(Steps { step, chosen, .. }) = &self.run.observation.steps {
-            page.line("step", &step_of(page, *step, *chosen, &of.run));
-        }
-        let cost = cost(self.run.observation.statistics);
-        page.line("cost", &format!("{cost}, {}", page.quantity(self.elapsed.as_secs_f64(), "s")));
+        cost(page, &self.run.observation.ended, &of.run, self.elapsed);
     }
 
     fn states(&self, page: &Page) {
@@ -93,7 +88,7 @@ impl Summary<'_> {
 
     /// Where the air came from and went.
     fn air(&self, page: &Page) {
-        let (of, ledger) = (&self.run.experiment, &self.run.observation.ledger);
+        let (of, ledger) = (&self.run.experiment, &self.run.observation.ended.ledger);
         if ledger.nodes.is_empty() {
             return;
         }
@@ -120,7 +115,7 @@ impl Summary<'_> {
     /// Where the work of the gas went.
     fn energy(&self, page: &Page) {
         page.heading("Energy");
-        let (ledger, total) = (&self.run.observation.ledger, self.run.observation.ledger.total());
+        let (ledger, total) = (&self.run.observation.ended.ledger, self.run.observation.ended.ledger.total());
         let mechanisms = |of: fn(&MechanismLedger) -> f64| -> f64 { ledger.mechanisms.iter().map(of).sum() };
         let actuators = |of: fn(&ActuatorLedger) -> f64| -> f64 { ledger.actuators.iter().map(of).sum() };
         let named = [
@@ -150,7 +145,7 @@ impl Summary<'_> {
 
     /// Where the exergy of the air went.
     fn exergy(&self, page: &Page) {
-        let (ledger, total) = (&self.run.observation.ledger, self.run.observation.ledger.total());
+        let (ledger, total) = (&self.run.observation.ended.ledger, self.run.observation.ended.ledger.total());
         let exergy = ledger.exergy();
         if exergy.turnover <= exergy.rounding {
             return;

@@ -11,8 +11,8 @@
 //! | [`prepared`] | a sweep that is ready to be done, by this process or part by part by any others |
 //! | [`plan`] | which rows make a part, which parts a shard, which rows a unit of work |
 //! | [`step`] | the step of the fixed-step engine, one for all rows |
-//! | [`rows`] | the runs of a unit, by either engine |
-//! | `plant` | the run of a row that is a plant |
+//! | [`rows`] | the runs of a unit: side by side at fixed steps, else individually |
+//! | `plant` | what is made of the run of a plant |
 //! | [`reduce`] | a run as a few numbers |
 //! | [`schedule`] | units on threads, results in order, a bounded number of them |
 //! | [`table`] | columns, and a run as lines of them |

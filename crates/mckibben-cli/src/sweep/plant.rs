@@ -1,50 +1,25 @@
-//! The runs of rows that are plants: each by the event-located engine, streamed and not kept.
+//! What is made of the runs of rows that are plants.
 
 use super::reduce::{LAST_PART, SIMULTANEOUS, Track, missed};
-use super::rows::{Outcome, PlantCell, Samples};
+use super::rows::{self, Outcome, PlantCell, Row, Samples};
+use super::step::{self, Choice};
+use crate::plant::columns;
 use crate::plant::control::Follower;
 use crate::plant::observation::air_used;
-use crate::plant::{self, columns};
 use mckibben::Error;
-use mckibben::plant::{PlantLedgerKeeper, PlantSample};
-use mckibben::simulation::{Reading, SampleTimes};
+use mckibben::plant::{PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
 use mckibben::valve::Command;
 use mckibben_scenario::{
-    PlantColumn, PlantContent, PlantExperiment, PlantQuantity, PlantReduced, PlantReduction, Record,
+    PlantColumn, PlantContent, PlantControl, PlantExperiment, PlantQuantity, PlantReduced, PlantReduction, Record,
+    Sweep,
 };
 
-/// Runs a row.
-pub(super) fn run(of: &PlantExperiment, columns: &[PlantColumn], record: &Record) -> Outcome {
-    simulate(of, columns, record).unwrap_or_else(|error| Outcome::Failed(error.to_string()))
-}
-
-fn simulate(of: &PlantExperiment, columns: &[PlantColumn], record: &Record) -> Result<Outcome, Error> {
-    let run = &of.run;
-    let mut recorder = Recorder::new(of, columns, record);
-    let mut follower = Follower::new(of);
-    let times: Box<dyn Iterator<Item = f64>> = match record {
-        Record::Samples(times) => Box::new(times.iter().copied()),
-        _ => Box::new(SampleTimes::new(run.duration, run.sample_interval).times()),
-    };
-    let mut reading = Reading::new(times, run.duration);
-    let uses_air = matches!(record, Record::PlantReductions(list) if list.iter().any(|of| of.of == PlantReduced::Air));
-    let mut keeper = uses_air.then(|| PlantLedgerKeeper::new(&of.plant, run.stepping()));
-    let made = plant::stream(of, &mut follower, &mut |step| {
-        if let Some(keeper) = &mut keeper {
-            keeper.step(step);
-        }
-        reading.step(step, |sample: &PlantSample| {
-            recorder.see(sample);
-            Ok(())
-        })
-    })?;
-    let last = made.run.sample();
-    reading.finish(&last, |sample| {
-        recorder.see(sample);
-        Ok::<_, Error>(())
-    })?;
-    let air = keeper.map(|keeper| air_used(of, &keeper.finish(&made.run)));
-    Ok(recorder.finish(follower, air))
+/// A row before its first step.
+pub(super) fn ready<'r>(of: &'r PlantExperiment, choice: Option<&Choice>, sweep: &'r Sweep) -> Result<Row<'r>, Error> {
+    let how = step::stepping(&of.run, choice, || of.stepping())?;
+    let drivers = of.controls.iter().map(PlantControl::driver).collect();
+    let recorder = Recorder::new(of, sweep.plant_columns(), sweep.record());
+    Row::new(of.run, (&of.plant, &of.start), how, drivers, Box::new(recorder))
 }
 
 /// What is made of the samples of a run.
@@ -59,6 +34,10 @@ struct Recorder<'a> {
     last: Option<f64>,
     rows: Vec<Vec<PlantCell>>,
     fault: Option<String>,
+    /// The ledger, where the air that sources gave is asked for.
+    keeper: Option<PlantLedgerKeeper<'a>>,
+    /// What controllers decide, where it is asked for how far they missed.
+    follower: Option<Follower<'a>>,
 }
 
 impl<'a> Recorder<'a> {
@@ -73,6 +52,9 @@ impl<'a> Recorder<'a> {
                 Track::add(&mut tracks, *quantity, *statistic);
             }
         }
+        let asks = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
+        let keeper = asks(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
+        let follower = asks(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
         let duration = of.run.duration;
         let period = slowest_period(of).unwrap_or(LAST_PART * duration);
         Self {
@@ -86,9 +68,13 @@ impl<'a> Recorder<'a> {
             last: None,
             rows: Vec::new(),
             fault: None,
+            keeper,
+            follower,
         }
     }
+}
 
+impl rows::Recorder for Recorder<'_> {
     fn see(&mut self, sample: &PlantSample) {
         if self.fault.is_some() {
             return;
@@ -122,15 +108,29 @@ impl<'a> Recorder<'a> {
         self.rows.push(row);
     }
 
-    fn finish(self, follower: Follower<'_>, air: Option<f64>) -> Outcome {
+    fn takes_steps(&self) -> bool {
+        self.keeper.is_some() || self.follower.is_some()
+    }
+
+    fn step(&mut self, step: &PlantStep<'_>) {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.step(step);
+        }
+        if let (Some(follower), Some(decision)) = (&mut self.follower, step.decision()) {
+            follower.see(decision);
+        }
+    }
+
+    fn finish(self: Box<Self>, run: Option<&PlantRun>) -> Outcome {
         if let Some(fault) = self.fault {
             return Outcome::Failed(fault);
         }
         let Some(reductions) = self.reductions else { return Outcome::Sampled(Samples::Plant(self.rows)) };
         let duration = self.last.unwrap_or(0.0);
         let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
-        let owners = follower.owners();
-        let goals = follower.finish().map_or_else(Vec::new, |closed| closed.goals);
+        let air = self.keeper.zip(run).map(|(keeper, run)| air_used(self.of, &keeper.finish(run)));
+        let owners = self.follower.as_ref().map_or_else(Vec::new, Follower::owners);
+        let goals = self.follower.and_then(Follower::finish).map_or_else(Vec::new, |closed| closed.goals);
         let value = |reduction: &PlantReduction| match reduction.of {
             PlantReduced::Air => air,
             PlantReduced::Error(control, quantity) => {

@@ -28,13 +28,12 @@ pub struct Prepared {
 impl Prepared {
     /// The sweep of a document in which some values were set, told as `KEY=VALUE`; none where it has no section `[sweep]`.
     ///
-    /// One that names no engine takes fixed steps, save where a controller would need one that is not given.
+    /// One of one actuator or of a joint that names no engine takes fixed steps, save under a controller for which no step is given.
     ///
     /// # Errors
     /// [`Failure::input`] for what the document says and cannot be.
     pub fn of(document: &Document, set: &[String]) -> Result<Option<Self>, Failure> {
         let (mut document, mut set) = (document.clone(), set.to_vec());
-        // The event-located engine alone runs plants.
         if !document.contains("run.engine") && !document.is_plant() {
             let engine = engine_by_default(&document)?.name();
             document.set_text("run.engine", &format!("\"{engine}\""))?;
@@ -128,9 +127,7 @@ impl Prepared {
     fn unit(&self, rows: u64, jobs: usize) -> u64 {
         const SHARE: u64 = 8;
         let sweep = &self.sweep;
-        let one_by_one =
-            sweep.is_plant() || sweep.asks_for(Engine::EventLocated) || sweep.has_controllers() || sweep.has_joint();
-        let least = if one_by_one { 1 } else { rows::side_by_side() as u64 };
+        let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::side_by_side() as u64 };
         (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
     }
 
@@ -150,9 +147,10 @@ fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
     let mut stepped = document.clone();
     stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
     // A sweep with mistakes is read again, and tells them.
-    let needs_step =
+    // What a controller decides may magnify the error of a step: that is chosen for it where it is asked for.
+    let lacks_step =
         stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(|of| of.has_controllers() && !of.gives_step()));
-    Ok(if needs_step { Engine::EventLocated } else { Engine::FixedStep })
+    Ok(if lacks_step { Engine::EventLocated } else { Engine::FixedStep })
 }
 
 /// What is said of the sweep in each of its files.

@@ -1,26 +1,34 @@
 //! The runs of a unit of work.
 //!
-//! Rows of the fixed-step engine whose times and words are the same go through time side by side, in a [`Batch`] of one
-//! block, which stays on the unit's thread, with a controller too if it is asked for all samples of the run; rows of the
-//! event-located engine, and those of a joint or of a controller with a tendon in series, run one by one. Either way a row is, bit for bit, what
-//! it is by itself. A row that cannot be built or cannot go on gives its reason and nothing else.
+//! | a row goes through time | when |
+//! |---|---|
+//! | side by side with others, in a [`PlantBatch`] | at fixed steps, if its samples are all that is looked at |
+//! | individually, each step handed on and not kept | by the event-located engine; and where steps are looked at: for air that sources gave, and for how far a controller missed |
+//!
+//! Rows of a batch have the same times and words, so that the batch is one group and stays on the unit's thread. A row is, bit for
+//! bit, what it is alone. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::plant;
 use super::reduce::{Reducer, Seen};
 use super::step::{self, Choice};
-use crate::closed_loop::{self, Goal};
-use crate::engine;
-use crate::joint;
-use crate::observation::AirUse;
+use crate::alone::Alone;
+use crate::closed_loop::Goal;
+use crate::engine::Subject;
+use crate::joint::pair::Pair;
 use crate::record::COLUMNS;
 use mckibben::Error;
-use mckibben::batch::{Batch, ControlledRow, Row, Width};
-use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{JointRig, JointSample, Method, Sample, SampleTimes, simulate, steps_between};
+use mckibben::air::Flow;
+use mckibben::batch::Width;
+use mckibben::command::Driver;
+use mckibben::plant::{
+    Plant, PlantBatch, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView, TimeStepping,
+};
+use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTimes};
+use mckibben::valve::Command;
 use mckibben_scenario::sweep::Quantity;
 use mckibben_scenario::{
-    AxisValue, ControlledExperiment, ControlledJointExperiment, Engine, Experiment, JointExperiment, Record, Reduction,
-    Run, Scenario, Sweep,
+    AxisValue, ControlledExperiment, ControlledJointExperiment, Experiment, JointExperiment, PlantExperiment, Record,
+    Reduction, Run, Scenario, Sweep,
 };
 use std::ops::Range;
 
@@ -60,74 +68,186 @@ pub enum PlantCell {
     Word(&'static str),
 }
 
-/// Simulates the rows, with a step for all of them where they have none by themselves.
+/// Makes something of what a run shows, in the order of time.
+pub(super) trait Recorder {
+    /// Takes a sample.
+    fn see(&mut self, sample: &PlantSample);
+
+    /// Whether it takes steps besides.
+    fn takes_steps(&self) -> bool;
+
+    /// Takes a step, after the samples within it.
+    fn step(&mut self, step: &PlantStep<'_>);
+
+    /// What the run came to; it is given where steps were taken.
+    fn finish(self: Box<Self>, run: Option<&PlantRun>) -> Outcome;
+}
+
+/// A row before its first step.
+pub(super) struct Row<'r> {
+    plan: Run,
+    run: PlantRun,
+    recorder: Box<dyn Recorder + 'r>,
+}
+
+impl<'r> Row<'r> {
+    /// A run of a plant from its start, that goes through time as said.
+    pub(super) fn new(
+        plan: Run,
+        (plant, start): (&Plant, &PlantStart),
+        how: TimeStepping,
+        drivers: Vec<Driver>,
+        recorder: Box<dyn Recorder + 'r>,
+    ) -> Result<Self, Error> {
+        Ok(Self { plan, run: PlantRun::with_drivers(plant, start, how, drivers)?, recorder })
+    }
+
+    /// Goes through time alone.
+    fn simulate(mut self, record: &Record) -> Result<Outcome, Error> {
+        let Self { plan, run, recorder } = &mut self;
+        let mut reading = Reading::new(times(record, plan), plan.duration);
+        run.stream_to(plan.duration, &mut |step| {
+            recorder.step(step);
+            reading.step(step, |sample: &PlantSample| {
+                recorder.see(sample);
+                Ok(())
+            })
+        })?;
+        reading.finish(&run.sample(), |sample| {
+            recorder.see(sample);
+            Ok::<_, Error>(())
+        })?;
+        Ok(self.recorder.finish(Some(&self.run)))
+    }
+}
+
+/// The times in s at which a run is looked at.
+fn times<'t>(record: &'t Record, plan: &Run) -> Box<dyn Iterator<Item = f64> + 't> {
+    match record {
+        Record::Samples(times) => Box::new(times.iter().copied()),
+        _ => Box::new(SampleTimes::new(plan.duration, plan.sample_interval).times()),
+    }
+}
+
+/// Simulates the rows, with a step for all of them where they have none of their own.
 pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Vec<Outcome> {
-    let (first, side_by_side) = (rows.start, side_by_side());
+    let record = sweep.record();
+    let built: Vec<(u64, Result<Built, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
+    let mut groups: Vec<Group<'_>> = Vec::new();
     let mut outcomes: Vec<Outcome> = Vec::new();
-    let (mut open, mut closed) = (Groups::new(), Groups::new());
-    for row in rows {
-        let index = (row - first) as usize;
-        // What a batch will compute is put in its place afterwards.
-        let mut outcome = Outcome::Reduced(Vec::new());
-        if let Some(built) = sweep.plant(row) {
-            outcomes.push(match built.and_then(|of| within(sweep.record(), of.run.duration).map(|()| of)) {
-                Ok(of) => plant::run(&of, sweep.plant_columns(), sweep.record()),
-                Err(reason) => Outcome::Failed(reason),
-            });
-            continue;
-        }
-        match build(sweep, row) {
-            Err(reason) => outcome = Outcome::Failed(reason),
-            Ok(Built::Controlled(of)) if goes_along(&of.experiment, sweep.record()) => match of.experiment.step() {
-                Err(error) => outcome = Outcome::Failed(error.to_string()),
-                Ok((step, _)) => {
-                    let kin = Kin::of(sweep, row, &of.experiment, step);
-                    join(&mut closed, kin, (index, *of), side_by_side);
-                }
-            },
-            Ok(Built::Controlled(of)) => outcome = control(&of, sweep.record()),
-            Ok(Built::Joint(of)) => outcome = turn(&of, choice, sweep.record()),
-            Ok(Built::ControlledJoint(of)) => outcome = turn_controlled(&of, sweep.record()),
-            Ok(Built::Open(experiment)) if experiment.run.engine == Engine::EventLocated => {
-                outcome = locate(&experiment, sweep.record());
+    for (index, (row, built)) in built.iter().enumerate() {
+        let ready = match built {
+            Err(reason) => Err(reason.clone()),
+            Ok(built) => built.ready(sweep, choice).map_err(|error| error.to_string()),
+        };
+        outcomes.push(match ready {
+            Err(reason) => Outcome::Failed(reason),
+            Ok(ready) if ready.goes_along() => {
+                Group::join(&mut groups, Kin::of(sweep, *row, &ready), (index, ready));
+                // What the batch will compute is put in its place afterwards.
+                Outcome::Reduced(Vec::new())
             }
-            Ok(Built::Open(experiment)) => {
-                match step::of_row(&experiment.run, choice, || experiment.step().map(|(step, _)| step)) {
-                    Err(error) => outcome = Outcome::Failed(error.to_string()),
-                    Ok(step) => {
-                        let kin = Kin::of(sweep, row, &experiment, step);
-                        join(&mut open, kin, (index, *experiment), side_by_side);
-                    }
-                }
-            }
-        }
-        outcomes.push(outcome);
+            Ok(ready) => ready.simulate(record).unwrap_or_else(|error| Outcome::Failed(error.to_string())),
+        });
     }
-    for (kin, members) in open {
-        advance(&kin, members, sweep.record(), &mut outcomes);
-    }
-    for (kin, members) in closed {
-        advance_controlled(&kin, members, sweep.record(), &mut outcomes);
-    }
+    groups.into_iter().for_each(|group| group.simulate(record, &mut outcomes));
     outcomes
 }
 
 /// Rows that go through time side by side, each with its place among the outcomes.
-type Groups<'a, T> = Vec<(Kin<'a>, Vec<(usize, T)>)>;
+struct Group<'a> {
+    kin: Kin<'a>,
+    rows: Vec<(usize, Row<'a>)>,
+    /// How many it may have.
+    most: usize,
+}
 
-/// Puts a row to its like, or begins a group.
-fn join<'a, T>(groups: &mut Groups<'a, T>, kin: Kin<'a>, member: (usize, T), side_by_side: usize) {
-    match groups.iter_mut().find(|(known, rows)| *known == kin && rows.len() < side_by_side) {
-        Some((_, members)) => members.push(member),
-        None => groups.push((kin, vec![member])),
+/// A step's part by which two times that differ are the same.
+const ROUNDING: f64 = 1e-9;
+
+impl<'a> Group<'a> {
+    /// Puts a row to its like, or begins a group.
+    fn join(groups: &mut Vec<Self>, kin: Kin<'a>, row: (usize, Row<'a>)) {
+        match groups.iter_mut().find(|group| group.kin == kin && group.rows.len() < group.most) {
+            Some(group) => group.rows.push(row),
+            None => {
+                let most = if PlantBatch::covers(row.1.run.plant()) { side_by_side() } else { 1 };
+                groups.push(Self { kin, rows: vec![row], most });
+            }
+        }
+    }
+
+    /// Takes all of them through time.
+    fn simulate(self, record: &Record, outcomes: &mut [Outcome]) {
+        let Self { kin: Kin { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else { return };
+        let Some(plan) = rows.first().map(|(_, row)| row.plan) else { return };
+        let mut steps: Vec<_> = rows.iter().map(|(_, row)| row.run.steps(method)).collect();
+        let mut samplers: Vec<_> = steps.iter().map(PlantSampler::new).collect();
+        // What is due at the start is passed before the first sample.
+        let began = steps.iter_mut().map(PlantSteps::pass_due);
+        let (places, mut recorders): (Vec<_>, Vec<_>) =
+            rows.into_iter().zip(began).map(|((index, row), began)| (index, began.map(|()| row.recorder))).unzip();
+        let mut batch = match PlantBatch::new(steps) {
+            Ok(batch) => batch,
+            Err(error) => {
+                places.iter().for_each(|index| outcomes[*index] = Outcome::Failed(error.to_string()));
+                return;
+            }
+        };
+        let how = TimeStepping::Fixed { method, step };
+        for time in times(record, &plan) {
+            while time - batch.time() > ROUNDING * step {
+                let end = how.step_end(batch.time(), plan.duration);
+                // A time at which no step ends divides one.
+                let until = if end - time > ROUNDING * step { time } else { end };
+                if let Err(error) = batch.advance_to(until) {
+                    recorders.iter_mut().for_each(|recorder| *recorder = Err(error.clone()));
+                    break;
+                }
+            }
+            for (row, (recorder, sampler)) in recorders.iter_mut().zip(&mut samplers).enumerate() {
+                let Ok(living) = recorder else { continue };
+                match batch.row(row) {
+                    Ok(steps) => living.see(sampler.read(steps, time)),
+                    Err(error) => *recorder = Err(error),
+                }
+            }
+            if recorders.iter().all(Result::is_err) {
+                break;
+            }
+        }
+        for (index, recorder) in places.into_iter().zip(recorders) {
+            let failed = |error: Error| Outcome::Failed(error.to_string());
+            outcomes[index] = recorder.map_or_else(failed, |recorder| recorder.finish(None));
+        }
     }
 }
 
-/// Whether a row with a controller may go side by side with others: at fixed steps, without a tendon in series, and where all
-/// samples count. Where some are listed, steps end at those, and the loop is closed first with steps of its own.
-fn goes_along(experiment: &Experiment, record: &Record) -> bool {
-    let side_by_side = experiment.run.engine == Engine::FixedStep && experiment.rig.tendon().is_none();
-    side_by_side && listed(record).is_none()
+impl Row<'_> {
+    /// Whether it may go side by side with others.
+    fn goes_along(&self) -> bool {
+        matches!(self.run.stepping(), TimeStepping::Fixed { .. }) && !self.recorder.takes_steps()
+    }
+}
+
+/// What rows share that go through time side by side: their times, and the words of the sweep, on which the form of their laws
+/// hangs.
+#[derive(Clone, Debug, PartialEq)]
+struct Kin<'a> {
+    span: [f64; 2],
+    how: TimeStepping,
+    words: Vec<&'a str>,
+}
+
+impl<'a> Kin<'a> {
+    fn of(sweep: &'a Sweep, index: u64, row: &Row<'_>) -> Self {
+        let word = |axis| match sweep.value(axis, index) {
+            AxisValue::Word(word) => Some(word),
+            AxisValue::Number(_) => None,
+        };
+        let words = (0..sweep.axes().len()).filter_map(word).collect();
+        Self { span: [row.plan.duration, row.plan.sample_interval], how: row.run.stepping(), words }
+    }
 }
 
 /// What a row describes.
@@ -136,9 +256,15 @@ enum Built {
     Controlled(Box<ControlledExperiment>),
     Joint(Box<JointExperiment>),
     ControlledJoint(Box<ControlledJointExperiment>),
+    Plant(Box<PlantExperiment>),
 }
 
 fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
+    if let Some(plant) = sweep.plant(row) {
+        let plant = plant?;
+        within(sweep.record(), plant.run.duration)?;
+        return Ok(Built::Plant(Box::new(plant)));
+    }
     let scenario = sweep.scenario(row).map_err(|error| error.error.to_string())?;
     within(sweep.record(), scenario.run.duration)?;
     describe(&scenario).map_err(|error| error.to_string())
@@ -167,122 +293,169 @@ fn describe(scenario: &Scenario) -> Result<Built, Error> {
     built.map_or_else(|| scenario.experiment().map(|of| Built::Open(Box::new(of))), Ok)
 }
 
-/// What rows of the fixed-step engine share that go through time side by side: their times, and the words of the sweep,
-/// on which the form of their laws hangs.
-#[derive(Clone, Debug, PartialEq)]
-struct Kin<'a> {
-    duration: f64,
-    sample_interval: f64,
-    step: f64,
-    method: Method,
-    words: Vec<&'a str>,
+impl Built {
+    /// Before its first step.
+    fn ready<'b>(&'b self, sweep: &'b Sweep, choice: Option<&Choice>) -> Result<Row<'b>, Error> {
+        match self {
+            Self::Open(of) => ready(Alone::from(&**of), choice, sweep.record()),
+            Self::Controlled(of) => ready(Alone::from(&**of), choice, sweep.record()),
+            Self::Joint(of) => ready(Pair::from(&**of), choice, sweep.record()),
+            Self::ControlledJoint(of) => ready(Pair::from(&**of), choice, sweep.record()),
+            Self::Plant(of) => plant::ready(of, choice, sweep),
+        }
+    }
 }
 
-impl<'a> Kin<'a> {
-    fn of(sweep: &'a Sweep, row: u64, experiment: &Experiment, step: f64) -> Self {
-        let (duration, sample_interval) = (experiment.run.duration, experiment.run.sample_interval);
-        let word = |axis| match sweep.value(axis, row) {
-            AxisValue::Word(word) => Some(word),
-            AxisValue::Number(_) => None,
+/// A subject before its first step.
+fn ready<'b, S: Swept + 'b>(of: S, choice: Option<&Choice>, record: &'b Record) -> Result<Row<'b>, Error>
+where
+    S::View: 'b,
+    <S::View as PlantView>::Sample: 'b,
+{
+    let (plan, view) = (*of.plan(), of.view()?);
+    let how = step::stepping(&plan, choice, || of.stepping())?;
+    let drivers = of.driver(&view)?.into_iter().collect();
+    let (plant, start) = (view.plant().clone(), view.start(of.start()));
+    let recorder = ViewRecorder::new(of, view, record, how);
+    Row::new(plan, (&plant, &start), how, drivers, Box::new(recorder))
+}
+
+/// What a sweep looks at of the runs of a subject.
+trait Swept: Subject {
+    /// A sample as reductions see it.
+    fn seen<'s>(rig: &'s RigOf<Self>, sample: &'s SampleOf<Self>) -> Seen<'s>;
+
+    /// What of a sample is not finite, in words.
+    fn fault(sample: &SampleOf<Self>) -> Option<String>;
+
+    /// Samples as an outcome.
+    fn sampled(samples: Vec<SampleOf<Self>>) -> Samples;
+
+    /// The command whose period is that of a ripple.
+    fn command(rig: &RigOf<Self>) -> Option<&Command>;
+
+    /// The mass flow in kg/s that comes from supplies.
+    fn drawn(flows: &<Self::View as PlantView>::Flows) -> f64;
+}
+
+type RigOf<S> = <<S as Subject>::View as PlantView>::Rig;
+type SampleOf<S> = <<S as Subject>::View as PlantView>::Sample;
+
+impl Swept for Alone<'_> {
+    fn seen<'s>(_: &'s Rig, sample: &'s Sample) -> Seen<'s> {
+        Seen::Actuator(sample)
+    }
+
+    fn fault(sample: &Sample) -> Option<String> {
+        not_finite(sample)
+    }
+
+    fn sampled(samples: Vec<Sample>) -> Samples {
+        Samples::Actuator(samples)
+    }
+
+    fn command(rig: &Rig) -> Option<&Command> {
+        rig.actuation().map(|actuation| &actuation.command)
+    }
+
+    fn drawn([supply, _]: &[Flow; 2]) -> f64 {
+        supply.inward
+    }
+}
+
+impl Swept for Pair<'_> {
+    fn seen<'s>(rig: &'s JointRig, sample: &'s JointSample) -> Seen<'s> {
+        Seen::Joint(sample, rig)
+    }
+
+    fn fault(sample: &JointSample) -> Option<String> {
+        sample.actuators.iter().find_map(not_finite)
+    }
+
+    fn sampled(samples: Vec<JointSample>) -> Samples {
+        Samples::Joint(samples)
+    }
+
+    fn command(rig: &JointRig) -> Option<&Command> {
+        rig.driven()[0].actuation.as_ref().map(|actuation| &actuation.command)
+    }
+
+    fn drawn(flows: &[[Flow; 2]; 2]) -> f64 {
+        flows.iter().map(|[supply, _]| supply.inward).sum()
+    }
+}
+
+/// Makes reductions of the samples of a subject, or keeps them.
+struct ViewRecorder<'r, S: Swept> {
+    of: S,
+    view: S::View,
+    reductions: Option<(&'r [Reduction], Reducer)>,
+    samples: Vec<SampleOf<S>>,
+    fault: Option<String>,
+    /// What a controller was to reach, where that is asked for.
+    goals: Option<Vec<Goal>>,
+    /// Air in kg that came from supplies, where steps are exact enough to sum it.
+    drawn: Option<f64>,
+}
+
+impl<'r, S: Swept> ViewRecorder<'r, S> {
+    fn new(of: S, view: S::View, record: &'r Record, how: TimeStepping) -> Self {
+        let reductions = match record {
+            Record::Reductions(reductions) => Some(reductions.as_slice()),
+            // Those of plants have recorders of their own.
+            Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => None,
         };
-        let words = (0..sweep.axes().len()).filter_map(word).collect();
-        Self { duration, sample_interval, step, method: experiment.method(), words }
+        let asks = |wanted: fn(Quantity) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.quantity));
+        let goals = if asks(|quantity| matches!(quantity, Quantity::Error(_))) { of.goals() } else { None };
+        let is_located = matches!(how, TimeStepping::Located { .. });
+        let drawn = (is_located && asks(|quantity| quantity == Quantity::Air)).then_some(0.0);
+        let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
+        let reductions = reductions.map(|list| (list, reducer(list)));
+        Self { of, reductions, view, samples: Vec::new(), fault: None, goals, drawn }
     }
 }
 
-/// The instants that a record looks at.
-#[derive(Clone, Copy, Debug)]
-enum Stops<'a> {
-    Regular(SampleTimes),
-    Listed(&'a [f64]),
-}
-
-impl<'a> Stops<'a> {
-    fn of(record: &'a Record, duration: f64, interval: f64) -> Self {
-        match record {
-            Record::Samples(times) => Self::Listed(times),
-            Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => {
-                Self::Regular(SampleTimes::new(duration, interval))
-            }
+impl<S: Swept> Recorder for ViewRecorder<'_, S> {
+    fn see(&mut self, sample: &PlantSample) {
+        if self.fault.is_some() {
+            return;
+        }
+        let sample = self.view.sample(sample);
+        self.fault = S::fault(&sample);
+        match &mut self.reductions {
+            Some((_, reducer)) => reducer.see(S::seen(self.view.rig(), &sample)),
+            None => self.samples.push(sample),
         }
     }
 
-    fn times(self) -> impl Iterator<Item = f64> + 'a {
-        let count = match self {
-            Self::Regular(times) => times.last() + 1,
-            Self::Listed(times) => times.len() as u64,
+    fn takes_steps(&self) -> bool {
+        self.goals.is_some() || self.drawn.is_some()
+    }
+
+    fn step(&mut self, step: &PlantStep<'_>) {
+        let Self { of, view, goals, drawn, .. } = self;
+        if let Some(drawn) = drawn {
+            step.quadrature(|weight, sample| *drawn += weight * S::drawn(&view.valve_flows(sample)));
+        }
+        if let (Some(goals), Some((_, decision))) = (goals, step.decision())
+            && let Some(decision) = view.decision(decision)
+        {
+            of.add(goals, &decision);
+        }
+    }
+
+    fn finish(self: Box<Self>, _: Option<&PlantRun>) -> Outcome {
+        if let Some(fault) = self.fault {
+            return Outcome::Failed(fault);
+        }
+        let Some((reductions, mut reducer)) = self.reductions else {
+            return Outcome::Sampled(S::sampled(self.samples));
         };
-        (0..count).map(move |index| match self {
-            Self::Regular(times) => times.time(index),
-            Self::Listed(times) => times[index as usize],
-        })
-    }
-}
-
-/// What is made of the samples of a run.
-#[derive(Debug)]
-enum Recorder<'a> {
-    Reducing(&'a [Reduction], Reducer),
-    Keeping(Vec<Sample>),
-    KeepingJoint(Vec<JointSample>),
-    Stopped(String),
-}
-
-impl<'a> Recorder<'a> {
-    fn new(record: &'a Record, experiment: &Experiment) -> Self {
-        match record {
-            Record::Reductions(reductions) => {
-                let command = experiment.rig.actuation().map(|actuation| &actuation.command);
-                Self::Reducing(reductions, Reducer::new(reductions, command, experiment.run.duration))
-            }
-            // Those of plants have rows of their own.
-            Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => Self::Keeping(Vec::new()),
+        if let Some(drawn) = self.drawn {
+            reducer.set_air_used(drawn);
         }
-    }
-
-    fn see(&mut self, sample: &Sample) {
-        if let Some(fault) = not_finite(sample) {
-            *self = Self::Stopped(fault);
-        }
-        match self {
-            Self::Reducing(_, reducer) => reducer.see(Seen::Actuator(sample)),
-            Self::Keeping(samples) => samples.push(*sample),
-            Self::KeepingJoint(_) | Self::Stopped(_) => {}
-        }
-    }
-
-    fn see_joint(&mut self, sample: &JointSample, rig: &JointRig) {
-        if let Some(fault) = sample.actuators.iter().find_map(not_finite) {
-            *self = Self::Stopped(fault);
-        }
-        match self {
-            Self::Reducing(_, reducer) => reducer.see(Seen::Joint(sample, rig)),
-            Self::KeepingJoint(samples) => samples.push(*sample),
-            Self::Keeping(_) | Self::Stopped(_) => {}
-        }
-    }
-
-    /// The reductions under way, where one is of this quantity.
-    fn reducing(&mut self, quantity: Quantity) -> Option<&mut Reducer> {
-        match self {
-            Self::Reducing(reductions, reducer) => {
-                reductions.iter().any(|reduction| reduction.quantity == quantity).then_some(reducer)
-            }
-            _ => None,
-        }
-    }
-
-    fn has_stopped(&self) -> bool {
-        matches!(self, Self::Stopped(_))
-    }
-
-    fn finish(self) -> Outcome {
-        match self {
-            Self::Reducing(reductions, reducer) => Outcome::Reduced(reducer.finish(reductions)),
-            Self::Keeping(samples) => Outcome::Sampled(Samples::Actuator(samples)),
-            Self::KeepingJoint(samples) => Outcome::Sampled(Samples::Joint(samples)),
-            Self::Stopped(reason) => Outcome::Failed(reason),
-        }
+        reducer.set_goals(self.goals.unwrap_or_default());
+        Outcome::Reduced(reducer.finish(reductions))
     }
 }
 
@@ -291,173 +464,4 @@ fn not_finite(sample: &Sample) -> Option<String> {
     let numbers = COLUMNS.iter().map(|column| (column.name, (column.value)(sample)));
     let (name, value) = numbers.into_iter().find(|(_, value)| !value.is_finite())?;
     Some(format!("{name} = {value} at t = {} s is not a finite number", sample.time))
-}
-
-/// Runs rows by the fixed-step engine, side by side.
-fn advance(kin: &Kin<'_>, members: Vec<(usize, Experiment)>, record: &Record, outcomes: &mut [Outcome]) {
-    let mut recorders: Vec<(usize, Recorder<'_>)> =
-        members.iter().map(|(index, experiment)| (*index, Recorder::new(record, experiment))).collect();
-    let rows = members.into_iter().map(|(_, Experiment { rig, start, .. })| Row { rig, start }).collect();
-    record_batch(&mut Batch::new(rows, kin.method), kin, &mut recorders, record);
-    for (index, recorder) in recorders {
-        outcomes[index] = recorder.finish();
-    }
-}
-
-/// The same with controllers.
-fn advance_controlled(
-    kin: &Kin<'_>,
-    members: Vec<(usize, ControlledExperiment)>,
-    record: &Record,
-    outcomes: &mut [Outcome],
-) {
-    let row = |(_, of): &(usize, ControlledExperiment)| ControlledRow {
-        rig: of.experiment.rig.clone(),
-        start: of.experiment.start,
-        controller: of.law.clone(),
-        sampling: of.sampling,
-        sensors: of.sensors,
-    };
-    let Ok(mut batch) = Batch::controlled(members.iter().map(row).collect(), kin.method) else {
-        // Each says by itself why not.
-        members.iter().for_each(|(index, of)| outcomes[*index] = control(of, record));
-        return;
-    };
-    let mut recorders: Vec<(usize, Recorder<'_>)> =
-        members.iter().map(|(index, of)| (*index, Recorder::new(record, &of.experiment))).collect();
-    record_batch(&mut batch, kin, &mut recorders, record);
-    for (row, ((index, of), (_, mut recorder))) in members.iter().zip(recorders).enumerate() {
-        if let Recorder::Reducing(_, reducer) = &mut recorder {
-            reducer.set_goals(closed_loop::goals(of, batch.decisions(row)));
-        }
-        outcomes[*index] = recorder.finish();
-    }
-}
-
-/// Takes a batch through time and records what it shows.
-fn record_batch(batch: &mut Batch, kin: &Kin<'_>, recorders: &mut [(usize, Recorder<'_>)], record: &Record) {
-    for until in Stops::of(record, kin.duration, kin.sample_interval).times() {
-        batch.advance(until, steps_between(batch.time(), until, kin.step));
-        for ((_, recorder), sample) in recorders.iter_mut().zip(batch.samples()) {
-            match sample {
-                Ok(sample) => recorder.see(&sample),
-                Err(error) if !recorder.has_stopped() => *recorder = Recorder::Stopped(error.to_string()),
-                Err(_) => {}
-            }
-        }
-        if recorders.iter().all(|(_, recorder)| recorder.has_stopped()) {
-            break;
-        }
-    }
-}
-
-/// Runs a row by the event-located engine.
-fn locate(experiment: &Experiment, record: &Record) -> Outcome {
-    let (rig, run) = (&experiment.rig, &experiment.run);
-    match simulate(rig, experiment.start, run.duration, run.relative_tolerance) {
-        Ok(trajectory) => look_at(&trajectory, run, Recorder::new(record, experiment), record),
-        Err(error) => Outcome::Failed(error.to_string()),
-    }
-}
-
-/// Runs a row with a controller, as `mckibben simulate` does.
-fn control(of: &ControlledExperiment, record: &Record) -> Outcome {
-    let closed = match closed_loop::close_watched(of, |_| Ok(())) {
-        Ok(closed) => closed,
-        Err(error) => return Outcome::Failed(error.to_string()),
-    };
-    let experiment = &closed.experiment;
-    let mut recorder = Recorder::new(record, experiment);
-    if let Recorder::Reducing(_, reducer) = &mut recorder {
-        reducer.set_goals(closed.goals.clone());
-    }
-    if let Some(trajectory) = closed.located() {
-        return look_at(trajectory, &experiment.run, recorder, record);
-    }
-    let mut see = |sample: &Sample, recorded: bool| {
-        if recorded {
-            recorder.see(sample);
-        }
-        Ok(())
-    };
-    let run = experiment.step().and_then(|(step, _)| {
-        let ends = engine::ends(&experiment.run, listed(record), step);
-        engine::step_through(experiment, ends, closed.instants(), &mut see)
-    });
-    run.map_or_else(|error| Outcome::Failed(error.to_string()), |()| recorder.finish())
-}
-
-/// The times in s that alone are recorded, where they are listed.
-fn listed(record: &Record) -> Option<&[f64]> {
-    match record {
-        Record::Samples(times) => Some(times),
-        Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => None,
-    }
-}
-
-/// Runs a row with a joint, as `mckibben simulate` does.
-fn turn(of: &JointExperiment, choice: Option<&Choice>, record: &Record) -> Outcome {
-    let run = match of.run.engine {
-        Engine::EventLocated => joint::outcome::locate(of, |_| Ok(())),
-        Engine::FixedStep => {
-            let needed = || of.step().map(|(step, _)| step);
-            step::of_row(&of.run, choice, needed).and_then(|step| {
-                let ends = engine::ends(&of.run, listed(record), step);
-                joint::outcome::step_through(of, (step, None), ends, |_| Ok(()))
-            })
-        }
-    };
-    run.map_or_else(|error| Outcome::Failed(error.to_string()), |run| look_at_joint(&run, of, Vec::new(), record))
-}
-
-/// Runs a row with a joint and a controller, as `mckibben simulate` does.
-fn turn_controlled(of: &ControlledJointExperiment, record: &Record) -> Outcome {
-    match joint::control::close(of, listed(record), |_| Ok(())) {
-        Ok((run, closed)) => look_at_joint(&run, &of.experiment, closed.goals, record),
-        Err(error) => Outcome::Failed(error.to_string()),
-    }
-}
-
-/// Records the run of a joint.
-fn look_at_joint(run: &joint::outcome::Outcome, of: &JointExperiment, goals: Vec<Goal>, record: &Record) -> Outcome {
-    let command = of.rig.driven()[0].actuation.as_ref().map(|actuation| &actuation.command);
-    let mut recorder = match record {
-        Record::Reductions(reductions) => {
-            let mut reducer = Reducer::new(reductions, command, of.run.duration);
-            reducer.set_goals(goals);
-            Recorder::Reducing(reductions, reducer)
-        }
-        Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => Recorder::KeepingJoint(Vec::new()),
-    };
-    match (record, run.located()) {
-        (Record::Samples(times), Some(trajectory)) => {
-            trajectory.at_each(times.iter().copied()).for_each(|sample| recorder.see_joint(&sample, &of.rig));
-        }
-        _ => run.samples(of.run.sample_interval).for_each(|sample| recorder.see_joint(&sample, &of.rig)),
-    }
-    if let (Some(reducer), Some(trajectory)) = (recorder.reducing(Quantity::Air), run.located()) {
-        reducer.set_air_used(joint::summary::used(trajectory).iter().map(|air| air.from_supply).sum());
-    }
-    recorder.finish()
-}
-
-/// Records a run of the event-located engine.
-fn look_at(trajectory: &RigTrajectory, run: &Run, mut recorder: Recorder<'_>, record: &Record) -> Outcome {
-    match record {
-        Record::Samples(times) => times.iter().for_each(|time| recorder.see(&trajectory.at(*time))),
-        Record::Reductions(_) | Record::PlantReductions(_) | Record::Trajectories => {
-            trajectory.samples(run.sample_interval).for_each(|sample| recorder.see(&sample));
-        }
-    }
-    if let Some(reducer) = recorder.reducing(Quantity::Air) {
-        reducer.set_air_used(air_used(trajectory));
-    }
-    recorder.finish()
-}
-
-/// Air in kg that came from the supply.
-fn air_used(trajectory: &RigTrajectory) -> f64 {
-    let mut air = AirUse::default();
-    trajectory.quadrature(|weight, _, flows| air.see(weight, flows));
-    air.from_supply
 }

@@ -18,6 +18,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use mckibben::Error;
 use mckibben::parameter as p;
+use mckibben::plant::{PlantStepError, TimeStepping};
 use mckibben_scenario::{Engine, Run, Sweep};
 
 /// At most how many rows are tried.
@@ -77,14 +78,18 @@ impl Choice {
     }
 }
 
-/// The longest step of a row in s: the one that it gives, the one for all, or the one that it needs.
+/// How a row goes through time: as it says, or by the step for all, or by the one that it needs.
 ///
 /// # Errors
 /// What `needed` finds.
-pub fn of_row(run: &Run, choice: Option<&Choice>, needed: impl FnOnce() -> Result<f64, Error>) -> Result<f64, Error> {
-    match (run.step, choice) {
-        (None, Some(choice)) => Ok(choice.step),
-        _ => needed(),
+pub(super) fn stepping(
+    run: &Run,
+    choice: Option<&Choice>,
+    needed: impl FnOnce() -> Result<(TimeStepping, Option<PlantStepError>), Error>,
+) -> Result<TimeStepping, Error> {
+    match (run.engine, run.step, choice) {
+        (Engine::FixedStep, None, Some(choice)) => Ok(run.fixed(choice.step)),
+        _ => needed().map(|(how, _)| how),
     }
 }
 
@@ -95,17 +100,26 @@ fn spread(rows: u64) -> impl Iterator<Item = u64> {
     (0..tried).map(move |index| row(index) as u64)
 }
 
-/// The step that a row of the fixed-step engine needs, with its accuracy; a controller's row gives it.
+/// The step that a row at fixed steps needs, with its accuracy.
 fn needed(sweep: &Sweep, row: u64) -> Option<Result<(f64, f64), Error>> {
-    let scenario = sweep.scenario(row).ok().filter(|scenario| !scenario.has_controller())?;
-    if scenario.run.engine != Engine::FixedStep {
-        return None;
-    }
-    let step = match scenario.joint_experiment().ok()? {
-        Some(joint) => joint.step().map(|(step, _)| step),
-        None => scenario.experiment().ok()?.step().map(|(step, _)| step),
+    let (run, needed) = match sweep.plant(row) {
+        Some(plant) => plant.ok().map(|plant| (plant.run, plant.stepping()))?,
+        None => {
+            let scenario = sweep.scenario(row).ok()?;
+            let needed = match (scenario.has_joint(), scenario.has_controller()) {
+                (false, false) => scenario.experiment().ok()?.stepping(),
+                (false, true) => scenario.controlled_experiment().ok()??.stepping(),
+                (true, false) => scenario.joint_experiment().ok()??.stepping(),
+                (true, true) => scenario.controlled_joint_experiment().ok()??.stepping(),
+            };
+            (scenario.run, needed)
+        }
     };
-    Some(step.map(|step| (step, scenario.run.accuracy)))
+    match needed {
+        Ok((TimeStepping::Fixed { step, .. }, _)) => Some(Ok((step, run.accuracy))),
+        Ok((TimeStepping::Located { .. }, _)) => None,
+        Err(error) => Some(Err(error)),
+    }
 }
 
 #[cfg(test)]

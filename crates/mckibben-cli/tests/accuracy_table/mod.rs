@@ -1,8 +1,8 @@
 //! The accuracy of the fixed-step engine on named scenarios: what is measured for `docs/accuracy.md`, and its text.
 
 use crate::common::of_repository;
+use mckibben::plant::{PlantReference, RigPlant};
 use mckibben::simulation::Method;
-use mckibben::simulation::accuracy::{Reference, StepError};
 use mckibben_cli::plot::{Axis, Colour, Figure, Panel, Series, Style};
 use mckibben_cli::settings::Setting;
 use mckibben_scenario::{Document, Experiment};
@@ -71,13 +71,30 @@ pub(crate) const CASES: [Case; 5] = [
     },
 ];
 
+/// A step in s and its errors of length, velocity, pressure and air mass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepErrors {
+    step: f64,
+    states: [f64; 4],
+}
+
+impl StepErrors {
+    /// The largest of the four.
+    pub(crate) fn greatest(&self) -> f64 {
+        self.states.into_iter().fold(0.0, f64::max)
+    }
+}
+
 /// The errors at one step, or where the steps left the physics.
-pub(crate) type Measured = Result<StepError, mckibben::Error>;
+pub(crate) type Measured = Result<StepErrors, mckibben::Error>;
+
+/// The longest step in s for an accuracy; none where no step that is tried is accurate enough.
+pub(crate) type Chosen = Option<f64>;
 
 /// What is measured of a case: for each method the errors at each step and the step for each accuracy.
 pub(crate) struct Rows {
     pub(crate) errors: [Vec<Measured>; 2],
-    pub(crate) steps: [Vec<Measured>; 2],
+    pub(crate) steps: [Vec<Chosen>; 2],
 }
 
 impl Case {
@@ -93,10 +110,24 @@ impl Case {
     /// Measures everything that the page says about the case.
     pub(crate) fn measure(&self) -> Rows {
         let experiment = self.experiment();
-        let reference = Reference::new(&experiment.rig, experiment.start, experiment.run.duration, TOLERANCE)
+        let of = RigPlant::new(&experiment.rig);
+        let (start, none) = (of.start(&experiment.start), &Vec::new);
+        let reference = PlantReference::new((of.plant(), &start), none, experiment.run.duration, TOLERANCE)
             .expect("an event-located run");
-        let errors = METHODS.map(|(method, _)| STEPS.iter().map(|step| reference.error(method, *step)).collect());
-        let step_for = |method, accuracy| reference.step_for(method, accuracy, INTERVAL);
+        let places = of.plant().places();
+        let (mechanism, actuator) = (&places.mechanisms[0], &places.actuators[0]);
+        let [pressure, mass] = [actuator.pressure, actuator.mass()];
+        let measure = |method, step| {
+            let errors = reference.errors(method, step)?;
+            // A length that is fixed has no state, and no error.
+            let [length, velocity] = match mechanism.coordinates {
+                0 => [0.0; 2],
+                _ => [errors[mechanism.position(0)], errors[mechanism.rate(0)]],
+            };
+            Ok(StepErrors { step, states: [length, velocity, errors[pressure], errors[mass]] })
+        };
+        let errors = METHODS.map(|(method, _)| STEPS.iter().map(|step| measure(method, *step)).collect());
+        let step_for = |method, accuracy| reference.step_for(method, accuracy, INTERVAL).ok().map(|error| error.step);
         let steps = METHODS.map(|(method, _)| ACCURACIES.iter().map(|accuracy| step_for(method, *accuracy)).collect());
         Rows { errors, steps }
     }
@@ -139,7 +170,7 @@ pub(crate) fn table(rows: &Rows) -> String {
         for (index, measured) in errors.iter().enumerate() {
             let step = milliseconds(STEPS[index]);
             let cells = match measured {
-                Ok(error) => error.states().map(told).join(" | "),
+                Ok(error) => error.states.map(told).join(" | "),
                 Err(mckibben::Error::Stopped { time, .. }) => format!("left the physics at {:.0} ms | | |", 1e3 * time),
                 Err(error) => panic!("{error}"),
             };
@@ -150,8 +181,8 @@ pub(crate) fn table(rows: &Rows) -> String {
 }
 
 /// The cell of a step chosen for an accuracy.
-pub(crate) fn chosen(measured: &Measured) -> String {
-    measured.as_ref().map_or_else(|_| "none".to_owned(), |error| milliseconds(error.step))
+pub(crate) fn chosen(step: &Chosen) -> String {
+    step.map_or_else(|| "none".to_owned(), milliseconds)
 }
 
 const HEAD: &str = "\
@@ -162,7 +193,7 @@ engines of this program, not between the model and a muscle.
 
 Each case is run by the event-located engine at a relative tolerance of 1e-12, and by the fixed-step engine at steps from
 10 ms to 0.01 ms. The error of a state is the largest difference at the end of any step, as a share of the range that the
-state covers in the run (`mckibben::simulation::accuracy` has the definition). The order is that of the largest of the
+state covers in the run (`mckibben::plant::PlantReference` measures it). The order is that of the largest of the
 four between two rows.
 
 ![Error over step, one panel for each case](accuracy.svg)
@@ -185,8 +216,7 @@ How to read it:
 - A small chamber shows where RK4 ends: at 10 ms it leaves the physics, and at 5, 2 and 1 ms it still hangs 35, 12 and 3 kPa
   below the supply's pressure after a second. Its steps must lie below the time in which the air settles. The stable
   method comes to the supply's pressure at each of these steps.
-- At 10 ms, a quarter of the period, the stable method leaves the physics too under PWM. Where a step does, the engine stops
-  and says so.
+- Where a step is so long that a stage or an end leaves the physics, the engine stops and says so.
 - Valve edges, turns of the velocity with Coulomb friction, slack and taut end a part of a step where they happen: no
   jump of a force or a flow lies inside one.
 ";

@@ -26,14 +26,13 @@ mod control;
 mod network;
 pub(crate) mod parts;
 
-use crate::choice::Engine;
 use crate::diagnostic::{Diagnostics, Place};
 use crate::document::Document;
 use crate::keys;
 use crate::scenario::{Air, Command, Controller, Hose, Motion, Passage, Run, Scenario, Supply, Valve};
 use mckibben::Error;
 use mckibben::mechanism::Mechanism;
-use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping, plant_step_for_accuracy};
+use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping};
 
 pub use adjust::{AdjustedPlant, PlantOver, PlantPlace};
 pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
@@ -58,17 +57,10 @@ impl PlantExperiment {
     /// How it goes through time. A fixed step that no one gives is the longest that the accuracy allows, with its error.
     ///
     /// # Errors
-    /// As [`plant_step_for_accuracy`], when a step is chosen.
+    /// As [`plant_step_for_accuracy`](mckibben::plant::plant_step_for_accuracy), when a step is chosen.
     pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
-        let run = &self.run;
-        if run.engine == Engine::EventLocated || run.step.is_some() {
-            return Ok((run.stepping(), None));
-        }
         let drivers = || self.controls.iter().map(PlantControl::driver).collect();
-        let times = (run.duration, run.sample_interval);
-        let of = (&self.plant, &self.start);
-        let chosen = plant_step_for_accuracy(of, &drivers, times, run.core_method(), run.accuracy)?;
-        Ok((run.fixed(chosen.step), Some(chosen)))
+        self.run.stepping_of((&self.plant, &self.start), &drivers)
     }
 }
 

@@ -180,10 +180,14 @@ impl Sweep {
     /// Whether there are rows for an engine.
     pub fn asks_for(&self, engine: Engine) -> bool {
         match &self.plant {
-            // The event-located engine alone runs plants.
-            Some(_) => engine == Engine::EventLocated,
+            Some(swept) => swept.run.engine == engine || self.varies("run.engine"),
             None => self.bases.iter().any(|base| base.scenario.run.engine == engine),
         }
+    }
+
+    /// Whether an axis has this path.
+    fn varies(&self, path: &str) -> bool {
+        self.axes.iter().any(|axis| axis.path == path)
     }
 
     /// Whether every row is a plant of actuators with names; if not, none is.
@@ -217,7 +221,11 @@ impl Sweep {
 
     /// Whether every row gives the step of the fixed-step engine, so that none follows from an accuracy.
     pub fn gives_step(&self) -> bool {
-        self.bases.iter().all(|base| base.scenario.run.step.is_some())
+        match &self.plant {
+            // An axis has put its first value there.
+            Some(swept) => swept.run.step.is_some(),
+            None => self.bases.iter().all(|base| base.scenario.run.step.is_some()),
+        }
     }
 
     /// The scenario of a row. Tables in it are copied; everything else is a few numbers.

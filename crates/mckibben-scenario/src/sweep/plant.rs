@@ -15,6 +15,7 @@ use crate::nearest::nearest;
 use crate::plant::{PlantColumn, PlantControl, PlantExperiment, PlantQuantity};
 use crate::quantity;
 use crate::reader::{Reader, list_of};
+use crate::scenario::Run;
 use mckibben::control;
 use mckibben::parameter as p;
 
@@ -27,8 +28,8 @@ pub(crate) struct Swept {
     axes: Vec<(String, Place, &'static str)>,
     /// The columns of a run, the same in all rows.
     pub(crate) columns: Vec<PlantColumn>,
-    /// Duration and sample interval of the first row in s.
-    pub(crate) span: [f64; 2],
+    /// How long the first row runs and what it records.
+    pub(crate) run: Run,
 }
 
 /// What of a plant is reduced to a number.
@@ -78,7 +79,7 @@ impl Swept {
         };
         let axes = varied.iter().map(|varied| (varied.path.clone(), varied.key.clone(), varied.unit())).collect();
         let (columns, run) = (experiment.columns(), experiment.run);
-        Ok((Self { document: bare, axes, columns, span: [run.duration, run.sample_interval] }, experiment))
+        Ok((Self { document: bare, axes, columns, run }, experiment))
     }
 
     /// The plant of a row by the values of its axes.

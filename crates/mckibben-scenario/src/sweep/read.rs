@@ -71,7 +71,9 @@ impl Document {
             let record = plant::record(self, record, &first)?;
             plant::check_times(self, &record, first.run.duration, &varied)?;
             let columns = 1.0 + swept.columns.len() as f64;
-            let part_rows = part_rows.unwrap_or_else(|| part_of(&record, swept.span, columns)).min(rows);
+            let part_rows = part_rows
+                .unwrap_or_else(|| part_of(&record, [swept.run.duration, swept.run.sample_interval], columns))
+                .min(rows);
             let (axes, plant) = (axes(varied, design, rows, seed), Some(Box::new(swept)));
             return Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases: Vec::new(), plant }));
         }

@@ -78,14 +78,16 @@ pub use mode::{ActuatorMode, MechanismMode, PlantMode};
 pub use rig::{
     RigConsumer, RigEvent, RigPlant, RigReader, RigRunEnd, RigStep, RigTrajectory, simulate, simulate_in_segments,
 };
-pub(crate) use rig::{four, linear as rig_linear, point as rig_point};
+pub(crate) use rig::{linear as rig_linear, point as rig_point};
 pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
-pub use steps::{PlantStepError, PlantSteps, TimeStepping, plant_step_for_accuracy};
+pub use steps::{
+    PILOT, PlantReference, PlantSampler, PlantStepError, PlantSteps, SHORTEST, TimeStepping, plant_step_for_accuracy,
+};
 pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};
 pub use trajectory::{PlantEvent, PlantTrajectory, STEPS_WATCHED, simulate_plant};
-pub use view::{PlantView, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
+pub use view::{PlantView, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory, record_view, stream_view};
 
 use crate::actuator::Actuator;
 use crate::air::Process;

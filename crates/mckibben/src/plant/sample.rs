@@ -231,6 +231,12 @@ impl<R: Real> Observer<R> {
         }
     }
 
+    /// Writes the sample at a time in s and a mode, once a state there has what is known exactly.
+    pub(crate) fn read(&mut self, time: R, state: &mut [R], mode: &PlantMode<R>, sample: &mut PlantSample<R>) {
+        self.system.project(time, state, mode, &mut self.at);
+        self.observe(time, state, mode, sample);
+    }
+
     /// Writes the sample at a time in s, a state and a mode.
     pub(crate) fn observe(&mut self, time: R, state: &[R], mode: &PlantMode<R>, sample: &mut PlantSample<R>) {
         let own = self.mode_with_pieces(time, state, mode);

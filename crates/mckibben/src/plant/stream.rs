@@ -14,7 +14,6 @@ use super::steps::TimeStepping;
 use super::trajectory::{PieceView, PlantTrajectory};
 use super::{Plant, PlantEvent};
 use crate::command::PlantDecision;
-use crate::engine::arc;
 use crate::error::Error;
 use crate::parameter;
 use crate::simulation::Readable;
@@ -46,12 +45,9 @@ impl ReadsSteps for Shared<'_> {
     }
 
     fn read_into(&self, view: PieceView<'_>, time: f64, sample: &mut PlantSample) {
-        let PieceView { start, step, end, points, mode } = view;
-        let time = time.clamp(start, end.max(start));
         let Room { observer, state } = &mut *self.1.borrow_mut();
-        arc::at(points, (time - start) / step, state);
-        observer.system.project(time, state, mode, &mut observer.at);
-        observer.observe(time, state, mode, sample);
+        let time = view.state(time, state);
+        observer.read(time, state, view.mode, sample);
     }
 }
 
@@ -170,7 +166,7 @@ impl PlantRun {
     pub fn sample(&self) -> PlantSample {
         let mut sample = PlantSample::new(self.plant());
         let mut observer = Observer::new(self.shared_plant(), self.stepping());
-        observer.observe(self.time(), self.state(), self.mode(), &mut sample);
+        observer.read(self.time(), &mut self.state().to_vec(), self.mode(), &mut sample);
         sample
     }
 }

@@ -47,6 +47,22 @@ pub(crate) struct PieceView<'t, R: Real = f64> {
     pub(crate) mode: &'t PlantMode<R>,
 }
 
+impl<R: Real> PieceView<'_, R> {
+    /// Reads the states at a time in s, kept within the step, and returns that. A time that differs from the start by rounding has
+    /// the states of the start, to the bit.
+    pub(crate) fn state(&self, time: R, state: &mut [R]) -> R {
+        let Self { start, step, end, points, .. } = *self;
+        if begins_by(start, time.value()) && time.value() <= start.value() * (1.0 + SIMULTANEOUS) {
+            let theta = (time - start) / step;
+            arc::at(points, theta - R::constant(theta.value()), state);
+            return time;
+        }
+        let time = R::constant(time.value().clamp(start.value(), end.value().max(start.value())));
+        arc::at(points, (time - start) / step, state);
+        time
+    }
+}
+
 /// A run of a plant.
 #[derive(Clone, Debug)]
 pub struct PlantTrajectory<R: Real = f64> {
@@ -261,7 +277,7 @@ impl<R: Real> PlantTrajectory<R> {
 
     /// How many pieces have begun by a time in s; `near` is a guess.
     pub(crate) fn begun(&self, near: usize, time: f64) -> usize {
-        let has_begun = |index: usize| self.pieces.get(index).is_none_or(|piece| begins_by(piece, time));
+        let has_begun = |index: usize| self.pieces.get(index).is_none_or(|piece| begins_by(piece.start, time));
         let near = near.min(self.pieces.len());
         // From one sample to the next there are few.
         for begun in near..(near + 4).min(self.pieces.len()) {
@@ -269,7 +285,7 @@ impl<R: Real> PlantTrajectory<R> {
                 return begun;
             }
         }
-        self.pieces.partition_point(|piece| begins_by(piece, time))
+        self.pieces.partition_point(|piece| begins_by(piece.start, time))
     }
 
     /// Reads the states at a time in s by which so many pieces have begun; the time kept within the run, and the mode.
@@ -285,13 +301,15 @@ impl<R: Real> PlantTrajectory<R> {
         let piece = self.pieces.get(begun.saturating_sub(1));
         let Some(piece) = piece.filter(|_| time.value() < end.value() * (1.0 - SIMULTANEOUS)) else {
             state.copy_from_slice(last);
+            system.project(*end, state, mode, work);
             return (*end, mode);
         };
-        let time = R::constant(time.value().clamp(piece.start.value(), piece.end.value().max(piece.start.value())));
         let size = arc_size(state.len());
         let first = begun.saturating_sub(1) * size;
-        arc::at(&self.points[first..first + size], (time - piece.start) / piece.step, state);
+        let (start, step, points) = (piece.start, piece.step, &self.points[first..first + size]);
         let mode = &self.segments[piece.segment];
+        let view = PieceView { start, step, end: piece.end, points, mode };
+        let time = view.state(time, state);
         system.project(time, state, mode, work);
         (time, mode)
     }
@@ -309,7 +327,7 @@ fn arc_size(states: usize) -> usize {
     arc::POINTS * states
 }
 
-/// Whether a piece has begun at a time. Two instants that differ by rounding are one.
-fn begins_by<R: Real>(piece: &Kept<R>, time: f64) -> bool {
-    piece.start.value() <= time * (1.0 + SIMULTANEOUS)
+/// Whether a piece with a start in s has begun at a time. Two instants that differ by rounding are one.
+fn begins_by<R: Real>(start: R, time: f64) -> bool {
+    start.value() <= time * (1.0 + SIMULTANEOUS)
 }

@@ -134,8 +134,12 @@ fn begin<V: PlantView<R>, R: Real>(
     PlantRun::with_drivers(view.plant(), &view.start(state), stepping, driver.into_iter().collect())
 }
 
-/// A run for `duration` s with a relative tolerance for each step, kept.
-pub(super) fn record<V: PlantView<R>, R: Real>(
+/// Simulates what a plant is from a state at t = 0 for `duration` s and keeps every step, with a driver in place of its own
+/// commands if there is one. `watch` is called with the time in s now and then, and may end the run.
+///
+/// # Errors
+/// As [`RigPlant::record`](super::RigPlant::record).
+pub fn record_view<V: PlantView<R>, R: Real>(
     view: &V,
     state: &V::State,
     (duration, stepping): (R, TimeStepping),
@@ -146,8 +150,12 @@ pub(super) fn record<V: PlantView<R>, R: Real>(
     Ok(ViewTrajectory::of(view, run.record_to(duration, watch)?))
 }
 
-/// A run as that of [`record`], of which each accepted step goes to `consumer`.
-pub(super) fn stream<V: PlantView>(
+/// Simulates what a plant is as [`record_view`] does and hands each accepted step to `consumer`; nothing is kept but the requests
+/// to valves that a driver has.
+///
+/// # Errors
+/// As [`RigPlant::stream`](super::RigPlant::stream).
+pub fn stream_view<V: PlantView>(
     view: &V,
     state: &V::State,
     span: (f64, TimeStepping),

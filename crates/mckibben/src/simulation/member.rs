@@ -109,11 +109,6 @@ impl<R: Real> Member<R> {
         }
     }
 
-    /// Usual sizes of length (m), velocity (m/s), pressure (Pa) and mass of the air (kg).
-    pub(crate) fn magnitudes(&self) -> [f64; 4] {
-        [self.longest, self.longest, self.atmosphere, self.air_mass]
-    }
-
     /// Length in m at which the braid would be straight, or its wall would close the bore.
     pub(crate) fn thread_length(&self) -> R {
         self.actuator.law().law.end_length()

@@ -4,8 +4,8 @@
 //!   reference that everything is compared with. It is the [plant's](crate::plant): [`simulate`] runs a rig of one actuator,
 //!   [`JointPlant`](crate::plant::JointPlant) a joint.
 //! * *Fixed-step*: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time:
-//!   [`FixedStepper`], [`JointStepper`]. How far it lies from the other, and the step that an accuracy needs, is measured in
-//!   [`accuracy`].
+//!   [`FixedStepper`], [`JointStepper`]. How far fixed steps lie from the other, and the step that an accuracy needs, is measured by a
+//!   [`PlantReference`](crate::plant::PlantReference).
 //!
 //! With a [controller](crate::control) that decides the valve's command on the way the first has a
 //! [driver](crate::plant::RigPlant::driver), and the second is a [`ControlledStepper`]. Whatever goes through time at fixed
@@ -14,8 +14,6 @@
 //! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop.
 //! Several on one supply are a [plant](crate::plant) whose ends a host [moves](crate::plant::PlantSteps::move_to).
 
-#[cfg(feature = "alloc")]
-pub mod accuracy;
 mod chain;
 #[cfg(feature = "alloc")]
 pub(crate) mod closed_loop;
@@ -58,10 +56,7 @@ pub use closed_loop::Decision;
 pub use controlled::ControlledStepper;
 pub use fixed_step::FixedStepper;
 #[cfg(feature = "alloc")]
-pub use joint::{
-    ControlledJointStepper, JointCourse, JointDecision, JointSample, JointStepError, JointStepper,
-    joint_step_for_accuracy,
-};
+pub use joint::{ControlledJointStepper, JointCourse, JointDecision, JointSample, JointStepper};
 pub use joint::{Driven, Fittings, InitialAngle, JointInitial, JointRig, JointState, JointSupply};
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]

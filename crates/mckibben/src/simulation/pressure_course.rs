@@ -18,7 +18,6 @@ use crate::actuator::Actuator;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::force::Statics;
-use crate::limit;
 #[cfg(feature = "alloc")]
 use crate::line::Line;
 #[cfg(feature = "alloc")]
@@ -142,11 +141,13 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// That the rig can be stepped at fixed steps.
     ///
     /// # Errors
-    /// [`Error::NotImplemented`] for a pressure that is given over time, and for a prescribed motion of a tendon's end.
+    /// [`Error::Misuse`] for a pressure that is given over time, and for a prescribed motion of a tendon's end.
     pub(crate) fn check_fixed_steps(&self) -> Result<(), Error> {
         match (self.pressure_course(), self.tendon(), self.load().motion()) {
-            (Some(_), ..) => Err(Error::NotImplemented(&limit::PRESSURE_FIXED_STEP)),
-            (None, Some(_), Some(_)) => Err(Error::NotImplemented(&limit::TENDON_MOTION)),
+            (Some(_), ..) | (None, Some(_), Some(_)) => Err(Error::Misuse {
+                what: "a stepper of one actuator is given a pressure over time, or a prescribed motion of a tendon's end",
+                remedy: "run its plant, by `RigPlant::simulate` or `PlantRun::steps`",
+            }),
             _ => Ok(()),
         }
     }

@@ -49,15 +49,15 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
         _ => {}
     }
-    let finished = Ready::of(&document)?.run(&document, &mut |_, _| (), &mut |_| Ok(()))?;
+    let finished = Ready::of(&document)?.run(&document, &mut |_| Ok(()))?;
     // A given motion is not worth a curve; what it costs in force is.
     let (over, options) = match &finished {
-        Finished::Actuator(of) if of.control.is_none() && matches!(of.experiment.rig.load(), Load::Prescribed(_)) => {
+        Finished::Actuator(of) if of.control.is_none() && matches!(of.trajectory.rig().load(), Load::Prescribed(_)) => {
             (Over::Length, " --over length")
         }
         _ => (Over::Time, ""),
     };
-    let figure = finished.figure(over, "")?;
+    let figure = finished.figure(over, "");
     Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", options)? })
 }
 

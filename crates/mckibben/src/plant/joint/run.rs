@@ -3,7 +3,6 @@
 use super::JointPlant;
 use crate::command::Driver;
 use crate::error::Error;
-use crate::plant::PlantRun;
 use crate::plant::steps::TimeStepping;
 use crate::plant::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
 use crate::scalar::Real;
@@ -49,7 +48,7 @@ impl<R: Real> JointPlant<R> {
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<JointTrajectory<R>, Error> {
-        view::record(self, state, (duration, stepping.into()), driver, watch)
+        view::record_view(self, state, (duration, stepping.into()), driver, watch)
     }
 }
 
@@ -66,18 +65,6 @@ impl JointPlant {
         driver: Option<Driver>,
         consumer: &mut JointConsumer<'_>,
     ) -> Result<JointRunEnd, Error> {
-        view::stream(self, state, (duration, stepping.into()), driver, consumer)
-    }
-
-    /// The sizes by which the errors of the joint's six states are scaled in a state: angle, angular velocity, and pressure and
-    /// mass of air of agonist and antagonist.
-    pub(crate) fn usual_sizes(&self, state: &JointState, relative_tolerance: f64) -> Result<[f64; 6], Error> {
-        let run = PlantRun::new(&self.plant, &self.start(state), relative_tolerance)?;
-        let places = run.plant().places();
-        let (mechanism, of) = (places.mechanisms[0], &places.actuators);
-        let scales = run.scales();
-        let places =
-            [mechanism.position(0), mechanism.rate(0), of[0].pressure, of[0].mass(), of[1].pressure, of[1].mass()];
-        Ok(places.map(|place| scales[place]))
+        view::stream_view(self, state, (duration, stepping.into()), driver, consumer)
     }
 }

@@ -332,7 +332,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
                     continue;
                 }
                 row.steps.put(self.goal.lane(lane), |place| self.row[place]);
-                row.steps.pass_due(until)
+                row.steps.pass_on_the_way(until)
             } else {
                 read(&self.state, lane, &mut self.row);
                 row.steps.put(self.from.lane(lane), |place| self.row[place]);

@@ -30,7 +30,6 @@ mod reading;
 mod segments;
 
 pub use reading::RigEvent;
-pub(crate) use reading::four;
 pub use segments::simulate_in_segments;
 
 use super::Plant;
@@ -189,7 +188,7 @@ impl<R: Real> RigPlant<R> {
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<RigTrajectory<R>, Error> {
-        view::record(self, state, (duration, stepping.into()), driver, watch)
+        view::record_view(self, state, (duration, stepping.into()), driver, watch)
     }
 }
 
@@ -206,7 +205,7 @@ impl RigPlant {
         driver: Option<Driver>,
         consumer: &mut RigConsumer<'_>,
     ) -> Result<RigRunEnd, Error> {
-        view::stream(self, state, (duration, stepping.into()), driver, consumer)
+        view::stream_view(self, state, (duration, stepping.into()), driver, consumer)
     }
 }
 

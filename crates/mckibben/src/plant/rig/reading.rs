@@ -85,8 +85,8 @@ impl<R: Real> RigTrajectory<R> {
     pub fn ranges(&self) -> [(f64, f64); 4] {
         let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 4];
         let last = self.duration();
-        for sample in self.at_each(self.plant().points(5).into_iter().chain([last])) {
-            for (range, value) in ranges.iter_mut().zip(four(&sample)) {
+        for of in self.at_each(self.plant().points(5).into_iter().chain([last])) {
+            for (range, value) in ranges.iter_mut().zip([of.length, of.load_velocity, of.pressure.0, of.air_mass]) {
                 *range = (range.0.min(value.value()), range.1.max(value.value()));
             }
         }
@@ -116,9 +116,4 @@ impl<R: Real> RigTrajectory<R> {
         let place = self.view().plant().places().actuators[0].bristles?;
         Some(self.plant().at(time).0[place])
     }
-}
-
-/// Length, velocity of the load, absolute pressure and mass of the air.
-pub(crate) fn four<R: Real>(of: &Sample<R>) -> [R; 4] {
-    [of.length, of.load_velocity, of.pressure.0, of.air_mass]
 }

@@ -15,7 +15,9 @@
 //! and the secant of a flow, so that no flow overshoots the pressure beyond. With this γ the first stage goes at most 0.59 of
 //! the way.
 //!
-//! The second stage may still ask for more air than there is, where a flow path empties a chamber many times over within the
+//! A stage of RK4 without air in a chamber leaves what the laws describe: the step is too long, whatever it ends with.
+//!
+//! The second stage of ROS2 may still ask for more air than there is, where a flow path empties a chamber many times over within the
 //! step. A step that would leave less than an eighth of a pressure or of the air is replaced by backward Euler, linearly
 //! implicit with γ = 1, in as few parts as stay positive.
 //!
@@ -77,10 +79,7 @@ impl<R: Scalar> Stages<R> {
         end: &mut [R],
     ) -> R::Mask {
         match method {
-            Method::Rk4 => {
-                self.take_rk4(system, span, state, mode, at, end);
-                R::Mask::splat(true)
-            }
+            Method::Rk4 => self.take_rk4(system, span, state, mode, at, end),
             Method::Stable => {
                 self.take_ros2(system, span, state, mode, at, end);
                 system.is_positive(state, end)
@@ -102,7 +101,8 @@ impl<R: Scalar> Stages<R> {
         [first, last]
     }
 
-    /// The classical Runge–Kutta method.
+    /// The classical Runge–Kutta method; whether every stage has air in all chambers and nodes. Where none has, the end is that
+    /// stage, which leaves the physics.
     #[inline(always)]
     fn take_rk4(
         &mut self,
@@ -112,10 +112,16 @@ impl<R: Scalar> Stages<R> {
         mode: &mut impl Formulas<R>,
         at: &mut Evaluation<R>,
         end: &mut [R],
-    ) -> u64 {
+    ) -> R::Mask {
         let (half, mut ahead) = (R::constant(0.5) * step, R::zero());
+        let mut physical = R::Mask::splat(true);
         for stage in 0..4_usize {
             axpy(&mut self.state, state, ahead, &self.slopes[stage.saturating_sub(1)]);
+            physical = physical & system.has_air(&self.state);
+            if !physical.any() {
+                end.copy_from_slice(&self.state);
+                return physical;
+            }
             mode.enter_pieces(system, time + ahead, &self.state, at);
             system.rates(time + ahead, &self.state, mode, at, &mut self.slopes[stage]);
             ahead = if stage < 2 { half } else { step };
@@ -126,7 +132,7 @@ impl<R: Scalar> Stages<R> {
             let (outer, inner) = (k1[n] + k4[n], k2[n] + k3[n]);
             end[n] = inner.multiply_add(two, outer).multiply_add(sixth, state[n]);
         }
-        4
+        physical
     }
 
     /// Verwer's Rosenbrock method of order 2.
@@ -183,7 +189,8 @@ impl<R: Real> Stages<R> {
         end: &mut [R],
     ) -> u64 {
         if method == Method::Rk4 {
-            return self.take_rk4(system, span, state, mode, at, end);
+            self.take_rk4(system, span, state, mode, at, end);
+            return 4;
         }
         let evaluations = self.take_ros2(system, span, state, mode, at, end);
         if system.is_positive(state, end) {
@@ -239,40 +246,54 @@ impl<R: Scalar> System<R> {
     /// Whether a step from one state to another leaves enough of every pressure and of all air to be believed.
     #[inline(always)]
     fn is_positive(&self, from: &[R], to: &[R]) -> R::Mask {
-        let places = &self.plant.places;
         let mut enough = R::Mask::splat(true);
         // No closures: they would be compiled by themselves, without the instructions of a batch.
-        for here in &places.actuators {
+        for here in &self.plant.places.actuators {
             enough = enough & (R::constant(LEAST_SHARE) * from[here.pressure]).lt(to[here.pressure]);
             enough = enough & (R::constant(LEAST_SHARE) * from[here.mass()]).lt(to[here.mass()]);
         }
-        for &[_, place] in &places.state_nodes {
+        for &[_, place] in &self.plant.places.state_nodes {
             enough = enough & (R::constant(LEAST_SHARE) * from[place]).lt(to[place]);
         }
         enough
     }
+
+    /// Whether a state has air in every chamber and node.
+    #[inline(always)]
+    fn has_air(&self, state: &[R]) -> R::Mask {
+        let (zero, mut has) = (R::zero(), R::Mask::splat(true));
+        for here in &self.plant.places.actuators {
+            has = has & zero.lt(state[here.pressure]) & zero.lt(state[here.mass()]);
+        }
+        for &[_, place] in &self.plant.places.state_nodes {
+            has = has & zero.lt(state[place]);
+        }
+        has
+    }
 }
 
 impl<R: Real> System<R> {
-    /// Whether the polynomial of a step has air in every chamber and node: it lies within the hull of its control points.
-    pub(super) fn holds_air(&self, arc: &Arc<R>) -> bool {
+    /// The places of pressures and masses of air.
+    fn places_of_air(&self) -> impl Iterator<Item = usize> + '_ {
         let places = &self.plant.places;
         let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
-        air.chain(places.nodes.iter().flatten().copied()).all(|place| arc.all_points(place, |point| point > 0.0))
+        air.chain(places.nodes.iter().flatten().copied())
+    }
+
+    /// Whether the polynomial of a step has air in every chamber and node: it lies within the hull of its control points.
+    pub(super) fn holds_air(&self, arc: &Arc<R>) -> bool {
+        self.places_of_air().all(|place| arc.all_points(place, |point| point > 0.0))
     }
 
     /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
     pub(super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
-        let places = &self.plant.places;
         let lacks_air = |place: &usize| state[*place].value() <= 0.0;
-        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
-        let nodes = places.nodes.iter().flatten().copied();
         let straight = self.wires.iter().find_map(|wire| {
             let place = wire.length_place()?;
             (state[place].value() >= wire.member.thread_length().value()).then_some(place)
         });
         let lost = state.iter().position(|number| !number.value().is_finite());
-        match lost.or_else(|| air.chain(nodes).find(lacks_air)).or(straight) {
+        match lost.or_else(|| self.places_of_air().find(lacks_air)).or(straight) {
             None => Ok(()),
             Some(place) => Err(self.step_too_long(time, state, place)),
         }

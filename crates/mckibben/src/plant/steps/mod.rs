@@ -25,7 +25,7 @@ mod method;
 mod part;
 mod pieces;
 
-pub use accuracy::{PlantStepError, plant_step_for_accuracy};
+pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub(crate) use implicit::TensionResponse;
 #[cfg(feature = "lanes")]
 pub(super) use method::Stages;
@@ -43,6 +43,7 @@ use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::Method;
 use crate::valve::Demand;
+use alloc::vec::Vec;
 use part::Workspace;
 
 /// The relative width of the borders of modes: no step is controlled by an error, so that only rounding is to be told from them.
@@ -80,6 +81,15 @@ impl TimeStepping {
         match self {
             Self::Located { relative_tolerance } => parameter::RELATIVE_TOLERANCE.check(*relative_tolerance).map(drop),
             Self::Fixed { step, .. } => parameter::STEP.check(*step).map(drop),
+        }
+    }
+
+    /// The end in s of the fixed step that begins at a time, of a run that goes on to `until`: the next multiple of the step. By the
+    /// event-located engine, whose steps are not known beforehand, `until`.
+    pub fn step_end(&self, time: f64, until: f64) -> f64 {
+        match self {
+            Self::Located { .. } => until,
+            Self::Fixed { step, .. } => step_end(time, *step, until),
         }
     }
 
@@ -223,6 +233,17 @@ impl<R: Real> PlantSteps<R> {
         R::advance_plant_steps(self, until)
     }
 
+    /// Passes what is due at the time that has been reached, such as the first sample of a controller, which else the next step
+    /// passes first.
+    ///
+    /// # Errors
+    /// Those of a driver.
+    pub fn pass_due(&mut self) -> Result<(), Error> {
+        let Self { system, method, reached, work, .. } = self;
+        let now = reached.time();
+        part::advance(system, *method, reached, now, work, None)
+    }
+
     pub(crate) fn generic_advance_to(&mut self, until: R) -> Result<(), Error> {
         let span = (until - self.time()).value();
         if span <= 0.0 {
@@ -272,9 +293,9 @@ impl PlantSteps {
     }
 
     /// Passes what is due at the time that has been reached, on the way to `until` in s.
-    pub(super) fn pass_due(&mut self, until: f64) -> Result<(), Error> {
+    pub(super) fn pass_on_the_way(&mut self, until: f64) -> Result<(), Error> {
         let Self { system, method, reached, work, .. } = self;
-        part::pass_due(system, *method, reached, until, work)
+        part::pass_on_the_way(system, *method, reached, until, work)
     }
 
     /// What watches the mode that holds: the plant, the mode, and the guards that end it with an event.
@@ -304,10 +325,34 @@ impl PlantSteps {
 impl PlantSteps {
     /// Everything that is known at the time that has been reached.
     pub fn sample(&self) -> PlantSample {
-        let mut sample = PlantSample::new(self.plant());
-        let fixed = TimeStepping::Fixed { method: self.method, step: 1.0 };
-        let mut observer = Observer::new(&self.system.plant, fixed);
-        observer.observe(self.time(), self.state(), self.mode(), &mut sample);
+        let mut sampler = PlantSampler::new(self);
+        sampler.read(self, self.time());
+        sampler.sample
+    }
+}
+
+/// Reads samples of steps of a plant, with memory that is used again.
+#[derive(Debug)]
+pub struct PlantSampler {
+    observer: Observer<f64>,
+    state: Vec<f64>,
+    sample: PlantSample,
+}
+
+impl PlantSampler {
+    /// For steps of a plant.
+    pub fn new(steps: &PlantSteps) -> Self {
+        let fixed = TimeStepping::Fixed { method: steps.method, step: 1.0 };
+        let plant = &steps.system.plant;
+        Self { observer: Observer::new(plant, fixed), state: Vec::new(), sample: PlantSample::new(plant) }
+    }
+
+    /// Everything that is known where the steps of that plant are, at a time in s that differs from theirs by rounding alone.
+    pub fn read(&mut self, steps: &PlantSteps, time: f64) -> &PlantSample {
+        let Self { observer, state, sample } = self;
+        state.clear();
+        state.extend_from_slice(steps.state());
+        observer.read(time, state, steps.mode(), sample);
         sample
     }
 }

@@ -163,7 +163,7 @@ pub(super) fn advance_to_end<R: Real>(
 
 /// Passes what is due at the time that a plant has reached, on the way to `until` in s.
 #[cfg(feature = "lanes")]
-pub(super) fn pass_due<R: Real>(
+pub(super) fn pass_on_the_way<R: Real>(
     system: &System<R>,
     method: Method,
     reached: &mut PlantSnapshot<R>,

@@ -10,7 +10,6 @@ use crate::convert::Convert;
 #[cfg(feature = "alloc")]
 use crate::error::Error;
 #[cfg(feature = "alloc")]
-use crate::limit::Limit;
 use crate::line::{Line, SupplyLine};
 #[cfg(feature = "alloc")]
 use crate::load::Joint;
@@ -141,15 +140,18 @@ impl<S: Scalar> JointRig<S> {
         }
     }
 
-    /// That neither actuator has more than its valve, for what takes no other joint.
+    /// That neither actuator has more than its valve, for a stepper of joints.
     ///
     /// # Errors
-    /// [`Error::NotImplemented`] with the row that says so.
+    /// [`Error::Misuse`] otherwise.
     #[cfg(feature = "alloc")]
-    pub(crate) fn check_bare(&self, limit: &'static Limit) -> Result<(), Error> {
+    pub(crate) fn check_bare(&self) -> Result<(), Error> {
         match self.fittings.iter().all(Fittings::is_none) {
             true => Ok(()),
-            false => Err(Error::NotImplemented(limit)),
+            false => Err(Error::Misuse {
+                what: "a stepper of joints is given one with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
+                remedy: "run its plant, by `JointPlant::simulate` or `PlantRun::steps`",
+            }),
         }
     }
 }

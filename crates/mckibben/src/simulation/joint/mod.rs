@@ -19,8 +19,6 @@
 //! controller too ([`ControlledJointStepper`]). Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
 
 #[cfg(feature = "alloc")]
-mod accuracy;
-#[cfg(feature = "alloc")]
 mod controlled;
 mod fittings;
 #[cfg(feature = "alloc")]
@@ -30,8 +28,6 @@ mod sample;
 #[cfg(feature = "alloc")]
 mod stepper;
 
-#[cfg(feature = "alloc")]
-pub use accuracy::{JointStepError, joint_step_for_accuracy};
 #[cfg(feature = "alloc")]
 pub use controlled::{ControlledJointStepper, JointDecision};
 pub use fittings::{Fittings, JointSupply};

@@ -36,7 +36,6 @@ use crate::control::{Drive, Modulator};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::friction::Memory;
-use crate::limit;
 use crate::load::SIGN;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Real;
@@ -100,18 +99,18 @@ impl<R: Real<Time = R>> JointStepper<R> {
     /// A joint whose valves follow the commands of its rig.
     ///
     /// # Errors
-    /// [`Error::NotImplemented`] for actuators with [`Fittings`](super::Fittings), which only the event-located engine takes.
+    /// [`Error::Misuse`] for actuators with [`Fittings`](super::Fittings).
     pub fn new(rig: JointRig<R>, method: Method) -> Result<Self, Error> {
-        rig.check_bare(&limit::JOINT_FIXED_STEP)?;
+        rig.check_bare()?;
         Ok(Self { rig, method, pulse_frequency: R::one() })
     }
 
     /// A joint whose valves do what [`JointStepper::drive`] asks and nothing else; pulses come at `pulse_frequency` in Hz.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::NotImplemented`] as [`JointStepper::new`].
+    /// [`Error::OutOfRange`] unless the frequency is above zero and finite; [`Error::Misuse`] as [`JointStepper::new`].
     pub fn driven(mut rig: JointRig<R>, method: Method, pulse_frequency: R) -> Result<Self, Error> {
-        rig.check_bare(&limit::JOINT_FIXED_STEP)?;
+        rig.check_bare()?;
         crate::parameter::PWM_FREQUENCY.check(pulse_frequency.value())?;
         for actuation in rig.driven.iter_mut().filter_map(|driven| driven.actuation.as_mut()) {
             actuation.command = Command::nothing();
