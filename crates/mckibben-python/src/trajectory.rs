@@ -398,7 +398,7 @@ impl Trajectory {
         };
         let (finished, title) = (self.finished(py)?, self.scenario.get().title());
         py.detach(|| {
-            let figure = finished.figure(over, &title)?;
+            let figure = finished.figure(over, &title);
             let undrawn = |error| Failure::stopped(format!("the figure could not be drawn: {error}"));
             figure.to_svg(Theme::Light).map_err(undrawn)
         })
