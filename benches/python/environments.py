@@ -37,7 +37,7 @@ class Bench:
         scenario = gymnasium.make(f"mckibben/{name}-v0").unwrapped._episodes.task.scenario
         if step is not None:
             scenario = scenario.with_values({"run.step": step})
-        self.name, self.count, self.asked, self.step = name, count, asked, scenario.to_dict()["run"]["step"]
+        self.name, self.count, self.asked, self.step = name, count, asked, str(scenario.to_dict()["run"]["step"])
         self.many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=count, scenario=scenario, asked=asked)
         self.many.reset(seed=1)
         self.period = self.many.unwrapped.dt
@@ -80,7 +80,7 @@ def main() -> None:
     arguments = parser.parse_args()
     shortens()
     plants = [("HangingMass", arguments.muscles, None), ("HangingMass", arguments.muscles, "1 ms"), ("Joint", 1024, None)]
-    plants += [("Joint", 4096, None), ("Leg", 256, None)]
+    plants += [("Joint", 4096, None), ("Leg", 256, None), ("Arm", 256, None)]
     benches = [Bench(*plant, asked) for plant in plants for asked in ("duty", "request")]
     load = [os.getloadavg()[0]]
     runs: list[list[Rate]] = [[] for _ in benches]

@@ -3,7 +3,7 @@
 from gymnasium.envs.registration import register as to_register
 from gymnasium.envs.registration import registry
 
-IDS = {"mckibben/HangingMass-v0": "HangingMass", "mckibben/Joint-v0": "Joint", "mckibben/Leg-v0": "Leg"}
+IDS = {f"mckibben/{task}-v0": task for task in ("HangingMass", "Joint", "Leg", "Arm")}
 
 
 def register() -> None:

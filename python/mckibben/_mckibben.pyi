@@ -412,12 +412,11 @@ class Plants:
     Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
     may begin anew, with numbers of its own, while the others go on. The environments of `mckibben.learning` are made of it.
 
-    `scenario` is an actuator with its load or an antagonistic joint; with `leg`, it is the actuator of each of a leg's six
-    strands, and `leg` says which numbers of the leg are others than those assumed (`{}` for none), as
-    `{"leg.thigh.mass": 0.5}`. Its command and its controller do not count.
+    `scenario` is of any plant: one actuator with its load, an antagonistic joint, or actuators with names on their mechanisms.
+    Its controllers do not count, nor the commands of the actuators' valves; supplies follow theirs.
 
-    `by` are paths of the numbers that differ from one to the next, such as "load.mass" or "initial.gauge_pressure"; of a leg
-    also "leg.shank.mass", and "strands[2].actuator.turns" of one actuator alone.
+    `by` are paths of the numbers that differ from one to the next: "load.mass", "initial.gauge_pressure"; where actuators have
+    names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
 
     `asked` says what the numbers given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
     a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
@@ -430,7 +429,7 @@ class Plants:
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
     def __len__(self, /) -> int: ...
-    def __new__(cls, /, scenario: Scenario, count: int, *, by: Sequence[str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None, leg: dict[str, SupportsFloat | SupportsIndex] | None = None) -> Plants: ...
+    def __new__(cls, /, scenario: Scenario, count: int, *, by: Sequence[str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Plants: ...
     def __repr__(self, /) -> str: ...
     @property
     def by(self, /) -> list[str]:
@@ -441,6 +440,11 @@ class Plants:
     def columns(self, /) -> list[str]:
         """
         What is shown of each, by the names of the columns of a run.
+        """
+    @staticmethod
+    def columns_of(scenario: Scenario) -> list[str]:
+        """
+        What `columns` of plants of a scenario are, whatever their valves are asked.
         """
     def differ(self, /, one: ArrayLike, other: ArrayLike) -> bool:
         """
@@ -501,8 +505,8 @@ class Plants:
     @property
     def time(self, /) -> NDArray[float64]:
         """
-        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. It begins with the
-        plant's episode; that of actuators with their loads, which share one clock, with `start`.
+        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. All share one clock,
+        which begins with `start`.
         """
     @property
     def valve_delay(self, /) -> float:

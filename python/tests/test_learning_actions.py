@@ -42,7 +42,7 @@ def kinds() -> list[Any]:
     """Tasks with the kinds of actions that they have."""
     three = learning.hanging_mass().scenario.with_values({"valve.kind": "fill-hold-exhaust"})
     slow = learning.hanging_mass().scenario.with_values({"valve.opening_delay": "12 ms", "command.frequency": "20 Hz"})
-    names = ["HangingMass", "Joint", "Leg"]
+    names = ["HangingMass", "Joint", "Leg", "Arm"]
     alike = [pytest.param(name, {"asked": asked}, id=f"{name}-{asked}") for name in names for asked in ("duty", "request")]
     return alike + [
         pytest.param("HangingMass", {"asked": "request", "scenario": three}, id="three-requests"),
@@ -132,8 +132,7 @@ def test_where_control_is_faster_the_phase_says_whether_an_action_matters(name: 
         actions[differ, np.arange(valves)] = another[step]
         at_begin = observed[0, phase][0] > 1.0 - 1e-6
         observed, *_ = many.step(actions.astype(np.float32))
-        # Actuators with their loads share a clock; joints and legs begin with their episodes.
-        clock = 0 if begins and name != "HangingMass" else clock + 1
+        clock += 1
         angle = 2.0 * np.pi * clock / 4.0
         np.testing.assert_allclose(observed[:, phase], [[np.cos(angle), np.sin(angle)]] * many.num_envs, atol=1e-6)
         if begins:

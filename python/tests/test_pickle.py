@@ -137,8 +137,9 @@ def test_plants_are_made_anew(rig, again):
     assert (step(plants) != first).any(), "the other went on"
 
 
-def test_plants_of_legs_are_made_anew(rig, again):
-    plants = mckibben.Plants(rig.with_values({"run.step": "1 ms"}), 2, by=["leg.shank.mass"], leg={"leg.thigh.mass": 0.4})
+def test_plants_whose_actuators_have_names_are_made_anew(again, examples):
+    leg = mckibben.Scenario.load(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
+    plants = mckibben.Plants(leg, 2, by=["mechanism.joints.knee.mass"], asked="set-point")
     copied = again(plants)
     assert copied.columns == plants.columns and copied.given == plants.given and copied.valves == 6
 

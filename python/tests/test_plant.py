@@ -81,6 +81,6 @@ def test_a_linear_model_has_names(program, examples, tmp_path):
 def test_what_takes_one_actuator_says_so(examples):
     scenario = mckibben.Scenario.load(examples / "plant" / "bottle.toml")
     with pytest.raises(mckibben.InputError, match="in which actuators have names"):
-        mckibben.Plants(scenario, 2)
+        mckibben.Actuators(scenario, 2)
     with pytest.raises(mckibben.InputError, match="in which actuators have names"):
         mckibben.Actuator(scenario)

@@ -62,16 +62,14 @@ limits! {
         "write a chain of one joint with two actuators";
     PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
         "run it with `mckibben simulate`, `sweep`, `linearize` or an `identify` of trajectories, or write a file of one actuator or joint";
-    PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Plants`, environments and derivatives",
-        "use `simulate`, `sweep` or `linearize`, or write a scenario of one actuator or joint";
+    PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Actuators` and derivatives",
+        "use `simulate`, `sweep`, `linearize`, `Plants` or an environment, or write a scenario of one actuator or joint";
     PLANT_MODEL: "a controller by the model", "for a joint within a longer chain, with tendons, or with other than one moment arm each",
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",
         "let it draw from a supply of constant pressure, or choose a valve with seats";
     JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
         "run it with `mckibben simulate`, or choose another load.kind";
-    JOINT_POSITION: "a position or a set point", "for the valves of a joint or a leg that a host drives",
-        "ask for \"duty\" or \"request\"";
     CONTROLLER_HERE: "command.kind = \"controller\"", "where a command known beforehand is due",
         "run it by `mckibben simulate`, or choose another command.kind";
     CONTROLLER_VALVE: "a controller", "with a valve that is neither three-way nor fill-hold-exhaust",

@@ -187,3 +187,38 @@ fn steps_of_a_host_are_saved_restored_and_set() {
     located.advance_to(0.06).expect("a run");
     assert!(located.time() == 0.06 && run.time() == 0.0);
 }
+
+#[test]
+fn a_plant_that_begins_again_has_its_commands_where_they_are_at_that_time() {
+    let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5));
+    let first = PlantRun::new(&plant, &start, 1e-9).expect("a run");
+    let mut at_first = first.clone();
+    at_first.advance_to(0.13).expect("a run");
+    // Five periods of the pulses later all is as it was.
+    let mut again = first.begin_again(&start, 0.2).expect("a run");
+    again.advance_to(0.33).expect("a run");
+    assert!(difference(&plant, again.state(), at_first.state()) < 1e-6);
+    // Within a pulse it is not.
+    let mut within = first.begin_again(&start, 0.21).expect("a run");
+    within.advance_to(0.34).expect("a run");
+    assert!(difference(&plant, within.state(), at_first.state()) > 1e-3);
+    assert!(first.begin_again(&start, f64::NAN).is_err());
+}
+
+#[test]
+fn a_plant_without_commands_does_what_is_set() {
+    let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5));
+    let still = plant.without_commands(&[0]);
+    let first = PlantRun::new(&still, &start, 1e-9).expect("a run");
+    let ends = [0.0, 0.37].map(|time| {
+        let mut steps = first.begin_again(&start, time).expect("a run").steps(Method::Rk4);
+        steps.set(0, Request::Fill).expect("a request");
+        (1..=50).for_each(|step| steps.advance_to(time + f64::from(step) * 1e-3).expect("a step"));
+        steps.state().to_vec()
+    });
+    assert!(difference(&still, &ends[0], &ends[1]) < 1e-9);
+    let mut untouched = first;
+    untouched.advance_to(0.05).expect("a run");
+    let pressure = still.places().actuators[0].pressure;
+    assert!(ends[0][pressure] - untouched.state()[pressure] > 1e4);
+}

@@ -28,7 +28,6 @@ class Episodes:
             by=list(options.randomize),
             asked=options.asked,
             pulse_frequency=options.pulse_frequency,
-            leg=None if task.leg is None else dict(task.leg),
         )
         check(options.randomize, self.plants)
         self.period = options.period(self.plants)

@@ -17,19 +17,14 @@ def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[T
     """The task, the number of plants and the options, from what an environment is made with."""
     rest = dict(options)
     of_task = {name: rest.pop(name) for name in ("scenario", "targets") if rest.get(name) is not None}
-    numbers = rest.pop("leg", None)
     if isinstance(of_task.get("scenario"), (str, Path)):
         of_task["scenario"] = Scenario.load(of_task["scenario"])
     if not isinstance(task, Task):
         if task not in TASKS:
             raise InputError(f"task: there is no `{task}`; name one of {', '.join(TASKS)}, or give a Task")
-        if numbers is not None:
-            if task != "Leg":
-                raise InputError("leg: this environment has none; leave it out")
-            of_task["numbers"] = numbers
         task = TASKS[task](**of_task)
-    elif of_task or numbers is not None:
-        raise InputError("scenario, targets, leg: a Task has its own; give them to the task")
+    elif of_task:
+        raise InputError("scenario, targets: a Task has its own; give them to the task")
     known = Options.__dataclass_fields__
     for name in rest:
         if name not in known:

@@ -16,7 +16,7 @@ from mckibben.learning._tasks import Task
 
 
 class Environment(gymnasium.Env[Observations, Any], EzPickle):
-    """One muscle, joint or leg that is to reach a target in each episode; made by `gymnasium.make`.
+    """One plant of a scenario that is to reach a target in each episode; made by `gymnasium.make`.
 
     Options are those of `VectorEnvironment`, of which this is one plant; without `autoreset_mode`. What comes out of a pickle
     is made anew with the same options: reset it.

@@ -20,13 +20,12 @@ from mckibben.learning._tasks import Task
 
 
 class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
-    """Muscles, joints or legs, each of which is to reach a target in each episode; made by `gymnasium.make_vec`.
+    """Plants of a scenario, each of which is to reach a target in each episode; made by `gymnasium.make_vec`.
 
     All are stepped together on all cores, each through its own valve delays, friction and air. Options:
 
-    - `scenario`: another plant than the task's own, as a `Scenario` or the path of a file; of a leg, that of its muscles;
+    - `scenario`: another plant than the task's own, as a `Scenario` or the path of a file;
     - `targets`: ranges in SI from which targets are drawn, by the columns that are to reach them;
-    - `leg`: numbers of the leg other than assumed, `{"leg.thigh.mass": 0.5}`;
     - `asked`, `pulse_frequency`, `most_pressure`: what an action is;
     - `control_period`, `duration`, `max_episode_steps`: how long an action and an episode last;
     - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and what counts as success;

@@ -1,7 +1,6 @@
 //! What is asked of valves, as numbers in an array.
 
 use crate::pulses::Pulses;
-use mckibben::control::Drive;
 use mckibben::valve::{Demand, Request, Solenoid};
 use mckibben::{Error, GaugePressure, parameter};
 use mckibben_cli::failure::Failure;
@@ -38,13 +37,7 @@ impl Asked {
     }
 
     /// Refuses a kind of action, by its name, that a valve does not take, whatever the number.
-    pub(super) fn check(name: &str, valve: Option<&Solenoid>) -> Result<(), Failure> {
-        let Some(valve) = valve else {
-            return Err(Failure::input(
-                "the plant has no valve that could be asked",
-                "give the scenario [supply] and [valve]",
-            ));
-        };
+    pub(super) fn check(name: &str, valve: &Solenoid) -> Result<(), Failure> {
         let (valve, takes): (_, &[&str]) = match (valve.spool(), valve.regulator()) {
             (Some(_), _) => ("proportional spool", &["position"]),
             (None, Some(_)) => ("pressure regulator", &["set-point"]),
@@ -68,17 +61,18 @@ impl Asked {
         }
     }
 
-    /// The numbers of the requests that a valve can be asked.
-    pub(super) fn requests_of(solenoid: &Solenoid) -> Vec<f64> {
-        let can = |number: &f64| request(*number).and_then(|request| solenoid.check_request(request)).is_ok();
-        [-1.0, 0.0, 1.0].into_iter().filter(can).collect()
+    /// The numbers of the requests that every one of these valves can be asked.
+    pub(super) fn requests_of<'v>(valves: impl Iterator<Item = &'v Solenoid> + Clone) -> Vec<f64> {
+        let can =
+            |number: f64, valve: &Solenoid| request(number).and_then(|request| valve.check_request(request)).is_ok();
+        [-1.0, 0.0, 1.0].into_iter().filter(|number| valves.clone().all(|valve| can(*number, valve))).collect()
     }
 
-    /// How often pulses come, in Hz; any frequency will do where there are none.
-    pub(super) fn pulse_frequency(&self) -> f64 {
+    /// How often pulses come, in Hz, where there are any.
+    pub(super) fn pulse_frequency(&self) -> Option<f64> {
         match self {
-            Self::Duty(pulses) => pulses.frequency,
-            _ => 1.0,
+            Self::Duty(pulses) => Some(pulses.frequency),
+            Self::Request | Self::Position | Self::SetPoint => None,
         }
     }
 
@@ -95,15 +89,6 @@ impl Asked {
                 let gauge = parameter::COMMAND_GAUGE_PRESSURE.check(number)?;
                 Ok(Demand::SetPoint(GaugePressure(gauge)))
             }
-        }
-    }
-
-    /// The same of a valve that takes requests and pulses alone.
-    pub(super) fn drive(&self, number: f64) -> Result<Drive, Error> {
-        match self {
-            Self::Duty(pulses) => parameter::DUTY.check(number).map(|duty| pulses.of_duty(duty)),
-            Self::Request => request(number).map(Drive::Steady),
-            Self::Position | Self::SetPoint => Err(Error::NotImplemented(&mckibben::limit::JOINT_POSITION)),
         }
     }
 }

@@ -1,6 +1,17 @@
-//! What all plants have in common, whatever they are.
+//! Plants of a file that are stepped together: their commands, their clock, and which begin again.
 
+use super::asked::Asked;
+use super::columns;
+use super::file::{Begin, File};
+use mckibben::parameter;
+use mckibben::plant::{PlantBatch, PlantRun, PlantSteps, TimeStepping};
 use mckibben_cli::failure::Failure;
+use rayon::prelude::*;
+
+/// Plants whose columns a thread writes together at least.
+const TOGETHER: usize = 64;
+/// Numbers that the stages of a step keep for each state of a plant, and bytes of what the parts of a plant are.
+const PER_STATE: usize = 64;
 
 /// How far plants go on, and in how many equal steps.
 #[derive(Clone, Copy, Debug)]
@@ -10,9 +21,9 @@ pub(super) struct Span {
     pub(super) steps: u64,
 }
 
-/// A clock that is not summed: after as many equal spans it shows what as many times a span is.
+/// A clock that is not summed: after as many equal spans it is at as many times a span.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pace {
+struct Pace {
     origin: f64,
     duration: f64,
     count: u64,
@@ -21,49 +32,165 @@ pub(super) struct Pace {
 impl Pace {
     /// The clock after another span.
     #[must_use]
-    pub(super) fn on(&self, Span { duration, .. }: Span) -> Self {
+    fn on(&self, Span { duration, .. }: Span) -> Self {
         match duration == self.duration {
             true => Self { count: self.count + 1, ..*self },
             false => Self { origin: self.now(), duration, count: 1 },
         }
     }
 
-    /// The time in s that it shows.
-    pub(super) fn now(&self) -> f64 {
+    /// The end in s of a step within the last span, as those of a run from the origin by steps of that length.
+    fn within(&self, Span { duration, steps }: Span, step: u64) -> f64 {
+        match step < steps {
+            true => self.origin + ((self.count - 1) * steps + step) as f64 * (duration / steps as f64),
+            false => self.now(),
+        }
+    }
+
+    /// The time in s.
+    fn now(&self) -> f64 {
         self.origin + self.count as f64 * self.duration
     }
 }
 
-/// Plants of one kind that go through time together. An error stands with the number of its plant.
-pub(super) trait Fleet: Send + Sync {
-    /// What is shown of each, by the names of the columns of a run.
-    fn columns(&self) -> Vec<String>;
+/// Plants of one file that go through time together. An error stands with the number of its plant.
+pub(super) struct Fleet {
+    file: File,
+    asked: Asked,
+    /// The file's plant at t = 0, which plants that are alike share.
+    first: PlantRun,
+    pace: Pace,
+    batch: PlantBatch,
+}
 
-    /// How many valves each has.
-    fn valves(&self) -> usize;
+impl Fleet {
+    /// None yet, of this file.
+    pub(super) fn new(file: File, asked: Asked) -> Result<Self, Failure> {
+        let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
+        let batch = PlantBatch::new(Vec::new()).map_err(|error| file.failed(&error))?;
+        Ok(Self { file, asked, first, pace: Pace::default(), batch })
+    }
+
+    /// The file.
+    pub(super) fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// How many valves actions go to.
+    pub(super) fn valves(&self) -> usize {
+        self.file.valves.len()
+    }
 
     /// Bytes that each takes at least.
-    fn bytes(&self) -> usize;
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<PlantSteps>() + PER_STATE * size_of::<f64>() * self.first.state().len()
+    }
+
+    /// A plant with these values, which begins at a time in s.
+    fn begun(&self, values: &[f64], time: f64) -> Result<PlantSteps, Failure> {
+        let method = self.file.method();
+        if self.file.are_alike() && time == 0.0 {
+            return Ok(self.first.steps(method));
+        }
+        let begun = if self.file.are_alike() {
+            self.first.begin_again(&self.file.begin().start, time)
+        } else {
+            let begin = self.file.with(values)?;
+            run(&self.file, &begin).and_then(|run| match time {
+                0.0 => Ok(run),
+                time => run.begin_again(&begin.start, time),
+            })
+        };
+        begun.map(|run| run.steps(method)).map_err(|error| self.file.failed(&error))
+    }
 
     /// All begin at t = 0, as many as there are rows of values.
-    fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)>;
+    pub(super) fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
+        let of_row = |(row, values): (usize, &&[f64])| self.begun(values, 0.0).map_err(|failure| (row, failure));
+        let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
+        self.batch = PlantBatch::new(rows).map_err(|error| (0, self.file.failed(&error)))?;
+        self.pace = Pace::default();
+        Ok(())
+    }
 
-    /// Some begin anew, with nothing asked of their valves; the others go on.
-    fn restart(&mut self, rows: &[(usize, &[f64])]) -> Result<(), (usize, Failure)>;
+    /// Some begin again, with nothing commanded of their valves; the others go on.
+    pub(super) fn restart(&mut self, rows: &[(usize, &[f64])]) -> Result<(), (usize, Failure)> {
+        let time = self.batch.time();
+        let of_row = |(row, values): &(usize, &[f64])| match self.begun(values, time) {
+            Ok(begun) => Ok((*row, begun)),
+            Err(failure) => Err((*row, failure)),
+        };
+        let begun = rows.par_iter().map(of_row).collect::<Result<Vec<_>, _>>()?;
+        for (row, steps) in begun {
+            self.batch.restart(row, steps).map_err(|error| (row, self.file.failed(&error)))?;
+        }
+        Ok(())
+    }
 
-    /// Whether the valves can be asked for this: a number for each valve of each plant.
-    fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)>;
+    /// Whether the valves can be commanded this: a number for each valve of each plant.
+    pub(super) fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)> {
+        let valves = self.valves().max(1);
+        // Duty cycles within their range differ in nothing that a valve would mind.
+        let asked = match self.asked {
+            Asked::Duty(_) if asked.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
+                &asked[..asked.len().min(valves)]
+            }
+            _ => asked,
+        };
+        for (row, asked) in asked.chunks(valves).enumerate() {
+            for (number, solenoid) in asked.iter().zip(self.file.solenoids()) {
+                let demand = self.asked.demand(*number).and_then(|demand| solenoid.check_demand(&demand));
+                demand.map_err(|error| (row, error.into()))?;
+            }
+        }
+        Ok(())
+    }
 
-    /// Asks this of the valves, which has been checked, goes on, and writes what each shows, and which have left the physics and
-    /// stopped: of those nothing is written.
-    fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]);
+    /// Sets the valves to what has been checked, goes on, and writes the columns, and which have left the physics and stopped:
+    /// of those nothing is written.
+    pub(super) fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
+        let Self { file, asked: kind, pace, batch, .. } = self;
+        for (row, asked) in asked.chunks(file.valves.len().max(1)).enumerate() {
+            for (valve, number) in file.valves.iter().zip(asked) {
+                // What cannot be set has stopped.
+                let _ = kind.demand(*number).and_then(|demand| batch.set(row, *valve, demand));
+            }
+        }
+        *pace = pace.on(span);
+        for step in 1..=span.steps {
+            // Times are finite, which has been checked.
+            let _ = batch.advance_to(pace.within(span, step));
+        }
+        let (batch, columns) = (&*batch, &file.columns);
+        let places = shown.par_chunks_mut(columns.len().max(1)).zip(stopped).enumerate().with_min_len(TOGETHER);
+        places.for_each(|(row, (shown, stopped))| match batch.row(row) {
+            Ok(steps) => {
+                *stopped = false;
+                columns::write(columns, steps, shown);
+            }
+            Err(_) => *stopped = true,
+        });
+    }
 
     /// Whether plants with these two sets of values differ in anything but the commands of their valves.
-    fn differ(&self, values: [&[f64]; 2]) -> Result<bool, Failure>;
+    pub(super) fn differ(&self, [one, other]: [&[f64]; 2]) -> Result<bool, Failure> {
+        Ok(self.file.with(one)? != self.file.with(other)?)
+    }
 
-    /// The time in s of one plant, which its pulses follow.
-    fn time(&self, row: usize) -> f64;
+    /// The time in s, which pulses follow.
+    pub(super) fn time(&self) -> f64 {
+        self.pace.now()
+    }
 
-    /// Writes what one shows; nothing where it has stopped.
-    fn show(&self, row: usize, into: &mut [f64]);
+    /// Writes the columns of one; nothing where it has stopped.
+    pub(super) fn show(&self, row: usize, into: &mut [f64]) {
+        if let Ok(steps) = self.batch.row(row) {
+            columns::write(&self.file.columns, steps, into);
+        }
+    }
+}
+
+/// A run of a plant from t = 0 by the file's steps.
+fn run(file: &File, begin: &Begin) -> Result<PlantRun, mckibben::Error> {
+    PlantRun::new(&begin.plant, &begin.start, TimeStepping::Fixed { method: file.method(), step: file.step })
 }

@@ -1,22 +1,16 @@
-//! Many copies of one plant that are told what to do and begin anew one by one: the class `Plants`.
+//! Many copies of one plant that are commanded at run time and begin again one by one: the class `Plants`.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | `asked` | what is asked of valves, as numbers |
-//! | `fleet` | what all plants have in common |
-//! | `rigs` | actuators with their loads, in the lanes of a batch |
-//! | `alone` | plants that go each by itself |
-//! | `joints`, `legs` | the two of these |
-//! | `numbers`, `leg_numbers` | numbers that differ from plant to plant, by their paths |
+//! | `file` | the plant of a scenario file, with other values of numbers by their paths |
+//! | `columns` | what is observed of each |
+//! | `fleet` | the plants, stepped together in a batch |
 
-mod alone;
 mod asked;
+mod columns;
+mod file;
 mod fleet;
-mod joints;
-mod leg_numbers;
-mod legs;
-mod numbers;
-mod rigs;
 
 use crate::arguments;
 use crate::pool;
@@ -24,29 +18,26 @@ use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::typed::{Count, Flags, Items, Numbers as Array, Rows, Sequence, Table};
-use alone::Alone;
 use asked::Asked;
+use file::File;
 use fleet::{Fleet, Span};
-use joints::Joints;
-use legs::Legs;
-use mckibben::simulation::{Actuation, MOST_PARTS, Method};
+use mckibben::network::NodeKind;
+use mckibben::simulation::MOST_PARTS;
+use mckibben::valve::{Command, Solenoid};
 use mckibben_cli::failure::Failure;
-use numbers::Numbers;
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use rigs::Rigs;
 use std::collections::BTreeMap;
 
 /// Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
 /// may begin anew, with numbers of its own, while the others go on. The environments of `mckibben.learning` are made of it.
 ///
-/// `scenario` is an actuator with its load or an antagonistic joint; with `leg`, it is the actuator of each of a leg's six
-/// strands, and `leg` says which numbers of the leg are others than those assumed (`{}` for none), as
-/// `{"leg.thigh.mass": 0.5}`. Its command and its controller do not count.
+/// `scenario` is of any plant: one actuator with its load, an antagonistic joint, or actuators with names on their mechanisms.
+/// Its controllers do not count, nor the commands of the actuators' valves; supplies follow theirs.
 ///
-/// `by` are paths of the numbers that differ from one to the next, such as "load.mass" or "initial.gauge_pressure"; of a leg
-/// also "leg.shank.mass", and "strands[2].actuator.turns" of one actuator alone.
+/// `by` are paths of the numbers that differ from one to the next: "load.mass", "initial.gauge_pressure"; where actuators have
+/// names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
 ///
 /// `asked` says what the numbers given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
 /// a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
@@ -62,7 +53,6 @@ pub(crate) struct Plants {
     by: Vec<String>,
     asked: String,
     pulse_frequency: Option<f64>,
-    leg: Option<Vec<(String, f64)>>,
     given: Vec<f64>,
     /// The longest step in s.
     longest: f64,
@@ -75,7 +65,7 @@ pub(crate) struct Plants {
     count: usize,
     /// How many columns are shown of each.
     width: usize,
-    fleet: Box<dyn Fleet>,
+    fleet: Fleet,
 }
 
 /// A step of a control period that is this much longer than the longest is as long.
@@ -89,61 +79,34 @@ impl Plants {
         scenario: &Py<Scenario>,
         by: &[String],
         (asked_by, pulse_frequency): (&str, Option<f64>),
-        leg: Option<Vec<(String, f64)>>,
         count: usize,
     ) -> Result<Self, Failure> {
-        let Scenario { document, .. } = scenario.get();
-        let base = scenario.get().of_one()?.open_loop();
-        let failed = |error: mckibben::Error| Failure::of_core(&error, document);
-        let actuation = base.driven().map_err(failed)?.actuation;
-        let valve = actuation.as_ref().map(|actuation| &actuation.solenoid);
-        Asked::check(asked_by, valve)?;
-        let pulses = || Pulses::of(actuation.as_ref().map(|actuation| &actuation.command), pulse_frequency);
+        let file = File::read(scenario.clone_ref(py), by)?;
+        if file.valves.is_empty() {
+            let remedy = "give the scenario [supply] and [valve]";
+            return Err(Failure::input("the plant has no valve that could be asked", remedy));
+        }
+        file.solenoids().try_for_each(|valve| Asked::check(asked_by, valve))?;
+        let pulsed = file.commands.iter().find(|command| matches!(command, Command::Pwm { .. }));
+        let pulses = || Pulses::of(pulsed.or(file.commands.first()), pulse_frequency);
         let asked = Asked::named(asked_by, pulses)?;
-        let requests = valve.map_or(Vec::new(), Asked::requests_of);
-        let second = base.of_antagonist().map(|other| other.driven()).transpose().map_err(failed)?;
-        let valves = [actuation.as_ref(), second.as_ref().and_then(|second| second.actuation.as_ref())];
-        let of_valve = |actuation: &Actuation| {
-            let Actuation { solenoid, .. } = actuation;
-            solenoid.dead_time() + solenoid.delays().into_iter().fold(0.0, f64::max)
-        };
-        // What cannot be built is refused below.
-        let hose = base.rig().ok().and_then(|rig| rig.line().hose.map(|hose| hose.transport_delay()));
-        let valve_delay = valves.into_iter().flatten().map(of_valve).fold(0.0, f64::max) + hose.unwrap_or_default();
-        let pulses = matches!(asked, Asked::Duty(_)).then(|| asked.pulse_frequency());
-        let mut given = vec![f64::NAN; by.len()];
-        let mut fill = |numbers: &mut dyn Iterator<Item = (usize, f64)>| {
-            numbers.for_each(|(which, value)| given[which] = value);
-        };
-        let numbers = || {
-            let by: Vec<(usize, &str)> = by.iter().map(String::as_str).enumerate().collect();
-            Numbers::find(scenario.clone_ref(py), &by)
-        };
-        let (fleet, longest): (Box<dyn Fleet>, f64) = if let Some(set) = &leg {
-            let legs = Legs::new(py, scenario, by, set, asked.pulse_frequency())?;
-            fill(&mut legs.given().into_iter());
-            (Box::new(Alone::new(legs, asked)), Self::step_of_leg(base.run.step)?)
-        } else if let Some(experiment) = base.joint_experiment().map_err(failed)? {
-            let (numbers, method) = (numbers()?, experiment.method());
-            fill(&mut numbers.given());
-            let joints = Joints { numbers, method, pulse_frequency: asked.pulse_frequency() };
-            (Box::new(Alone::new(joints, asked)), experiment.step().map_err(failed)?.0)
-        } else {
-            let experiment = base.experiment().map_err(failed)?;
-            let (numbers, method): (Numbers, Method) = (numbers()?, experiment.method());
-            let valve = actuation.map(|actuation| actuation.solenoid);
-            fill(&mut numbers.given());
-            (Box::new(Rigs::new(numbers, method, asked, valve)), experiment.step().map_err(failed)?.0)
-        };
+        let requests = Asked::requests_of(file.solenoids().collect::<Vec<_>>().into_iter());
+        let of_valve = |valve: &Solenoid| valve.dead_time() + valve.delays().into_iter().fold(0.0, f64::max);
+        let hoses = file.begin().plant.network().nodes.iter().filter_map(|node| match &node.kind {
+            NodeKind::Hose(hose) => Some(hose.transport_delay()),
+            _ => None,
+        });
+        let valve_delay = file.solenoids().map(of_valve).fold(0.0, f64::max) + hoses.fold(0.0, f64::max);
+        let (longest, duration, given) = (file.step, file.run.duration, file.given().to_vec());
+        let (width, pulses) = (file.columns.len(), asked.pulse_frequency());
+        let fleet = Fleet::new(file, asked)?;
         fleet.check(&vec![asked.least(&requests); fleet.valves()]).map_err(|(_, failure)| failure)?;
-        let (scenario, by, duration) = (scenario.clone_ref(py), by.to_vec(), base.run.duration);
-        let (asked, width) = (asked_by.to_owned(), fleet.columns().len());
+        let (scenario, by, asked) = (scenario.clone_ref(py), by.to_vec(), asked_by.to_owned());
         Ok(Self {
             scenario,
             by,
             asked,
             pulse_frequency,
-            leg,
             given,
             longest,
             duration,
@@ -154,10 +117,6 @@ impl Plants {
             width,
             fleet,
         })
-    }
-
-    fn step_of_leg(step: Option<f64>) -> Result<f64, Failure> {
-        step.ok_or_else(|| Failure::input("a leg does not choose its step by itself", "give run.step, as \"0.1 ms\""))
     }
 
     fn begin(&mut self, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {
@@ -182,12 +141,12 @@ impl Plants {
                 ));
             }
         };
-        Ok((fleet.as_mut(), values))
+        Ok((fleet, values))
     }
 }
 
 /// Plants, and the values of each.
-type Valued<'a> = (&'a mut dyn Fleet, Vec<&'a [f64]>);
+type Valued<'a> = (&'a mut Fleet, Vec<&'a [f64]>);
 
 /// The plants, unless another thread works on them.
 fn mine<'py>(this: &Bound<'py, Plants>) -> PyResult<PyRefMut<'py, Plants>> {
@@ -225,7 +184,7 @@ fn shaped(name: &str, slice: Option<usize>, (rows, columns): (usize, usize)) -> 
 #[pymethods]
 impl Plants {
     #[new]
-    #[pyo3(signature = (scenario, count, *, by = Items(Vec::new()), asked = "duty", pulse_frequency = None, leg = None))]
+    #[pyo3(signature = (scenario, count, *, by = Items(Vec::new()), asked = "duty", pulse_frequency = None))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
@@ -233,13 +192,8 @@ impl Plants {
         by: Items<String>,
         asked: &str,
         pulse_frequency: Option<f64>,
-        leg: Option<BTreeMap<String, f64>>,
     ) -> PyResult<Self> {
-        let leg: Option<Vec<(String, f64)>> = leg.map(|leg| leg.into_iter().collect());
-        for (path, value) in leg.iter().flatten() {
-            arguments::number(&format!("leg[{path:?}]"), *value, "", "a finite number in SI", true).raised()?;
-        }
-        let mut plants = Self::of(py, &scenario, &by.0, (asked, pulse_frequency), leg, count.0).raised()?;
+        let mut plants = Self::of(py, &scenario, &by.0, (asked, pulse_frequency), count.0).raised()?;
         arguments::room(py, count.0, "plants", plants.fleet.bytes())?;
         plants.begin(py, None)?;
         Ok(plants)
@@ -351,11 +305,11 @@ impl Plants {
         self.fleet.differ(values).raised()
     }
 
-    /// The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. It begins with the
-    /// plant's episode; that of actuators with their loads, which share one clock, with `start`.
+    /// The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. All share one clock,
+    /// which begins with `start`.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
-        let time: Vec<f64> = (0..self.count).map(|row| self.fleet.time(row)).collect();
+        let time = vec![self.fleet.time(); self.count];
         Array(PyArray1::from_vec(py, time).into_any())
     }
 
@@ -375,13 +329,20 @@ impl Plants {
     /// What is shown of each, by the names of the columns of a run.
     #[getter]
     fn columns(&self) -> Vec<String> {
-        self.fleet.columns()
+        self.fleet.file().columns.iter().map(|column| column.name.clone()).collect()
     }
 
     /// How many valves each has.
     #[getter]
     fn valves(&self) -> usize {
         self.fleet.valves()
+    }
+
+    /// What `columns` of plants of a scenario are, whatever their valves are asked.
+    #[staticmethod]
+    fn columns_of(scenario: &Scenario) -> PyResult<Vec<String>> {
+        let columns = file::columns_of(scenario).raised()?;
+        Ok(columns.into_iter().map(|column| column.name).collect())
     }
 
     /// The requests that the valves can be asked: of 1 (fill), 0 (hold) and -1 (exhaust).
@@ -419,12 +380,10 @@ impl Plants {
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Made<'py>> {
-        let leg: Option<BTreeMap<_, _>> = self.leg.as_ref().map(|leg| leg.iter().cloned().collect());
         let named = [
             ("by", (&self.by).into_bound_py_any(py)?),
             ("asked", (&self.asked).into_bound_py_any(py)?),
             ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
-            ("leg", leg.into_bound_py_any(py)?),
         ];
         Ok(((self.scenario.clone_ref(py), self.count), named.into()))
     }

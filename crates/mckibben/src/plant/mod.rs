@@ -99,6 +99,7 @@ use crate::network::{BranchKind, Network, NodeKind};
 use crate::parameter::Parameter;
 use crate::scalar::{Real, Scalar};
 use crate::simulation::PressureCourse;
+use crate::valve::Command;
 use alloc::vec::Vec;
 
 /// An actuator and where it is mounted.
@@ -314,6 +315,16 @@ impl<S: Scalar> Plant<S> {
         let network = self.network.convert(convert);
         let mechanisms = self.mechanisms.iter().enumerate().map(|(index, mechanism)| mechanism.convert(index, convert));
         Plant { actuators, network, mechanisms: mechanisms.collect(), places: self.places.clone() }
+    }
+
+    /// The plant with nothing commanded of some valves of its network.
+    pub fn without_commands(mut self, valves: &[usize]) -> Self {
+        for (index, valve) in self.network.valves.iter_mut().enumerate() {
+            if valves.contains(&index) {
+                valve.command = Command::nothing_of(&valve.solenoid);
+            }
+        }
+        self
     }
 
     /// The actuators with their couplings.

@@ -1,0 +1,93 @@
+//! What is observed of each plant: the columns of a run that are states, and what little else a file of one actuator has.
+
+use mckibben::mechanism::{Coupling, Mechanism};
+use mckibben::plant::{Plant, PlantSteps};
+use mckibben_scenario::{PlantExperiment, PlantQuantity};
+
+/// A column with where its number is.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    pub(super) name: String,
+    source: Source,
+}
+
+/// Where a number is.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    State(usize),
+    /// In a sample, which takes an evaluation.
+    Sample(PlantQuantity),
+}
+
+/// Those of a file of one actuator or of a joint, by the names of its runs.
+pub(super) fn of_short(plant: &Plant) -> Vec<Column> {
+    use PlantQuantity as Q;
+    let is_joint = matches!(plant.mechanisms(), [Mechanism::Chain(_)]);
+    let columns: &[(&str, Q)] = if is_joint {
+        &[
+            ("angle_rad", Q::Position(0, 0)),
+            ("angular_velocity_rad_s", Q::Rate(0, 0)),
+            ("pressure_pa", Q::Pressure(0)),
+            ("air_mass_kg", Q::AirMass(0)),
+            ("antagonist_pressure_pa", Q::Pressure(1)),
+            ("antagonist_air_mass_kg", Q::AirMass(1)),
+        ]
+    } else {
+        &[
+            ("length_m", Q::Length(0)),
+            ("velocity_m_s", Q::Velocity(0)),
+            ("pressure_pa", Q::Pressure(0)),
+            ("air_mass_kg", Q::AirMass(0)),
+        ]
+    };
+    let column = |&(name, quantity): &(&str, Q)| Column {
+        name: name.to_owned(),
+        source: state(plant, quantity).map_or(Source::Sample(quantity), Source::State),
+    };
+    columns.iter().map(column).collect()
+}
+
+/// Those of a file in which actuators have names: the columns of its runs that are states.
+pub(super) fn of_named(experiment: &PlantExperiment) -> Vec<Column> {
+    let columns = experiment.columns();
+    let column = |column: &mckibben_scenario::PlantColumn| {
+        let place = state(&experiment.plant, column.quantity()?)?;
+        Some(Column { name: column.title(), source: Source::State(place) })
+    };
+    columns.iter().filter_map(column).collect()
+}
+
+/// The place of a quantity among the states, if it is one.
+fn state(plant: &Plant, quantity: PlantQuantity) -> Option<usize> {
+    use PlantQuantity as Q;
+    let places = plant.places();
+    let spans = |actuator: usize| {
+        let mounted = &plant.actuators()[actuator];
+        let Coupling::Direct { coordinate } = mounted.coupling else { return None };
+        Some((&places.mechanisms[mounted.mechanism], coordinate))
+    };
+    let is_rigid = |actuator: usize| plant.actuators()[actuator].tendon.is_none();
+    match quantity {
+        Q::Length(actuator) if !is_rigid(actuator) => places.actuators[actuator].length,
+        Q::Length(actuator) | Q::LoadDistance(actuator) => spans(actuator).map(|(its, of)| its.position(of)),
+        Q::Velocity(actuator) if !is_rigid(actuator) => None,
+        Q::Velocity(actuator) | Q::LoadVelocity(actuator) => spans(actuator).map(|(its, of)| its.rate(of)),
+        Q::Pressure(actuator) => Some(places.actuators[actuator].pressure),
+        Q::AirMass(actuator) => Some(places.actuators[actuator].mass()),
+        Q::Position(mechanism, of) => Some(places.mechanisms[mechanism].position(of)),
+        Q::Rate(mechanism, of) => Some(places.mechanisms[mechanism].rate(of)),
+        Q::NodePressure(node) => places.nodes[node],
+        Q::Temperature(_) | Q::Volume(_) | Q::Tension(_) | Q::MassFlow(_) | Q::Force(..) | Q::SetPoint(..) => None,
+    }
+}
+
+/// Writes the columns of a plant where it is now.
+pub(super) fn write(columns: &[Column], steps: &PlantSteps, into: &mut [f64]) {
+    let mut sample = None;
+    for (into, column) in into.iter_mut().zip(columns) {
+        *into = match column.source {
+            Source::State(place) => steps.state()[place],
+            Source::Sample(quantity) => quantity.of(steps.plant(), sample.get_or_insert_with(|| steps.sample())),
+        };
+    }
+}

@@ -1,0 +1,198 @@
+//! The plant that a scenario file describes, with other values of some of its numbers.
+
+use super::columns::{self, Column};
+use crate::scenario::Scenario;
+use mckibben::parameter;
+use mckibben::plant::{Plant, PlantStart, plant_step_for_accuracy};
+use mckibben::simulation::{self, Method};
+use mckibben::valve::{Command, Solenoid};
+use mckibben_cli::failure::Failure;
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_scenario::{Document, Engine, PlaceError, PlantExperiment, PlantPlace, Run};
+use pyo3::prelude::*;
+
+/// A plant whose valves are commanded at run time, and its start.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Begin {
+    pub(super) plant: Plant,
+    pub(super) start: PlantStart,
+}
+
+/// A scenario file, and the numbers that are given for each plant.
+pub(super) struct File {
+    scenario: Py<Scenario>,
+    numbers: Numbers,
+    given: Vec<f64>,
+    begin: Begin,
+    /// The valves that actions go to, by their indices in the network: those of the actuators, in their order.
+    pub(super) valves: Vec<usize>,
+    pub(super) columns: Vec<Column>,
+    pub(super) run: Run,
+    /// The longest step in s.
+    pub(super) step: f64,
+    /// The commands of the valves in the file.
+    pub(super) commands: Vec<Command>,
+}
+
+/// How numbers are put into the file.
+enum Numbers {
+    /// Of a file of one actuator or of a joint.
+    Short(Box<Adjustable>),
+    /// Of a file in which actuators have names.
+    Named(Vec<PlantPlace>),
+}
+
+/// What is observed of the plant of a scenario.
+pub(super) fn columns_of(scenario: &Scenario) -> Result<Vec<Column>, Failure> {
+    match scenario.understood() {
+        Some(understood) => {
+            let begin = short(&open(understood));
+            Ok(columns::of_short(&begin.map_err(|error| Failure::of_core(&error, &scenario.document))?.plant))
+        }
+        None => Ok(columns::of_named(&named(&scenario.document)?)),
+    }
+}
+
+impl File {
+    /// Reads the plant, and finds the numbers at these paths.
+    pub(super) fn read(scenario: Py<Scenario>, by: &[String]) -> Result<Self, Failure> {
+        let Scenario { document, .. } = scenario.get();
+        let refused = |error: PlaceError| {
+            Failure::input(error.to_string(), "name another in `by`, or in `randomize` of an environment")
+        };
+        let failed = |error: mckibben::Error| Failure::of_core(&error, document);
+        let (numbers, given, begin, run, valves, columns);
+        match scenario.get().understood() {
+            Some(understood) => {
+                let mut base = open(understood);
+                let paths = || by.iter().map(String::as_str);
+                let places = paths().map(|path| document.find(path, paths(), &mut base).map_err(refused));
+                let places = places.collect::<Result<Vec<_>, _>>()?;
+                given = places.iter().map(|place| place.value(&mut base).unwrap_or(f64::NAN)).collect();
+                begin = short(&base).map_err(failed)?;
+                (run, columns) = (base.run, columns::of_short(&begin.plant));
+                valves = (0..begin.plant.network().valves.len()).collect();
+                let said = document.says_of_each(parameter::MIN_LENGTH.key);
+                numbers = Numbers::Short(Box::new(Adjustable::new(base, places, said)));
+            }
+            None => {
+                let places = by.iter().map(|path| document.find_in_plant(path).map_err(refused));
+                let places: Vec<PlantPlace> = places.collect::<Result<_, _>>()?;
+                let experiment = named(document)?;
+                given = places.iter().map(PlantPlace::value).collect();
+                (run, columns) = (experiment.run, columns::of_named(&experiment));
+                valves = valves_of(&experiment);
+                begin = Begin { plant: experiment.plant, start: experiment.start };
+                numbers = Numbers::Named(places);
+            }
+        }
+        let chosen = || {
+            let (of, times) = ((&begin.plant, &begin.start), (run.duration, run.sample_interval));
+            plant_step_for_accuracy(of, &Vec::new, times, method(&run), run.accuracy).map(|chosen| chosen.step)
+        };
+        let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
+        let commands = valves.iter().map(|valve| begin.plant.network().valves[*valve].command.clone()).collect();
+        let begin = Begin { plant: begin.plant.without_commands(&valves), ..begin };
+        Ok(Self { scenario, numbers, given, begin, valves, columns, run, step, commands })
+    }
+
+    /// The formula of a step.
+    pub(super) fn method(&self) -> Method {
+        method(&self.run)
+    }
+
+    /// What the file has for each number, in SI.
+    pub(super) fn given(&self) -> &[f64] {
+        &self.given
+    }
+
+    /// The plant of the file.
+    pub(super) fn begin(&self) -> &Begin {
+        &self.begin
+    }
+
+    /// The valves that actions go to.
+    pub(super) fn solenoids(&self) -> impl Iterator<Item = &Solenoid> {
+        self.valves.iter().map(|valve| &self.begin.plant.network().valves[*valve].solenoid)
+    }
+
+    /// Whether all plants are that of the file.
+    pub(super) fn are_alike(&self) -> bool {
+        self.given.is_empty()
+    }
+
+    /// The plant with these values.
+    pub(super) fn with(&self, values: &[f64]) -> Result<Begin, Failure> {
+        if self.are_alike() {
+            return Ok(self.begin.clone());
+        }
+        // The values are the caller's: no line of the file is at fault.
+        let refused = |words: String| Failure::input(words, "give another value, or draw from another range");
+        let begin = match &self.numbers {
+            Numbers::Short(adjustable) => adjustable
+                .at(values)
+                .and_then(|scenario| short(&scenario))
+                .map_err(|error| refused(error.to_string()))?,
+            Numbers::Named(places) => {
+                let document = &self.scenario.get().document;
+                let adjusted = document.with_plant_values(places, values);
+                let adjusted = adjusted.map_err(|error| refused(error.to_string()))?;
+                let experiment = named(&adjusted).map_err(|failure| refused(failure.to_string()))?;
+                Begin { plant: experiment.plant, start: experiment.start }
+            }
+        };
+        Ok(Begin { plant: begin.plant.without_commands(&self.valves), ..begin })
+    }
+
+    /// An error of the core, shown in the file unless its values came from elsewhere.
+    pub(super) fn failed(&self, error: &mckibben::Error) -> Failure {
+        match self.are_alike() {
+            true => Failure::of_core(error, &self.scenario.get().document),
+            false => error.clone().into(),
+        }
+    }
+}
+
+/// A scenario whose valves are commanded at run time.
+fn open(scenario: &mckibben_scenario::Scenario) -> mckibben_scenario::Scenario {
+    let mut open = scenario.open_loop();
+    // What runs of fixed steps leave out is no limit here: the plant's steps take every part.
+    open.run.engine = Engine::EventLocated;
+    open
+}
+
+/// The valves of the actuators of a plant, each once.
+fn valves_of(experiment: &PlantExperiment) -> Vec<usize> {
+    let mut valves = Vec::new();
+    for valve in experiment.names.valves.iter().copied().flatten() {
+        if !valves.contains(&valve) {
+            valves.push(valve);
+        }
+    }
+    valves
+}
+
+fn method(run: &Run) -> Method {
+    match run.method {
+        mckibben_scenario::Method::Stable => simulation::Method::Stable,
+        mckibben_scenario::Method::Rk4 => simulation::Method::Rk4,
+    }
+}
+
+/// The plant of a file of one actuator or of a joint.
+fn short(scenario: &mckibben_scenario::Scenario) -> Result<Begin, mckibben::Error> {
+    if let Some(experiment) = scenario.joint_experiment()? {
+        let plant = Plant::of_joint(&experiment.rig)?;
+        return Ok(Begin { plant, start: Plant::start_of_joint(&experiment.rig, &experiment.start) });
+    }
+    let experiment = scenario.experiment()?;
+    let start = Plant::start_of_rig(&experiment.rig, &experiment.start);
+    Ok(Begin { plant: Plant::of_rig(&experiment.rig), start })
+}
+
+/// The plant of a file in which actuators have names.
+fn named(document: &Document) -> Result<PlantExperiment, Failure> {
+    document.plant_experiment()?.ok_or_else(|| {
+        Failure::input("the scenario names no actuators", "write [actuators.NAME], or a scenario of one actuator")
+    })
+}

@@ -1,0 +1,176 @@
+"""Environments of any scenario file: every plant is the plant alone, whatever goes beside it and on how many threads."""
+
+import hashlib
+import os
+import pathlib
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import mckibben
+from mckibben import learning
+from mckibben._mckibben import Plants
+
+PLANTS = pathlib.Path(__file__).parents[2] / "examples" / "plant"
+TASKS: dict[str, Callable[[], learning.Task]] = {
+    "rig": learning.hanging_mass, "joint": learning.joint, "leg": learning.leg, "arm": learning.arm,
+}
+COUNT, STEPS, PERIOD = 5, 14, 0.012
+
+
+def drawn(name: str) -> tuple[list[str], np.ndarray]:
+    """Paths of parameters, and values of each of `COUNT` plants."""
+    paths = {
+        "rig": ["load.mass", "actuator.friction.viscous"],
+        "joint": ["load.mass", "load.damping"],
+        "leg": ["mechanism.joints.hip.mass", "actuator.friction.viscous"],
+        "arm": ["mechanism.joints.elbow.mass", "actuators.biceps.friction.viscous"],
+    }[name]
+    low, high = ([0.3, 0.02], [0.6, 0.05]) if name == "joint" else ([0.3, 2.0], [0.6, 5.0])
+    return paths, np.random.default_rng(5).uniform(low, high, (COUNT, 2))
+
+
+def scenario(name: str) -> mckibben.Scenario:
+    of_task = TASKS[name]().scenario
+    return of_task.with_values({"actuators.biceps.friction.viscous": "3 N*s/m"}) if name == "arm" else of_task
+
+
+def history(name: str, rows: list[int], *, varies: bool = True) -> np.ndarray:
+    """What these plants of `COUNT` show after each step, some of which begin again on the way: (STEPS, rows, columns)."""
+    paths, values = drawn(name)
+    plants = Plants(scenario(name), len(rows), by=paths if varies else [])
+    commands = np.random.default_rng(6).uniform(0.0, 1.0, (STEPS, COUNT, plants.valves))
+    again = np.random.default_rng(7).random((STEPS, COUNT)) < 0.15
+    assert again[1:-1].any(axis=0).sum() >= 3
+    if varies:
+        plants.start(values[rows])
+    shown, stopped, seen = np.zeros((len(rows), len(plants.columns))), np.zeros(len(rows), dtype=bool), []
+    for step in range(STEPS):
+        begin = np.flatnonzero(again[step, rows])
+        if len(begin):
+            plants.restart(begin, values[rows][begin] if varies else None)
+        plants.step(PERIOD, commands[step, rows], shown, stopped)
+        assert not stopped.any()
+        seen.append(shown.copy())
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("varies", [True, False])
+@pytest.mark.parametrize("name", TASKS)
+def test_every_plant_is_the_plant_alone_bit_for_bit(name: str, varies: bool) -> None:
+    together = history(name, list(range(COUNT)), varies=varies)
+    assert len({together[:, row].tobytes() for row in range(COUNT)}) == COUNT
+    for row in range(COUNT):
+        np.testing.assert_array_equal(history(name, [row], varies=varies)[:, 0], together[:, row])
+    turned = history(name, [3, 0, 2], varies=varies)
+    np.testing.assert_array_equal(turned, together[:, [3, 0, 2]])
+
+
+def digest() -> str:
+    bits = b"".join(history(name, [0, 1, 2, 3, 4] * 4).tobytes() for name in TASKS)
+    return hashlib.sha256(bits).hexdigest()
+
+
+def test_the_number_of_threads_changes_no_bit() -> None:
+    found = set()
+    for threads in ("1", "3"):
+        code = "import test_learning_plants; print(test_learning_plants.digest())"
+        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": str(pathlib.Path(__file__).parent)}
+        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+        found.add(done.stdout)
+    assert len(found) == 1
+
+
+def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
+    """Its clock goes on, so that the same but for the rounding of times."""
+    for name in TASKS:
+        plants = Plants(scenario(name), 1, pulse_frequency=1.0 / PERIOD)
+        commands = np.random.default_rng(8).uniform(0.4, 1.0, (8, 1, plants.valves))
+        shown, stopped, seen = np.zeros((1, len(plants.columns))), np.zeros(1, dtype=bool), []
+        for _ in range(2):
+            for command in commands:
+                plants.step(PERIOD, command, shown, stopped)
+                seen.append(shown.copy())
+            plants.restart(np.array([0]))
+        first, second = np.split(np.array(seen), 2)
+        np.testing.assert_allclose(second, first, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("name, asked", [("arm", "request"), ("leg", "set-point")])
+def test_the_examples_are_environments(name: str, asked: str) -> None:
+    example = mckibben.Scenario.load(PLANTS / f"{name}.toml").with_values({"run.step": "0.5 ms"})
+    many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, asked=asked, duration=0.05)
+    observed, info = many.reset(seed=1)
+    many.action_space.seed(1)
+    joints = {"arm": ["shoulder", "elbow", "wrist"], "leg": ["hip", "knee"]}[name]
+    assert {f"{joint}.angle_rad" for joint in joints} <= set(info)
+    for _ in range(7):
+        assert observed in many.observation_space and np.isfinite(observed).all()
+        observed, *_ = many.step(many.action_space.sample())
+    assert len({row.tobytes() for row in many.unwrapped.shown}) == 3
+
+
+@pytest.mark.parametrize("name", ["arm", "leg"])
+def test_the_tasks_have_the_mechanisms_of_the_examples(name: str) -> None:
+    example = tomllib.loads((PLANTS / f"{name}.toml").read_text())
+    ours = TASKS[name]().scenario.to_dict()
+    assert ours["mechanism"] == example["mechanism"] and ours["coupling"] == example["coupling"]
+    assert ours.get("supplies") == example.get("supplies")
+    couplings = {muscle: its["coupling"] for muscle, its in example["actuators"].items()}
+    assert {muscle: its["coupling"] for muscle, its in ours["actuators"].items()} == couplings
+
+
+def test_any_scenario_is_an_environment() -> None:
+    """Two bottles of unlike muscles, a joint behind hoses: what is to reach a target is named by its column."""
+    for file, targets in [("bottle", {"thick.length_m": (0.06, 0.07)}), ("hose-joint", {"elbow.angle_rad": (-0.2, 0.2)})]:
+        plant = mckibben.Scenario.load(PLANTS / f"{file}.toml").with_values({"run.step": "0.5 ms"})
+        options: dict[str, Any] = {"asked": "request", "control_period": 5e-3, "max_episode_steps": 4}
+        many = learning.VectorEnvironment(learning.reach(plant, targets), 2, **options)
+        observed, _ = many.reset(seed=1)
+        for _ in range(4):
+            observed, *_, truncated, info = many.step(many.action_space.sample())
+        assert truncated.all() and np.isfinite(observed).all() and set(targets) < set(info)
+    with pytest.raises(mckibben.InputError, match="is nothing that is seen of this plant; name one of"):
+        learning.reach(plant, {"wrist.angle_rad": (0.0, 1.0)})
+
+
+def test_every_number_of_a_file_can_be_drawn() -> None:
+    ranges = {"mechanism.joints.hip.mass": (0.3, 0.5), "mechanism.joints.knee.damping": (0.01, 0.03),
+              "mechanism.belt.velocity": (-0.5, 0.0), "actuators.knee-back.coupling.rest_length": (0.077, 0.079),
+              "actuator.turns": (2.4, 2.6), "actuator.friction.viscous": (2.0, 5.0),
+              "mechanism.joints.hip.angle": (-0.2, 0.2), "supply.gauge_pressure": (5e5, 7e5)}
+    many = gymnasium.make_vec("mckibben/Leg-v0", num_envs=6, randomize=ranges)
+    many.reset(seed=1)
+    hips = many.unwrapped.shown[:, many.unwrapped.columns.index("hip.angle_rad")]
+    assert len(set(hips)) == 6 and (np.abs(hips) <= 0.2).all()
+    many.step(many.action_space.sample())
+    with pytest.raises(mckibben.InputError, match="colour"):
+        gymnasium.make_vec("mckibben/Leg-v0", num_envs=1, randomize={"mechanism.joints.hip.colour": (0.0, 1.0)})
+
+
+def test_a_joint_takes_positions_and_set_points() -> None:
+    """A joint whose muscles have spools, and one whose muscles have regulators."""
+    from test_learning_actions import REGULATOR, SPOOL
+
+    for asked, valve in [("position", SPOOL), ("set-point", REGULATOR)]:
+        sections = learning.joint().scenario.to_dict()
+        for of in (sections, sections["antagonist"]) if "antagonist" in sections else (sections,):
+            for section in ("valve", "command"):
+                of.pop(section, None)
+            of["valve"] = {"flow_area": "1.8e-5 ft^2", "efficiency": 0.85}
+            for path, value in valve.items():
+                section, _, key = path.partition(".")
+                of[section] = of.get(section, {}) | {key: value} if key else value
+        joint = mckibben.Scenario.from_dict(sections)
+        many = gymnasium.make_vec("mckibben/Joint-v0", num_envs=3, scenario=joint, asked=asked)
+        many.reset(seed=1)
+        for _ in range(10):
+            many.step(np.array([[0.6, 0.1], [0.1, 0.6], [0.3, 0.3]], dtype=np.float32))
+        first, second, middle = many.unwrapped.shown[:, 0]
+        assert first > middle > second
