@@ -35,6 +35,7 @@ mod plant_random;
 mod plant_reference;
 mod plant_refused;
 mod plant_sample;
+mod plant_saved;
 mod plant_sensitivities;
 mod plant_span;
 mod plant_start_friction;

@@ -40,6 +40,7 @@ mod progress;
 mod rig;
 mod run;
 mod sample;
+mod saved;
 mod scale;
 mod shares;
 mod sliding;
@@ -308,6 +309,15 @@ impl<S: Scalar> Plant<S> {
         let network = self.network.convert(convert);
         let mechanisms = self.mechanisms.iter().enumerate().map(|(index, mechanism)| mechanism.convert(index, convert));
         Plant { actuators, network, mechanisms: mechanisms.collect(), places: self.places.clone() }
+    }
+
+    /// The plant whose valves have no commands of their own and wait for what a host sets, with their coils released.
+    pub fn without_commands(&self) -> Self {
+        let mut plant = self.clone();
+        for valve in &mut plant.network.valves {
+            valve.command = crate::valve::Command::nothing_of(&valve.solenoid);
+        }
+        plant
     }
 
     /// The actuators with their couplings.

@@ -255,7 +255,7 @@ impl<R: Real> System<R> {
     }
 
     /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
-    pub(super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
+    pub(in super::super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
         let places = &self.plant.places;
         let lacks_air = |place: &usize| state[*place].value() <= 0.0;
         let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
