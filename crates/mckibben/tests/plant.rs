@@ -24,6 +24,7 @@ mod plant_dead_time;
 mod plant_ends;
 mod plant_given_tendon;
 mod plant_host;
+mod plant_host_pulses;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]
