@@ -23,7 +23,7 @@ fn pulses(duty: f64) -> Demand {
 /// The actuator of a rig with its air, whose valve and ends belong to a host.
 fn of_host(rig: &Rig, paper: &Paper) -> (Plant, PlantStart) {
     let state = rig.start(&paper.initial()).expect("a start");
-    let plant = Plant::of_rig(rig).without_commands();
+    let plant = Plant::of_rig(rig).without_commands(&[0]);
     plant.to_external(&Plant::start_of_rig(rig, &state)).expect("a host's")
 }
 

@@ -94,6 +94,7 @@ use crate::network::{BranchKind, Network, NodeKind};
 use crate::parameter::Parameter;
 use crate::scalar::{Real, Scalar};
 use crate::simulation::PressureCourse;
+use crate::valve::Command;
 use alloc::vec::Vec;
 
 /// An actuator and where it is mounted.
@@ -311,13 +312,14 @@ impl<S: Scalar> Plant<S> {
         Plant { actuators, network, mechanisms: mechanisms.collect(), places: self.places.clone() }
     }
 
-    /// The plant whose valves have no commands of their own and wait for what a host sets, with their coils released.
-    pub fn without_commands(&self) -> Self {
-        let mut plant = self.clone();
-        for valve in &mut plant.network.valves {
-            valve.command = crate::valve::Command::nothing_of(&valve.solenoid);
+    /// The plant with nothing commanded of some valves of its network.
+    pub fn without_commands(mut self, valves: &[usize]) -> Self {
+        for (index, valve) in self.network.valves.iter_mut().enumerate() {
+            if valves.contains(&index) {
+                valve.command = Command::nothing_of(&valve.solenoid);
+            }
         }
-        plant
+        self
     }
 
     /// The actuators with their couplings.
