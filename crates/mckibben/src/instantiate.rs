@@ -92,6 +92,9 @@ entry_points! {
     fn move_plant_steps(steps: &mut PlantSteps<Self>, until: Self, distances: &[Self]) -> Result<(), Error> =
         steps.generic_move_to(until, distances);
     #[cfg(feature = "alloc")]
+    fn derive_plant_steps(steps: &mut PlantSteps<Self>, rates: &mut [Self]) -> Result<(), Error> =
+        steps.generic_derivative(rates);
+    #[cfg(feature = "alloc")]
     fn compute_plant_steps(steps: &mut PlantSteps<Self>, actuator: usize) -> Result<Response<Self>, Error> =
         steps.generic_compute(actuator);
     #[cfg(feature = "alloc")]

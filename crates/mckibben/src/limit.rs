@@ -87,6 +87,10 @@ limits! {
         "give it a load that moves by itself, or begin a new run";
     DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
         "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
+    SAVE_DRIVERS: "a state as numbers", "where drivers command valves",
+        "save it by `PlantSteps::save`, or let the host set the valves";
+    SAVE_COMMANDS: "a state as numbers", "where more than 64 commands of one valve are on their way",
+        "save it by `PlantSteps::save`, set the valve less often, or shorten valve.dead_time";
     SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint and where actuators have names", "give search.horizon in place of search.segments";
     SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";

@@ -2,7 +2,7 @@
 //!
 //! One walk through the fields does both: a [`Row`] that keeps takes each number from its field, one that puts back sets the
 //! field to the next number. So that what is kept and what is put back cannot come apart, and a field that is new is missed
-//! by neither. Checked by `tests/snapshot.rs`.
+//! by neither. How many there are never depends on the values. Checked by `tests/plant_saved.rs`.
 
 use crate::parameter;
 use crate::valve::Request;
@@ -13,7 +13,7 @@ pub(crate) trait Row {
     /// Keeps the number, or puts another one in its place.
     fn any(&mut self, number: &mut f64);
 
-    /// What has been put back is no state.
+    /// The numbers cannot hold what is to be kept, or what has been put back is no state.
     fn refuse(&mut self);
 
     /// A finite number.
@@ -39,6 +39,52 @@ pub(crate) trait Row {
         }
     }
 
+    /// An index below `end`; zero where what is put back is none.
+    fn index(&mut self, index: &mut usize, end: usize) {
+        let mut count = *index as u64;
+        self.count(&mut count);
+        match usize::try_from(count).ok().filter(|index| *index < end) {
+            Some(within) => *index = within,
+            None => {
+                *index = 0;
+                self.refuse();
+            }
+        }
+    }
+
+    /// A list of indices below `end`, no longer than `capacity`.
+    fn indices(&mut self, list: &mut Vec<usize>, capacity: usize, end: usize) {
+        if let Some(length) = self.length(list.len(), capacity) {
+            list.resize(length, 0);
+        }
+        for place in 0..capacity {
+            match list.get_mut(place) {
+                Some(index) => self.index(index, end),
+                None => self.nothing(),
+            }
+        }
+    }
+
+    /// The length of a list, if it is no more than `capacity`.
+    fn length(&mut self, length: usize, capacity: usize) -> Option<usize> {
+        let mut count = length as u64;
+        self.count(&mut count);
+        let length = usize::try_from(count).ok().filter(|length| *length <= capacity);
+        if length.is_none() {
+            self.refuse();
+        }
+        length
+    }
+
+    /// A place that holds nothing.
+    fn nothing(&mut self) {
+        let mut number = 0.0;
+        self.any(&mut number);
+        if number.to_bits() != 0 {
+            self.refuse();
+        }
+    }
+
     /// True or false, as 1 or 0.
     fn truth(&mut self, truth: &mut bool) {
         self.choice(truth, [false, true]);
@@ -54,6 +100,15 @@ pub(crate) trait Row {
         }
     }
 
+    /// None, or one of few, by its place among them.
+    fn option<T: Copy + PartialEq, const N: usize>(&mut self, option: &mut Option<T>, all: [T; N]) {
+        let mut is_some = option.is_some();
+        self.truth(&mut is_some);
+        let mut choice = option.unwrap_or(all[0]);
+        self.choice(&mut choice, all);
+        *option = is_some.then_some(choice);
+    }
+
     /// What is asked of a valve.
     fn request(&mut self, request: &mut Request) {
         self.choice(request, [Request::Fill, Request::Hold, Request::Exhaust]);
@@ -67,7 +122,7 @@ pub(crate) trait Row {
         }
     }
 
-    /// An instant in s, at infinity where there is none.
+    /// An instant in s, or another number, at infinity where there is none.
     fn instant(&mut self, instant: &mut Option<f64>) {
         let mut number = instant.unwrap_or(f64::INFINITY);
         self.any(&mut number);
@@ -78,16 +133,48 @@ pub(crate) trait Row {
     }
 }
 
-/// The numbers are kept.
-pub(crate) struct Kept(pub(crate) Vec<f64>);
+/// The numbers are counted.
+#[derive(Default)]
+pub(crate) struct Counted(pub(crate) usize);
 
-impl Row for Kept {
-    fn any(&mut self, number: &mut f64) {
-        self.0.push(*number);
+impl Row for Counted {
+    fn any(&mut self, _number: &mut f64) {
+        self.0 += 1;
     }
 
-    /// What a state has is of its kind.
+    /// Only their count is wanted.
     fn refuse(&mut self) {}
+}
+
+/// The numbers are kept.
+pub(crate) struct Kept<'a> {
+    numbers: core::slice::IterMut<'a, f64>,
+    refused: bool,
+}
+
+impl<'a> Kept<'a> {
+    /// From the first place on.
+    pub(crate) fn into(numbers: &'a mut [f64]) -> Self {
+        Self { numbers: numbers.iter_mut(), refused: false }
+    }
+
+    /// Whether all places hold what they may.
+    pub(crate) fn is_whole(&self) -> bool {
+        !self.refused && self.numbers.len() == 0
+    }
+}
+
+impl Row for Kept<'_> {
+    fn any(&mut self, number: &mut f64) {
+        match self.numbers.next() {
+            Some(place) => *place = *number,
+            None => self.refused = true,
+        }
+    }
+
+    fn refuse(&mut self) {
+        self.refused = true;
+    }
 }
 
 /// The numbers are put back.

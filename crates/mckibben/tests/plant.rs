@@ -24,6 +24,7 @@ mod plant_dead_time;
 mod plant_ends;
 mod plant_given_tendon;
 mod plant_host;
+mod plant_host_pulses;
 mod plant_ledger;
 mod plant_linear;
 #[cfg(feature = "analysis")]
@@ -37,6 +38,7 @@ mod plant_refused;
 #[cfg(feature = "lanes")]
 mod plant_rows;
 mod plant_sample;
+mod plant_saved;
 mod plant_sensitivities;
 mod plant_span;
 mod plant_start_friction;

@@ -461,6 +461,36 @@ fn random_plants_converge_at_fixed_steps() {
     assert!(shares[0] > 0.94 && shares[1] > 0.9 && shares[2] > 0.85, "{shares:?} of {all}");
 }
 
+/// Whatever a plant is made of, what has gone through numbers goes on to the same bits.
+#[test]
+fn random_plants_go_on_from_numbers_to_the_same_bits() {
+    let count = std::cell::Cell::new(0);
+    let result = runner(STEPPED).run(&drawn(), |drawn| {
+        let (plant, start, _) = plant(&drawn);
+        let Ok(plant) = plant else { return Ok(()) };
+        let Ok(run) = PlantRun::new(&plant, &start, 1e-9) else { return Ok(()) };
+        let mut one = run.steps(Method::Stable);
+        let mut other = one.clone();
+        let mut numbers = vec![0.0; one.state_size()];
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        for step in 1..=60 {
+            one.save_to(&mut numbers).expect("a state");
+            other.restore_from(&numbers).expect("a state");
+            let until = 1e-3 * f64::from(step);
+            let (went, follows) = (one.advance_to(until), other.advance_to(until));
+            prop_assert_eq!(&went, &follows);
+            prop_assert_eq!(bits(one.state()), bits(other.state()), "after step {}", step);
+            if went.is_err() {
+                break;
+            }
+        }
+        count.set(count.get() + 1);
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    assert!(2 * count.get() > STEPPED, "{} plants of {STEPPED} ran", count.get());
+}
+
 /// Whatever plants are made of, those of a batch are those alone, to the bit. Nearly all of these have parts that lanes leave
 /// out, so that rows go by themselves beside each other.
 #[cfg(feature = "batch")]

@@ -3,15 +3,19 @@
 //! What has been set becomes a command of which only what is still on its way is kept, so that seats move at the instants
 //! that they would have if all had been known beforehand, and memory stays bounded however often a valve is set.
 
-use super::mode::NetworkMode;
+use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};
 use super::{Network, NodeKind};
 use crate::error::Error;
+use crate::line::Poppet;
+use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::Actuation;
+use crate::simulation::timetable::{Progress, Timetable};
 use crate::simulation::told::Told;
-use crate::valve::Demand;
+use crate::valve::{Approach, Command, Demand, Openings};
 use alloc::boxed::Box;
+use alloc::vec::Vec;
 
 /// What a valve has been set to during a run.
 #[derive(Clone, Debug)]
@@ -40,6 +44,139 @@ impl<R: Real> Setting<R> {
     }
 }
 
+impl<R: Real> ValveMode<R> {
+    /// The frequency in Hz of the pulses that the valve has been set to, if it has.
+    pub fn pulse_frequency(&self) -> Option<R> {
+        self.setting.as_ref().and_then(|setting| setting.pulse_frequency)
+    }
+}
+
+/// What a valve that acts late has on its way of its command, at most, in a state that is saved as numbers.
+const MOST_LATE: usize = 64;
+/// What one that acts at once has.
+const MOST_AT_ONCE: usize = 4;
+
+impl Setting<f64> {
+    /// One of a valve that has nothing on its way.
+    fn blank(valve: &Actuation) -> Self {
+        let (solenoid, command) = (valve.solenoid, Command::nothing_of(&valve.solenoid));
+        Self { actuation: Actuation { solenoid, command }, told: Told::nothing(), pulse_frequency: None }
+    }
+
+    /// As numbers in a row.
+    fn each_number(&mut self, time: f64, row: &mut impl Row) {
+        let Self { actuation: Actuation { solenoid, command }, told, pulse_frequency } = self;
+        told.each_number(solenoid, time, row);
+        row.instant(pulse_frequency);
+        if pulse_frequency.is_some_and(|frequency| frequency <= 0.0) {
+            row.refuse();
+        }
+        let capacity = if solenoid.latency() > 0.0 { MOST_LATE } else { MOST_AT_ONCE };
+        match command {
+            Command::Table { time, request } => {
+                let first = crate::valve::Request::Fill;
+                each_change((time, request, first), capacity, row, |row, request| row.request(request));
+            }
+            Command::SetPoints { time, gauge_pressure: number } | Command::Positions { time, position: number } => {
+                each_change((time, number, 0.0), capacity, row, |row, number| row.number(number));
+            }
+            // What has been set is a list.
+            Command::Constant(_) | Command::Pwm { .. } => row.refuse(),
+        }
+    }
+}
+
+/// The changes of a command as numbers in a row, each with its instant in s.
+fn each_change<V: Copy, W: Row>(
+    (time, values, first): (&mut Vec<f64>, &mut Vec<V>, V),
+    capacity: usize,
+    row: &mut W,
+    value: impl Fn(&mut W, &mut V),
+) {
+    if let Some(length) = row.length(time.len(), capacity) {
+        time.resize(length, 0.0);
+        values.resize(length, first);
+    }
+    for place in 0..capacity {
+        match time.get_mut(place).zip(values.get_mut(place)) {
+            Some((time, change)) => {
+                row.number(time);
+                value(row, change);
+            }
+            None => {
+                row.nothing();
+                row.nothing();
+            }
+        }
+    }
+    if time.windows(2).any(|pair| pair[1] <= pair[0]) {
+        row.refuse();
+    }
+}
+
+impl Network {
+    /// Drops of what valves have been set to all that has been passed up to `time` in s.
+    pub(crate) fn forget_passed(&self, time: f64, mode: &mut NetworkMode<f64>) {
+        for valve in 0..mode.valves.len() {
+            let ValveMode { progress, setting, .. } = &mut mode.valves[valve];
+            if let Some(setting) = setting {
+                progress.forget_passed(&mut setting.actuation, time);
+                self.forget_set_points(valve, mode);
+            }
+        }
+    }
+
+    /// The mode at a time in s as numbers in a row, but for the pieces of laws, which the pressures say.
+    pub(crate) fn each_number(&self, time: f64, mode: &mut NetworkMode<f64>, row: &mut impl Row) {
+        let NetworkMode { branches, nodes, valves } = mode;
+        for BranchMode { zone: _, regime: _, runs, sonic } in branches {
+            row.truth(runs);
+            row.option(sonic, [false, true]);
+        }
+        for (index, its) in valves.iter_mut().enumerate() {
+            let ValveMode { ports, progress, openings, setting } = its;
+            row.truth(&mut ports.supply);
+            row.truth(&mut ports.exhaust);
+            progress.each_number_of_valve(row);
+            let (mut is_set, mut blank) = (setting.is_some(), Setting::blank(&self.valves[index]));
+            row.truth(&mut is_set);
+            setting.as_deref_mut().unwrap_or(&mut blank).each_number(time, row);
+            if is_set && progress.has_passed() {
+                row.refuse();
+            }
+            match setting {
+                Some(_) if !is_set => *setting = None,
+                None if is_set => *setting = Some(Box::new(blank)),
+                _ => {}
+            }
+            *openings = self.openings(index, progress);
+        }
+        for (index, its) in nodes.iter_mut().enumerate() {
+            let NodeMode { poppet, limited, approach, set_points } = its;
+            row.choice(poppet, [Poppet::Rests, Poppet::Raises, Poppet::Lowers]);
+            row.truth(limited);
+            row.option(approach, [Approach::Settles, Approach::Rises, Approach::Falls]);
+            row.count(set_points);
+            let last = set_points.checked_sub(1);
+            let is_there = |last: u64| match self.nodes[index].kind {
+                NodeKind::Port { valve, .. } => {
+                    let actuation = valves[valve].setting.as_ref().map_or(&self.valves[valve], |its| its.actuation());
+                    actuation.command.set_point(last).is_some()
+                }
+                _ => false,
+            };
+            if last.is_some_and(|last| !is_there(last)) {
+                row.refuse();
+            }
+        }
+    }
+
+    /// How far the ports of a valve are open that has come so far.
+    fn openings(&self, valve: usize, progress: &Progress<f64>) -> Openings {
+        Timetable { actuation: Some(&self.valves[valve]), motion: None, pressure: None }.openings(progress)
+    }
+}
+
 impl<R: Real> Network<R> {
     /// Sets what a valve does from `time` in s on, in place of all that was to come.
     ///
@@ -58,18 +195,23 @@ impl<R: Real> Network<R> {
         let Setting { actuation, told, pulse_frequency } = &mut **setting;
         *pulse_frequency = if let Demand::Pulses { frequency, .. } = demand { Some(frequency) } else { None };
         told.tell(|| Ok((Some(&mut *actuation), &mut of_valve.progress)), time, demand)?;
-        // Of set points that have taken effect the last one is still in force.
+        self.forget_set_points(valve, mode);
+        Ok(())
+    }
+
+    /// Drops the set points of a valve that has been set which have taken effect, but for the last, which is still in force.
+    fn forget_set_points(&self, valve: usize, mode: &mut NetworkMode<R>) {
+        let Some(setting) = &mut mode.valves[valve].setting else { return };
         let of_valve = |node: &NodeKind<R>| matches!(node, NodeKind::Port { valve: its, .. } if *its == valve);
         let ports = || (0..self.nodes.len()).filter(|node| of_valve(&self.nodes[*node].kind));
         if let Some(passed) = ports().map(|node| mode.nodes[node].set_points).min()
             && passed > 1
         {
-            actuation.command.keep(passed - 1, R::constant(f64::INFINITY));
+            setting.actuation.command.keep(passed - 1, R::constant(f64::INFINITY));
             for node in ports() {
                 mode.nodes[node].set_points -= passed - 1;
             }
         }
-        Ok(())
     }
 
     /// Lays the pulses of a valve that has been set out to `until`, from `time` on, both in s.

@@ -40,6 +40,7 @@ mod progress;
 mod rig;
 mod run;
 mod sample;
+mod saved;
 mod scale;
 mod shares;
 mod sliding;

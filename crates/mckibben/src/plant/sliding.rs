@@ -36,7 +36,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// The most facets that actuators which stick together may have: each is two guards.
-const MOST_FACETS: usize = 512;
+pub(super) const MOST_FACETS: usize = 512;
 /// Part of an entry below which it is rounding.
 const ROUNDING: f64 = 1e-9;
 /// Part of the longest length of an actuator below which its arm between two points is that of a dead centre.
@@ -48,7 +48,7 @@ pub(crate) struct Facet {
     /// Sticking actuators of the block whose gradients are independent.
     pub(super) span: Vec<usize>,
     /// Those in whose directions the facet lies: one fewer.
-    along: Vec<usize>,
+    pub(super) along: Vec<usize>,
     /// All sticking actuators of the block.
     pub(super) block: Vec<usize>,
 }

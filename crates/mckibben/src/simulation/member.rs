@@ -17,6 +17,7 @@ use crate::air::Process;
 use crate::engine::event::band;
 use crate::force::Statics;
 use crate::friction::{Branch, Hysteresis, LuGre, Memory, Rubbing};
+use crate::numbered::Row;
 use crate::scalar::{Over, Real, Scalar};
 
 /// Temperature in K at which the scale of the air mass is taken.
@@ -71,6 +72,19 @@ impl<R: Real> Trace<R> {
     /// The guard of the next slip: the actuator length in m, and whether the branch lasts above it.
     pub(crate) fn end(&self) -> Option<(R, bool)> {
         self.branch.end.map(|length| (length, self.direction < 0.0))
+    }
+}
+
+impl Trace<f64> {
+    /// As numbers in a row.
+    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+        let Self { memory: Memory { at, elements }, branch, direction } = self;
+        row.number(at);
+        row.numbers(elements);
+        let Branch { from, width, slope, decay, slipping, wear, end } = branch;
+        [from, width, slope, decay, slipping, wear].into_iter().for_each(|number| row.number(number));
+        row.instant(end);
+        row.choice(direction, [0.0, 1.0, -1.0]);
     }
 }
 

@@ -104,6 +104,12 @@ impl<S: Scalar> PressureCourse<S> {
         PressureCourse { rows }
     }
 
+    /// How many rows there are.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
     /// Instant in s of the row of index `row`.
     pub fn row(&self, row: usize) -> Option<S> {
         self.rows.get(row).map(|[time, _]| *time)

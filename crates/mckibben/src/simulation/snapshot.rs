@@ -13,7 +13,7 @@ use crate::control::Modulator;
 use crate::error::Error;
 use crate::friction::Memory;
 use crate::load::Line;
-use crate::numbered::{Kept, PutBack, Row};
+use crate::numbered::{Counted, Kept, PutBack, Row};
 use crate::scalar::Real;
 use crate::valve::Ports;
 use alloc::vec::Vec;
@@ -44,9 +44,11 @@ impl Snapshot {
     /// The numbers that [`Snapshot::of_numbers`] takes: all of the state in SI, infinity for an instant that does not come. Their
     /// order and how many they are may change from one version of the crate to the next.
     pub fn numbers(&self) -> Vec<f64> {
-        let (mut place, mut row) = (self.0, Kept(Vec::new()));
-        each_number(&mut place, &mut row);
-        row.0
+        let (mut place, mut size) = (self.0, Counted::default());
+        each_number(&mut place, &mut size);
+        let mut numbers = alloc::vec![0.0; size.0];
+        each_number(&mut place, &mut Kept::into(&mut numbers));
+        numbers
     }
 
     /// What gave these [`Snapshot::numbers`]; an actuator of the same rig goes on from there to the same bits.

@@ -67,6 +67,17 @@ impl<S: Real> Progress<S> {
         }
     }
 
+    /// Drops of a command all that has been passed up to `time` in s; coils that no seat has followed are passed as well.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn forget_passed(&mut self, actuation: &mut Actuation<S>, time: S) {
+        let Actuation { solenoid, command } = actuation;
+        if solenoid.has_seats() && self.clock.next_motion(solenoid, command, time).is_none() {
+            self.clock.advance(time, solenoid, command);
+        }
+        let passed = if solenoid.spool().is_some() { self.spool.passed() } else { self.clock.passed() };
+        command.keep(core::mem::take(passed), S::constant(f64::INFINITY));
+    }
+
     /// Something is asked of a valve at `time` in s beside its command.
     #[cfg(feature = "alloc")]
     pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
@@ -80,6 +91,18 @@ impl Progress<f64> {
     /// and neither motion nor pressure is given.
     pub(super) fn each_number_of_seats(&mut self, row: &mut impl Row) {
         self.clock.each_number(row);
+    }
+
+    /// Whether something of a command has been passed and is still in it.
+    pub(crate) fn has_passed(&mut self) -> bool {
+        *self.clock.passed() > 0 || *self.spool.passed() > 0
+    }
+
+    /// As numbers in a row: what progresses for a valve of a network, where the pressure that a regulator gives is a state.
+    pub(crate) fn each_number_of_valve(&mut self, row: &mut impl Row) {
+        self.clock.each_number(row);
+        self.spool.each_number(row);
+        row.count(&mut self.spool_passed);
     }
 }
 

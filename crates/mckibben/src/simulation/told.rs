@@ -21,9 +21,11 @@ use super::sample::Sample;
 use super::timetable::Progress;
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
+use crate::numbered::Row;
 use crate::parameter;
+use crate::pressure::GaugePressure;
 use crate::scalar::Real;
-use crate::valve::{Demand, is_due};
+use crate::valve::{Demand, Request, Solenoid, is_due};
 
 /// What a valve has been told.
 #[derive(Clone, Copy, Debug)]
@@ -156,6 +158,47 @@ impl<R: Real> Told<R> {
             self.look_ahead();
         }
         changed
+    }
+}
+
+impl Told<f64> {
+    /// As numbers in a row, of a valve that has come to `time` in s.
+    pub(crate) fn each_number(&mut self, solenoid: &Solenoid, time: f64, row: &mut impl Row) {
+        let Self { last, modulator, pulse_frequency, edge, unheard } = self;
+        let (mut kind, mut number, mut duty, mut requests) = match *last {
+            None => (0, 0.0, 0.0, [Request::Fill; 2]),
+            Some(Demand::Request(request)) => (1, 0.0, 0.0, [request; 2]),
+            Some(Demand::Pulses { frequency, duty, pulse, rest }) => (2, frequency, duty, [pulse, rest]),
+            Some(Demand::SetPoint(gauge)) => (3, gauge.0, 0.0, [Request::Fill; 2]),
+            Some(Demand::Position(position)) => (4, position, 0.0, [Request::Fill; 2]),
+        };
+        row.choice(&mut kind, [0, 1, 2, 3, 4]);
+        row.number(&mut number);
+        row.duty(&mut duty);
+        requests.iter_mut().for_each(|request| row.request(request));
+        *last = match kind {
+            0 => None,
+            1 => Some(Demand::Request(requests[0])),
+            2 => Some(Demand::Pulses { frequency: number, duty, pulse: requests[0], rest: requests[1] }),
+            3 => Some(Demand::SetPoint(GaugePressure(number))),
+            _ => Some(Demand::Position(number)),
+        };
+        if last.is_some_and(|demand| solenoid.check_demand(&demand).is_err()) {
+            row.refuse();
+        }
+        modulator.each_number(row);
+        row.number(pulse_frequency);
+        if *pulse_frequency <= 0.0 {
+            row.refuse();
+        }
+        let mut instant = Some(*edge).filter(|edge| *edge != f64::INFINITY);
+        row.instant(&mut instant);
+        *edge = instant.unwrap_or(f64::INFINITY);
+        // Pulses up to now have been laid out.
+        if *edge != modulator.next(*pulse_frequency).unwrap_or(f64::INFINITY) || !is_due(time, *edge) {
+            row.refuse();
+        }
+        row.truth(unheard);
     }
 }
 

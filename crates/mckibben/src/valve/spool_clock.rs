@@ -16,6 +16,8 @@ use super::Command;
 use super::opening::Openings;
 use super::solenoid::{Ports, Solenoid, is_due};
 use super::spool::{Spool, SpoolMotion};
+#[cfg(feature = "alloc")]
+use crate::numbered::Row;
 use crate::root::bracketed;
 use crate::scalar::Real;
 
@@ -172,5 +174,21 @@ impl<S: Real> SpoolClock<S> {
         let [position, velocity] = spool.at(&self.motion, time);
         let step = (position - place) / velocity;
         if step.value().abs() <= 1e-9 * time.value() { time - step } else { time }
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl SpoolClock {
+    /// As numbers in a row.
+    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+        let Self { taken, motion, open, next } = self;
+        row.count(taken);
+        let SpoolMotion { time, position, velocity, command } = motion;
+        [time, position, velocity, command].into_iter().for_each(|number| row.number(number));
+        row.option(open, [[false, false], [false, true], [true, false], [true, true]]);
+        let (mut instant, mut ends) = next.map_or((None, Ends::Rest), |(instant, ends)| (Some(instant), ends));
+        row.instant(&mut instant);
+        row.choice(&mut ends, [Ends::Rest, Ends::Edge(0), Ends::Edge(1), Ends::Stop(1.0), Ends::Stop(-1.0)]);
+        *next = instant.map(|instant| (instant, ends));
     }
 }

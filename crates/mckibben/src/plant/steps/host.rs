@@ -7,9 +7,13 @@
 //! compute   the tension of an actuator and its derivatives, while its ends move as they do now
 //!
 //! Plant::rest_distance   how far apart the ends of an actuator are where it does not pull
+//! compute_at  the tension and its derivatives while the ends move at other rates
+//! derivative  the rates of all states
 //! set_rates   how fast the ends move from now on
 //! save        where everything is
 //! restore     back to there, as for a step that is only tried
+//! state_size, save_to, restore_from   as numbers in the caller's memory
+//! reset       back to where the steps began
 //! limit_step  the longest part of a step that is taken in one go
 //! ```
 //!
@@ -43,7 +47,8 @@
 //! At rest the dry friction of (12) is set-valued and the response has its middle, zero: a load that it would hold creeps,
 //! until whoever owns the load treats it as stuck. An actuator on an elastic tendon sticks by itself.
 //!
-//! Source: Colbrunn, Nelson & Quinn (2001), section 4, the modular actuator. Checked by `tests/plant_host.rs`.
+//! Source: Colbrunn, Nelson & Quinn (2001), section 4, the modular actuator. Checked by `tests/plant_host.rs` and
+//! `tests/plant_host_pulses.rs`.
 
 use super::super::run::PlantRun;
 use super::super::sample::ActuatorSample;
@@ -52,6 +57,7 @@ use super::{NARROW, PlantSteps, part};
 use crate::actuator::Response;
 use crate::dual::Dual;
 use crate::error::Error;
+use crate::force::Statics;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::parameter;
 use crate::pressure::GaugePressure;
@@ -101,6 +107,17 @@ impl<R: Real> Plant<R> {
         let length = mounted.actuator.rest_length(gauge)?;
         Ok(mounted.tendon.as_ref().map_or(length, |tendon| length + tendon.rest_length()))
     }
+
+    /// What the distance in m between the ends of an actuator must be less than, and the name of that limit: the length of a
+    /// thread, where no wall and no fitting comes before it. None with a tendon, which takes up what is beyond.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] when there is no such actuator.
+    pub fn end_distance(&self, actuator: usize) -> Result<Option<(&'static str, R)>, Error> {
+        let mounted = self.actuators.get(actuator).ok_or(NO_ACTUATOR)?;
+        let law = &mounted.actuator.law().law;
+        Ok(mounted.tendon.is_none().then(|| (law.end_name(), law.end_length())))
+    }
 }
 
 impl<R: Real> PlantSteps<R> {
@@ -117,11 +134,26 @@ impl<R: Real> PlantSteps<R> {
         Ok(())
     }
 
+    /// Parts that a move to `until` in s takes, counted before they are taken: those of [`PlantSteps::limit_step`], and the edges
+    /// of the pulses that valves have been set to.
+    pub fn parts_until(&self, until: R) -> f64 {
+        let span = (until - self.time()).value();
+        let valves = self.mode().network.valves.iter();
+        let edges: f64 = valves.filter_map(|valve| valve.pulse_frequency()).map(|its| 2.0 * span * its.value()).sum();
+        self.parts_of(until - self.time()) as f64 + edges
+    }
+
+    /// Parts of a span in s without edges of pulses.
+    fn parts_of(&self, span: R) -> u64 {
+        ((span.value() / self.longest_part - ROUNDING) as u64).saturating_add(1)
+    }
+
     /// The ends of all external mechanisms go in straight lines to `distances` in m at `until` in s: one distance for each
     /// coordinate, in the order of the mechanisms.
     ///
     /// # Errors
-    /// [`Error::Misuse`] for a time that is not later than the last, and for more than [`MOST_PARTS`] parts;
+    /// [`Error::Misuse`] for a time that is not later than the last, and for more than [`MOST_PARTS`] parts and edges
+    /// of pulses;
     /// [`Error::Table`] unless there is one distance for each coordinate; [`Error::OutOfRange`] for a number that is not
     /// finite; [`Error::Stopped`] when the plant leaves the physics. The steps then stay where they were.
     pub fn move_to(&mut self, until: R, distances: &[R]) -> Result<(), Error> {
@@ -138,16 +170,16 @@ impl<R: Real> PlantSteps<R> {
             });
         }
         parameter::DURATION.check(span.value())?;
-        let parts = span.value() / self.longest_part - ROUNDING;
-        if parts > MOST_PARTS {
+        if self.parts_until(until) > MOST_PARTS {
             return Err(Error::Misuse {
-                what: "a step has more than ten million parts",
-                remedy: "take a shorter step, or longer parts",
+                what: "a step has more than ten million parts and edges of pulses",
+                remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
             });
         }
+        let parts = self.parts_of(span);
         self.check_moves(span, distances)?;
         self.before.clone_from(&self.reached);
-        let moved = self.go_along(from, span, parts as u64 + 1, distances);
+        let moved = self.go_along(from, span, parts, distances);
         if moved.is_err() {
             self.reached.clone_from(&self.before);
             self.work.forget_guards();
@@ -158,27 +190,18 @@ impl<R: Real> PlantSteps<R> {
     /// That there is one distance for each coordinate that a host moves, and that it can be reached.
     fn check_moves(&self, span: R, distances: &[R]) -> Result<(), Error> {
         let places = &self.plant().places().mechanisms;
+        self.check_count("distances", distances.len())?;
         let mut left = distances.iter();
-        let mut count = 0;
         for (mechanism, here) in self.plant().mechanisms().iter().zip(places) {
             if !matches!(mechanism, Mechanism::External { .. }) {
                 continue;
             }
-            count += here.coordinates;
             for (k, distance) in (0..here.coordinates).zip(left.by_ref()) {
                 let rate = (*distance - self.state()[here.position(k)]) / span;
                 parameter::INITIAL_VELOCITY.check(rate.value())?;
             }
         }
-        if count == distances.len() {
-            return Ok(());
-        }
-        Err(Error::Table {
-            name: "distances",
-            problem: "there is not one distance for each coordinate of the external mechanisms",
-            entry: distances.len().min(count) + 1,
-            remedy: "give as many distances as the external mechanisms have coordinates",
-        })
+        Ok(())
     }
 
     /// Sets all rates and goes on, in so many parts, to where the distances are.
@@ -223,6 +246,46 @@ impl<R: Real> PlantSteps<R> {
     /// [`Error::Misuse`] when there is no such actuator.
     pub fn compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
         R::compute_plant_steps(self, actuator)
+    }
+
+    /// The tension of an actuator and its derivatives, as [`PlantSteps::compute`] has them, while the ends of all external
+    /// mechanisms move at `rates` in m/s in place of how they do: one rate for each coordinate, in the order of the mechanisms.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::compute`]; [`Error::Table`] unless there is one rate for each coordinate; [`Error::OutOfRange`] for a
+    /// rate that is not finite.
+    pub fn compute_at(&mut self, actuator: usize, rates: &[R]) -> Result<Response<R>, Error> {
+        self.check_count("rates", rates.len())?;
+        self.before.clone_from(&self.reached);
+        let mut first = 0;
+        let mut set = Ok(());
+        for m in 0..self.plant().mechanisms().len() {
+            if let Mechanism::External { distances } = self.plant().mechanisms()[m] {
+                set = set.and_then(|()| self.set_rates(m, &rates[first..first + distances]));
+                first += distances;
+            }
+        }
+        let response = set.and_then(|()| self.compute(actuator));
+        core::mem::swap(&mut self.reached, &mut self.before);
+        response
+    }
+
+    /// That there is one number for each coordinate that a host moves.
+    fn check_count(&self, name: &'static str, given: usize) -> Result<(), Error> {
+        let of_host = self.plant().mechanisms().iter().map(|mechanism| match mechanism {
+            Mechanism::External { distances } => *distances,
+            _ => 0,
+        });
+        let count: usize = of_host.sum();
+        if count == given {
+            return Ok(());
+        }
+        Err(Error::Table {
+            name,
+            problem: "there is not one for each coordinate of the external mechanisms",
+            entry: given.min(count) + 1,
+            remedy: "give as many as the external mechanisms have coordinates",
+        })
     }
 
     pub(crate) fn generic_compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {

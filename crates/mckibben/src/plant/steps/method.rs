@@ -286,7 +286,7 @@ impl<R: Real> System<R> {
     }
 
     /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
-    pub(super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
+    pub(in super::super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
         let lacks_air = |place: &usize| state[*place].value() <= 0.0;
         let straight = self.wires.iter().find_map(|wire| {
             let place = wire.length_place()?;

@@ -24,6 +24,7 @@ mod implicit;
 mod method;
 mod part;
 mod pieces;
+mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub(crate) use implicit::TensionResponse;
@@ -150,8 +151,12 @@ pub struct PlantSteps<R: Real = f64> {
     method: Method,
     reached: PlantSnapshot<R>,
     work: Workspace<R>,
-    /// Where a move began, to return there if it fails.
+    /// Where a move began, to return there if it fails; what is saved or restored as numbers on its way.
     before: PlantSnapshot<R>,
+    /// Where the steps began.
+    start: PlantSnapshot<R>,
+    /// How many numbers a state is, where that is known.
+    state_size: Option<usize>,
     /// In s; infinite where moves are not divided.
     longest_part: f64,
 }
@@ -168,8 +173,8 @@ impl<R: Real> PlantSteps<R> {
         let system = System::new(run.shared_plant(), NARROW);
         let reached = run.save();
         let work = Workspace::new(run.plant());
-        let before = reached.clone();
-        Self { system, method, reached, work, before, longest_part: f64::INFINITY }
+        let (before, start) = (reached.clone(), reached.clone());
+        Self { system, method, reached, work, before, start, state_size: None, longest_part: f64::INFINITY }
     }
 
     /// The plant.
@@ -204,6 +209,35 @@ impl<R: Real> PlantSteps<R> {
     pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
         self.work.forget_guards();
         self.reached.restore(snapshot)
+    }
+
+    /// Returns to where the steps began.
+    pub fn reset(&mut self) {
+        self.reached.clone_from(&self.start);
+    }
+
+    /// Writes the rates of change of all states, per second, at the time that has been reached.
+    ///
+    /// # Errors
+    /// [`Error::Table`] unless there is one rate for each state.
+    pub fn derivative(&mut self, rates: &mut [R]) -> Result<(), Error> {
+        R::derive_plant_steps(self, rates)
+    }
+
+    pub(crate) fn generic_derivative(&mut self, rates: &mut [R]) -> Result<(), Error> {
+        let Self { system, reached, work, .. } = self;
+        let (time, state, mode) = reached.parts();
+        if rates.len() != state.len() {
+            return Err(Error::Table {
+                name: "rates",
+                problem: "there is not one rate for each state",
+                entry: rates.len().min(state.len()) + 1,
+                remedy: "give as many rates as `Plant::places` has states",
+            });
+        }
+        system.enter_pieces(*time, state, mode, &mut work.at);
+        system.rates(*time, state, mode, &mut work.at, rates);
+        Ok(())
     }
 
     /// Sets what a valve does from now on, in place of all that was to come.

@@ -1,0 +1,43 @@
+//! Where steps are, as numbers in the caller's memory: for a host that keeps states in arrays of its own, in a file, or
+//! in another process.
+//!
+//! Checked by `tests/plant_saved.rs`: what is restored goes on to the same bits.
+
+use super::PlantSteps;
+use crate::error::Error;
+
+impl PlantSteps {
+    /// How many numbers a state is that is saved as numbers: as many for every state of the plant.
+    pub fn state_size(&mut self) -> usize {
+        let Self { system, reached, before, state_size, .. } = self;
+        *state_size.get_or_insert_with(|| {
+            before.clone_from(reached);
+            system.saved_size(before)
+        })
+    }
+
+    /// Saves where the steps are as [`PlantSteps::state_size`] numbers: time, states, modes, what a hysteresis remembers, valves
+    /// with what they have been set to. SI units, infinity for an instant that does not come; their order may change from one
+    /// version to the next.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] for more or fewer numbers; [`Error::NotImplemented`] where drivers command valves, and where more than
+    /// 64 commands of one valve are on their way.
+    pub fn save_to(&mut self, numbers: &mut [f64]) -> Result<(), Error> {
+        let size = self.state_size();
+        self.system.save_to(&mut self.reached, numbers, size)
+    }
+
+    /// Returns to where steps of an equal plant were, by the numbers that they saved; from there the steps go on bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] for numbers that are no state of the plant; [`Error::NotImplemented`] where drivers command valves. The
+    /// steps then stay where they are.
+    pub fn restore_from(&mut self, numbers: &[f64]) -> Result<(), Error> {
+        let Self { system, reached, before, work, .. } = self;
+        before.clone_from(reached);
+        system.restore_from(before, numbers, &mut work.at)?;
+        core::mem::swap(before, reached);
+        Ok(())
+    }
+}
