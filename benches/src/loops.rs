@@ -7,11 +7,9 @@
 //! the law and the command that grows cost. Both must end in the same place: the steps of the first are
 //! divided at the sampling instants besides, so the two differ by rounding.
 
-use mckibben::plant::{JointPlant, RigPlant};
-use mckibben::simulation::{
-    ControlledJointStepper, ControlledStepper, FixedStepper, JointRig, JointState, JointStepper, Method, Rig, State,
-    simulate,
-};
+use mckibben::command::Driver;
+use mckibben::plant::{JointPlant, PlantRun, PlantView, RigPlant, TimeStepping};
+use mckibben::simulation::{JointRig, JointState, Method, Rig, State, simulate};
 use mckibben_scenario::{ControlledExperiment, ControlledJointExperiment, Document, Run};
 use std::path::Path;
 use std::process::ExitCode;
@@ -46,7 +44,7 @@ fn measure(file: &str) -> Result<[f64; 5], String> {
         return controlled_joint(&of);
     }
     if let Some(of) = document.joint_experiment().map_err(told)? {
-        let open = open_joint(&of.rig, of.start, &of.run)?;
+        let open = of_joint(&of.rig, of.start, &of.run)?;
         let joint = JointPlant::new(&of.rig).map_err(|error| error.to_string())?;
         let located = located(&of.run, |until| joint.simulate(&of.start, until, of.run.relative_tolerance).map(drop))?;
         return Ok(row(open.map(|(cost, _)| cost), [f64::NAN; 2], located));
@@ -55,96 +53,88 @@ fn measure(file: &str) -> Result<[f64; 5], String> {
         return controlled(&of);
     }
     let of = document.experiment().map_err(told)?;
-    let open = open_one(&of.rig, of.start, &of.run)?;
+    let open = of_rig(&of.rig, of.start, &of.run)?;
     let located = located(&of.run, |until| simulate(&of.rig, of.start, until, of.run.relative_tolerance).map(drop))?;
     Ok(row(open.map(|(cost, _)| cost), [f64::NAN; 2], located))
 }
 
 fn controlled(of: &ControlledExperiment) -> Result<[f64; 5], String> {
-    let ControlledExperiment { experiment, law, sampling, sensors, .. } = of;
-    let (rig, start, run) = (&experiment.rig, experiment.start, &experiment.run);
+    let ControlledExperiment { experiment, .. } = of;
+    let (start, run) = (experiment.start, &experiment.run);
+    let plant = RigPlant::new(&experiment.rig);
     let (mut open, mut closed) = ([f64::NAN; 2], [f64::NAN; 2]);
     for (place, method) in METHODS.into_iter().enumerate() {
-        let mut made = None;
-        let (cost, end) = least(run, |times| {
-            let mut stepper = ControlledStepper::new(rig, start, method, law, (*sampling, *sensors))?;
-            let began = Instant::now();
-            for time in times {
-                stepper.advance_to(time)?;
-            }
-            let spent = began.elapsed().as_secs_f64();
-            made = Some(stepper.rig().clone());
-            Ok((spent, stepper.sample().length))
-        })?;
-        let replayed = open_one(&made.unwrap_or_else(|| rig.clone()), start, run)?[place];
+        let (cost, end) = least(run, |times| stepped(&plant, &start, method, Some(of.driver(&plant)?), times))?;
+        // What it made as a command, from a run that is kept.
+        let fixed = TimeStepping::Fixed { method, step: STEP };
+        let duration = run.duration.min(LONGEST);
+        let made = of.driver(&plant).and_then(|driver| {
+            plant.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(()))
+        });
+        let replayed = of_rig(made.map_err(|error| error.to_string())?.rig(), start, run)?[place];
         // The controller's own sampling instants divide its steps, so the two ends agree to rounding alone.
         same(end, replayed.1)?;
         (closed[place], open[place]) = (cost, replayed.0);
     }
-    let plant = RigPlant::new(rig);
     let located = located(run, |until| {
-        let driver = plant.driver(law.clone(), (*sampling, *sensors))?;
+        let driver = of.driver(&plant)?;
         plant.record(&start, (until, run.relative_tolerance), Some(driver), &mut |_| Ok(())).map(drop)
     })?;
     Ok(row(open, closed, located))
 }
 
 fn controlled_joint(of: &ControlledJointExperiment) -> Result<[f64; 5], String> {
-    let ControlledJointExperiment { experiment, law, sampling, sensors, .. } = of;
-    let (rig, start, run) = (&experiment.rig, experiment.start, &experiment.run);
+    let ControlledJointExperiment { experiment, .. } = of;
+    let (start, run) = (experiment.start, &experiment.run);
+    let joint = JointPlant::new(&experiment.rig).map_err(|error| error.to_string())?;
     let (mut open, mut closed) = ([f64::NAN; 2], [f64::NAN; 2]);
     for (place, method) in METHODS.into_iter().enumerate() {
-        let mut made = None;
-        let (cost, end) = least(run, |times| {
-            let mut stepper = ControlledJointStepper::new(rig, start, method, law, (*sampling, *sensors))?;
-            let began = Instant::now();
-            for time in times {
-                stepper.advance_to(time)?;
-            }
-            let spent = began.elapsed().as_secs_f64();
-            made = Some(stepper.rig().clone());
-            Ok((spent, stepper.sample().angle))
-        })?;
-        let replayed = open_joint(&made.unwrap_or_else(|| rig.clone()), start, run)?[place];
+        let (cost, end) = least(run, |times| stepped(&joint, &start, method, Some(of.driver(&joint)?), times))?;
+        let fixed = TimeStepping::Fixed { method, step: STEP };
+        let duration = run.duration.min(LONGEST);
+        let made = of.driver(&joint).and_then(|driver| {
+            joint.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(()))
+        });
+        let replayed = of_joint(made.map_err(|error| error.to_string())?.rig(), start, run)?[place];
         same(end, replayed.1)?;
         (closed[place], open[place]) = (cost, replayed.0);
     }
-    let joint = JointPlant::new(rig).map_err(|error| error.to_string())?;
     let located = located(run, |until| {
-        let driver = joint.driver(law.clone(), (*sampling, *sensors))?;
+        let driver = of.driver(&joint)?;
         joint.record(&start, (until, run.relative_tolerance), Some(driver), &mut |_| Ok(())).map(drop)
     })?;
     Ok(row(open, closed, located))
 }
 
-/// Nanoseconds a step and the length in m at the end, by both methods.
-fn open_one(rig: &Rig, start: State, run: &Run) -> Result<[(f64, f64); 2], String> {
-    let of = |method| {
-        least(run, |times| {
-            let mut stepper = FixedStepper::new(rig, start, method);
-            let began = Instant::now();
-            for time in times {
-                stepper.advance_to(time)?;
-            }
-            Ok((began.elapsed().as_secs_f64(), stepper.sample().length))
-        })
-    };
+/// Seconds through the ends of the steps, and the first state at the end.
+fn stepped<V: PlantView>(
+    view: &V,
+    start: &V::State,
+    method: Method,
+    driver: Option<Driver>,
+    times: Times<'_>,
+) -> Result<(f64, f64), mckibben::Error> {
+    let fixed = TimeStepping::Fixed { method, step: STEP };
+    let drivers = driver.into_iter().collect();
+    let mut steps = PlantRun::with_drivers(view.plant(), &view.start(start), fixed, drivers)?.steps(method);
+    let began = Instant::now();
+    for time in times {
+        steps.advance_to(time)?;
+    }
+    Ok((began.elapsed().as_secs_f64(), steps.state()[0]))
+}
+
+/// Nanoseconds a step and the first state at the end, by both methods.
+fn of_rig(rig: &Rig, start: State, run: &Run) -> Result<[(f64, f64); 2], String> {
+    let plant = RigPlant::new(rig);
+    let of = |method| least(run, |times| stepped(&plant, &start, method, None, times));
     Ok([of(METHODS[0])?, of(METHODS[1])?])
 }
 
-/// Nanoseconds a step and the angle in rad at the end, by both methods.
-fn open_joint(rig: &JointRig, start: JointState, run: &Run) -> Result<[(f64, f64); 2], String> {
-    let of = |method| {
-        let stepper = JointStepper::new(rig.clone(), method).map_err(|error| error.to_string())?;
-        least(run, |times| {
-            let mut course = stepper.begin(start);
-            let began = Instant::now();
-            for time in times {
-                stepper.advance_to(&mut course, time)?;
-            }
-            Ok((began.elapsed().as_secs_f64(), course.state().angle))
-        })
-    };
+/// Nanoseconds a step and the first state at the end, by both methods.
+fn of_joint(rig: &JointRig, start: JointState, run: &Run) -> Result<[(f64, f64); 2], String> {
+    let joint = JointPlant::new(rig).map_err(|error| error.to_string())?;
+    let of = |method| least(run, |times| stepped(&joint, &start, method, None, times));
     Ok([of(METHODS[0])?, of(METHODS[1])?])
 }
 

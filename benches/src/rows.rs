@@ -1,4 +1,4 @@
-//! What a step costs of rows that go by themselves: one alone, and many on one thread and on two.
+//! What a step costs of rows of a batch: one alone, and many on one thread and on two.
 //!
 //! `cargo run --release --bin rows -- ../examples/antagonistic-joint.toml ../examples/control/joint-bang-bang.toml ../examples/tendon.toml`
 //!
@@ -7,11 +7,11 @@
 //! repeats counts.
 
 use mckibben::batch::RowByRow;
+use mckibben::command::Driver;
 use mckibben::control::Drive;
 use mckibben::load::leg::{Leg, LegState, STRANDS};
-use mckibben::simulation::{
-    ControlledJointStepper, ControlledStepper, FixedStepper, JointStepper, LegStepper, Method, Rig, Stepper,
-};
+use mckibben::plant::{JointPlant, PlantBatch, PlantRun, PlantSteps, PlantView, RigPlant};
+use mckibben::simulation::{LegStepper, Method, Rig, Stepper};
 use mckibben::valve::Request;
 use mckibben::{Error, GaugePressure};
 use mckibben_scenario::{Diagnostics, Document};
@@ -58,39 +58,69 @@ fn of_file(file: &str, leg: &mut Option<Rig>) -> Result<[f64; 3], String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
     let told = |error: Diagnostics| error.to_string();
     if let Some(of) = document.controlled_joint_experiment().map_err(told)? {
-        let (rig, start) = (&of.experiment.rig, of.experiment.start);
-        return measure(|| ControlledJointStepper::new(rig, start, METHOD, &of.law, (of.sampling, of.sensors)));
+        return measure_plants(|| {
+            let joint = JointPlant::new(&of.experiment.rig)?;
+            steps(&joint, &of.experiment.start, Some(of.driver(&joint)?))
+        });
     }
     if let Some(of) = document.joint_experiment().map_err(told)? {
-        let stepper = JointStepper::new(of.rig, METHOD).map_err(|error| error.to_string())?;
-        return measure(|| Ok((&stepper, stepper.begin(of.start))));
+        return measure_plants(|| steps(&JointPlant::new(&of.rig)?, &of.start, None));
     }
     if let Some(of) = document.controlled_experiment().map_err(told)? {
-        let (rig, start) = (&of.experiment.rig, of.experiment.start);
-        return measure(|| ControlledStepper::new(rig, start, METHOD, &of.law, (of.sampling, of.sensors)));
+        return measure_plants(|| {
+            let plant = RigPlant::new(&of.experiment.rig);
+            steps(&plant, &of.experiment.start, Some(of.driver(&plant)?))
+        });
     }
     let of = document.experiment().map_err(told)?;
-    let cost = measure(|| Ok(FixedStepper::new(&of.rig, of.start, METHOD)));
+    let cost = measure_plants(|| steps(&RigPlant::new(&of.rig), &of.start, None));
     if of.rig.actuation().is_some() && of.rig.tendon().is_none() {
         leg.get_or_insert(of.rig);
     }
     cost
 }
 
-/// Nanoseconds a step of a row: alone, among many on one thread, and on two.
+/// Steps of a plant from its start.
+fn steps<V: PlantView>(view: &V, start: &V::State, driver: Option<Driver>) -> Result<PlantSteps, Error> {
+    let drivers = driver.into_iter().collect();
+    Ok(PlantRun::with_drivers(view.plant(), &view.start(start), 1e-9, drivers)?.steps(METHOD))
+}
+
+/// Nanoseconds a step of a row of plants: alone, among many on one thread, and on two.
+fn measure_plants(begin: impl Fn() -> Result<PlantSteps, Error>) -> Result<[f64; 3], String> {
+    let batch = |rows: usize| PlantBatch::new((0..rows).map(|_| begin()).collect::<Result<_, Error>>()?);
+    measure_batches(batch, |batch| {
+        for step in 1..=STEPS {
+            batch.advance_to(DURATION * step as f64 / STEPS as f64)?;
+        }
+        (0..batch.len()).try_for_each(|row| batch.row(row).map(drop))
+    })
+}
+
+/// Nanoseconds a step of a row that steps by itself: alone, among many on one thread, and on two.
 fn measure<S: Stepper + Send>(begin: impl Fn() -> Result<S, Error> + Sync) -> Result<[f64; 3], String> {
     let batch = |rows: usize| RowByRow::new((0..rows).map(|_| begin()).collect::<Result<Vec<S>, Error>>()?);
+    measure_batches(batch, |batch| {
+        batch.advance(DURATION, STEPS);
+        batch.samples().into_iter().try_for_each(|sample| sample.map(drop))
+    })
+}
+
+/// Nanoseconds a step of a row: alone, among many on one thread, and on two.
+fn measure_batches<B: Send>(
+    begin: impl Fn(usize) -> Result<B, Error>,
+    go: impl Fn(&mut B) -> Result<(), Error> + Sync,
+) -> Result<[f64; 3], String> {
     let mut cost = [f64::INFINITY; 3];
     for (least, (rows, threads)) in cost.iter_mut().zip([(1, 1), (ROWS, 1), (ROWS, 2)]) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
         for _ in 0..REPEATS {
-            let mut batch = batch(rows).map_err(|error| error.to_string())?;
+            let mut batch = begin(rows).map_err(|error| error.to_string())?;
             let spent = pool.install(|| {
                 let began = Instant::now();
-                batch.advance(DURATION, STEPS);
-                began.elapsed().as_secs_f64()
+                go(&mut batch).map(|()| began.elapsed().as_secs_f64())
             });
-            batch.samples().into_iter().try_for_each(|sample| sample.map(drop)).map_err(|error| error.to_string())?;
+            let spent = spent.map_err(|error| error.to_string())?;
             *least = least.min(spent / (rows as f64 * STEPS as f64) * 1e9);
         }
     }

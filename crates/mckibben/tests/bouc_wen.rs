@@ -1,13 +1,14 @@
 //! Hysteresis of Bouc and Wen with exponent one. As in `hysteresis.rs` the pressure does not change.
 
 use crate::common::accounts::Audited;
+use crate::common::steps::RigSteps;
 use crate::common::{
     GRAVITY, LB, Paper, assert_close, assert_within, between, bisect, runge_kutta, slope, stable_error,
 };
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, Memory};
 use mckibben::load::{Load, Motion};
-use mckibben::simulation::{FixedStepper, Method, SampleTimes, simulate};
+use mckibben::simulation::{Method, SampleTimes, simulate};
 use mckibben::{Dual, Error, Over};
 use std::f64::consts::PI;
 
@@ -112,7 +113,7 @@ fn a_fixed_step_comes_to_the_event_located_run() {
     let (rig, start) = (paper.rig(), paper.start());
     let reference = simulate(&rig, start, 0.2, 1e-11).expect("a run");
     let error = |method, step: f64| {
-        let mut stepper = FixedStepper::new(&rig, start, method);
+        let mut stepper = RigSteps::new(&rig, start, method);
         let mut largest = 0.0_f64;
         for (time, _) in SampleTimes::new(0.2, step).steps(step) {
             stepper.advance_to(time).expect("a step");

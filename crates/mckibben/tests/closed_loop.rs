@@ -6,8 +6,8 @@ use mckibben::control::{
     Between, Controller, Drive, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint,
     Tracker,
 };
-use mckibben::plant::{RigPlant, RigTrajectory};
-use mckibben::simulation::{ControlledStepper, EventKind, FixedStepper, Method, Rig, simulate};
+use mckibben::plant::{RigPlant, RigTrajectory, TimeStepping};
+use mckibben::simulation::{EventKind, Method, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
 use mckibben::{Error, Over};
 use std::fmt::Debug;
@@ -141,19 +141,14 @@ fn a_relay_rests_within_its_dead_band() {
 }
 
 /// The fixed-step engine with a controller, in so many steps.
-fn stepped<'c, C: Controller>(
-    paper: &Paper,
-    controller: &'c C,
-    sampling: Sampling,
-    (duration, steps): (f64, u32),
-) -> ControlledStepper<f64, &'c C> {
-    let loop_of = (sampling, Sensors::perfect());
-    let mut stepper =
-        ControlledStepper::new(&paper.rig(), paper.start(), Method::Rk4, controller, loop_of).expect("a stepper");
-    for step in 1..=steps {
-        stepper.advance_to(duration * f64::from(step) / f64::from(steps)).expect("a step");
-    }
-    stepper
+fn stepped<C>(paper: &Paper, controller: &C, sampling: Sampling, (duration, steps): (f64, u32)) -> RigTrajectory
+where
+    C: Controller<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static,
+{
+    let of = RigPlant::new(&paper.rig());
+    let driver = of.driver(controller.clone(), (sampling, Sensors::perfect())).expect("a driver");
+    let span = (duration, TimeStepping::Fixed { method: Method::Rk4, step: duration / f64::from(steps) });
+    of.record(&paper.start(), span, Some(driver), &mut |_| Ok(())).expect("a run")
 }
 
 #[test]
@@ -163,9 +158,9 @@ fn the_fixed_step_engine_comes_to_the_same_run() {
     for (rate, delay) in [(50.0, 0), (33.0, 2)] {
         let located = run(&paper, 0.5, &controller, sampling(rate, delay));
         let errors = [1_000, 4_000].map(|steps| {
-            let stepper = stepped(&paper, &controller, sampling(rate, delay), (0.5, steps));
-            let (last, exact) = (stepper.sample(), located.at(0.5));
-            let seen = stepper.decisions().last().expect("a decision").seen;
+            let run = stepped(&paper, &controller, sampling(rate, delay), (0.5, steps));
+            let (last, exact) = (run.at(0.5), located.at(0.5));
+            let seen = run.decisions().last().expect("a decision").seen;
             assert_eq!(seen.time, located.decisions().last().expect("a decision").seen.time);
             (last.length / exact.length - 1.0).abs().max((last.pressure.0 / exact.pressure.0 - 1.0).abs())
         });
@@ -178,12 +173,13 @@ fn a_fixed_step_run_is_the_open_loop_s_with_its_command_to_the_last_bit() {
     let (paper, controller) = (fill_hold_exhaust(), pressure_pid(45.0 * PSI));
     let closed = stepped(&paper, &controller, sampling(50.0, 0), (0.5, 500));
     let again = stepped(&paper, &controller, sampling(50.0, 0), (0.5, 500));
-    assert_eq!(closed.sample(), again.sample());
-    let mut open = FixedStepper::new(closed.rig(), paper.start(), Method::Rk4);
-    for step in 1..=500 {
-        open.advance_to(0.5 * f64::from(step) / 500.0).expect("a step");
+    assert_eq!(closed.at(0.5), again.at(0.5));
+    let span = TimeStepping::Fixed { method: Method::Rk4, step: 0.5 / 500.0 };
+    let open = RigPlant::new(closed.rig()).simulate(&paper.start(), 0.5, span).expect("a run");
+    for index in 0..=100 {
+        let time = 5e-3 * f64::from(index);
+        assert_eq!(open.at(time), closed.at(time));
     }
-    assert_eq!(open.sample(), closed.sample());
 }
 
 #[test]
@@ -223,8 +219,6 @@ fn what_cannot_be_controlled_is_refused() {
             .and_then(|driver| of.record(&paper.start(), (0.1, 1e-8), Some(driver), &mut |_| Ok(())));
         let error = run.expect_err("refused");
         assert!(matches!(error, Error::Misuse { .. }) && error.to_string().contains(part), "{error}");
-        let stepper = ControlledStepper::new(rig, paper.start(), Method::Stable, &controller, loop_of);
-        assert!(stepper.expect_err("refused").to_string().contains(part));
     };
     let sealed = Paper::sealed();
     refused(&sealed.rig(), &sealed, Request::Fill, "no valve");

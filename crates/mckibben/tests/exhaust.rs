@@ -1,9 +1,10 @@
 //! A passage of its own to the surroundings, in both engines and in a batch.
 
+use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::batch::{Batch, Row};
-use mckibben::simulation::{FixedStepper, Method, simulate};
+use mckibben::simulation::{Method, simulate};
 use mckibben::valve::{Command, FlowStandard, Request};
 
 /// Sonic conductance of the exhaust in m³/(s·Pa).
@@ -38,7 +39,7 @@ fn a_choked_exhaust_empties_by_an_exponential() {
     let located = simulate(&rig, start, until, 1e-10).expect("a run").at(until).pressure.0;
     assert_close(located, pressure(&paper, until), 1e-9);
     for method in [Method::Rk4, Method::Stable] {
-        let mut stepper = FixedStepper::new(&rig, start, method);
+        let mut stepper = RigSteps::new(&rig, start, method);
         let mut batch: Batch<f64> = Batch::new(vec![Row { rig: rig.clone(), start }; 3], method);
         let steps = 4000;
         for step in 1..=steps {
@@ -60,7 +61,7 @@ fn both_engines_agree_under_pwm() {
     });
     let (rig, start) = (paper.rig(), paper.start());
     let located = simulate(&rig, start, 0.3, 1e-11).expect("a run");
-    let mut stepper = FixedStepper::new(&rig, start, Method::Rk4);
+    let mut stepper = RigSteps::new(&rig, start, Method::Rk4);
     for step in 1..=30_000 {
         stepper.advance_to(0.3 * f64::from(step) / 30_000.0).expect("a step");
     }

@@ -3,11 +3,12 @@
 
 use crate::common;
 use crate::common::laws;
+use crate::common::steps::RigSteps;
 
 use common::accounts::Audited;
 use common::{PSI, Paper, assert_close, assert_within, slope, spread};
 use mckibben::force::{ForceMap, MAX_MAP, Piece, StaticForce};
-use mckibben::simulation::{EventKind, FixedStepper, Method};
+use mckibben::simulation::{EventKind, Method};
 use mckibben::{Dual, Error, GaugePressure, Over};
 
 /// A grid whose steps differ, with tensions that rise with length and pressure by steps that differ much.
@@ -192,7 +193,7 @@ fn both_engines_agree_and_the_lines_of_the_grid_are_events() {
     let (rig, start) = (paper.rig(), paper.start());
     let run = paper.run(0.1, 1e-9);
     let located = run.at(0.1);
-    let mut stepper = FixedStepper::new(&rig, start, Method::Rk4);
+    let mut stepper = RigSteps::new(&rig, start, Method::Rk4);
     for step in 1..=8000 {
         stepper.advance_to(0.1 * f64::from(step) / 8000.0).expect("a step");
     }

@@ -13,11 +13,12 @@
 //! ```
 
 use crate::common::joint::Pair;
+use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::line::{Line, Reservoir, SupplyLine};
-use mckibben::simulation::{FixedStepper, Method, simulate};
+use mckibben::simulation::{Method, simulate};
 use mckibben::valve::{Command, FlowStandard, Request};
 
 const LENGTH: f64 = 3.5 * INCH;
@@ -58,7 +59,7 @@ fn filling_follows_its_closed_form_and_ends_at_the_supply() {
     }
     assert_close(run.at(0.5).pressure.0, SUPPLY, 1e-9);
     let rig = paper.rig();
-    let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+    let mut stepper = RigSteps::new(&rig, paper.start(), Method::Stable);
     (1..=5000).for_each(|step| stepper.advance_to(f64::from(step) * 1e-4).expect("a step"));
     assert_close(stepper.sample().pressure.0, SUPPLY, 1e-9);
 }

@@ -7,11 +7,8 @@ use mckibben::control::{
     JointTracker, Measurement, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensor, SetPoint,
 };
 use mckibben::load::{Joint, Limb, MomentArm, Stops, Tendon};
-use mckibben::plant::{JointEvent, JointPlant, JointTrajectory};
-use mckibben::simulation::{
-    Actuation, ControlledJointStepper, Driven, EventKind, InitialAngle, JointInitial, JointRig, JointState,
-    JointStepper, Method,
-};
+use mckibben::plant::{JointEvent, JointPlant, JointTrajectory, TimeStepping};
+use mckibben::simulation::{Actuation, Driven, EventKind, InitialAngle, JointInitial, JointRig, JointState, Method};
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
 use std::fmt::Debug;
@@ -79,7 +76,7 @@ fn simulate(rig: &JointRig, start: &JointState, duration: f64, tolerance: f64) -
 fn simulate_controlled(
     rig: &JointRig,
     start: &JointState,
-    span: (f64, f64),
+    span: (f64, impl Into<TimeStepping>),
     controller: &impl Law,
     set_up: (Sampling, JointSensors),
 ) -> Result<JointTrajectory, Error> {
@@ -197,17 +194,18 @@ fn what_was_asked_gives_the_same_run_without_the_controller() {
     }
 }
 
+/// So many steps of RK4 in 0.4 s.
+fn fixed(steps: u32) -> (f64, TimeStepping) {
+    (0.4, TimeStepping::Fixed { method: Method::Rk4, step: 0.4 / f64::from(steps) })
+}
+
 /// At fixed steps, which do not fall on the samples.
-fn stepped<C: JointController>(controller: &C, sampling: Sampling, steps: u32) -> ControlledJointStepper<f64, &C> {
+fn stepped(controller: &impl Law, sampling: Sampling, steps: u32) -> JointTrajectory {
     let papers = [paper(), paper()];
     let rig = rig(&papers);
     let start = rig.start(&initial(&papers)).expect("a start");
     let with = (sampling, JointSensors::perfect());
-    let mut stepper = ControlledJointStepper::new(&rig, start, Method::Rk4, controller, with).expect("a stepper");
-    for step in 1..=steps {
-        stepper.advance_to(0.4 * f64::from(step) / f64::from(steps)).expect("a step");
-    }
-    stepper
+    simulate_controlled(&rig, &start, fixed(steps), controller, with).expect("a run")
 }
 
 fn swing() -> JointTracker {
@@ -220,10 +218,9 @@ fn fixed_steps_come_to_the_same_run() {
     for (rate, delay) in [(50.0, 0), (33.0, 2)] {
         let located = run(0.4, &swing(), sampling(rate, delay));
         let errors = [250, 1_000].map(|steps| {
-            let law = swing();
-            let stepper = stepped(&law, sampling(rate, delay), steps);
-            assert_eq!(stepper.decisions().len(), located.decisions().len());
-            let (last, exact) = (stepper.sample(), located.at(0.4));
+            let run = stepped(&swing(), sampling(rate, delay), steps);
+            assert_eq!(run.decisions().len(), located.decisions().len());
+            let (last, exact) = (run.at(0.4), located.at(0.4));
             let pressure = |i: usize| (last.actuators[i].pressure.0 / exact.actuators[i].pressure.0 - 1.0).abs();
             (last.angle - exact.angle).abs().max(pressure(0)).max(pressure(1))
         });
@@ -242,26 +239,23 @@ fn slow_seats_are_controlled_by_both_engines() {
     let open = simulate(closed.rig(), &start, 0.4, 1e-10);
     assert_within(closed.at(0.4).angle, open.at(0.4).angle, 1e-7);
     let errors = [250, 1_000].map(|steps| {
-        let mut stepper = ControlledJointStepper::new(&rig, start, Method::Rk4, &law, with).expect("a stepper");
-        for step in 1..=steps {
-            stepper.advance_to(0.4 * f64::from(step) / f64::from(steps)).expect("a step");
-        }
-        (stepper.sample().angle - open.at(0.4).angle).abs()
+        let run = simulate_controlled(&rig, &start, fixed(steps), &law, with).expect("a run");
+        (run.at(0.4).angle - open.at(0.4).angle).abs()
     });
     assert!(errors[1] < 1e-5 && errors[1] < (0.5 * errors[0]).max(1e-7), "{errors:?}");
 }
 
 #[test]
 fn a_run_at_fixed_steps_is_the_open_loop_s_with_its_commands_to_the_last_bit() {
-    let law = swing();
-    let closed = stepped(&law, sampling(50.0, 0), 400);
+    let closed = stepped(&swing(), sampling(50.0, 0), 400);
     let papers = [paper(), paper()];
-    let open = JointStepper::new(closed.rig().clone(), Method::Rk4).expect("a stepper");
-    let mut course = open.begin(closed.rig().start(&initial(&papers)).expect("a start"));
-    for step in 1..=400 {
-        open.advance_to(&mut course, 0.4 * f64::from(step) / 400.0).expect("a step");
+    let start = closed.rig().start(&initial(&papers)).expect("a start");
+    let (duration, how) = fixed(400);
+    let open = JointPlant::new(closed.rig()).expect("a plant").simulate(&start, duration, how).expect("a run");
+    for index in 0..=100 {
+        let time = 4e-3 * f64::from(index);
+        assert_eq!(open.at(time), closed.at(time));
     }
-    assert_eq!(open.sample(&course), closed.sample());
 }
 
 /// Torque of one actuator about the joint at an angle, with its air sealed at a temperature: (3) and the gas law.

@@ -3,6 +3,7 @@
 
 use crate::common;
 use crate::common::laws;
+use crate::common::steps::RigSteps;
 
 use common::accounts::Audited;
 use common::{INCH, PSI, Paper, assert_close, assert_within, slope};
@@ -15,7 +16,7 @@ use mckibben::force::{
     MartensBoblan, Polynomial, Sarosi, StaticForce, Statics, Taper, Wall,
 };
 use mckibben::load::{Load, Motion};
-use mckibben::simulation::{FixedStepper, InitialLength, Method};
+use mckibben::simulation::{InitialLength, Method};
 use mckibben::{Braid, Dual, Error, GaugePressure};
 use std::f64::consts::PI;
 
@@ -538,7 +539,7 @@ fn both_engines_agree_on_every_law() {
         let paper = paper.clone().with(|rig| rig.characteristic = Some(law));
         let (rig, start) = (paper.rig(), paper.start());
         let located = paper.run(0.1, 1e-9).at(0.1);
-        let mut stepper = FixedStepper::new(&rig, start, Method::Rk4);
+        let mut stepper = RigSteps::new(&rig, start, Method::Rk4);
         for step in 1..=8000 {
             stepper.advance_to(0.1 * f64::from(step) / 8000.0).expect("a step");
         }

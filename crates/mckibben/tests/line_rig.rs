@@ -1,11 +1,12 @@
 //! The rig with a hose and a leak, by both engines.
 
 use crate::common;
+use crate::common::steps::RigSteps;
 use common::accounts::Audited;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Leakage, Line};
-use mckibben::simulation::{FixedStepper, Method, Rig, simulate};
+use mckibben::simulation::{Method, Rig, simulate};
 use mckibben::valve::{Command, ExhaustTemperature, Request, ValveKind};
 use mckibben::{Dual, Error, Scalar, parameter};
 
@@ -42,7 +43,7 @@ fn a_leak_empties_a_fixed_volume_as_the_closed_form_says() {
         let ratio = (start - ATMOSPHERE) / (start + ATMOSPHERE) * (-conductance * ATMOSPHERE * time / volume).exp();
         assert_close(run.at(time).pressure.0, ATMOSPHERE * (1.0 + ratio) / (1.0 - ratio), 1e-8);
     }
-    let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+    let mut stepper = RigSteps::new(&rig, paper.start(), Method::Stable);
     (1..=3000).for_each(|step| stepper.advance_to(f64::from(step) * 1e-3).expect("a step"));
     assert_close(stepper.sample().pressure.0, run.at(3.0).pressure.0, 1e-4);
 }
@@ -137,7 +138,7 @@ fn derivatives_pass_through_the_hose_and_its_delay() {
 }
 
 fn end(rig: &Rig, paper: &Paper, method: Method, steps: u32, duration: f64) -> [f64; 3] {
-    let mut stepper = FixedStepper::new(rig, paper.start(), method);
+    let mut stepper = RigSteps::new(rig, paper.start(), method);
     for step in 1..=steps {
         stepper.advance_to(duration * f64::from(step) / f64::from(steps)).expect("a step");
     }
@@ -172,7 +173,7 @@ fn the_stable_method_takes_a_hose_of_any_size_in_steps_of_a_millisecond() {
     for (length, diameter) in [(0.01, 4e-3), (0.1, 2e-3), (1.0, 2.5e-3), (5.0, 6e-3)] {
         let rig = rig(&paper, hose(HoseKind::Lumped, length, diameter));
         let run = simulate(&rig, paper.start(), 1.0, 1e-7).expect("a run");
-        let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+        let mut stepper = RigSteps::new(&rig, paper.start(), Method::Stable);
         for step in 1..=1000 {
             let time = f64::from(step) * 1e-3;
             stepper.advance_to(time).expect("a step");

@@ -3,10 +3,10 @@
 use crate::common::joint::Pair;
 use crate::common::{PSI, Paper};
 use crate::plant_host::{asked, on_a_bottle};
-
-use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps, Width};
+use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
+use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps, RigPlant, Width};
 use mckibben::simulation::Method;
-use mckibben::valve::{Demand, FlowStandard, Request};
+use mckibben::valve::{Demand, FlowStandard, Request, ValveKind};
 use mckibben::{Error, parameter};
 
 /// The numbers of a state, to the bit.
@@ -151,6 +151,26 @@ fn rows_are_set_and_begun_anew() {
         for (index, row) in alone.iter().enumerate() {
             assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} at {until} s");
         }
+    }
+}
+
+/// Rows with controllers of their own, whose samples fall on ends of steps and between them, some late.
+#[test]
+fn rows_with_controllers_are_those_alone() {
+    let paper = Paper::pwm(50.0, 0.5).gauge(20.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    let of = RigPlant::new(&paper.rig());
+    let start = of.start(&paper.start());
+    for method in [Method::Rk4, Method::Stable] {
+        let row = |row: u32| {
+            let pid = Pid::new(Quantity::Pressure, 20.0 * PSI, Output::FillHoldExhaust).expect("a controller");
+            let target = (30.0 + f64::from(row)) * PSI;
+            let target = SetPoint::constant(Quantity::Pressure, target).expect("a set point");
+            let law = Tracker::new(Quantity::Pressure, target, Regulator::Pid(pid)).expect("a law");
+            let sampling = Sampling::new(40.0 + f64::from(row % 4), row as usize % 3).expect("a rate");
+            let driver = of.driver(law, (sampling, Sensors::perfect())).expect("a driver");
+            PlantRun::with_drivers(of.plant(), &start, 1e-9, vec![driver]).expect("a start").steps(method)
+        };
+        agree(&(0..19).map(row).collect::<Vec<_>>(), 5e-4, 400);
     }
 }
 

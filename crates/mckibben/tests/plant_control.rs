@@ -14,12 +14,9 @@ use mckibben::load::{Limb, Motion};
 use mckibben::mechanism::{Coupling, Mass, Mechanism, Pull};
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::plant::{
-    InitialAir, JointPlant, Mounted, Part, Plant, PlantRun, PlantStart, PlantTrajectory, simulate_plant,
+    InitialAir, JointPlant, Mounted, Part, Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant,
 };
-use mckibben::simulation::{
-    Actuation, ControlledJointStepper, ControlledStepper, EventKind, InitialAngle, JointSample, Method, PressureCourse,
-    Rig,
-};
+use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointSample, Method, PressureCourse, Rig};
 use mckibben::valve::{
     Command, Demand, FlowStandard, Port, Regulator as Proportional, Request, Solenoid, Spool, ValveKind,
 };
@@ -76,15 +73,15 @@ where
         assert_close(decision.seen.time, index as f64 / sampling.rate(), 1e-14);
     }
     // At fixed steps of order 4 it comes to nearly that.
-    let mut stepper = ControlledStepper::new(&rig, start, Method::Rk4, controller, (sampling, sensors)).expect(name);
-    stepper.advance_to(0.0).expect(name);
-    for step in 1..=8000 {
-        stepper.advance_to(duration * f64::from(step) / 8000.0).expect(name);
-    }
+    let driver = Driver::of_actuator(controller, 0, 0, (sampling, sensors));
+    let fixed = TimeStepping::Fixed { method: Method::Rk4, step: duration / 8000.0 };
+    let mut steps = PlantRun::with_drivers(&plant, &at_start, fixed, vec![driver]).expect(name);
+    steps.advance_to(duration).expect(name);
     let here = plant.places().actuators[0];
-    let (end, stepped) = (new.at(duration).0, stepper.sample());
-    assert_close(stepped.pressure.0, end[here.pressure], 2e-3);
-    assert_close(stepped.length, end[plant.places().mechanisms[0].position(0)], 2e-3);
+    let (end, stepped) = (new.at(duration).0, steps.state());
+    assert_close(stepped[here.pressure], end[here.pressure], 2e-3);
+    let place = plant.places().mechanisms[0].position(0);
+    assert_close(stepped[place], end[place], 2e-3);
     let times = (0..=200).map(|index| duration * f64::from(index) / 200.0);
     let states: Vec<f64> = times.clone().map(|time| new.at(time).0[here.pressure]).collect();
     // What was asked for is the whole command: without the controller the run is the same.
@@ -140,14 +137,10 @@ where
     let driver = joint.driver(controller.clone(), set_up).expect(name);
     let run = joint.record(&start, (duration, TOLERANCE), Some(driver), &mut |_| Ok(())).expect(name);
     let samples: Vec<_> = run.samples(duration / 200.0).collect();
-    let mut stepper = ControlledJointStepper::new(&rig, start, Method::Rk4, &controller, set_up).expect(name);
-    let mut stepped = vec![stepper.sample()];
-    for end in samples.windows(2).map(|pair| [pair[0].time, pair[1].time]) {
-        for part in 1..=STEPS {
-            stepper.advance_to(end[0] + (end[1] - end[0]) * f64::from(part) / f64::from(STEPS)).expect(name);
-        }
-        stepped.push(stepper.sample());
-    }
+    let fixed = TimeStepping::Fixed { method: Method::Rk4, step: duration / (200.0 * f64::from(STEPS)) };
+    let driver = joint.driver(controller, set_up).expect(name);
+    let by_steps = joint.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(())).expect(name);
+    let stepped: Vec<_> = by_steps.samples(duration / 200.0).collect();
     let series = |of: &[JointSample], read: &dyn Fn(&JointSample) -> f64| of.iter().map(read).collect::<Vec<f64>>();
     let apart = |read: &dyn Fn(&JointSample) -> f64| difference(&series(&stepped, read), &series(&samples, read));
     let most =
@@ -155,8 +148,8 @@ where
     println!("{name}: {most:?}");
     assert!(most.iter().all(|most| *most < 1e-6), "{name}: {most:?}");
     let decisions = run.decisions();
-    assert_eq!(decisions.len(), stepper.decisions().len(), "{name}");
-    for (ours, theirs) in decisions.iter().zip(stepper.decisions()) {
+    assert_eq!(decisions.len(), by_steps.decisions().len(), "{name}");
+    for (ours, theirs) in decisions.iter().zip(by_steps.decisions()) {
         assert_eq!((ours.aim, ours.seen.time), (theirs.aim, theirs.seen.time), "{name}");
         assert_within(ours.seen.angle, theirs.seen.angle, 1e-6);
         for i in 0..2 {

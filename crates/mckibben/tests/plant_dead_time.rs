@@ -1,11 +1,12 @@
 //! Dead time of a valve: what is asked acts so much later, whatever its length, and is never shortened.
 
+use crate::common::steps::RigSteps;
 use crate::common::{INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::control::Drive;
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter;
 use mckibben::plant::{Part, Plant, PlantRun, PlantStart, PlantTrajectory, simulate_plant};
-use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, simulate};
+use mckibben::simulation::{Actuation, EventKind, Method, ModularActuator, Rig, State, simulate};
 use mckibben::valve::{Command, FiveWay, FiveWayRest, Ramp, Regulator, Request, SeatClock, Solenoid, Spool, ValveKind};
 use mckibben::{Dual, Error, GaugePressure, Scalar};
 
@@ -131,7 +132,7 @@ fn a_shifted_run_is_the_unshifted_one_later() {
         // By fixed steps as well, of which the dead time is a whole number.
         let stepped = |valve: Solenoid, from: f64| {
             let (rig, start) = rig(valve, command.clone());
-            let mut stepper = FixedStepper::new(&rig, start, Method::Stable);
+            let mut stepper = RigSteps::new(&rig, start, Method::Stable);
             let step = 1.0 / 1024.0;
             let first = (from / step) as usize;
             (1..=first + 400)

@@ -10,7 +10,6 @@ use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reser
 use mckibben::load::{Load, Motion, SeriesTendon};
 use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantSteps, Width};
 use mckibben::simulation::{InitialLength, Method, Rig, State};
-use mckibben::valve::{Command, Request};
 use mckibben::{Error, GaugePressure, air::Process};
 use proptest::strategy::{Strategy, ValueTree};
 use random::{cases, runner};

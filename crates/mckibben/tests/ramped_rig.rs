@@ -1,6 +1,7 @@
 //! A rig whose valve's seats take their time: a closed form, an independent integration, both engines, batches, audits.
 
 use crate::common::accounts::Audited;
+use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope};
 use mckibben::air::Process;
 #[cfg(feature = "batch-single")]
@@ -8,7 +9,7 @@ use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, simulate};
+use mckibben::simulation::{Actuation, EventKind, Method, ModularActuator, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
 use mckibben::{Dual, Over};
 
@@ -27,7 +28,7 @@ fn run(paper: &Paper, times: [f64; 2], duration: f64, tolerance: f64) -> RigTraj
 }
 
 fn stepped(rig: &Rig, paper: &Paper, method: Method, until: f64, steps: u32) -> [f64; 4] {
-    let mut stepper = FixedStepper::new(rig, paper.start(), method);
+    let mut stepper = RigSteps::new(rig, paper.start(), method);
     for step in 1..=steps {
         stepper.advance_to(until * f64::from(step) / f64::from(steps)).expect("a step");
     }
@@ -185,7 +186,7 @@ fn the_stable_method_stays_stable_while_a_port_opens() {
         let paper = paper.clone().gauge(share * paper.supply_gauge).with(|rig| rig.kind = kind);
         let rig = ramped(&paper, [20e-3, 0.0]);
         for steps in [3, 10, 30] {
-            let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+            let mut stepper = RigSteps::new(&rig, paper.start(), Method::Stable);
             for step in 1..=steps {
                 stepper.advance_to(0.1 * f64::from(step) / f64::from(steps)).expect("a step");
                 assert!(stepper.state().pressure.0 <= 1.1 * supply, "{} Pa", stepper.state().pressure.0);
@@ -209,7 +210,7 @@ fn a_row_of_a_batch_is_the_fixed_step_run() {
         let mut batch: Batch<f64> = Batch::new(papers.iter().map(row).collect(), method);
         let mut single: Batch<f32> = Batch::new(papers.iter().map(row).collect(), method);
         let rigs: Vec<Row> = papers.iter().map(row).collect();
-        let mut steppers: Vec<_> = rigs.iter().map(|row| FixedStepper::new(&row.rig, row.start, method)).collect();
+        let mut steppers: Vec<_> = rigs.iter().map(|row| RigSteps::new(&row.rig, row.start, method)).collect();
         for part in 1..=4 {
             let until = 0.037 * f64::from(part);
             batch.advance(until, 370);

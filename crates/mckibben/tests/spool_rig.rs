@@ -1,6 +1,7 @@
 //! A rig on a proportional spool: an independent integration, a closed form, edges to the instant, both engines, audits.
 
 use crate::common::accounts::Audited;
+use crate::common::steps::RigSteps;
 use crate::common::{
     ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope,
 };
@@ -10,7 +11,7 @@ use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, simulate};
+use mckibben::simulation::{Actuation, EventKind, Method, ModularActuator, Rig, State, simulate};
 use mckibben::valve::{Command, FlowStandard, Request, Solenoid, Spool, ValveKind};
 use mckibben::{Dual, Error, Over};
 use std::f64::consts::TAU;
@@ -42,7 +43,7 @@ fn run(paper: &Paper, spool: Spool, command: Command, duration: f64, tolerance: 
 }
 
 fn stepped(rig: &Rig, paper: &Paper, method: Method, until: f64, steps: u32) -> f64 {
-    let mut stepper = FixedStepper::new(rig, start(rig, paper), method);
+    let mut stepper = RigSteps::new(rig, start(rig, paper), method);
     for step in 1..=steps {
         stepper.advance_to(until * f64::from(step) / f64::from(steps)).expect("a step");
     }
@@ -181,7 +182,7 @@ fn a_row_of_a_batch_is_the_fixed_step_run() {
     let mut batch: Batch<f64> = Batch::new(rows, Method::Stable);
     batch.advance(0.1, 500);
     for (rig, sample) in rigs.iter().zip(batch.samples()) {
-        let mut stepper = FixedStepper::new(rig, start(rig, &paper), Method::Stable);
+        let mut stepper = RigSteps::new(rig, start(rig, &paper), Method::Stable);
         for step in 1..=500 {
             stepper.advance_to(if step == 500 { 0.1 } else { 0.1 * (f64::from(step) / 500.0) }).expect("a step");
         }

@@ -6,8 +6,8 @@ use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within};
 use mckibben::control::{
     Between, Controller, Output, Pid, Quantity, Regulator, Relay, Sampling, Sensors, SetPoint, Tracker,
 };
-use mckibben::plant::{RigPlant, RigTrajectory};
-use mckibben::simulation::{ControlledStepper, Decision, FixedStepper, Method, Rig, Sample, simulate};
+use mckibben::plant::{RigPlant, RigTrajectory, TimeStepping};
+use mckibben::simulation::{Decision, Method, Rig, Sample, simulate};
 use mckibben::valve::{FlowStandard, ValveKind};
 use std::f64::consts::PI;
 use std::fmt::Debug;
@@ -46,18 +46,14 @@ where
     of.record(&paper.start(), (DURATION, 1e-9), Some(driver), &mut |_| Ok(())).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn stepped<C: Controller>(
-    (rig, paper): (&Rig, &Paper),
-    controller: C,
-    set_up: (Sampling, Sensors),
-    steps: u32,
-) -> ControlledStepper<f64, C> {
-    let mut stepper =
-        ControlledStepper::new(rig, paper.start(), Method::Stable, controller, set_up).expect("a stepper");
-    for step in 1..=steps {
-        stepper.advance_to(DURATION * f64::from(step) / f64::from(steps)).expect("a step");
-    }
-    stepper
+fn stepped<C>((rig, paper): (&Rig, &Paper), controller: C, set_up: (Sampling, Sensors), steps: u32) -> RigTrajectory
+where
+    C: Controller<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static,
+{
+    let of = RigPlant::new(rig);
+    let driver = of.driver(controller, set_up).expect("a driver");
+    let span = (DURATION, TimeStepping::Fixed { method: Method::Stable, step: DURATION / f64::from(steps) });
+    of.record(&paper.start(), span, Some(driver), &mut |_| Ok(())).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Asserts that a decision saw a sample's actuator, and the tension of its tendon.
@@ -79,9 +75,11 @@ fn the_sensors_are_at_the_actuator() {
     for decision in &decisions {
         assert_seen(decision, &trajectory.at(decision.seen.time));
     }
-    let stepper = stepped((&rig, &paper), length(), set_up(50.0, 0), 300);
-    assert_eq!(stepper.decisions().len(), 16);
-    assert_seen(stepper.decisions().last().expect("a decision"), &stepper.sample());
+    let stepped = stepped((&rig, &paper), length(), set_up(50.0, 0), 300);
+    assert_eq!(stepped.decisions().len(), 16);
+    for decision in &stepped.decisions() {
+        assert_seen(decision, &stepped.at(decision.seen.time));
+    }
 }
 
 #[test]
@@ -97,11 +95,9 @@ fn what_was_asked_for_gives_the_same_run_without_the_controller() {
     }
     // At fixed steps which the samples divide no further, to the last bit.
     let closed = stepped((&rig, &paper), length(), set_up(50.0, 0), 300);
-    let mut open = FixedStepper::new(closed.rig(), paper.start(), Method::Stable);
-    for step in 1..=300 {
-        open.advance_to(DURATION * f64::from(step) / 300.0).expect("a step");
-    }
-    assert_eq!(open.sample(), closed.sample());
+    let span = TimeStepping::Fixed { method: Method::Stable, step: DURATION / 300.0 };
+    let open = RigPlant::new(closed.rig()).simulate(&paper.start(), DURATION, span).expect("a run");
+    assert_eq!(open.at(DURATION), closed.at(DURATION));
 }
 
 #[test]
@@ -111,9 +107,9 @@ fn fixed_steps_come_to_the_located_run() {
         let rig = on_tendon(&paper, STIFFNESS);
         let exact = located(&rig, &paper, &length(), set_up(rate, delay));
         let errors = [600, 2400].map(|steps| {
-            let stepper = stepped((&rig, &paper), length(), set_up(rate, delay), steps);
-            assert_eq!(stepper.decisions().len(), exact.decisions().len());
-            let (last, exact) = (stepper.sample(), exact.at(DURATION));
+            let run = stepped((&rig, &paper), length(), set_up(rate, delay), steps);
+            assert_eq!(run.decisions().len(), exact.decisions().len());
+            let (last, exact) = (run.at(DURATION), exact.at(DURATION));
             (last.length / exact.length - 1.0).abs().max((last.load_distance / exact.load_distance - 1.0).abs())
         });
         // Of order 1, with viscous friction.
@@ -131,7 +127,7 @@ fn a_tension_is_kept_by_what_the_tendon_leaves_of_the_length() {
     let start = simulate(&rig, paper.start(), 1e-3, 1e-9).expect("a run").at(0.0);
     let law = tracker(Quantity::Force, start.tension + 12.0, Regulator::Relay(relay));
     let run = located(&rig, &paper, &law, set_up(500.0, 0)).at(DURATION);
-    let by_steps = stepped((&rig, &paper), &law, set_up(500.0, 0), 600).sample();
+    let by_steps = stepped((&rig, &paper), law, set_up(500.0, 0), 600).at(DURATION);
     for last in [run, by_steps] {
         assert_within(last.tension, start.tension + 12.0, band);
         assert_eq!(last.load_distance, start.load_distance);

@@ -1,12 +1,13 @@
 //! A load on an elastic tendon, its events located: closed forms, an independent integration, energy, both engines, a stiff tendon.
 
 use crate::common::accounts::Audited;
+use crate::common::steps::RigSteps;
 use crate::common::tendon::{MASS, REST, STIFFNESS, independent, on_tendon, smooth};
 use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{EventKind, FixedStepper, Method, Rig, State, simulate};
+use mckibben::simulation::{EventKind, Method, Rig, State, simulate};
 use mckibben::{Dual, Over};
 use std::f64::consts::TAU;
 
@@ -189,7 +190,7 @@ fn both_engines_come_to_the_same_at_the_order_of_the_fixed_steps() {
             let rig = on_tendon(&paper, STIFFNESS);
             let exact = located(&rig, paper.start(), until).at(until);
             let errors = counts.map(|steps: u32| {
-                let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+                let mut stepper = RigSteps::new(&rig, paper.start(), Method::Stable);
                 for step in 1..=steps {
                     stepper.advance_to(until * (f64::from(step) / f64::from(steps))).expect("a step");
                 }
@@ -202,7 +203,7 @@ fn both_engines_come_to_the_same_at_the_order_of_the_fixed_steps() {
     let paper = Paper::pwm(25.0, 0.5).gauge(2e5);
     let rig = on_tendon(&paper, STIFFNESS);
     let exact = located(&rig, paper.start(), until);
-    let mut stepper = FixedStepper::new(&rig, paper.start(), Method::Stable);
+    let mut stepper = RigSteps::new(&rig, paper.start(), Method::Stable);
     for step in 1..=15_000 {
         let time = until * (f64::from(step) / 15_000.0);
         stepper.advance_to(time).expect("a step");

@@ -1,7 +1,8 @@
 //! What is observed of each plant: the columns of a run that are states, and what little else a file of one actuator has.
 
+use mckibben::Error;
 use mckibben::mechanism::{Coupling, Mechanism};
-use mckibben::plant::{Plant, PlantSteps};
+use mckibben::plant::{Plant, PlantBatch};
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 
 /// A column with where its number is.
@@ -81,13 +82,30 @@ fn state(plant: &Plant, quantity: PlantQuantity) -> Option<usize> {
     }
 }
 
-/// Writes the columns of a plant where it is now.
-pub(super) fn write(columns: &[Column], steps: &PlantSteps, into: &mut [f64]) {
-    let mut sample = None;
+/// Writes the columns of a plant of a batch where it is now; `state` has room for its states.
+///
+/// # Errors
+/// What stopped it.
+pub(super) fn write(
+    columns: &[Column],
+    (batch, row): (&mut PlantBatch, usize),
+    state: &mut [f64],
+    into: &mut [f64],
+) -> Result<(), Error> {
+    batch.read(row, state)?;
     for (into, column) in into.iter_mut().zip(columns) {
-        *into = match column.source {
-            Source::State(place) => steps.state()[place],
-            Source::Sample(quantity) => quantity.of(steps.plant(), sample.get_or_insert_with(|| steps.sample())),
-        };
+        if let Source::State(place) = column.source {
+            *into = state[place];
+        }
     }
+    if columns.iter().any(|column| matches!(column.source, Source::Sample(_))) {
+        let steps = batch.row(row)?;
+        let sample = steps.sample();
+        for (into, column) in into.iter_mut().zip(columns) {
+            if let Source::Sample(quantity) = column.source {
+                *into = quantity.of(steps.plant(), &sample);
+            }
+        }
+    }
+    Ok(())
 }

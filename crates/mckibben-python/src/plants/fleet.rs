@@ -8,8 +8,6 @@ use mckibben::plant::{PlantBatch, PlantRun, PlantSteps, TimeStepping};
 use mckibben_cli::failure::Failure;
 use rayon::prelude::*;
 
-/// Plants whose columns a thread writes together at least.
-const TOGETHER: usize = 64;
 /// Numbers that the stages of a step keep for each state of a plant, and bytes of what the parts of a plant are.
 const PER_STATE: usize = 64;
 
@@ -61,6 +59,9 @@ pub(super) struct Fleet {
     first: PlantRun,
     pace: Pace,
     batch: PlantBatch,
+    /// Room for the ends of steps, and for the states of one plant.
+    ends: Vec<f64>,
+    state: Vec<f64>,
 }
 
 impl Fleet {
@@ -68,7 +69,8 @@ impl Fleet {
     pub(super) fn new(file: File, asked: Asked) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
         let batch = PlantBatch::new(Vec::new()).map_err(|error| file.failed(&error))?;
-        Ok(Self { file, asked, first, pace: Pace::default(), batch })
+        let state = first.state().to_vec();
+        Ok(Self { file, asked, first, pace: Pace::default(), batch, ends: Vec::new(), state })
     }
 
     /// The file.
@@ -149,7 +151,7 @@ impl Fleet {
     /// Sets the valves to what has been checked, goes on, and writes the columns, and which have left the physics and stopped:
     /// of those nothing is written.
     pub(super) fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
-        let Self { file, asked: kind, pace, batch, .. } = self;
+        let Self { file, asked: kind, pace, batch, ends, state, .. } = self;
         for (row, asked) in asked.chunks(file.valves.len().max(1)).enumerate() {
             for (valve, number) in file.valves.iter().zip(asked) {
                 // What cannot be set has stopped.
@@ -157,19 +159,14 @@ impl Fleet {
             }
         }
         *pace = pace.on(span);
-        for step in 1..=span.steps {
-            // Times are finite, which has been checked.
-            let _ = batch.advance_to(pace.within(span, step));
+        ends.clear();
+        ends.extend((1..=span.steps).map(|step| pace.within(span, step)));
+        // The times are finite and rise, which has been checked.
+        let _ = batch.advance_through(ends);
+        let width = file.columns.len().max(1);
+        for (row, (shown, stopped)) in shown.chunks_mut(width).zip(stopped).enumerate() {
+            *stopped = columns::write(&file.columns, (&mut *batch, row), state, shown).is_err();
         }
-        let (batch, columns) = (&*batch, &file.columns);
-        let places = shown.par_chunks_mut(columns.len().max(1)).zip(stopped).enumerate().with_min_len(TOGETHER);
-        places.for_each(|(row, (shown, stopped))| match batch.row(row) {
-            Ok(steps) => {
-                *stopped = false;
-                columns::write(columns, steps, shown);
-            }
-            Err(_) => *stopped = true,
-        });
     }
 
     /// Whether plants with these two sets of values differ in anything but the commands of their valves.
@@ -183,10 +180,10 @@ impl Fleet {
     }
 
     /// Writes the columns of one; nothing where it has stopped.
-    pub(super) fn show(&self, row: usize, into: &mut [f64]) {
-        if let Ok(steps) = self.batch.row(row) {
-            columns::write(&self.file.columns, steps, into);
-        }
+    pub(super) fn show(&mut self, row: usize, into: &mut [f64]) {
+        let Self { file, batch, state, .. } = self;
+        // What has stopped shows nothing.
+        let _ = columns::write(&file.columns, (batch, row), state, into);
     }
 }
 

@@ -281,7 +281,7 @@ impl Plants {
     }
 
     /// Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
-    fn show(&self, rows: Rows<'_>, shown: Table<'_>) -> PyResult<()> {
+    fn show(&mut self, rows: Rows<'_>, shown: Table<'_>) -> PyResult<()> {
         let (width, rows, mut shown) = (self.width, rows.read("rows")?, shown.write("shown")?);
         let shown = shown.as_slice_mut()?;
         shaped("shown", Some(shown.len()), (self.count, width)).raised()?;

@@ -38,7 +38,7 @@ const SPANS_AHEAD: f64 = 64.0;
 /// Rows in lanes, whatever the width.
 pub(super) trait Lanes: Debug + Send + Sync {
     /// Takes the rows, whose lanes these are, through a span.
-    fn advance(&mut self, rows: &mut [Row], span: Span);
+    fn advance(&mut self, rows: &mut [Row], span: Span<'_>);
 
     /// Brings a row to where its lane is.
     fn bring(&self, lane: usize, row: &mut Row);
@@ -102,7 +102,7 @@ pub(super) struct Block<W: Wide<Lane = f64>> {
 struct Create<'a, W>(&'a mut [Row], PhantomData<W>);
 
 /// A block's way through a span.
-struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span);
+struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span<'a>);
 
 impl<W: Wide<Lane = f64>> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most.
@@ -112,7 +112,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
 }
 
 impl<W: Wide<Lane = f64>> Lanes for Block<W> {
-    fn advance(&mut self, rows: &mut [Row], span: Span) {
+    fn advance(&mut self, rows: &mut [Row], span: Span<'_>) {
         compiled(Advance(self, rows, span));
     }
 
@@ -204,8 +204,8 @@ impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
     fn run<S: Simd>(self, _: S) {
         let Self(block, rows, span) = self;
         block.set_out(rows, &span);
-        for step in 1..=span.steps {
-            block.step(rows, span.end_of(step));
+        for end in span.ends {
+            block.step(rows, *end);
         }
     }
 }
@@ -363,21 +363,22 @@ impl<W: Wide<Lane = f64>> Block<W> {
 
     /// Enters rows that have changed, lays out pulses and looks up instants.
     #[inline(never)]
-    fn set_out(&mut self, rows: &mut [Row], span: &Span) {
-        let all = self.known_until < span.until;
+    fn set_out(&mut self, rows: &mut [Row], span: &Span<'_>) {
+        let until = span.until();
+        let all = self.known_until < until;
         if all {
-            self.known_until = span.until + SPANS_AHEAD * (span.until - span.from);
+            self.known_until = until + SPANS_AHEAD * (until - span.from);
         }
         let mut changed = false;
         for (lane, row) in rows.iter_mut().enumerate() {
-            let pulses = !is_due(span.until, row.edge);
+            let pulses = !is_due(until, row.edge);
             if !row.is_alive() || !(all || pulses || row.change != Change::None) {
                 continue;
             }
             changed = true;
             if pulses || row.change != Change::None {
                 self.bring(lane, row);
-                if let Err(fault) = row.steps.lay_out(span.until) {
+                if let Err(fault) = row.steps.lay_out(until) {
                     self.stop(lane, row, fault);
                     continue;
                 }

@@ -235,13 +235,35 @@ impl PlantBatch {
         if until <= self.time || steps == 0 {
             return Ok(());
         }
-        parameter::DURATION.check(until - self.time)?;
-        let span = Span { from: self.time, until, steps };
+        let (from, length) = (self.time, until - self.time);
+        let end = |step: u64| if step == steps { until } else { from + length * (step as f64 / steps as f64) };
+        self.advance_through(&(1..=steps).map(end).collect::<Vec<f64>>())
+    }
+
+    /// Takes every living row as [`PlantBatch::advance_to`] does through steps that end at these times in s.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::advance_to`]; [`Error::Table`] where the times do not rise from the time that has been reached.
+    pub fn advance_through(&mut self, ends: &[f64]) -> Result<(), Error> {
+        let mut before = self.time;
+        for (place, end) in ends.iter().enumerate() {
+            parameter::DURATION.check(end - before)?;
+            if *end <= before {
+                return Err(Error::Table {
+                    name: "ends",
+                    problem: "the times at which steps end do not rise",
+                    entry: place + 1,
+                    remedy: "give rising times, all of them later than the time of the batch",
+                });
+            }
+            before = *end;
+        }
+        let span = Span { from: self.time, ends };
         match self.groups.as_mut_slice() {
             [group] => group.advance(span),
             groups => groups.par_iter_mut().for_each(|group| group.advance(span)),
         }
-        self.time = until;
+        self.time = span.until();
         Ok(())
     }
 
@@ -265,7 +287,7 @@ impl PlantBatch {
 }
 
 impl Group {
-    fn advance(&mut self, span: Span) {
+    fn advance(&mut self, span: Span<'_>) {
         match &mut self.lanes {
             Some(lanes) => lanes.advance(&mut self.rows, span),
             None => self.rows.iter_mut().for_each(|row| row.advance(&span)),

@@ -55,9 +55,9 @@ impl Row {
     }
 
     /// Goes through a span alone.
-    pub(super) fn advance(&mut self, span: &Span) {
+    pub(super) fn advance(&mut self, span: &Span<'_>) {
         if self.is_alive() {
-            self.fault = (1..=span.steps).try_for_each(|step| self.steps.advance_to(span.end_of(step))).err();
+            self.fault = span.ends.iter().try_for_each(|end| self.steps.advance_to(*end)).err();
         }
     }
 }

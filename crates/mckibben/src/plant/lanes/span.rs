@@ -1,20 +1,16 @@
 //! What a batch goes through in one go.
 
-/// Equal steps from one time in s to another.
+/// Steps from one time in s on, by the times in s at which they end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
+pub(super) struct Span<'s> {
     pub(super) from: f64,
-    pub(super) until: f64,
-    pub(super) steps: u64,
+    /// Rising.
+    pub(super) ends: &'s [f64],
 }
 
-impl Span {
-    /// The time in s at the end of a step, counted from one.
-    pub(super) fn end_of(&self, step: u64) -> f64 {
-        if step == self.steps {
-            self.until
-        } else {
-            self.from + (self.until - self.from) * (step as f64 / self.steps as f64)
-        }
+impl Span<'_> {
+    /// The time in s at which it ends.
+    pub(super) fn until(&self) -> f64 {
+        self.ends.last().copied().unwrap_or(self.from)
     }
 }
