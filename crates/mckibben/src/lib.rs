@@ -51,8 +51,6 @@ extern crate alloc;
 extern crate std;
 
 pub mod air;
-#[cfg(feature = "batch")]
-pub mod batch;
 #[cfg(feature = "alloc")]
 pub mod command;
 pub mod control;
@@ -84,7 +82,7 @@ mod dual;
 mod equilibrium;
 mod error;
 mod instantiate;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 mod lanes;
 mod nested;
 #[cfg(feature = "alloc")]

@@ -1,9 +1,8 @@
-//! A passage of its own to the surroundings, in both engines and in a batch.
+//! A passage of its own to the surroundings, in both engines.
 
 use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
-use mckibben::batch::{Batch, Row};
 use mckibben::simulation::{Method, simulate};
 use mckibben::valve::{Command, FlowStandard, Request};
 
@@ -40,16 +39,11 @@ fn a_choked_exhaust_empties_by_an_exponential() {
     assert_close(located, pressure(&paper, until), 1e-9);
     for method in [Method::Rk4, Method::Stable] {
         let mut stepper = RigSteps::new(&rig, start, method);
-        let mut batch: Batch<f64> = Batch::new(vec![Row { rig: rig.clone(), start }; 3], method);
         let steps = 4000;
         for step in 1..=steps {
             stepper.advance_to(until * (f64::from(step) / f64::from(steps))).expect("a step");
         }
-        batch.advance(until, 4000);
         assert_close(stepper.state().pressure.0, pressure(&paper, until), 1e-6);
-        for sample in batch.samples() {
-            assert_eq!(sample.expect("a row").pressure.0.to_bits(), stepper.state().pressure.0.to_bits());
-        }
     }
 }
 

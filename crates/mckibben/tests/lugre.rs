@@ -332,35 +332,6 @@ fn relaxed_bristles_are_a_spring_and_a_damper() {
     assert_close(response.per_length, actuator.stiffness(length, pressure) + stiffness, 1e-12);
 }
 
-#[cfg(feature = "batch")]
-#[test]
-fn a_row_of_a_batch_is_the_fixed_step_engine_s_run() {
-    use mckibben::batch::{Batch, Row, Width};
-    let creep = Creep::new();
-    let rows: Vec<Row> = (0..11)
-        .map(|row| {
-            let [width, reach, ratio, velocity, damping] = Creep::LAW;
-            let law = LuGre::new(width, reach * between(row, 0, 0.5, 2.0));
-            let law = law.and_then(|law| law.with_velocity(ratio * between(row, 1, 0.6, 1.0), velocity, damping));
-            let paper = creep.paper.clone().with(|rig| rig.hysteresis = Some(Hysteresis::LuGre(law.expect("a law"))));
-            Row { rig: paper.rig(), start: paper.start() }
-        })
-        .collect();
-    for method in [Method::Rk4, Method::Stable] {
-        let mut batch: Batch<f64> = Batch::with_width(rows.clone(), method, Width::widest());
-        batch.advance(0.3, 600);
-        for (row, sample) in rows.iter().zip(batch.samples()) {
-            let mut stepper = FixedStepper::new(&row.rig, row.start, method);
-            for step in 1..=600 {
-                stepper.advance_to(0.3 * (f64::from(step) / 600.0)).expect("a step");
-            }
-            let (alone, sample) = (stepper.sample(), sample.expect("a row that goes on"));
-            assert_eq!(sample.length.to_bits(), alone.length.to_bits());
-            assert_eq!(sample.tension.to_bits(), alone.tension.to_bits());
-        }
-    }
-}
-
 #[test]
 fn numbers_that_would_yield_work_are_refused() {
     let outside = |error: Error, key: &str| assert!(error.to_string().contains(key), "{error}");

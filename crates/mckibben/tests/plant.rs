@@ -17,7 +17,7 @@ mod linearize_line;
 mod linearize_pwm;
 mod linearize_tendon;
 mod moment_arm;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 mod plant_batch;
 mod plant_control;
 mod plant_dead_time;
@@ -35,11 +35,13 @@ mod plant_progress;
 mod plant_random;
 mod plant_reference;
 mod plant_refused;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 mod plant_rows;
 mod plant_sample;
 mod plant_saved;
 mod plant_sensitivities;
+#[cfg(feature = "batch")]
+mod plant_set;
 mod plant_span;
 mod plant_start_friction;
 mod plant_steps;

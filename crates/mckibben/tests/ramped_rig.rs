@@ -4,8 +4,6 @@ use crate::common::accounts::Audited;
 use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope};
 use mckibben::air::Process;
-#[cfg(feature = "batch-single")]
-use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
@@ -192,40 +190,6 @@ fn the_stable_method_stays_stable_while_a_port_opens() {
                 assert!(stepper.state().pressure.0 <= 1.1 * supply, "{} Pa", stepper.state().pressure.0);
             }
             assert_close(stepper.state().pressure.0, supply, 2e-2);
-        }
-    }
-}
-
-#[cfg(feature = "batch-single")]
-#[test]
-fn a_row_of_a_batch_is_the_fixed_step_run() {
-    let papers: Vec<(Paper, [f64; 2])> = (0..11)
-        .map(|n| {
-            let times = [1e-3 * f64::from(n % 4), 1.5e-3 * f64::from(n % 3)];
-            (Paper::pwm(20.0 + f64::from(n), 0.6).mass(1.0 + 0.2 * f64::from(n)), times)
-        })
-        .collect();
-    for method in [Method::Rk4, Method::Stable] {
-        let row = |(paper, times): &(Paper, [f64; 2])| Row { rig: ramped(paper, *times), start: paper.start() };
-        let mut batch: Batch<f64> = Batch::new(papers.iter().map(row).collect(), method);
-        let mut single: Batch<f32> = Batch::new(papers.iter().map(row).collect(), method);
-        let rigs: Vec<Row> = papers.iter().map(row).collect();
-        let mut steppers: Vec<_> = rigs.iter().map(|row| RigSteps::new(&row.rig, row.start, method)).collect();
-        for part in 1..=4 {
-            let until = 0.037 * f64::from(part);
-            batch.advance(until, 370);
-            single.advance(until, 370);
-            for (n, stepper) in steppers.iter_mut().enumerate() {
-                for step in 1..=370 {
-                    let from = 0.037 * f64::from(part - 1);
-                    let to = if step == 370 { until } else { from + (until - from) * (f64::from(step) / 370.0) };
-                    stepper.advance_to(to).expect("a step");
-                }
-                let (sample, of_batch) = (stepper.sample(), batch.samples()[n].clone().expect("a row"));
-                assert_eq!(of_batch, sample, "row {n}");
-                let rounded = single.samples()[n].clone().expect("a row").pressure.0;
-                assert_close(rounded, sample.pressure.0, 2e-3);
-            }
         }
     }
 }

@@ -4,8 +4,6 @@
 use crate::common::accounts::Audited;
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
-#[cfg(feature = "batch-single")]
-use mckibben::batch::{Batch, Row, Width};
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
@@ -292,55 +290,6 @@ fn long_stable_steps_never_overshoot() {
                 assert!(pressure <= most * (1.0 + 1e-9) && pressure >= least * (1.0 - 1e-9), "{step}: {pressure}");
             }
             assert_close(stepper.state().pressure.0, 2e5 + ATMOSPHERE, 1e-6);
-        }
-    }
-}
-
-#[cfg(feature = "batch-single")]
-#[test]
-fn a_row_shows_its_start_before_the_first_step_at_any_width() {
-    let paper = Paper::sealed().gauge(2e5);
-    let rigs: Vec<Rig> = [0.0, 5e-3]
-        .map(|dead| Regulator::new(TAU, dead, LIMIT).expect("a regulator"))
-        .map(|regulator| rig(&paper, regulator, points(&[0.0], &[4e5])))
-        .into();
-    for width in Width::available() {
-        let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
-        let batch: Batch<f64> = Batch::with_width(rows, Method::Stable, width);
-        for (rig, sample) in rigs.iter().zip(batch.samples()) {
-            let stepper = FixedStepper::new(rig, start(rig, &paper), Method::Stable);
-            assert_eq!(sample.expect("a row"), stepper.sample(), "{width:?}");
-        }
-    }
-}
-
-#[cfg(feature = "batch-single")]
-#[test]
-fn a_row_of_a_batch_is_the_fixed_step_run() {
-    let paper = Paper::sealed();
-    let command = points(&[0.0, 0.03, 0.06], &[4e5, 1e5, 1.2e5]);
-    let each = |n: u32| Regulator::new(0.01 + 2e-3 * f64::from(n), 1e-3 * f64::from(n), 2e6).expect("a regulator");
-    let rigs: Vec<Rig> = (0..10).map(|n| rig(&paper, each(n), command.clone())).collect();
-    for method in [Method::Rk4, Method::Stable] {
-        let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
-        let mut batch: Batch<f64> = Batch::new(rows, method);
-        batch.advance(0.1, 1000);
-        for (rig, sample) in rigs.iter().zip(batch.samples()) {
-            let mut stepper = FixedStepper::new(rig, start(rig, &paper), method);
-            for step in 1..=1000 {
-                stepper.advance_to(if step == 1000 { 0.1 } else { 0.1 * (f64::from(step) / 1000.0) }).expect("a step");
-            }
-            let sample = sample.expect("a row");
-            assert_eq!(sample, stepper.sample());
-            assert!(sample.supply_pressure.is_some());
-        }
-        // In the lesser numbers the same within theirs.
-        let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
-        let mut lesser: Batch<f32> = Batch::new(rows, method);
-        lesser.advance(0.1, 1000);
-        for (lesser, sample) in lesser.samples().into_iter().zip(batch.samples()) {
-            let pressures = [lesser, sample].map(|sample| sample.expect("a row").pressure.0);
-            assert_close(pressures[0], pressures[1], 1e-3);
         }
     }
 }

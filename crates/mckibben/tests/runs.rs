@@ -6,10 +6,6 @@ mod common;
 
 mod accuracy;
 mod air;
-#[cfg(feature = "batch-single")]
-mod batch;
-#[cfg(feature = "batch-single")]
-mod batch_control;
 mod bouc_wen;
 mod circuit;
 mod closed_loop;
@@ -38,8 +34,6 @@ mod pressure_course;
 mod properties;
 mod ramped_rig;
 mod regulated_rig;
-#[cfg(feature = "batch")]
-mod row_by_row;
 mod run;
 mod segments;
 mod simulation;
@@ -51,6 +45,4 @@ mod stops;
 mod tendon_control;
 mod tendon_located;
 mod tendon_rig;
-#[cfg(feature = "batch-single")]
-mod told;
 mod work;

@@ -6,8 +6,6 @@ use crate::common::{
     ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within, runge_kutta, scaled, seeded, slope,
 };
 use mckibben::air::Process;
-#[cfg(feature = "batch")]
-use mckibben::batch::{Batch, Row};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
@@ -169,25 +167,6 @@ fn fixed_steps_come_to_the_event_located_run_at_their_order() {
     let exact = simulate(&rig, start(&rig, &paper), 0.3, 1e-11).expect("a run").at(0.3).pressure.0;
     assert_close(stepped(&rig, &paper, Method::Rk4, 0.3, 30_000), exact, 1e-6);
     assert_close(stepped(&rig, &paper, Method::Stable, 0.3, 30_000), exact, 1e-4);
-}
-
-#[cfg(feature = "batch")]
-#[test]
-fn a_row_of_a_batch_is_the_fixed_step_run() {
-    let paper = Paper::sealed();
-    let command = positions(&[0.0, 0.02, 0.05], &[1.0, -0.3, 0.1]);
-    let rigs: Vec<Rig> =
-        (0..10).map(|n| rig(&paper, spool(40.0 + 7.0 * f64::from(n), 0.4, 0.05), command.clone())).collect();
-    let rows = rigs.iter().map(|rig| Row { rig: rig.clone(), start: start(rig, &paper) }).collect();
-    let mut batch: Batch<f64> = Batch::new(rows, Method::Stable);
-    batch.advance(0.1, 500);
-    for (rig, sample) in rigs.iter().zip(batch.samples()) {
-        let mut stepper = RigSteps::new(rig, start(rig, &paper), Method::Stable);
-        for step in 1..=500 {
-            stepper.advance_to(if step == 500 { 0.1 } else { 0.1 * (f64::from(step) / 500.0) }).expect("a step");
-        }
-        assert_eq!(sample.expect("a row"), stepper.sample());
-    }
 }
 
 #[test]

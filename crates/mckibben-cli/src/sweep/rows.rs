@@ -18,10 +18,10 @@ use crate::joint::pair::Pair;
 use crate::record::COLUMNS;
 use mckibben::Error;
 use mckibben::air::Flow;
-use mckibben::batch::Width;
 use mckibben::command::Driver;
 use mckibben::plant::{
     Plant, PlantBatch, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView, TimeStepping,
+    Width,
 };
 use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;

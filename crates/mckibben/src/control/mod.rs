@@ -100,22 +100,6 @@ pub struct Measurement<R = f64> {
     pub tension: R,
 }
 
-#[cfg(feature = "batch")]
-impl<R: Real> Measurement<R> {
-    /// The same at a time in s, in `f64`.
-    pub(crate) fn of_lane(&self, time: f64) -> Measurement {
-        let &Self { length, velocity, pressure, air_mass, tension, .. } = self;
-        Measurement {
-            time,
-            length: length.value(),
-            velocity: velocity.value(),
-            pressure: GaugePressure(pressure.0.value()),
-            air_mass: air_mass.value(),
-            tension: tension.value(),
-        }
-    }
-}
-
 /// What a controller knows of a joint at a sampling instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointMeasurement<R = f64> {

@@ -10,7 +10,7 @@ use super::lugre::LuGre;
 use super::maxwell_slip::MaxwellSlip;
 use crate::convert::Convert;
 use crate::force::relative_exponential;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 use crate::scalar::Mask;
 use crate::scalar::{Over, Real, Scalar, Work};
 
@@ -65,7 +65,7 @@ pub struct Branch<S = f64> {
     pub end: Option<S>,
 }
 
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 impl<S: Scalar> Branch<S> {
     /// A force of zero.
     pub(crate) fn nothing() -> Self {

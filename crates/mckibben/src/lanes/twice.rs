@@ -118,13 +118,4 @@ impl<V: Wide> Wide for Twice<V> {
     fn put(&mut self, lane: usize, value: V::Lane) {
         if lane < V::LANES { self.0.put(lane, value) } else { self.1.put(lane - V::LANES, value) }
     }
-    #[inline(always)]
-    fn mask(mut holds: impl FnMut(usize) -> bool) -> Self::Mask {
-        let low = V::mask(&mut holds);
-        Twice(low, V::mask(|lane| holds(V::LANES + lane)))
-    }
-    #[inline(always)]
-    fn holds(mask: Self::Mask, lane: usize) -> bool {
-        if lane < V::LANES { V::holds(mask.0, lane) } else { V::holds(mask.1, lane - V::LANES) }
-    }
 }

@@ -12,7 +12,7 @@ use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use pulp::{Simd, WithSimd};
 
 /// A number that lanes hold.
-pub trait Number: Real<Time = f64> + PartialEq + Send + Sync {}
+pub(crate) trait Number: Real<Time = f64> + PartialEq + Send + Sync {}
 impl Number for f64 {}
 impl Number for f32 {}
 
@@ -31,10 +31,6 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
     fn lane(&self, lane: usize) -> Self::Lane;
     /// Changes what a lane holds.
     fn put(&mut self, lane: usize, value: Self::Lane);
-    /// A mask from a function of the lane's index.
-    fn mask(holds: impl FnMut(usize) -> bool) -> Self::Mask;
-    /// Whether a mask holds in a lane.
-    fn holds(mask: Self::Mask, lane: usize) -> bool;
 }
 
 /// Vector instructions that a thread can be told of.
@@ -164,9 +160,6 @@ macro_rules! trigonometry {
             crate::trigonometry::cosine(self)
         }
     };
-    (f32) => {
-        one_by_one!(sin, cos);
-    };
 }
 
 macro_rules! wide {
@@ -283,14 +276,6 @@ macro_rules! wide {
             fn put(&mut self, lane: usize, value: $number) {
                 cast_slice_mut::<_, $number>(core::slice::from_mut(&mut self.lanes))[lane] = value;
             }
-            #[inline(always)]
-            fn mask(mut holds: impl FnMut(usize) -> bool) -> $mask<S> {
-                Self::zero().lt(Self::from_lanes(|lane| if holds(lane) { 1.0 } else { 0.0 }))
-            }
-            #[inline(always)]
-            fn holds(mask: $mask<S>, lane: usize) -> bool {
-                Self::select(mask, Self::one(), Self::zero()).lane(lane) > 0.0
-            }
         }
     };
 }
@@ -299,10 +284,4 @@ wide! {
     f64, Doubles(f64s), DoubleMask(m64s);
     add_f64s sub_f64s mul_f64s div_f64s xor_f64s sqrt_f64s splat_f64s less_than_f64s less_than_or_equal_f64s select_f64s
     min_f64s max_f64s and_m64s or_m64s not_m64s first_true_m64s
-}
-#[cfg(feature = "batch-single")]
-wide! {
-    f32, Singles(f32s), SingleMask(m32s);
-    add_f32s sub_f32s mul_f32s div_f32s xor_f32s sqrt_f32s splat_f32s less_than_f32s less_than_or_equal_f32s select_f32s
-    min_f32s max_f32s and_m32s or_m32s not_m32s first_true_m32s
 }

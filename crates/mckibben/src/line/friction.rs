@@ -243,7 +243,7 @@ impl<S: Scalar> Tube<S> {
     }
 
     /// The same, each lane by the formula of the piece that its own drive lies in.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     #[inline(always)]
     pub(crate) fn flow_in_lanes<T: Over<S>>(&self, from: T, to: T) -> T {
         let (drive, number) = (self.drive(from, to), T::constant);

@@ -324,7 +324,7 @@ pub(crate) struct OrificeEnds<'a, T, D> {
 
 impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     /// Flow in kg/s inwards, each lane by the zone of its own pressures, whose ratios are given.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     #[inline(always)]
     pub(crate) fn inwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where
@@ -337,7 +337,7 @@ impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     }
 
     /// Flow in kg/s outwards, as [`OrificeEnds::inwards`].
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     #[inline(always)]
     pub(crate) fn outwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where
@@ -350,7 +350,7 @@ impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     }
 
     /// The pressures at its first and its second node in Pa.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     #[inline(always)]
     pub(crate) fn pressures(&self) -> [T; 2] {
         [self.near.pressure, self.far.pressure]

@@ -74,7 +74,7 @@ impl<R: Clone> Clone for NetworkMode<R> {
     }
 }
 
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 impl<R: Real> NetworkMode<R> {
     /// When in s the pulses of valves that have been set must be laid out next; infinite when never.
     pub(crate) fn pulse_edge(&self) -> f64 {

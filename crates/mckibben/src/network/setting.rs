@@ -38,7 +38,7 @@ impl<R: Real> Setting<R> {
     }
 
     /// When in s its pulses must be laid out next; infinite when never.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     pub(crate) fn edge(&self) -> R {
         self.told.next_edge()
     }

@@ -6,7 +6,7 @@ use crate::air::Flow;
 use crate::error::Error;
 use crate::network::NodeKind;
 use crate::scalar::Real;
-use crate::simulation::closed_loop::with_seats;
+use crate::simulation::decision::with_seats;
 use crate::simulation::{Mode, Sample};
 use crate::valve::Ports;
 

@@ -29,7 +29,7 @@ mod guard;
 mod holding;
 mod hybrid;
 mod joint;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 mod lanes;
 mod ledger;
 mod linear;
@@ -52,7 +52,7 @@ mod trajectory;
 mod view;
 mod wire;
 
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 pub use crate::lanes::Width;
 pub use crossing::{Part, PlantEventKind};
 pub use equipment::SupplyNodes;
@@ -65,8 +65,6 @@ pub use joint::{
     JointTrajectory, Turning,
 };
 #[cfg(feature = "batch")]
-pub(crate) use lanes::NO_ROW;
-#[cfg(feature = "lanes")]
 pub use lanes::PlantBatch;
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,

@@ -114,20 +114,6 @@ impl<R: Real<Time = R>> Journey<R> {
         State::from_array(of_rig(&self.walk.course.state))
     }
 
-    /// Where the valve is in its timetable.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn progress_mut(&mut self) -> &mut Progress<R> {
-        &mut self.walk.progress
-    }
-
-    /// Passes what is due, if anything is.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn pass_due(&mut self, rig: &Rig<R>) {
-        if rig.seats().next(&self.walk.progress, self.time()).is_some() {
-            self.pass(rig);
-        }
-    }
-
     /// Everything that is known at that time.
     pub(crate) fn sample(&self, rig: &Rig<R>) -> Sample<R> {
         match &self.far_end {

@@ -124,16 +124,6 @@ pub(crate) struct Observed<S> {
     pub(crate) flow: Flow<S>,
 }
 
-#[cfg(feature = "batch")]
-impl<S> Observed<S> {
-    /// The same in other numbers.
-    pub(crate) fn map<T>(&self, number: impl Fn(&S) -> T) -> Observed<T> {
-        let Self { tension, volume, temperature, flow } = self;
-        let flow = Flow { inward: number(&flow.inward), outward: number(&flow.outward) };
-        Observed { tension: number(tension), volume: number(volume), temperature: number(temperature), flow }
-    }
-}
-
 impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// Time derivatives of the four states, by selects: whatever the mode.
     #[inline(always)]

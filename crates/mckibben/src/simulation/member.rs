@@ -58,7 +58,7 @@ impl<R: Real> Trace<R> {
     }
 
     /// The branch that holds.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     pub(crate) fn branch(&self) -> &Branch<R> {
         &self.branch
     }
@@ -91,7 +91,7 @@ impl Trace<f64> {
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 impl<S: Scalar> Member<S> {
     /// An actuator in lanes, where no event is told from rounding.
     pub(crate) fn in_lanes(actuator: &Actuator<S>) -> Self {

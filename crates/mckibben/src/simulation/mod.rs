@@ -15,11 +15,9 @@
 //! Several on one supply are a [plant](crate::plant) whose ends a host [moves](crate::plant::PlantSteps::move_to).
 
 mod chain;
-#[cfg(feature = "alloc")]
-pub(crate) mod closed_loop;
-#[cfg(feature = "alloc")]
-mod controlled;
 pub(crate) mod course;
+#[cfg(feature = "alloc")]
+pub(crate) mod decision;
 pub(crate) mod fixed_step;
 pub(crate) mod joint;
 pub(crate) mod kernel;
@@ -40,8 +38,6 @@ pub(crate) mod rig;
 pub(crate) mod sample;
 #[cfg(feature = "alloc")]
 mod snapshot;
-#[cfg(feature = "alloc")]
-mod stepper;
 mod tendon_step;
 pub(crate) mod timetable;
 #[cfg(feature = "alloc")]
@@ -51,13 +47,11 @@ pub use crate::load::SeriesTendon;
 #[cfg(feature = "alloc")]
 pub use crate::plant::{simulate, simulate_in_segments};
 #[cfg(feature = "alloc")]
-pub use closed_loop::Decision;
-#[cfg(feature = "alloc")]
-pub use controlled::ControlledStepper;
+pub use decision::{Decision, JointDecision};
 pub use fixed_step::FixedStepper;
-#[cfg(feature = "alloc")]
-pub use joint::{ControlledJointStepper, JointCourse, JointDecision, JointSample, JointStepper};
 pub use joint::{Driven, Fittings, InitialAngle, JointInitial, JointRig, JointState, JointSupply};
+#[cfg(feature = "alloc")]
+pub use joint::{JointCourse, JointSample, JointStepper};
 pub use kernel::{Held, Method};
 #[cfg(feature = "alloc")]
 pub use leg::{LegSample, LegStepper};
@@ -70,7 +64,3 @@ pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};
 #[cfg(feature = "alloc")]
 pub use snapshot::Snapshot;
-#[cfg(feature = "alloc")]
-pub use stepper::Stepper;
-#[cfg(feature = "alloc")]
-pub use told::ToldStepper;

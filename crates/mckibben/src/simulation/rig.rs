@@ -390,24 +390,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         rig
     }
 
-    /// What drives the valve, to be told more.
-    #[cfg(feature = "alloc")]
-    pub(super) fn actuation_mut(&mut self) -> Option<&mut Actuation<S>> {
-        self.actuation.as_mut()
-    }
-
-    /// The same rig with nothing asked of its valve.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn not_asked(mut self) -> Self
-    where
-        S: Real,
-    {
-        if let Some(actuation) = &mut self.actuation {
-            actuation.command.keep(0, S::zero());
-        }
-        self
-    }
-
     /// The same rig with nothing asked of its valve, for whoever moves its ends and asks for himself.
     #[cfg(feature = "alloc")]
     pub(super) fn guided(mut self) -> Self {

@@ -4,8 +4,6 @@ use super::kernel::Observed;
 use crate::pressure::AbsolutePressure;
 use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
-#[cfg(feature = "batch")]
-use crate::{lanes::wide::Wide, scalar::Real};
 
 /// Everything that is known at an instant: the columns of a result file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,37 +78,6 @@ impl<R: Scalar> Sample<R> {
     pub(super) fn with_line(self, [hose, air]: [R; 2], supply: Option<R>) -> Self {
         let (hose_pressure, supply_pressure) = (AbsolutePressure(hose), supply.map(AbsolutePressure));
         Self { hose_pressure, hose_air_mass: air, supply_pressure, ..self }
-    }
-}
-
-impl Sample {
-    /// The sample of one lane, with pressure and air of its hose (Pa, kg) and the pressure of its supply (Pa), if it has such.
-    #[cfg(feature = "batch")]
-    pub(crate) fn of_lane<W: Wide>(
-        time: f64,
-        state: [W; 4],
-        observed: &Observed<W>,
-        lane: usize,
-        (ports, hose, supply): (Ports, Option<[W; 2]>, Option<W>),
-    ) -> Self {
-        let number = |wide: &W| wide.lane(lane).value();
-        let four = state.each_ref().map(number);
-        let hose = hose.map(|both| both.each_ref().map(number));
-        Self::of_values(time, four, &observed.map(number), (ports, hose, supply.as_ref().map(number)))
-    }
-
-    /// The sample of four states with what has been computed from them, with pressure and air of a hose (Pa, kg) and the
-    /// pressure of a supply (Pa), if there are such.
-    #[cfg(feature = "batch")]
-    pub(crate) fn of_values(
-        time: f64,
-        four: [f64; 4],
-        observed: &Observed<f64>,
-        (ports, hose, supply): (Ports, Option<[f64; 2]>, Option<f64>),
-    ) -> Self {
-        let sample = Self::new(time, &four, observed, ports);
-        let sample = hose.map_or(sample, |hose| sample.with_line(hose, None));
-        Self { supply_pressure: supply.map(AbsolutePressure), ..sample }
     }
 }
 

@@ -14,10 +14,7 @@
 //!
 //! Checked by `tests/told.rs`: against the command known beforehand, bit for bit.
 
-use super::fixed_step::Journey;
-use super::kernel::Method;
-use super::rig::{Actuation, Rig, State};
-use super::sample::Sample;
+use super::rig::Actuation;
 use super::timetable::Progress;
 use crate::control::{Drive, Modulator};
 use crate::error::Error;
@@ -125,7 +122,7 @@ impl<R: Real> Told<R> {
     }
 
     /// When in s it asks for something by itself next; infinite when never, and any time where something has not been heard.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     pub(crate) fn next_edge(&self) -> R {
         if self.unheard { R::constant(f64::NEG_INFINITY) } else { self.edge }
     }
@@ -199,100 +196,5 @@ impl Told<f64> {
             row.refuse();
         }
         row.truth(unheard);
-    }
-}
-
-/// Why a rig cannot begin anew in the middle of a run, if it cannot.
-pub(crate) fn check_restart<R: Real>(rig: &Rig<R>) -> Result<(), Error> {
-    rig.check_fixed_steps()?;
-    match rig.load().motion() {
-        None => Ok(()),
-        Some(_) => Err(Error::NotImplemented(&crate::limit::BEGIN_MOTION)),
-    }
-}
-
-/// Steps one rig that is told what to do through time at fixed steps, as [`super::FixedStepper`] does; it keeps its rig.
-///
-/// ```
-/// use mckibben::simulation::{Method, Rig, State, ToldStepper};
-/// use mckibben::valve::Request;
-///
-/// # fn lifts(rig: Rig, start: State) -> Result<(), mckibben::Error> {
-/// let mut stepper = ToldStepper::new(rig, start, Method::Stable);
-/// for count in 1..=1000 {
-///     let fill = stepper.sample().length > 0.09;
-///     stepper.tell(if fill { Request::Fill } else { Request::Exhaust })?;
-///     stepper.advance_to(f64::from(count) * 1e-3)?;
-/// }
-/// # Ok(())
-/// # }
-/// ```
-#[derive(Clone, Debug)]
-pub struct ToldStepper<R: Real<Time = R> = f64> {
-    rig: Rig<R>,
-    method: Method,
-    journey: Journey<R>,
-    told: Told<R>,
-}
-
-impl<R: Real<Time = R>> ToldStepper<R> {
-    /// Starts at t = 0 in a state. Until it is told something, the valve follows the rig's own command.
-    pub fn new(rig: Rig<R>, start: State<R>, method: Method) -> Self {
-        let journey = Journey::begin(&rig, start);
-        Self { rig, method, journey, told: Told::nothing() }
-    }
-
-    /// Starts at a time in s in a state, with nothing asked of its valve: the rig's own command does not count.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] for a motion of the load, or a pressure, that is given over time.
-    pub fn begin_at(time: R, rig: Rig<R>, start: State<R>, method: Method) -> Result<Self, Error> {
-        check_restart(&rig)?;
-        let rig = rig.not_asked();
-        let journey = Journey::begin_at(time, &rig, start);
-        Ok(Self { rig, method, journey, told: Told::nothing() })
-    }
-
-    /// The time in s that has been reached.
-    pub fn time(&self) -> R {
-        self.journey.time()
-    }
-
-    /// The rig; its command is what is still on its way.
-    pub fn rig(&self) -> &Rig<R> {
-        &self.rig
-    }
-
-    /// The state at that time: the actuator's own where a tendon is in series.
-    pub fn state(&self) -> State<R> {
-        self.journey.state()
-    }
-
-    /// Everything that is known at that time. What has just been told shows after the next step.
-    pub fn sample(&self) -> Sample<R> {
-        self.journey.sample(&self.rig)
-    }
-
-    /// From now on the valve is asked for this, in place of whatever was to come.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] when there is no valve, or it cannot do what is asked; [`Error::OutOfRange`] for a number
-    /// outside its range. Then nothing has changed.
-    pub fn tell(&mut self, demand: impl Into<Demand<R>>) -> Result<(), Error> {
-        let time = self.time();
-        self.told.tell(|| Ok((self.rig.actuation_mut(), self.journey.progress_mut())), time, demand.into())
-    }
-
-    /// Goes on to `until` in one step, divided where something switches.
-    ///
-    /// # Errors
-    /// As [`super::FixedStepper::advance_to`].
-    pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
-        let time = self.time();
-        let heard = self.told.hear(|| (self.rig.actuation_mut(), self.journey.progress_mut()), [time, until]);
-        if heard {
-            self.journey.pass_due(&self.rig);
-        }
-        self.journey.advance_to(&self.rig, self.method, until)
     }
 }

@@ -65,7 +65,7 @@ impl<R: Scalar> Stages<R> {
     }
 
     /// Takes a step to `end` without looking what comes of it; where the end is to be believed.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     #[allow(clippy::too_many_arguments)]
     #[inline(always)]
     pub(in super::super) fn take_unchecked(

@@ -28,16 +28,16 @@ mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub(crate) use implicit::TensionResponse;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 pub(super) use method::Stages;
 
 use super::evaluation::System;
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 use super::guard::PlantGuard;
 use super::run::{Keep, PlantRun, PlantSnapshot};
 use super::sample::{Observer, PlantSample};
 use super::{Plant, PlantMode};
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::parameter;
@@ -294,7 +294,7 @@ impl<R: Real> PlantSteps<R> {
     }
 }
 
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 impl PlantSteps {
     /// Lays pulses out to `until` in s.
     pub(super) fn lay_out(&mut self, until: f64) -> Result<(), Error> {

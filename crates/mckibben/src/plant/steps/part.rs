@@ -94,7 +94,7 @@ impl<R: Real> Workspace<R> {
     }
 
     /// The guards that have been listed.
-    #[cfg(feature = "lanes")]
+    #[cfg(feature = "batch")]
     pub(super) fn guards(&self) -> &[(PlantGuard, GuardForm)] {
         &self.guards
     }
@@ -147,7 +147,7 @@ pub(super) fn advance<R: Real>(
 }
 
 /// Advances a plant to a time in s before which nothing is due, where the stages of a step have come to an end.
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 pub(super) fn advance_to_end<R: Real>(
     system: &System<R>,
     method: Method,
@@ -162,7 +162,7 @@ pub(super) fn advance_to_end<R: Real>(
 }
 
 /// Passes what is due at the time that a plant has reached, on the way to `until` in s.
-#[cfg(feature = "lanes")]
+#[cfg(feature = "batch")]
 pub(super) fn pass_on_the_way<R: Real>(
     system: &System<R>,
     method: Method,

@@ -19,7 +19,6 @@
 //! controller too ([`ControlledJointStepper`]). Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
 
 #[cfg(feature = "alloc")]
-mod controlled;
 mod fittings;
 #[cfg(feature = "alloc")]
 pub(crate) mod kernel;
@@ -29,7 +28,6 @@ mod sample;
 mod stepper;
 
 #[cfg(feature = "alloc")]
-pub use controlled::{ControlledJointStepper, JointDecision};
 pub use fittings::{Fittings, JointSupply};
 #[cfg(feature = "alloc")]
 pub use sample::JointSample;

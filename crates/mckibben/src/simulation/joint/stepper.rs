@@ -250,11 +250,6 @@ impl<R: Real<Time = R>> JointStepper<R> {
         JointSample { time: *time, angle: state[ANGLE], angular_velocity: state[VELOCITY], torque, actuators }
     }
 
-    /// The joint, to be told more.
-    pub(super) fn rig_mut(&mut self) -> &mut JointRig<R> {
-        &mut self.rig
-    }
-
     /// Passes what is due at the seats, and decides anew what follows.
     pub(super) fn pass(&self, course: &mut JointCourse<R>) {
         for i in 0..2 {

@@ -1,0 +1,356 @@
+//! Valves that are set while time goes on: the run is that of the command which would have been known beforehand, bit for bit, in
+//! batches too. Rows that begin again in the middle of a batch are rows that began there, and touch no other.
+
+use crate::common::{LB, PSI, Paper, ROOM, between, spread};
+use mckibben::friction::Coulomb;
+use mckibben::line::{Hose, HoseKind, Line};
+use mckibben::load::SeriesTendon;
+use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantSteps, Width};
+use mckibben::simulation::{Actuation, Method, Rig, State};
+use mckibben::valve::{Command, Demand, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
+use mckibben::{Error, GaugePressure};
+
+/// A rig and its state at the start.
+#[derive(Clone, Debug)]
+struct Row {
+    rig: Rig,
+    start: State,
+}
+
+impl Row {
+    fn run(&self) -> PlantRun {
+        let (plant, start) = (Plant::of_rig(&self.rig), Plant::start_of_rig(&self.rig, &self.start));
+        PlantRun::new(&plant, &start, 1e-9).expect("a start")
+    }
+
+    fn steps(&self, method: Method) -> PlantSteps {
+        self.run().steps(method)
+    }
+}
+
+/// Steps between two instants at which something is told.
+const STEPS: u64 = 4;
+/// How often something is told.
+const TOLD: usize = 120;
+
+/// What a valve of a row is set to at an instant.
+type Tells = fn(usize, usize) -> Demand;
+
+/// Fill or exhaust, as it comes.
+fn fill_or_exhaust(row: usize, count: usize) -> Demand {
+    if spread(count * 37 + row, 0) < 0.6 { Request::Fill.into() } else { Request::Exhaust.into() }
+}
+
+fn any_request(row: usize, count: usize) -> Demand {
+    [Request::Fill, Request::Hold, Request::Exhaust][(spread(count * 37 + row, 1) * 3.0) as usize].into()
+}
+
+fn a_position(row: usize, count: usize) -> Demand {
+    Demand::Position(between(count * 37 + row, 2, -1.0, 1.0))
+}
+
+fn a_set_point(row: usize, count: usize) -> Demand {
+    Demand::SetPoint(GaugePressure(between(count * 37 + row, 3, 1e5, 5e5)))
+}
+
+fn paper(row: usize) -> Paper {
+    let rests = Command::Constant(Request::Exhaust);
+    Paper::driven(rests).mass(between(row, 4, 2.0, 10.0) * LB).gauge(between(row, 5, 20.0, 50.0) * PSI)
+}
+
+fn with_solenoid(paper: &Paper, solenoid: Solenoid, command: Command) -> Rig {
+    let actuator = paper.actuator();
+    Rig::new(actuator, Some(Actuation { solenoid, command }), paper.load.clone()).expect("a rig")
+}
+
+/// Rows of many kinds and what they are told: delays longer than the time between two instants, a hose behind which everything
+/// is seen later still, seats that take their time, seats that jump at once, dry friction, spools, regulators, tendons.
+fn row(index: usize) -> (Row, Tells) {
+    let paper = paper(index);
+    let hold = |kind: &Paper| kind.clone().with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    let start = |rig: &Rig, of: &Paper| rig.start(&of.initial()).expect("a start");
+    let (rig, tells): (Rig, Tells) = match index % 9 {
+        0 => (paper.rig(), fill_or_exhaust),
+        1 => (hold(&paper).rig(), any_request),
+        2 => (paper.clone().with(|rig| rig.delays = (0.0, 0.0)).rig(), fill_or_exhaust),
+        3 => {
+            let hose = Hose::new(HoseKind::Lumped, [1.0 + spread(index, 6), 3e-3], [1.82e-5, ROOM, 1.0], &paper.air());
+            let line = Line { hose: Some(hose.expect("a hose")), ..Line::NONE };
+            (hold(&paper).rig().with_line(line).expect("a line"), any_request)
+        }
+        4 => {
+            let ramp = Ramp::new(3.1e-3, 2.3e-3).expect("a ramp");
+            let solenoid = Solenoid::new(ValveKind::ThreeWay, 2.2e-3, 1.4e-3).expect("a solenoid").with_ramp(ramp);
+            (with_solenoid(&paper, solenoid, Command::Constant(Request::Exhaust)), fill_or_exhaust)
+        }
+        5 => {
+            let rubs = |rig: &mut Paper| rig.coulomb = Coulomb::new(1e-4).ok();
+            (hold(&paper).with(rubs).rig(), any_request)
+        }
+        6 => {
+            let solenoid = Solenoid::proportional(Spool::new(60.0, 0.7, 0.05, 0.05).expect("a spool"));
+            (with_solenoid(&paper, solenoid, Command::positions(vec![0.0], vec![0.0]).expect("positions")), a_position)
+        }
+        7 => {
+            let solenoid = Solenoid::regulating(Regulator::new(0.02, 5.5e-3, 5e6).expect("a regulator"));
+            let nothing = Command::set_points(vec![0.0], vec![1e5]).expect("set points");
+            (with_solenoid(&paper, solenoid, nothing), a_set_point)
+        }
+        _ => {
+            let tendon = SeriesTendon::new(2e4, 0.1).expect("a tendon");
+            (hold(&paper).rig().with_tendon(tendon), any_request)
+        }
+    };
+    let start = start(&rig, &paper);
+    (Row { rig, start }, tells)
+}
+
+/// All that a row is told, as a command known beforehand. A request that is told again asks nothing new: left in, its instant
+/// could meet that of a seat and stand for it, a rounding beside.
+fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
+    let mut told: Vec<(f64, Demand)> = (0..TOLD).map(|count| (at(count), tells(index, count))).collect();
+    told.dedup_by(|(_, next), (_, before)| matches!(next, Demand::Request(_)) && next == before);
+    let time = told.iter().map(|(time, _)| *time).collect();
+    let numbers = told.iter().filter_map(|(_, demand)| match demand {
+        Demand::Position(number) | Demand::SetPoint(GaugePressure(number)) => Some(*number),
+        _ => None,
+    });
+    let requests = told.iter().filter_map(|(_, demand)| match demand {
+        Demand::Request(request) => Some(*request),
+        _ => None,
+    });
+    match told[0].1 {
+        Demand::Position(_) => Command::positions(time, numbers.collect()),
+        Demand::SetPoint(_) => Command::set_points(time, numbers.collect()),
+        _ => Command::table(time, requests.collect()),
+    }
+    .expect("a command")
+}
+
+/// The same rig under another command.
+fn under(rig: &Rig, command: Command) -> Rig {
+    let Actuation { solenoid, .. } = rig.actuation().expect("a valve");
+    let actuation = Some(Actuation { solenoid: *solenoid, command });
+    let anew = Rig::new(rig.actuator().clone(), actuation, rig.load().clone()).expect("a rig");
+    let anew = anew.with_line(*rig.line()).expect("a line");
+    rig.tendon().map_or(anew.clone(), |tendon| anew.with_tendon(*tendon))
+}
+
+/// Equal steps from one time to another, as a batch takes them.
+fn in_steps(from: f64, until: f64, mut advance_to: impl FnMut(f64)) {
+    (1..STEPS).for_each(|step| advance_to(from + (until - from) * (step as f64 / STEPS as f64)));
+    advance_to(until);
+}
+
+fn millisecond(count: usize) -> f64 {
+    count as f64 * 1e-3
+}
+
+/// All that is known of a row, in digits that tell any two numbers apart.
+fn end(steps: &PlantSteps) -> String {
+    format!("{:?} {:?}", steps.state(), steps.sample().actuators)
+}
+
+/// The run with the command known beforehand.
+fn beforehand(row: &Row, command: Command, method: Method) -> String {
+    let Row { rig, start } = row;
+    let mut steps = Row { rig: under(rig, command), start: *start }.steps(method);
+    for count in 0..TOLD {
+        in_steps(millisecond(count), millisecond(count + 1), |until| steps.advance_to(until).expect("a step"));
+    }
+    end(&steps)
+}
+
+/// Where steps come to that are set at each millisecond.
+fn set(mut steps: PlantSteps, from: usize, demand: impl Fn(usize) -> Demand) -> String {
+    for count in 0..TOLD {
+        steps.set(0, demand(count)).expect("set");
+        let [from, until] = [from + count, from + count + 1].map(millisecond);
+        in_steps(from, until, |until| steps.advance_to(until).expect("a step"));
+    }
+    end(&steps)
+}
+
+fn batch(rows: &[Row], method: Method, width: Width) -> PlantBatch {
+    PlantBatch::with_width(rows.iter().map(|row| row.steps(method)).collect(), width).expect("a batch")
+}
+
+fn ends(batch: &mut PlantBatch) -> Vec<String> {
+    (0..batch.len()).map(|row| end(batch.row(row).expect("it goes on"))).collect()
+}
+
+#[test]
+fn a_row_that_is_set_is_the_run_of_the_command_known_beforehand_bit_for_bit() {
+    for method in [Method::Stable, Method::Rk4] {
+        let rows: Vec<(Row, Tells)> = (0..45).map(row).collect();
+        let known = |index: usize| known(index, rows[index].1, millisecond);
+        let expected: Vec<String> =
+            (0..rows.len()).map(|index| beforehand(&rows[index].0, known(index), method)).collect();
+        let plain: Vec<Row> = rows.iter().map(|(row, _)| row.clone()).collect();
+        for width in Width::available() {
+            let mut batch = batch(&plain, method, width);
+            for count in 0..TOLD {
+                for (index, (_, tells)) in rows.iter().enumerate() {
+                    batch.set(index, 0, tells(index, count)).expect("set");
+                }
+                batch.advance(millisecond(count + 1), STEPS).expect("a time");
+            }
+            for (index, found) in ends(&mut batch).iter().enumerate() {
+                assert_eq!(found, &expected[index], "row {index}, {method:?}, {width:?}");
+            }
+        }
+        for (index, (row, tells)) in rows.iter().enumerate().take(9) {
+            let found = set(row.steps(method), 0, |count| tells(index, count));
+            assert_eq!(found, expected[index], "row {index}, {method:?}");
+        }
+    }
+}
+
+fn pulses(frequency: f64, duty: f64) -> Demand {
+    Demand::Pulses { frequency, duty, pulse: Request::Fill, rest: Request::Exhaust }
+}
+
+/// Rows under pulses of `duty(index, count)`, set at each millisecond.
+fn pulsing(rows: &[Row], width: Width, frequency: f64, duty: impl Fn(usize, usize) -> f64) -> Vec<String> {
+    let mut batch = batch(rows, Method::Stable, width);
+    for count in 0..TOLD {
+        for index in 0..rows.len() {
+            batch.set(index, 0, pulses(frequency, duty(index, count))).expect("set");
+        }
+        batch.advance(millisecond(count + 1), STEPS).expect("a time");
+    }
+    ends(&mut batch)
+}
+
+fn plain(count: usize) -> Vec<Row> {
+    (0..count).map(|index| Row { rig: paper(index).rig(), start: paper(index).start() }).collect()
+}
+
+#[test]
+fn pulses_that_are_set_are_those_of_a_duty_cycle_known_beforehand() {
+    let (rows, duty) = (plain(19), |index: usize, _: usize| between(index, 6, 0.2, 0.8));
+    for width in Width::available() {
+        for (index, found) in pulsing(&rows, width, 30.0, duty).into_iter().enumerate() {
+            let command = Command::pwm(30.0, duty(index, 0), Request::Fill, Request::Exhaust).expect("a command");
+            assert_eq!(found, beforehand(&rows[index], command, Method::Stable), "row {index}, {width:?}");
+        }
+    }
+}
+
+#[test]
+fn a_duty_cycle_that_changes_is_taken_up_by_the_next_period() {
+    // Set in the middle of the period before: period p has the duty of 7 ms before it begins.
+    const PERIOD: usize = 20;
+    let of_period = |index: usize, period: usize| between(index * 11 + period, 6, 0.1, 0.9);
+    let duty = |index: usize, count: usize| of_period(index, (count + 7) / PERIOD);
+    let rows = plain(19);
+    for width in Width::available() {
+        for (index, found) in pulsing(&rows, width, 50.0, duty).into_iter().enumerate() {
+            let edges = |period: usize| [period as f64 / 50.0, (period as f64 + of_period(index, period)) / 50.0];
+            let time = (0..TOLD.div_ceil(PERIOD)).flat_map(edges).collect::<Vec<f64>>();
+            let request = (0..time.len()).map(|edge| [Request::Fill, Request::Exhaust][edge % 2]).collect();
+            let command = Command::table(time, request).expect("a table");
+            assert_eq!(found, beforehand(&rows[index], command, Method::Stable), "row {index}, {width:?}");
+        }
+    }
+}
+
+/// More commands on their way to a valve than its numbers have room for would be refused.
+#[test]
+fn of_two_in_one_instant_the_later_counts_and_the_memory_does_not_grow() {
+    let paper = paper(0).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
+    let mut steps = Row { rig: paper.rig(), start: paper.start() }.steps(Method::Stable);
+    let mut numbers = vec![0.0; steps.state_size()];
+    // Coils that are never driven for as long as a seat takes to move.
+    for count in 0..2000 {
+        steps.set(0, Request::Exhaust).expect("set");
+        steps.set(0, if count % 2 == 0 { Request::Fill } else { Request::Hold }).expect("set");
+        steps.advance_to(millisecond(count + 1)).expect("a step");
+        steps.save_to(&mut numbers).expect("room for what is on its way");
+    }
+    let ports = steps.mode().network.valves[0].ports;
+    assert!(!ports.supply && !ports.exhaust, "{ports:?}");
+}
+
+#[test]
+fn a_row_that_begins_again_is_one_that_began_there_and_touches_no_other() {
+    const BEFORE: usize = 64;
+    let rows = plain(21);
+    let again = |index: usize, method: Method| {
+        let row = Row { rig: paper(index + 100).rig(), start: paper(index + 100).start() };
+        let start = Plant::start_of_rig(&row.rig, &row.start);
+        row.run().begin_again(&start, millisecond(BEFORE)).expect("a start").steps(method)
+    };
+    let restarted = |index: usize| index % 5 == 3;
+    for (width, method) in
+        Width::available().into_iter().flat_map(|width| [(width, Method::Stable), (width, Method::Rk4)])
+    {
+        let mut batches = [false, true].map(|_| batch(&rows, method, width));
+        for (some_restart, batch) in batches.iter_mut().enumerate() {
+            for count in 0..BEFORE + TOLD {
+                for index in 0..batch.len() {
+                    if some_restart == 1 && count == BEFORE && restarted(index) {
+                        batch.restart(index, again(index, method)).expect("begins again");
+                    }
+                    let count = if restarted(index) { (count + TOLD - BEFORE) % TOLD } else { count };
+                    batch.set(index, 0, fill_or_exhaust(index, count)).expect("set");
+                }
+                batch.advance(millisecond(count + 1), STEPS).expect("a time");
+            }
+        }
+        let [untouched, found] = batches.each_mut().map(ends);
+        for (index, (found, before)) in found.into_iter().zip(untouched).enumerate() {
+            if restarted(index) {
+                let expected = set(again(index, method), BEFORE, |count| fill_or_exhaust(index, count));
+                assert_eq!(found, expected, "row {index}, {width:?}, {method:?}");
+            } else {
+                assert_eq!(found, before, "row {index}, {width:?}, {method:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_row_that_has_stopped_lives_again() {
+    for width in Width::available() {
+        // Two of five loads pull the braid straight.
+        let row = |index: usize| {
+            let of = if index % 3 == 1 { paper(index).mass(500.0) } else { paper(index) };
+            let of = of.from(0.085, 0.0);
+            Row { rig: of.rig(), start: of.start() }
+        };
+        let rows: Vec<Row> = (0..5).map(row).collect();
+        let mut batch = batch(&rows, Method::Rk4, width);
+        batch.advance(0.2, 400).expect("a time");
+        for index in 0..5 {
+            let stopped = index % 3 == 1;
+            assert_eq!(batch.row(index).is_err(), stopped, "{width:?} {index}");
+            assert_eq!(batch.set(index, 0, Request::Exhaust).is_err(), stopped);
+            let Row { rig, start } = &rows[index];
+            let start = Plant::start_of_rig(rig, start);
+            let again = rows[index].run().begin_again(&start, 0.2).expect("a start");
+            batch.restart(index, again.steps(Method::Rk4)).expect("begins again");
+        }
+        batch.advance(0.201, STEPS).expect("a time");
+        assert!((0..5).all(|index| batch.row(index).is_ok()), "{width:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_set_is_refused_and_changes_nothing() {
+    let rows = [row(0).0, Row { rig: Paper::sealed().rig(), start: Paper::sealed().start() }, row(6).0];
+    let mut batch = batch(&rows, Method::Stable, Width::widest());
+    batch.set(0, 0, Request::Fill).expect("set");
+    let unchanged = ends(&mut batch);
+    let said = |refused: Result<(), Error>| refused.expect_err("refused").to_string();
+    assert!(said(batch.set(0, 0, Request::Hold)).contains("cannot hold"));
+    assert!(said(batch.set(0, 0, pulses(50.0, 1.5))).contains("duty"));
+    assert!(said(batch.set(0, 0, pulses(0.0, 0.5))).contains("frequency"));
+    assert!(said(batch.set(0, 0, Demand::Position(0.5))).contains("no proportional spool"));
+    assert!(said(batch.set(0, 0, Demand::SetPoint(GaugePressure(1e5)))).contains("no pressure regulator"));
+    assert!(said(batch.set(1, 0, Request::Fill)).contains("not there"));
+    assert!(said(batch.set(2, 0, Request::Fill)).contains("positions"));
+    assert!(said(batch.set(2, 0, Demand::Position(1.5))).contains("command.position"));
+    assert!(said(batch.set(3, 0, Request::Fill)).contains("count the rows"));
+    assert_eq!(ends(&mut batch), unchanged);
+}
