@@ -6,7 +6,7 @@
 //! the event-located engine at its own tolerance, whose end the rows must come to: how near is printed, and a row that is
 //! further off than a thousandth of the muscle's length fails the benchmark.
 
-use mckibben::batch::{Batch, Row};
+use mckibben::plant::{Plant, PlantBatch, PlantRun};
 use mckibben::simulation::{Method, simulate};
 use mckibben_scenario::{Document, Experiment};
 use std::path::Path;
@@ -75,14 +75,15 @@ fn measure(file: &str) -> Result<Cost, String> {
     let mut cost = Cost { steps: [f64::INFINITY; 2], located: located / duration * 1e6, apart: 0.0 };
     for (place, method) in [Method::Rk4, Method::Stable].into_iter().enumerate() {
         for _ in 0..REPEATS {
-            let rows = (0..ROWS).map(|_| Row { rig: rig.clone(), start }).collect();
-            let mut batch: Batch = Batch::new(rows, method);
+            let (plant, begin) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+            let row = PlantRun::new(&plant, &begin, 1e-9).map_err(|error| error.to_string())?.steps(method);
+            let mut batch = PlantBatch::new(vec![row; ROWS]).map_err(|error| error.to_string())?;
             let began = Instant::now();
-            batch.advance(duration, steps);
+            batch.advance(duration, steps).map_err(|error| error.to_string())?;
             let each = began.elapsed().as_secs_f64() / (steps as f64 * ROWS as f64);
             cost.steps[place] = cost.steps[place].min(each * 1e9);
-            let end = batch.samples().remove(0).map_err(|error| error.to_string())?;
-            let apart = (end.length - reference).abs() / rig.actuator().limits().max_length();
+            let end = batch.row(0).map_err(|error| error.to_string())?.sample();
+            let apart = (end.actuators[0].length - reference).abs() / rig.actuator().limits().max_length();
             if apart.is_nan() || apart > REFUSED {
                 return Err(format!("the {method:?} method ends {apart:e} of the longest length off"));
             }

@@ -68,9 +68,8 @@ fn controlled(of: &ControlledExperiment) -> Result<[f64; 5], String> {
         // What it made as a command, from a run that is kept.
         let fixed = TimeStepping::Fixed { method, step: STEP };
         let duration = run.duration.min(LONGEST);
-        let made = of.driver(&plant).and_then(|driver| {
-            plant.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(()))
-        });
+        let made =
+            of.driver(&plant).and_then(|driver| plant.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(())));
         let replayed = of_rig(made.map_err(|error| error.to_string())?.rig(), start, run)?[place];
         // The controller's own sampling instants divide its steps, so the two ends agree to rounding alone.
         same(end, replayed.1)?;
@@ -92,9 +91,8 @@ fn controlled_joint(of: &ControlledJointExperiment) -> Result<[f64; 5], String> 
         let (cost, end) = least(run, |times| stepped(&joint, &start, method, Some(of.driver(&joint)?), times))?;
         let fixed = TimeStepping::Fixed { method, step: STEP };
         let duration = run.duration.min(LONGEST);
-        let made = of.driver(&joint).and_then(|driver| {
-            joint.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(()))
-        });
+        let made =
+            of.driver(&joint).and_then(|driver| joint.record(&start, (duration, fixed), Some(driver), &mut |_| Ok(())));
         let replayed = of_joint(made.map_err(|error| error.to_string())?.rig(), start, run)?[place];
         same(end, replayed.1)?;
         (closed[place], open[place]) = (cost, replayed.0);

@@ -3,9 +3,8 @@
 #[path = "../../../crates/mckibben/tests/common/counted.rs"]
 mod counted;
 
-use crate::work::STEP;
+use crate::work::{Row, STEP};
 use counted::{Books, Counts};
-use mckibben::batch::Row;
 use mckibben::friction::Memory;
 use mckibben::load::Line;
 use mckibben::simulation::{Held, Method};

@@ -1,7 +1,7 @@
 //! What a step of each form of our engine costs, and how far it is from the truth.
 
 use crate::count::Operations;
-use crate::ours::{Engine, Precision};
+use crate::ours::Engine;
 use crate::peak::Peak;
 use crate::peers::{ROWS, nanoseconds};
 use crate::reference::{Error, Reference};
@@ -54,10 +54,9 @@ impl Measurement {
 /// Errors up to which an answer is right, of the middle row and of the worst: a heavy mass that bounces on the taut braid
 /// magnifies any difference.
 fn agreement(engine: Engine) -> Error {
-    match (engine.precision, engine.method) {
-        (Precision::Double, Method::Rk4) => Error { median: 1e-7, worst: 1e-5 },
-        (Precision::Single, Method::Rk4) => Error { median: 2e-5, worst: 5e-3 },
-        (_, Method::Stable) => Error { median: 1e-3, worst: 1e-1 },
+    match engine.method {
+        Method::Rk4 => Error { median: 1e-7, worst: 1e-5 },
+        Method::Stable => Error { median: 1e-3, worst: 1e-1 },
     }
 }
 
@@ -66,7 +65,7 @@ fn agreement(engine: Engine) -> Error {
 /// # Errors
 /// When a run fails or an answer is wrong.
 pub fn print(work: &Work, reference: &Reference, peak: Option<&Peak>, operations: &Operations) -> Result<(), String> {
-    println!("mckibben::batch::Batch, {ROWS} rows, {STEPS} steps of 0.1 ms");
+    println!("mckibben::plant::PlantBatch, {ROWS} rows, {STEPS} steps of 0.1 ms");
     println!(
         "{:<22} {:>27} {:>8} {:>16} {:>19} {:>8}",
         "", "ns/actuator-step", "speed-up", "million steps/s", "error", "of peak"
@@ -81,7 +80,7 @@ pub fn print(work: &Work, reference: &Reference, peak: Option<&Peak>, operations
         let [one, two] = taken.seconds.map(nanoseconds);
         let share = peak.map_or(f64::NAN, |peak| {
             let rate = operations.floating_point(engine.method) as f64 / one;
-            100.0 * rate / if engine.precision == Precision::Double { peak.double } else { peak.single }
+            100.0 * rate / peak.double
         });
         let Error { median, worst } = taken.error;
         println!(

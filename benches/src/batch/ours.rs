@@ -1,27 +1,16 @@
-//! Our engine on the work: [`Batch`] by instructions, numbers and method.
+//! Our engine on the work: [`PlantBatch`] by instructions and method.
 
-use crate::work::STEP;
-use mckibben::batch::{Batch, Float, Row, Width};
+use crate::work::{Row, STEP};
+use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantSteps, Width};
 use mckibben::simulation::Method;
 use std::fmt::{Display, Formatter, Result as Formatted};
 use std::time::Instant;
-
-/// The numbers that a row is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// `f64`.
-    Double,
-    /// `f32`.
-    Single,
-}
 
 /// One of the forms of the batch engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Engine {
     /// Its instructions.
     pub width: Width,
-    /// Its numbers.
-    pub precision: Precision,
     /// Its method.
     pub method: Method,
 }
@@ -32,26 +21,20 @@ pub struct Run {
     pub seconds: f64,
     /// Time in s that the threads of this process had on a core meanwhile, in hundredths.
     pub processor_seconds: f64,
-    /// The last state of each row.
+    /// The last state of each row: length, velocity, pressure and air mass.
     pub states: Vec<[f64; 4]>,
 }
 
 impl Engine {
-    /// The one that a batch has unless another is asked for.
+    /// The one that a batch has unless another is requested.
     pub fn usual() -> Self {
-        Self { width: Width::widest(), precision: Precision::Double, method: Method::Rk4 }
+        Self { width: Width::widest(), method: Method::Rk4 }
     }
 
     /// All that this machine has, the widest first.
     pub fn all() -> Vec<Self> {
-        let mut engines = Vec::new();
-        for method in [Method::Rk4, Method::Stable] {
-            for precision in [Precision::Double, Precision::Single] {
-                let widths = Width::available().into_iter().rev();
-                engines.extend(widths.map(|width| Self { width, precision, method }));
-            }
-        }
-        engines
+        let of = |method| Width::available().into_iter().rev().map(move |width| Self { width, method });
+        [Method::Rk4, Method::Stable].into_iter().flat_map(of).collect()
     }
 
     /// Takes every row through `steps` steps on `threads` threads.
@@ -59,24 +42,22 @@ impl Engine {
     /// # Errors
     /// When a row leaves the physics.
     pub fn run(self, rows: Vec<Row>, steps: u64, threads: usize) -> Result<Run, String> {
-        match self.precision {
-            Precision::Double => self.run_in::<f64>(rows, steps, threads),
-            Precision::Single => self.run_in::<f32>(rows, steps, threads),
-        }
-    }
-
-    fn run_in<F: Float>(self, rows: Vec<Row>, steps: u64, threads: usize) -> Result<Run, String> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
+        let begin = |row: &Row| -> Result<PlantSteps, mckibben::Error> {
+            let (plant, start) = (Plant::of_rig(&row.rig), Plant::start_of_rig(&row.rig, &row.start));
+            Ok(PlantRun::new(&plant, &start, 1e-9)?.steps(self.method))
+        };
+        let text = |error: mckibben::Error| error.to_string();
         pool.install(|| {
-            let mut batch: Batch<F> = Batch::with_width(rows, self.method, self.width);
+            let rows = rows.iter().map(begin).collect::<Result<_, _>>().map_err(text)?;
+            let mut batch = PlantBatch::with_width(rows, self.width).map_err(text)?;
             let (start, processor) = (Instant::now(), processor_seconds());
-            batch.advance(steps as f64 * STEP, steps);
+            batch.advance(steps as f64 * STEP, steps).map_err(text)?;
             let (seconds, processor_seconds) = (start.elapsed().as_secs_f64(), processor_seconds() - processor);
-            let end = |sample: Result<mckibben::simulation::Sample, mckibben::Error>| match sample {
-                Ok(sample) => Ok([sample.length, sample.velocity, sample.pressure.0, sample.air_mass]),
-                Err(error) => Err(error.to_string()),
-            };
-            let states = batch.samples().into_iter().map(end).collect::<Result<_, _>>()?;
+            let mut states = vec![[0.0; 4]; batch.len()];
+            for (row, state) in states.iter_mut().enumerate() {
+                batch.read(row, state).map_err(text)?;
+            }
             Ok(Run { seconds, processor_seconds, states })
         })
     }
@@ -84,9 +65,8 @@ impl Engine {
 
 impl Display for Engine {
     fn fmt(&self, text: &mut Formatter<'_>) -> Formatted {
-        let numbers = if self.precision == Precision::Double { "f64" } else { "f32" };
-        let method = if self.method == Method::Rk4 { "RK4" } else { "stable" };
-        text.pad(&format!("{method} {numbers} {:?}", self.width))
+        let method = if self.method == Method::Rk4 { "RK4" } else { "ROS2" };
+        text.pad(&format!("{method} {:?}", self.width))
     }
 }
 

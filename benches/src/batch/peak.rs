@@ -8,8 +8,6 @@ use std::process::Command;
 pub struct Peak {
     /// Doubles, at the better width.
     pub double: f64,
-    /// Floats, at the better width.
-    pub single: f64,
     /// Name of each kernel and its rate.
     pub kernels: Vec<(String, f64)>,
 }
@@ -25,11 +23,9 @@ impl Peak {
         let table = answer.as_object().ok_or("the peak is not a table")?;
         let kernels: Vec<_> =
             table.iter().map(|(name, rate)| (name.clone(), rate.as_f64().unwrap_or(f64::NAN))).collect();
-        let best = |numbers: &str| {
-            let those = kernels.iter().filter(|(name, _)| name.starts_with(numbers));
-            those.map(|(_, rate)| *rate).fold(0.0, f64::max)
-        };
-        Ok(Self { double: best("f64"), single: best("f32"), kernels })
+        let doubles = kernels.iter().filter(|(name, _)| name.starts_with("f64"));
+        let double = doubles.map(|(_, rate)| *rate).fold(0.0, f64::max);
+        Ok(Self { double, kernels })
     }
 
     /// Prints the table.

@@ -1,7 +1,6 @@
 //! The truth: event-located runs of some of the rows.
 
-use crate::work::{STEP, STEPS};
-use mckibben::batch::Row;
+use crate::work::{Row, STEP, STEPS};
 use mckibben::simulation::simulate;
 
 /// Tolerance of the runs that stand for the truth.

@@ -1,6 +1,5 @@
 //! The work: many hanging masses on the paper's actuator, each with its own mass and supply pressure.
 
-use mckibben::batch::Row;
 use mckibben::simulation::{Initial, InitialLength, Rig, State};
 use mckibben::valve::SeatClock;
 use mckibben::{GaugePressure, parameter};
@@ -51,6 +50,15 @@ pub struct Part {
     pub step: f64,
     /// Whether the passage to the supply is open; else that to the surroundings is.
     pub filling: bool,
+}
+
+/// A rig and its state at the start.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The actuator with its valve and its load.
+    pub rig: Rig,
+    /// The state at t = 0.
+    pub start: State,
 }
 
 /// What every row has in common.

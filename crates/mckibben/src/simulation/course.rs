@@ -11,7 +11,7 @@
 //!
 //! A compressor that comes to one of its two pressures starts or stops there in the same way.
 //!
-//! Checked by `tests/fixed_step.rs` and `tests/batch.rs`.
+//! Checked by `tests/fixed_step.rs`.
 
 use super::kernel::{Held, Method, leaves_enough};
 use super::piped::{OUTLET, PLAIN, RESERVOIR, Stepped, flow, of_rig, volume};

@@ -3,13 +3,12 @@
 //! * *Event-located*: adaptive steps of high order, every switching instant, stick, slip, slack and taut located; the
 //!   reference that everything is compared with. It is the [plant's](crate::plant): [`simulate`] runs a rig of one actuator,
 //!   [`JointPlant`](crate::plant::JointPlant) a joint.
-//! * *Fixed-step*: bounded cost, no allocation, valve edges honoured inside the step; for hosts, batches and real time:
-//!   [`FixedStepper`], [`JointStepper`]. How far fixed steps lie from the other, and the step that an accuracy needs, is measured by a
-//!   [`PlantReference`](crate::plant::PlantReference).
+//! * *Fixed-step*: bounded cost, valve edges honoured inside the step; for hosts, batches and real time:
+//!   [`TimeStepping::Fixed`](crate::plant::TimeStepping), [`PlantSteps`](crate::plant::PlantSteps). How far fixed steps lie from the
+//!   other, and the step that an accuracy needs, is measured by a [`PlantReference`](crate::plant::PlantReference).
 //!
-//! With a [controller](crate::control) that decides the valve's command on the way the first has a
-//! [driver](crate::plant::RigPlant::driver), and the second is a [`ControlledStepper`]. Whatever goes through time at fixed
-//! steps is a [`Stepper`].
+//! With a [controller](crate::control) that decides the valve's command both take a [driver](crate::plant::RigPlant::driver).
+//! [`FixedStepper`] and [`JointStepper`] are earlier forms of the second.
 //!
 //! Whoever moves the ends and drives the valve in a loop of his own takes a [`ModularActuator`]; [`LegStepper`] is such a loop.
 //! Several on one supply are a [plant](crate::plant) whose ends a host [moves](crate::plant::PlantSteps::move_to).

@@ -15,8 +15,7 @@
 //!
 //! Actuators may have [`Fittings`] beside: an air line, a tendon, a given pressure. These add states of the plant.
 //!
-//! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at fixed steps, with a
-//! controller too ([`ControlledJointStepper`]). Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
+//! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at fixed steps. Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
 
 #[cfg(feature = "alloc")]
 mod fittings;
