@@ -121,8 +121,9 @@ fn a_fixed_step_comes_to_the_event_located_run() {
         }
         largest
     };
-    let (coarse, fine) = (error(Method::Rk4, 2e-4), error(Method::Rk4, 2e-5));
-    assert!(fine < 2e-8 && coarse / fine > 30.0, "{coarse:e} {fine:e}");
+    // Between two slips RK4 is as good as the reference already at coarse steps.
+    let coarse = error(Method::Rk4, 2e-4);
+    assert!(coarse < 1e-10, "{coarse:e}");
     // The stable method has order 2. No spring is stiffer than the muscle's own, 6 P L/(4πn²) where it is longest, with
     // a bristle that is bent the other way.
     let (coarse, fine) = (error(Method::Stable, 1e-3), error(Method::Stable, 5e-4));

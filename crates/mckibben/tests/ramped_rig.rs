@@ -6,8 +6,8 @@ use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within, 
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
-use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{Actuation, EventKind, Method, ModularActuator, Rig, simulate};
+use mckibben::plant::{Plant, PlantRun, RigTrajectory};
+use mckibben::simulation::{Actuation, EventKind, Method, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid, ValveKind};
 use mckibben::{Dual, Over};
 
@@ -239,18 +239,20 @@ fn derivatives_are_those_of_finite_differences() {
     }
 }
 
-/// Somebody else moves the ends; the seats take their time all the same.
+/// Seats take their time where a host moves the ends, too.
 #[test]
-fn the_modular_actuator_takes_it() {
+fn ends_that_a_host_moves_take_it() {
     let paper = Paper::driven(Command::Constant(Request::Fill)).isometric(3.5 * INCH);
     let rig = ramped(&paper, [RISE, FALL]);
-    let mut actuator = ModularActuator::new(&rig, paper.start(), 25.0).expect("an actuator");
-    actuator.drive(mckibben::control::Drive::Steady(Request::Fill)).expect("a request");
+    let plant = Plant::of_rig(&rig);
+    let (plant, start) = plant.to_external(&Plant::start_of_rig(&rig, &paper.start())).expect("a plant");
+    let mut steps = PlantRun::new(&plant, &start, 1e-9).expect("a run").steps(Method::Stable);
+    steps.set(0, Request::Fill).expect("a request");
     for step in 1..=20 {
-        actuator.move_to(1e-3 * f64::from(step), 3.5 * INCH).expect("a step");
+        steps.move_to(1e-3 * f64::from(step), &[3.5 * INCH]).expect("a step");
     }
     let own = stepped(&rig, &paper, Method::Stable, 20e-3, 20);
-    assert_close(actuator.state().pressure.0, own[2], 1e-12);
+    assert_close(steps.state()[plant.places().actuators[0].pressure], own[2], 1e-12);
 }
 
 /// On average a seat that takes its time passes as much as one that jumps half of that later.

@@ -32,6 +32,14 @@ pub(crate) fn factor<T: Scalar>(matrix: &mut [T], count: usize) {
     }
 }
 
+/// Whether every pivot of a factored matrix is above a positive bound of its own.
+pub(crate) fn pivots_exceed(factors: &[f64], count: usize, bound: impl Fn(usize) -> f64) -> bool {
+    (0..count).all(|k| {
+        let per_pivot = factors[k * count + k];
+        per_pivot > 0.0 && bound(k) * per_pivot < 1.0
+    })
+}
+
 /// Solves a factored system in place.
 #[inline(always)]
 pub(crate) fn solve<T: Scalar>(factors: &[T], count: usize, right: &mut [T]) {

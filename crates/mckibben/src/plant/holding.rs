@@ -163,7 +163,7 @@ fn solve_free(weights: &[f64], count: usize, free: &[usize], mut right: Vec<f64>
     let size = free.len();
     let mut matrix: Vec<f64> = free.iter().flat_map(|&a| free.iter().map(move |&b| weights[a * count + b])).collect();
     super::dense::factor(&mut matrix, size);
-    let is_regular = (0..size).all(|k| matrix[k * size + k] > ROUNDING * weights[free[k] * count + free[k]]);
+    let is_regular = super::dense::pivots_exceed(&matrix, size, |k| ROUNDING * weights[free[k] * count + free[k]]);
     super::dense::solve(&matrix, size, &mut right);
     (is_regular && right.iter().all(|value| value.is_finite())).then_some(right)
 }

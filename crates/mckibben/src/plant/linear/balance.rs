@@ -194,7 +194,7 @@ impl Mechanical {
             let mut symmetric: Vec<f64> =
                 (0..count * count).map(|n| 0.5 * (shifted[n] + shifted[(n % count) * count + n / count])).collect();
             dense::factor(&mut symmetric, count);
-            let is_positive = (0..count).all(|k| symmetric[k * count + k] > 1e-12 * size[k]);
+            let is_positive = dense::pivots_exceed(&symmetric, count, |k| 1e-12 * size[k]);
             if is_positive && let Some(change) = matrix::solve(shifted, left.to_vec()) {
                 return (change, shift);
             }
