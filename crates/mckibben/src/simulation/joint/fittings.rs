@@ -1,6 +1,6 @@
 //! What an actuator of a joint has beside its valve: its air line, an elastic tendon, a pressure that is given over time.
 //!
-//! The event-located engine alone takes a joint with any of these: see [`JointPlant`](crate::plant::JointPlant).
+//! A joint with any of these is run as a plant: see [`JointPlant`](crate::plant::JointPlant).
 
 #[cfg(feature = "alloc")]
 use super::Driven;
@@ -9,7 +9,6 @@ use super::JointRig;
 use crate::convert::Convert;
 #[cfg(feature = "alloc")]
 use crate::error::Error;
-#[cfg(feature = "alloc")]
 use crate::line::{Line, SupplyLine};
 #[cfg(feature = "alloc")]
 use crate::load::Joint;

@@ -15,9 +15,9 @@
 //!
 //! Actuators may have [`Fittings`] beside: an air line, a tendon, a given pressure. These add states of the plant.
 //!
-//! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at fixed steps. Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
+//! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at
+//! fixed steps. Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
 
-#[cfg(feature = "alloc")]
 mod fittings;
 #[cfg(feature = "alloc")]
 pub(crate) mod kernel;
@@ -26,7 +26,6 @@ mod sample;
 #[cfg(feature = "alloc")]
 mod stepper;
 
-#[cfg(feature = "alloc")]
 pub use fittings::{Fittings, JointSupply};
 #[cfg(feature = "alloc")]
 pub use sample::JointSample;
