@@ -336,6 +336,39 @@ fn a_row_that_has_stopped_lives_again() {
     }
 }
 
+/// A row that begins again with other numbers has those of its block taken again; the time is the batch's, wherever a row that
+/// stopped before has been.
+#[test]
+fn a_row_that_has_stopped_does_not_hold_up_those_that_begin_again() {
+    let row = |index: usize| {
+        let of = if index == 0 { paper(index).mass(500.0) } else { paper(index) };
+        let of = of.from(0.085, 0.0);
+        Row { rig: of.rig(), start: of.start() }
+    };
+    for width in Width::available() {
+        let rows: Vec<Row> = (0..3).map(row).collect();
+        let mut batch = batch(&rows, Method::Stable, width);
+        batch.advance(0.2, 200).expect("a time");
+        assert!(batch.row(0).is_err(), "the first load pulls the braid straight, {width:?}");
+        let other = row(7);
+        let start = Plant::start_of_rig(&other.rig, &other.start);
+        let again = other.run().begin_again(&start, 0.2).expect("a start").steps(Method::Stable);
+        let [mut alone, mut beside] = [again.clone(), rows[2].steps(Method::Stable)];
+        batch.restart(1, again).expect("begins again");
+        batch.advance(0.3, 100).expect("a time");
+        (1..=200).for_each(|count| beside.advance_to(0.2 * (f64::from(count) / 200.0)).expect("a step"));
+        for steps in [&mut alone, &mut beside] {
+            let length = 0.3 - 0.2;
+            (1..100).for_each(|count| {
+                steps.advance_to(0.2 + length * (f64::from(count) / 100.0)).expect("a step");
+            });
+            steps.advance_to(0.3).expect("a step");
+        }
+        assert_eq!(batch.row(1).map(end), Ok(end(&alone)), "{width:?}");
+        assert_eq!(batch.row(2).map(end), Ok(end(&beside)), "{width:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_set_is_refused_and_changes_nothing() {
     let rows = [row(0).0, Row { rig: Paper::sealed().rig(), start: Paper::sealed().start() }, row(6).0];

@@ -14,7 +14,6 @@ use pulp::{Simd, WithSimd};
 /// A number that lanes hold.
 pub(crate) trait Number: Real<Time = f64> + PartialEq + Send + Sync {}
 impl Number for f64 {}
-impl Number for f32 {}
 
 /// A scalar of several lanes that can be looked at one by one.
 pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
@@ -148,20 +147,6 @@ macro_rules! one_by_one {
     )*};
 }
 
-/// Sine and cosine, as those of one number are.
-macro_rules! trigonometry {
-    (f64) => {
-        #[inline(always)]
-        fn sin(self) -> Self {
-            crate::trigonometry::sine(self)
-        }
-        #[inline(always)]
-        fn cos(self) -> Self {
-            crate::trigonometry::cosine(self)
-        }
-    };
-}
-
 macro_rules! wide {
     ($number:ident, $wide:ident($lanes:ident), $mask:ident($mask_lanes:ident);
      $add:ident $sub:ident $mul:ident $div:ident $xor:ident $sqrt:ident $splat:ident $lt:ident $le:ident $select:ident
@@ -231,7 +216,14 @@ macro_rules! wide {
                 Self { lanes: self.simd.$sqrt(self.lanes), ..self }
             }
             one_by_one!(ln, exp, exp_m1);
-            trigonometry!($number);
+            #[inline(always)]
+            fn sin(self) -> Self {
+                crate::trigonometry::sine(self)
+            }
+            #[inline(always)]
+            fn cos(self) -> Self {
+                crate::trigonometry::cosine(self)
+            }
             #[inline(always)]
             fn lt(self, other: Self) -> $mask<S> {
                 $mask { simd: self.simd, lanes: self.simd.$lt(self.lanes, other.lanes) }

@@ -9,10 +9,10 @@ use alloc::vec::Vec;
 pub enum Width {
     /// What every machine of this kind has: one row after the other.
     Baseline,
-    /// 256 bits: eight rows of `f64` or sixteen of `f32` at once, in two registers.
+    /// 256 bits: eight rows at once, in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// 512 bits: sixteen rows of `f64` or thirty-two of `f32` at once, in two registers.
+    /// 512 bits: sixteen rows at once, in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -36,7 +36,7 @@ impl Width {
         Self::available().pop().unwrap_or(Self::Baseline)
     }
 
-    /// How many rows of `f64` are stepped at once: a batch of no more is one block, which one thread steps.
+    /// How many rows are stepped at once: a batch of no more is one block, which one thread steps.
     pub fn rows(self) -> usize {
         match self {
             Self::Baseline => 1,

@@ -242,7 +242,7 @@ impl<S: Scalar> Tube<S> {
         }
     }
 
-    /// The same, each lane by the formula of the piece that its own drive lies in.
+    /// Mass flow in kg/s from an absolute pressure (Pa) to another, each lane by the formula of the piece that its drive lies in.
     #[cfg(feature = "batch")]
     #[inline(always)]
     pub(crate) fn flow_in_lanes<T: Over<S>>(&self, from: T, to: T) -> T {

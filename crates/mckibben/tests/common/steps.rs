@@ -1,21 +1,25 @@
 //! A rig and a joint as plants that are stepped at fixed steps, read as what they are.
 
 use mckibben::Error;
-use mckibben::plant::{JointPlant, PlantRun, PlantSteps, PlantView as _, RigPlant};
-use mckibben::simulation::{JointRig, JointSample, JointState, Method, Rig, Sample, State};
+use mckibben::plant::{JointPlant, PlantRun, PlantSteps, PlantView, RigPlant};
+use mckibben::simulation::{JointRig, JointState, Method, Rig, Sample, State};
 
-/// Steps of a rig.
+/// Steps of a plant that is read as something smaller.
 #[derive(Clone, Debug)]
-pub(crate) struct RigSteps {
-    pub(crate) view: RigPlant,
+pub(crate) struct ViewSteps<V> {
+    pub(crate) view: V,
     pub(crate) steps: PlantSteps,
 }
 
-impl RigSteps {
+/// Steps of a rig.
+pub(crate) type RigSteps = ViewSteps<RigPlant>;
+/// Steps of a joint.
+pub(crate) type JointSteps = ViewSteps<JointPlant>;
+
+impl<V: PlantView> ViewSteps<V> {
     /// From a state at t = 0.
-    pub(crate) fn new(rig: &Rig, start: State, method: Method) -> Self {
-        let view = RigPlant::new(rig);
-        let run = PlantRun::new(view.plant(), &view.start(&start), 1e-9).expect("a start");
+    fn of(view: V, start: &V::State, method: Method) -> Self {
+        let run = PlantRun::new(view.plant(), &view.start(start), 1e-9).expect("a start");
         Self { steps: run.steps(method), view }
     }
 
@@ -27,8 +31,15 @@ impl RigSteps {
         self.steps.time()
     }
 
-    pub(crate) fn sample(&self) -> Sample {
+    pub(crate) fn sample(&self) -> V::Sample {
         self.view.sample(&self.steps.sample())
+    }
+}
+
+impl RigSteps {
+    /// From a state at t = 0.
+    pub(crate) fn new(rig: &Rig, start: State, method: Method) -> Self {
+        Self::of(RigPlant::new(rig), &start, method)
     }
 
     pub(crate) fn state(&self) -> State {
@@ -37,31 +48,10 @@ impl RigSteps {
     }
 }
 
-/// Steps of a joint.
-#[derive(Clone, Debug)]
-pub(crate) struct JointSteps {
-    pub(crate) view: JointPlant,
-    pub(crate) steps: PlantSteps,
-}
-
 impl JointSteps {
     /// From a state at t = 0.
     pub(crate) fn new(rig: &JointRig, start: JointState, method: Method) -> Self {
-        let view = JointPlant::new(rig).expect("a plant");
-        let run = PlantRun::new(view.plant(), &view.start(&start), 1e-9).expect("a start");
-        Self { steps: run.steps(method), view }
-    }
-
-    pub(crate) fn advance_to(&mut self, until: f64) -> Result<(), Error> {
-        self.steps.advance_to(until)
-    }
-
-    pub(crate) fn time(&self) -> f64 {
-        self.steps.time()
-    }
-
-    pub(crate) fn sample(&self) -> JointSample {
-        self.view.sample(&self.steps.sample())
+        Self::of(JointPlant::new(rig).expect("a plant"), &start, method)
     }
 
     pub(crate) fn state(&self) -> JointState {

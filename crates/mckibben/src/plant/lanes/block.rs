@@ -130,7 +130,8 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
         for (lane, row) in rows.iter_mut().enumerate() {
             self.bring(lane, row);
         }
-        *self = Self::new(rows);
+        // A row that has stopped does not know the time.
+        *self = Self { time: self.time, ..Self::new(rows) };
     }
 }
 

@@ -78,7 +78,7 @@ struct Group {
 }
 
 /// A row is named that the batch has not got.
-pub(crate) const NO_ROW: Error = Error::Misuse {
+const NO_ROW: Error = Error::Misuse {
     what: "a row is meant that the batch has not got",
     remedy: "count the rows from zero and stay below their number",
 };

@@ -19,7 +19,6 @@ use crate::engine::GuardForm;
 use crate::friction::{Rubbing, Touch};
 use crate::lanes::wide::Wide;
 use crate::mechanism::Mechanism;
-use crate::mechanism::chain::{Contacts, MAX_JOINTS};
 use crate::plant::evaluation::Evaluation;
 use crate::plant::formulas::Formulas;
 use crate::scalar::{Mask, Scalar};
@@ -123,12 +122,10 @@ impl<W: Wide> Watch<W> {
         mode: &PlantMode,
         guards: &[(PlantGuard, GuardForm)],
     ) -> bool {
-        let places = &system.plant.places;
         for range in &mut self.states {
             range.put(lane, [-f64::MAX, f64::MAX]);
         }
-        let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
-        for place in air.chain(places.nodes.iter().flatten().copied()) {
+        for place in system.places_of_air() {
             self.states[place].above(lane, f64::MIN_POSITIVE);
         }
         for wire in &system.wires {
@@ -265,11 +262,9 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
     let position = end[system.plant.places.mechanisms[m].first];
     let mut load = match &system.plant.mechanisms[m] {
         Mechanism::Mass(mass) => mass.force(position),
-        Mechanism::Chain(chain) => {
-            let none = [[crate::mechanism::Contact::None; 2]; MAX_JOINTS];
+        Mechanism::Chain(_) => {
             let mut torque = [zero];
-            let contacts = Contacts { stops: &none, foot: crate::mechanism::Contact::None };
-            chain.torques(&[position], &[zero], contacts, &mut torque);
+            held.torques(system, m, (&[position], &[zero]), &mut torque);
             torque[0]
         }
         _ => return W::Mask::splat(false),

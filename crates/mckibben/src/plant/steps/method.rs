@@ -274,7 +274,7 @@ impl<R: Scalar> System<R> {
 
 impl<R: Real> System<R> {
     /// The places of pressures and masses of air.
-    fn places_of_air(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(in super::super) fn places_of_air(&self) -> impl Iterator<Item = usize> + '_ {
         let places = &self.plant.places;
         let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
         air.chain(places.nodes.iter().flatten().copied())
